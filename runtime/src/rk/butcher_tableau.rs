@@ -152,6 +152,15 @@ impl ButcherTableau {
         }
     }
 
+    /// Weights of the values at the nodes for the coefficient of the Legendre polynomial of this `degree`, below `s`, of the
+    /// polynomial through them: the scheme integrates the product of both exactly. `weights` has length `s`.
+    pub(crate) fn legendre_weights(&self, degree: usize, weights: &mut [f64]) {
+        let norm = (2 * degree + 1) as f64;
+        for ((weight, b), c) in weights.iter_mut().zip(&self.b).zip(&self.c) {
+            *weight = norm * b * nodes::legendre(degree, 2.0 * c - 1.0).0;
+        }
+    }
+
     /// Values `l_j(theta)` of the Lagrange polynomials of the nodes `0, c_1 .. c_s`.
     pub(crate) fn values_with_start(&self, theta: f64) -> Vec<f64> {
         let nodes = self.nodes_with_start();

@@ -1,7 +1,7 @@
 //! Collocation nodes on `[0, 1]`, computed to rounding error as roots of Legendre combinations.
 
 /// Values of the Legendre polynomials `P_n` and `P_{n-1}` at `x` in `[-1, 1]`.
-fn legendre(n: usize, x: f64) -> (f64, f64) {
+pub(crate) fn legendre(n: usize, x: f64) -> (f64, f64) {
     let (mut previous, mut current) = (0.0, 1.0);
     for k in 0..n {
         let k = k as f64;

@@ -17,14 +17,18 @@ const HELD: f64 = 1e-9;
 
 /// How far two runs to the same horizon are apart.
 pub(super) struct Comparison {
-    /// Largest difference at their ends and events, as a share of the largest values; infinite where one has no end.
+    /// Largest difference at their ends and events, as a share of the largest values, or what the finer one knows of its
+    /// steps if that is more; infinite where one has no end.
     pub(super) error: f64,
+    /// What the finer one knows of its steps, if that is more than the difference.
+    steps: Option<f64>,
     /// Time up to which they have the same events at the same places, to the share that is promised \[s\].
     until: f64,
 }
 
 impl Comparison {
-    /// Compares a run with a coarser one; its `error_estimate` is how far they are apart.
+    /// Compares a run with a coarser one; its `error_estimate` becomes how far they are apart, unless it is more. What both runs
+    /// do wrong alike, such as damping an oscillation to rest, only the errors of the steps know.
     pub(super) fn of(
         coarser: &Simulation,
         finer: &mut Simulation,
@@ -32,11 +36,32 @@ impl Comparison {
         promise: f64,
     ) -> Self {
         let sizes = Sizes::of(finer, model, problem);
-        let error = difference(coarser, finer, &sizes);
+        let apart = difference(coarser, finer, &sizes);
+        let steps = finer.error_estimate.filter(|steps| *steps > apart);
+        let error = steps.unwrap_or(apart);
         finer.error_estimate = Some(error);
         Self {
             error,
+            steps,
             until: agreed_until(coarser, finer, &sizes, promise),
+        }
+    }
+
+    /// The difference, unless the finer run knows of a larger error.
+    pub(super) fn apart(&self) -> Option<f64> {
+        self.steps.is_none().then_some(self.error)
+    }
+
+    /// The error in words.
+    pub(super) fn words(&self) -> String {
+        match self.steps {
+            Some(error) => {
+                format!("the errors of their steps sum up to {error:.1e} of the largest values")
+            }
+            None => format!(
+                "differ by {:.1e} of the largest values at the end",
+                self.error
+            ),
         }
     }
 
@@ -49,6 +74,19 @@ impl Comparison {
             message,
         })
     }
+}
+
+/// The largest of these `errors` of the coordinates and then of the velocities, as a share of the largest values of the run;
+/// infinite where one is no number.
+pub(super) fn share(
+    run: &Simulation,
+    (model, problem): (&dyn Model, &InitialValueProblem),
+    errors: &[f64],
+) -> f64 {
+    let sizes = Sizes::of(run, model, problem);
+    let sizes = sizes.way.iter().chain(&sizes.speed);
+    let pairs = errors.iter().zip(sizes);
+    pairs.fold(0.0, |most, (error, &size)| worse(most, *error, size))
 }
 
 /// What differences between two runs are compared with: the largest way from the start and the largest velocity, among

@@ -6,6 +6,7 @@
 //! first step.
 
 mod agreement;
+mod along;
 mod contact_mode;
 mod event;
 mod fesd;

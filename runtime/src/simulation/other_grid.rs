@@ -1,16 +1,23 @@
-//! The error of a run on the grid that was asked for, by a run on another one.
+//! The error of a run on the grid that was asked for, by runs on others.
 //!
 //! What a method knows of its steps says nothing of what the motion makes of their errors: bounces multiply them, and a
 //! switch that was missed changes everything after it. The distance to a run on another grid contains both. It knows
 //! nothing of what both runs do wrong alike, such as damping an oscillation to rest, which the errors of the steps know.
+//!
+//! A method that locates no switches has errors that depend on where its steps happen to end, so that two runs may agree by
+//! chance: it is compared with several, all along the way, and what lies between its steps is looked at.
 
-use super::agreement::{Comparison, Spent};
+use super::agreement::{Comparison, Spent, share};
+use super::along;
 use super::watch::Watch;
 use super::{InitialValueProblem, Simulation, SimulationStatus};
 use crate::model::Model;
 
 /// Estimated error above which a run says so: what a curve in a figure shows.
 const SUSPECT: f64 = 1e-3;
+/// Steps of a run that is compared with another one, besides half of them: what steps of one length do not see of an
+/// oscillation, because they are some of its periods, twice that length does not see either.
+const INCOMMENSURABLE: f64 = 0.618;
 
 /// A method on another grid.
 pub(super) struct OtherGrid<M> {
@@ -20,13 +27,21 @@ pub(super) struct OtherGrid<M> {
 }
 
 impl<M> OtherGrid<M> {
-    /// The grid to compare one of `steps` steps with: half of them, or two for one; `method` is the method on so many.
-    pub(super) fn of_steps(steps: usize, method: impl FnOnce(usize) -> M) -> Self {
-        let (steps, words) = other_steps(steps);
-        Self {
+    /// The grids to compare one of `steps` steps with, that of a method that locates no switches; `method` is the method on so
+    /// many.
+    pub(super) fn of_steps(steps: usize, method: impl Fn(usize) -> M) -> [Self; 2] {
+        let (other, words) = other_steps(steps);
+        let fewer = (INCOMMENSURABLE * steps as f64).round() as usize;
+        // Few steps are compared with more.
+        let fewer = if fewer <= other || fewer >= steps {
+            2 * steps + 1
+        } else {
+            fewer
+        };
+        [(other, words), (fewer, "another number of steps")].map(|(steps, words)| Self {
             method: method(steps),
             words,
-        }
+        })
     }
 }
 
@@ -38,20 +53,28 @@ pub(super) fn other_steps(steps: usize) -> (usize, &'static str) {
     }
 }
 
-/// Runs `simulate` for one of the `others`, the first of them that gets to the horizon, and for the `asked` method, whose
+/// How runs of a method on several grids are judged.
+pub(super) struct Judge {
+    /// What to do about a large error, for a note.
+    pub(super) remedy: &'static str,
+    /// Whether the method locates switches: then one other run says enough.
+    pub(super) locates: bool,
+}
+
+/// Runs `simulate` for `others`, all of them or the first that gets to the horizon, and for the `asked` method, whose
 /// `error_estimate` becomes how far they are apart, unless what the method estimates itself is more: for a method of order
-/// `p` and half the steps `2^p - 1` times the error. It is infinite where none of the others gets there. Counts are those
-/// of all runs; a large estimate is a note, with the `remedy`.
+/// `p` and half the steps `2^p - 1` times the error. It is infinite where one of the others does not get there, or none. Counts
+/// are those of all runs; a large estimate is a note.
 pub(super) fn estimated<M>(
     asked: &M,
     others: impl IntoIterator<Item = OtherGrid<M>>,
-    remedy: &str,
-    (model, problem): (&dyn Model, &InitialValueProblem),
+    judge: &Judge,
+    scene: (&dyn Model, &InitialValueProblem),
     watch: &mut Watch<'_>,
     simulate: impl Fn(&M, &mut Watch<'_>) -> Simulation,
 ) -> Simulation {
     let mut spent = Spent::default();
-    let mut compared = None;
+    let mut compared = Vec::new();
     for other in others {
         watch.restart(false);
         let run = simulate(&other.method, watch);
@@ -60,39 +83,68 @@ pub(super) fn estimated<M>(
             return spent.charge(run);
         }
         let solved = run.status.is_solved();
-        compared = Some((run, other.words));
-        if solved {
+        if judge.locates {
+            compared.clear();
+        }
+        compared.push((run, other.words));
+        if judge.locates && solved {
             break;
         }
     }
     watch.restart(true);
     let mut run = simulate(asked, watch);
     spent.add(&run);
-    let Some((other, words)) = compared.filter(|_| run.status.is_solved()) else {
+    if !run.status.is_solved() {
         return spent.charge(run);
-    };
-    let alone = run.error_estimate.unwrap_or(0.0);
-    let apart = if other.status.is_solved() {
-        Comparison::of(&other, &mut run, (model, problem), f64::INFINITY).error
-    } else {
-        f64::INFINITY
-    };
-    run.error_estimate = Some(apart.max(alone));
-    if !other.status.is_solved() {
+    }
+    let unsolved = compared.iter().find(|(other, _)| !other.status.is_solved());
+    if let Some((other, words)) = unsolved {
         let end = other.status.name();
         run.notes.push(format!(
-            "nothing is known of the error: with {words} the run ends `{end}`; {remedy}"
+            "nothing is known of the error: with {words} the run ends `{end}`; {}",
+            judge.remedy
         ));
-    } else if apart.max(alone) > SUSPECT {
-        let by = if apart < alone {
-            "the errors of its elements"
-        } else {
-            words
-        };
+        run.error_estimate = Some(f64::INFINITY);
+        return spent.charge(run);
+    }
+    let (error, by) = error(&mut run, &compared, judge, scene);
+    run.error_estimate = Some(error);
+    if error > SUSPECT {
         run.notes.push(format!(
-            "the error is estimated at {:.0e} of the largest values, by {by}; {remedy}",
-            apart.max(alone)
+            "the error is estimated at {error:.0e} of the largest values, by {by}; {}",
+            judge.remedy
         ));
     }
     spent.charge(run)
+}
+
+/// The error of a run by the distance to others and by what it knows itself, and what says so.
+fn error(
+    run: &mut Simulation,
+    others: &[(Simulation, &'static str)],
+    judge: &Judge,
+    scene: (&dyn Model, &InitialValueProblem),
+) -> (f64, &'static str) {
+    let own = run.error_estimate.take().unwrap_or(0.0);
+    let mut largest = (own, "the errors of its steps");
+    let mut take = |error: f64, by: &'static str| {
+        if error > largest.0 {
+            largest = (error, by);
+        }
+    };
+    for (other, words) in others {
+        run.error_estimate = None;
+        take(
+            Comparison::of(other, run, scene, f64::INFINITY).error,
+            words,
+        );
+        if !judge.locates {
+            take(share(run, scene, &along::apart(other, run)), words);
+        }
+    }
+    if !judge.locates {
+        let missed = along::passed_over(run, scene);
+        take(share(run, scene, &missed), "contacts between its steps");
+    }
+    largest
 }

@@ -57,8 +57,10 @@ pub struct Simulation {
     /// its normal contact acceleration (`complementarity`).
     pub residuals: Residuals,
     /// Error at the end and at events relative to the largest values of the motion: the difference to a looser run, with
-    /// another tolerance, on half the steps or with twice the width; of elements of a named length the sum of their
-    /// errors where that is more. Infinite where no looser run reaches the end. Every solved run has one.
+    /// another tolerance, on half the steps or with twice the width, or the sum of the errors of the steps where that is
+    /// more. Of methods that locate no switches it is the difference to several runs all along the way, or what the
+    /// impacts would have changed that lie between two steps. Infinite where a looser run does not reach the end. Every solved
+    /// run has one.
     pub error_estimate: Option<f64>,
     /// Size of the largest system that was solved for one step.
     pub size: ProblemSize,

@@ -265,7 +265,8 @@ fn solved(simulator: &Fesd, case: &Case) -> Simulation {
 fn scenes_agree_with_the_event_driven_simulator() {
     for case in inelastic().into_iter().chain(elastic()) {
         let exact = exact(&case);
-        let tight = solved(&time_freezing().with_tolerance(1e-12), &case);
+        // Bounces of balls on a stiff spring make 3e-11 of rounding errors.
+        let tight = solved(&time_freezing().with_tolerance(1e-10), &case);
         let error = apart(&tight, &exact, case.name);
         assert!(error <= 1e-9, "{}: {error:e}", case.name);
         let [numerical, expected] =

@@ -22,6 +22,7 @@ mod friction_event;
 mod friction_time_stepping;
 mod front_door;
 mod hidden_switches;
+mod honest_estimates;
 mod impact_clusters;
 mod impulses;
 mod linear_controls;

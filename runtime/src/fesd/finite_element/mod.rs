@@ -27,10 +27,11 @@
 //!
 //! Unknowns of stage `m`: accelerations `A_m` (`n_q`), then the forces: `r_m` of each active contact and
 //! `s_m` of each that sticks; then `eta_m`, one an active surface. [`newton`] solves for them, with the matrix of `assembly`
-//! and the end state of `end`.
+//! the end state of `end`, and its error by `local_error`.
 
 mod assembly;
 mod end;
+pub(crate) mod local_error;
 mod motion_size;
 pub(crate) mod newton;
 mod numerical_time;

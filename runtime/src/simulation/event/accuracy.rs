@@ -98,9 +98,8 @@ fn same_failure(coarser: &Simulation, finer: &Simulation) -> bool {
 /// The status of a run that differs from another one by more than `promise`.
 fn inaccurate(compared: &Comparison, promise: f64) -> SimulationStatus {
     compared.inaccurate(format!(
-        "runs with smaller and smaller tolerances agree until here, and differ by {:.1e} of the largest values at the \
-         end, more than {promise:.0e}: the motion depends on its start too sensitively, or on which of several \
+        "runs with smaller and smaller tolerances agree until here, and {}, more than {promise:.0e}: the motion depends on its start too sensitively, or on which of several \
          contacts comes first; shorten the horizon",
-        compared.error
+        compared.words()
     ))
 }

@@ -385,14 +385,13 @@ impl<'a> Integration<'a> {
 
     fn find_event(&mut self, h: f64) -> Outcome {
         let outputs_due = self.output_due(h);
-        let search = EventSearch::is_needed(&self.dynamics);
+        let horizon = self.problem.horizon;
+        let search = EventSearch::is_needed(&self.dynamics)
+            || EventSearch::may_pass_posts(&self.dynamics, h, horizon);
         if !search && !outputs_due {
             return Outcome::Nothing;
         }
         self.method.extend(&mut self.dynamics, self.t, &self.y, h);
-        if !search {
-            return Outcome::Nothing;
-        }
         let step = Step {
             t: self.t,
             h,
@@ -400,8 +399,12 @@ impl<'a> Integration<'a> {
             start_values: &self.step.start_values,
             end_values: &self.step.end_values,
         };
-        self.search
-            .earliest(&mut self.dynamics, &mut self.method, step)
+        let (dynamics, method) = (&mut self.dynamics, &mut self.method);
+        self.search.glance(dynamics, method, step, horizon);
+        if !EventSearch::is_needed(dynamics) {
+            return Outcome::Nothing;
+        }
+        self.search.earliest(dynamics, method, step)
     }
 
     /// Makes the next try shorter than the step of length `h`, in which the events of `contact` cannot be found.

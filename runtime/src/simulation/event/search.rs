@@ -16,6 +16,9 @@ const SHALLOW: f64 = 1e-4;
 const ROUNDING: f64 = 1e-3;
 /// Halvings of a step on the way back to where the true solution is positive.
 const HALVINGS: usize = 40;
+/// Places in the whole horizon at which gaps are looked at: what is thinner than they are apart in time, such as a post, is
+/// not seen.
+const PLACES: f64 = 1000.0;
 /// Secant steps before bisection.
 const SECANTS: usize = 12;
 /// Secant steps and bisections together; 64 bisections use up all digits.
@@ -30,6 +33,8 @@ pub(super) struct EventSearch {
     zero: Vec<f64>,
     false_alarms: Vec<usize>,
     from: Vec<Option<Sample>>,
+    /// Where a gap was seen to be negative within the step.
+    glimpsed: Vec<Option<Sample>>,
     /// Value of the function at the last root.
     root_value: f64,
 }
@@ -102,6 +107,7 @@ impl EventSearch {
             zero: vec![0.0; functions],
             false_alarms: vec![0; functions],
             from: vec![None; functions],
+            glimpsed: vec![None; functions],
             root_value: 0.0,
         }
     }
@@ -110,6 +116,49 @@ impl EventSearch {
     /// than the range they span, so that a dip to zero could hide between them.
     pub(super) fn is_needed(dynamics: &Dynamics<'_>) -> bool {
         (0..dynamics.functions()).any(|i| may_cross(dynamics, i))
+    }
+
+    /// Whether the step is so long that a thin post may stand between its stages, in a run to `horizon`.
+    pub(super) fn may_pass_posts(dynamics: &Dynamics<'_>, h: f64, horizon: f64) -> bool {
+        let mut contacts = 0..dynamics.surfaces;
+        h * PLACES > horizon && contacts.any(|i| dynamics.state(i).is_open())
+    }
+
+    /// Looks at the gaps of open contacts along the continuous extension of the step, which is ready, in a run to
+    /// `horizon`.
+    pub(super) fn glance(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &Dop853,
+        step: Step<'_>,
+        horizon: f64,
+    ) {
+        self.glimpsed.fill(None);
+        if !Self::may_pass_posts(dynamics, step.h, horizon) {
+            return;
+        }
+        let closed = |value: f64, zero: f64| value < -zero;
+        let parts = (step.h / horizon * PLACES).ceil();
+        for part in 1..parts as usize {
+            let at = part as f64 / parts;
+            method.interpolate(at, &mut self.state[..2 * dynamics.n]);
+            dynamics.load(step.t + at * step.h, &self.state);
+            for i in 0..dynamics.surfaces {
+                let open = dynamics.state(i).is_open() && !dynamics.pieces.is_idle(i);
+                if !open || self.glimpsed[i].is_some() {
+                    continue;
+                }
+                let zero = self.least_zero(dynamics, step, i);
+                let value = dynamics.gap(i);
+                let between =
+                    !closed(step.start_values[i], zero) && !closed(step.end_values[i], zero);
+                if between && closed(value, zero) {
+                    self.glimpsed[i] = Some(Sample { at, value });
+                    let lowest = &mut dynamics.switching.lowest[i];
+                    *lowest = lowest.min(value);
+                }
+            }
+        }
     }
 
     /// The earliest event within the step, whose continuous extension is ready. If there is one,
@@ -146,6 +195,7 @@ impl EventSearch {
                 Err(value) => {
                     let Sample { at, value: wrong } = crossing.right;
                     self.false_alarms[function] += 1;
+                    self.glimpsed[function] = None;
                     if at >= 1.0 || self.false_alarms[function] > FALSE_ALARMS {
                         return Outcome::Unresolved(function);
                     }
@@ -185,12 +235,13 @@ impl EventSearch {
             };
             let zero = self.zero[function];
             let rounding = ROUNDING * switching::zero_value(dynamics, function);
+            let until = self.glimpsed[function].unwrap_or(Sample {
+                at: 1.0,
+                value: step.end_values[function],
+            });
             let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
             let to = match earliest {
-                None => Sample {
-                    at: 1.0,
-                    value: step.end_values[function],
-                },
+                None => until,
                 Some(Crossing { root, .. }) => Sample {
                     at: root,
                     value: value(root),

@@ -8,7 +8,7 @@
 use super::detector::Detector;
 use super::stop::Stop;
 use super::switch::{ElementStart, Switch};
-use super::{friction_switch, gap_switch};
+use super::{between_samples, friction_switch, gap_switch};
 use crate::fesd::active_contact::find;
 use crate::fesd::contacts::Contacts;
 use crate::fesd::finite_element::FiniteElement;
@@ -39,8 +39,10 @@ pub(super) fn first_violation(
     }
     detector.previous_forces[..start.forces.len()].copy_from_slice(start.forces);
     friction_switch::start_frictions(detector, active, contacts, start);
+    detector.begin(start.x);
     for k in 0..detector.thetas.len() {
         detector.interpolate(element, k);
+        detector.keep_sample();
         let mut first = gap_switch::first_entry(detector, element, contacts, start, k)?;
         gap_switch::first_exit(detector, element, contacts, (start.motion, k), &mut first)
             .map_err(gap_switch::beyond)?;
@@ -50,6 +52,10 @@ pub(super) fn first_violation(
         }
         if gap_switch::hides_a_crossing(detector, element, contacts, k) {
             return Err(Stop::Unresolved);
+        }
+        let passed = between_samples::first_entry(detector, element, k, start.horizon);
+        if passed.is_some() {
+            return Ok(passed);
         }
     }
     Ok(None)

@@ -18,6 +18,8 @@ pub(super) struct Detector<'a> {
     pub(super) weights: Vec<f64>,
     pub(super) scratch: Vec<f64>,
     pub(super) x: Vec<f64>,
+    /// Input vectors at the last two samples.
+    samples: [Vec<f64>; 2],
     pub(super) forces: Vec<f64>,
     pub(super) previous_forces: Vec<f64>,
     /// Gaps at the start and all samples, one row a contact.
@@ -52,6 +54,7 @@ impl<'a> Detector<'a> {
             weights,
             scratch: vec![0.0; stages],
             x: vec![0.0; declaration.inputs()],
+            samples: [(); 2].map(|()| vec![0.0; declaration.inputs()]),
             forces: vec![0.0; 2 * contacts],
             previous_forces: vec![0.0; 2 * contacts],
             gaps: vec![0.0; contacts * (samples + 1)],
@@ -66,6 +69,32 @@ impl<'a> Detector<'a> {
         let stages = self.tableau.stages();
         let weights = &self.weights[k * stages..(k + 1) * stages];
         element.interpolate(self.thetas[k], weights, &mut self.x);
+    }
+
+    /// Begins with the input vector at the start of an element as the sample before the first one.
+    pub(super) fn begin(&mut self, x: &[f64]) {
+        self.samples[1].copy_from_slice(x);
+    }
+
+    /// Keeps the present input vector as the last sample.
+    pub(super) fn keep_sample(&mut self) {
+        self.samples.swap(0, 1);
+        self.samples[1].copy_from_slice(&self.x);
+    }
+
+    /// The input vector at this share of the time `width` between the last two samples: coordinates by the cubic that has
+    /// their velocities, the rest by straight lines.
+    pub(super) fn place_between_samples(&mut self, share: f64, width: f64) {
+        let n = self.model.declaration().coordinates.len();
+        let [from, to] = &self.samples;
+        let rest = 1.0 - share;
+        for (x, (from, to)) in self.x.iter_mut().zip(from.iter().zip(to)) {
+            *x = rest * from + share * to;
+        }
+        for k in 0..n {
+            let (way, slopes) = (to[k] - from[k], (width * from[n + k], width * to[n + k]));
+            self.x[k] += share * rest * (rest * (slopes.0 - way) - share * (slopes.1 - way));
+        }
     }
 
     /// Gap of a contact at a place of the dense output.

@@ -23,6 +23,7 @@ pub(super) struct Setup<'a> {
     pub(super) settings: &'a Fesd,
     pub(super) tableau: &'a ButcherTableau,
     pub(super) model: &'a dyn Model,
+    pub(super) problem: &'a InitialValueProblem,
     pub(super) controls: &'a ControlSignal,
     pub(super) horizon: f64,
     /// Coefficients of restitution, one entry a contact.
@@ -100,6 +101,7 @@ pub(super) struct SegmentStart {
     acceleration: Vec<f64>,
     numerical_time: f64,
     error_estimate: f64,
+    local_errors: Vec<f64>,
     recorded: usize,
 }
 
@@ -130,6 +132,7 @@ impl<'a> Driver<'a> {
                 settings,
                 tableau,
                 model,
+                problem,
                 controls: &problem.controls,
                 horizon: problem.horizon,
                 restitution: (0..contacts.len()).map(|i| restitution(model, i)).collect(),
@@ -140,6 +143,7 @@ impl<'a> Driver<'a> {
                 acceleration: now.acceleration.clone(),
                 numerical_time: 0.0,
                 error_estimate: 0.0,
+                local_errors: Vec::new(),
                 recorded: 0,
             },
             now,
@@ -154,9 +158,11 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// The same run with element lengths that keep the error estimate of each element below `tolerance`.
-    pub(super) fn controlled(mut self, tolerance: f64) -> Self {
+    /// The same run with element lengths that keep the error estimate of each element below `tolerance`; the `longest` is
+    /// this share of the longest there are.
+    pub(super) fn controlled(mut self, tolerance: f64, longest: f64) -> Self {
         self.control.tolerance = Some(tolerance);
+        self.control.longest *= longest;
         self
     }
 
@@ -173,6 +179,7 @@ impl<'a> Driver<'a> {
         start.acceleration.clone_from(&now.acceleration);
         start.numerical_time = now.numerical_time;
         start.error_estimate = self.control.estimate;
+        start.local_errors.clone_from(&self.control.local_errors);
         start.recorded = self.record.trajectory.time.len();
     }
 
@@ -184,6 +191,7 @@ impl<'a> Driver<'a> {
         now.acceleration.clone_from(&start.acceleration);
         now.numerical_time = start.numerical_time;
         self.control.estimate = start.error_estimate;
+        self.control.local_errors.clone_from(&start.local_errors);
         self.record.trajectory.truncate(start.recorded);
     }
 

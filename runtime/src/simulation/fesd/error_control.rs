@@ -1,6 +1,6 @@
 //! The lengths of elements under error control, and the error of a run without it.
 
-use crate::fesd::finite_element::{FiniteElement, MotionSize};
+use crate::fesd::finite_element::{FiniteElement, MotionSize, local_error};
 use crate::simulation::InitialValueProblem;
 
 /// Largest share of the horizon that an element may take under error control: a flight has no error, but
@@ -25,17 +25,14 @@ pub(super) struct ErrorControl {
     pub(super) proposed_length: f64,
     /// Largest values of the motion so far.
     pub(super) motion: MotionSize,
-    /// Sum of the errors of the elements, estimated, relative to the motion.
+    /// Sums of the local errors of the elements, of each coordinate and then of each velocity.
+    pub(super) local_errors: Vec<f64>,
+    /// Sum of the errors of steps that were solved as programs, relative to the motion.
     pub(super) estimate: f64,
     horizon: f64,
+    /// Longest element \[s\].
+    pub(super) longest: f64,
     stages: usize,
-}
-
-/// Error of an element with `stages` stages whose estimate, which has order `s`, is `estimate`: the tenth power
-/// of ten in hand, and the power `2 s / (s + 1)` since the result has about twice the order.
-pub(super) fn reached(estimate: f64, stages: usize) -> f64 {
-    let s = stages as f64;
-    (10.0 * estimate).powf(2.0 * s / (s + 1.0))
 }
 
 impl ErrorControl {
@@ -44,8 +41,10 @@ impl ErrorControl {
             tolerance: None,
             proposed_length: problem.horizon,
             motion: MotionSize::new(&problem.q, &problem.v),
+            local_errors: vec![0.0; problem.q.len() + problem.v.len()],
             estimate: 0.0,
             horizon: problem.horizon,
+            longest: LONGEST * problem.horizon,
             stages,
         }
     }
@@ -87,7 +86,7 @@ impl ErrorControl {
             element.forget();
         }
         let proposed = element.length() * factor.clamp(LENGTH_CHANGE.0, LENGTH_CHANGE.1);
-        self.proposed_length = proposed.min(LONGEST * self.horizon);
+        self.proposed_length = proposed.min(self.longest);
         ratio > 1.0
     }
 
@@ -101,13 +100,9 @@ impl ErrorControl {
         strays
     }
 
-    /// Adds the error of the solved element where no tolerance controls it. Its estimate has order `s`, the
-    /// result about twice that, as in the code RADAU of Hairer and Wanner.
+    /// Adds the local error of the solved element.
     pub(super) fn add_error(&mut self, element: &FiniteElement<'_>, acceleration: &[f64]) {
-        if self.tolerance.is_none() {
-            let error = element.relative_error(acceleration, &self.motion);
-            self.estimate += reached(error, self.stages);
-        }
+        local_error::add(element, acceleration, &self.motion, &mut self.local_errors);
     }
 
     /// Proposes half of the `length` of a segment that failed.

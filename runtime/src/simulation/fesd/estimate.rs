@@ -5,7 +5,7 @@ use super::settings::Fesd;
 use super::stepping;
 use crate::model::Model;
 use crate::rk::ButcherTableau;
-use crate::simulation::other_grid::{self, OtherGrid, other_steps};
+use crate::simulation::other_grid::{self, Judge, OtherGrid, other_steps};
 use crate::simulation::watch::Watch;
 use crate::simulation::{InitialValueProblem, Simulation};
 
@@ -17,13 +17,16 @@ pub(super) fn estimated(
     (model, problem): (&dyn Model, &InitialValueProblem),
     watch: &mut Watch<'_>,
 ) -> Simulation {
-    let remedy = "take more steps, or leave the number of steps to the error control";
+    let judge = Judge {
+        remedy: "take more steps, or leave the number of steps to the error control",
+        locates: true,
+    };
     let others = coarser(settings).into_iter().chain([finer(settings)]);
     let run = |grid: &Fesd, watch: &mut Watch<'_>| {
         let driver = Driver::new(grid, tableau, model, problem);
         stepping::run(driver, watch)
     };
-    other_grid::estimated(settings, others, remedy, (model, problem), watch, run)
+    other_grid::estimated(settings, others, &judge, (model, problem), watch, run)
 }
 
 /// Half as many elements, by fewer steps or else by fewer elements of each; none where there is one element.

@@ -24,6 +24,7 @@ pub(super) fn violation(driver: &mut Driver<'_>) -> Result<Option<Switch>, Stop>
         forces: &driver.now.forces,
         acceleration: &driver.now.acceleration,
         time: driver.now.state.time,
+        horizon: driver.setup.horizon,
         motion: driver
             .control
             .tolerance

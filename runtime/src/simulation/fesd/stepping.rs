@@ -11,6 +11,7 @@ use super::{bounces, impacts, location, mode_change, program};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::model::edge;
+use crate::simulation::agreement;
 use crate::simulation::problem::MOMENT;
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
@@ -48,10 +49,10 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
     driver.record.counts.factorizations = newton.factorizations + other.factorizations;
     driver.record.counts.evaluations =
         newton.evaluations + other.evaluations + driver.now.contacts.evaluations;
-    Simulation {
+    let mut run = Simulation {
         declaration: driver.setup.model.declaration(),
         status,
-        error_estimate: (!controlled).then_some(driver.control.estimate),
+        error_estimate: None,
         initial_modes: driver.record.initial_modes,
         events: driver.record.events,
         trajectory: driver.record.trajectory,
@@ -63,7 +64,19 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
             ..Seconds::default()
         },
         notes: driver.record.notes,
+    };
+    if run.status.is_solved() {
+        let scene = (driver.setup.model, driver.setup.problem);
+        let elements = agreement::share(&run, scene, &driver.control.local_errors);
+        // Under error control runs are compared, and steps that were solved as programs count by their difference.
+        let programs = if controlled {
+            0.0
+        } else {
+            driver.control.estimate
+        };
+        run.error_estimate = Some(elements + programs);
     }
+    run
 }
 
 /// Steps over the horizon.

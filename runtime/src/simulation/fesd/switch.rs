@@ -49,6 +49,8 @@ pub(super) struct ElementStart<'a> {
     pub(super) acceleration: &'a [f64],
     /// Time [s].
     pub(super) time: f64,
+    /// That of the end of the run [s].
+    pub(super) horizon: f64,
     /// The motion by which the gaps of active contacts are measured, where errors are controlled.
     pub(super) motion: Option<&'a MotionSize>,
 }

@@ -1,0 +1,196 @@
+//! What the trajectories of methods that locate no switches say of their errors.
+
+use super::{InitialValueProblem, Simulation};
+use crate::model::{ImpactLaw, Model, Pieces, contact_point};
+
+/// Places in the whole horizon at which gaps are looked at.
+const PLACES: f64 = 4000.0;
+/// Halvings of the way between two places to where a gap closes.
+const HALVINGS: usize = 50;
+
+/// Largest difference of each coordinate between a run and a coarser one at the times of the latter, and zeros for the
+/// velocities, which jump at other times.
+pub(super) fn apart(coarser: &Simulation, finer: &Simulation) -> Vec<f64> {
+    let (from, to) = (&coarser.trajectory, &finer.trajectory);
+    let n = from.q.first().map_or(0, Vec::len);
+    let mut largest = vec![0.0_f64; 2 * n];
+    let mut x = vec![0.0; 2 * n];
+    let mut next = 1;
+    for (time, q) in from.time.iter().zip(&from.q) {
+        while next + 1 < to.time.len() && to.time[next] < *time {
+            next += 1;
+        }
+        if next < to.time.len() {
+            place(finer, next, *time, &mut x);
+            for (largest, (x, q)) in largest.iter_mut().zip(x.iter().zip(q)) {
+                let apart = (x - q).abs();
+                *largest = if apart.is_nan() {
+                    f64::INFINITY
+                } else {
+                    largest.max(apart)
+                };
+            }
+        }
+    }
+    largest
+}
+
+/// The state at a time between instants `next - 1` and `next` of the trajectory: coordinates by the cubic that has their
+/// velocities, velocities by straight lines.
+fn place(run: &Simulation, next: usize, time: f64, x: &mut [f64]) {
+    let (times, q, v) = (&run.trajectory.time, &run.trajectory.q, &run.trajectory.v);
+    let width = times[next] - times[next - 1];
+    let share = if width > 0.0 {
+        (time - times[next - 1]) / width
+    } else {
+        1.0
+    };
+    let rest = 1.0 - share;
+    let n = q[next].len();
+    for k in 0..n {
+        let (a, b) = (q[next - 1][k], q[next][k]);
+        let (from, to) = (v[next - 1][k], v[next][k]);
+        let (way, slopes) = (b - a, (width * from, width * to));
+        x[k] = rest * a
+            + share * b
+            + share * rest * (rest * (slopes.0 - way) - share * (slopes.1 - way));
+        x[n + k] = rest * from + share * to;
+    }
+}
+
+/// What the impacts would have changed that a run passed over: contacts that close and open again between two of its
+/// instants. Of each coordinate at the end, if nothing happens later, and then of each velocity.
+pub(super) fn passed_over(
+    run: &Simulation,
+    (model, problem): (&dyn Model, &InitialValueProblem),
+) -> Vec<f64> {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let mut missed = vec![0.0; 2 * n];
+    let surfaces: Vec<usize> = (0..declaration.contacts.len())
+        .filter(|&i| !declaration.contacts[i].dry)
+        .collect();
+    let mut between = Between::new(run, model);
+    for next in 1..run.trajectory.time.len() {
+        let times = [run.trajectory.time[next - 1], run.trajectory.time[next]];
+        let parts = ((times[1] - times[0]) / problem.horizon * PLACES).ceil() as usize;
+        if parts < 2 {
+            continue;
+        }
+        for &i in &surfaces {
+            let Some(time) = between.closing(i, next, parts) else {
+                continue;
+            };
+            let restitution = match declaration.contacts[i].law {
+                ImpactLaw::Inelastic => 0.0,
+                ImpactLaw::Restitution => model.restitution(i),
+            };
+            between
+                .pieces
+                .contact(model, i, &between.x, &mut between.point);
+            let approach = between.point[contact_point::NORMAL_VELOCITY].min(0.0);
+            let left = problem.horizon - time;
+            for k in 0..n {
+                let direction = between.point[contact_point::direction(n) + k];
+                let jump = ((1.0 + restitution) * approach * direction).abs();
+                missed[k] += jump * left;
+                missed[n + k] += jump;
+            }
+        }
+    }
+    missed
+}
+
+/// The motion between two instants of a trajectory.
+struct Between<'a> {
+    run: &'a Simulation,
+    model: &'a dyn Model,
+    pieces: Pieces,
+    x: Vec<f64>,
+    point: Vec<f64>,
+}
+
+impl<'a> Between<'a> {
+    fn new(run: &'a Simulation, model: &'a dyn Model) -> Self {
+        let declaration = model.declaration();
+        Self {
+            run,
+            model,
+            pieces: Pieces::default(),
+            x: vec![0.0; declaration.inputs()],
+            point: vec![0.0; contact_point::length(declaration.coordinates.len())],
+        }
+    }
+
+    fn gap(&mut self, contact: usize, next: usize, time: f64) -> f64 {
+        let n = self.run.trajectory.q[next].len();
+        place(self.run, next, time, &mut self.x[..2 * n]);
+        let controls = &self.run.trajectory.u[next];
+        self.x[2 * n..2 * n + controls.len()].copy_from_slice(controls);
+        if self.model.declaration().explicit_time
+            && let Some(last) = self.x.last_mut()
+        {
+            *last = time;
+        }
+        self.pieces.gap(self.model, contact, &self.x)
+    }
+
+    /// The time before instant `next` at which a contact closes that is open at that instant and the one before and carries
+    /// no force, if it is closed somewhere between them; the state there is loaded.
+    fn closing(&mut self, contact: usize, next: usize, parts: usize) -> Option<f64> {
+        let run = self.run;
+        let times = &run.trajectory.time;
+        let (start, end) = (times[next - 1], times[next]);
+        let first = self.gap(contact, next, start);
+        self.pieces.choose(self.model, &self.x);
+        let carries = run.trajectory.contact_force[next][contact] != 0.0;
+        if carries || first <= 0.0 || self.pieces.is_idle(contact) {
+            return None;
+        }
+        let last = self.gap(contact, next, end);
+        if last <= 0.0 {
+            return None;
+        }
+        let at = |part: usize| start + (end - start) * part as f64 / parts as f64;
+        let gaps: Vec<f64> = (0..=parts)
+            .map(|part| self.gap(contact, next, at(part)))
+            .collect();
+        let (mut open, mut closed) = match gaps.iter().position(|gap| *gap < 0.0) {
+            Some(closed) => (at(closed - 1), at(closed)),
+            None => {
+                // A minimum that could reach the ground with the slopes beside it.
+                let lowest = (1..parts).find(|&k| {
+                    let fall = (gaps[k - 1] - gaps[k]).max(gaps[k + 1] - gaps[k]);
+                    gaps[k] <= gaps[k - 1] && gaps[k] <= gaps[k + 1] && gaps[k] < fall
+                })?;
+                let bottom = self.bottom(contact, next, (at(lowest - 1), at(lowest + 1)));
+                (at(lowest - 1), bottom?)
+            }
+        };
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (open + closed);
+            if self.gap(contact, next, middle) < 0.0 {
+                closed = middle;
+            } else {
+                open = middle;
+            }
+        }
+        self.gap(contact, next, closed);
+        Some(closed)
+    }
+
+    /// Where the gap of a contact has its minimum between two times, if it is negative there: by golden section.
+    fn bottom(&mut self, contact: usize, next: usize, (mut a, mut b): (f64, f64)) -> Option<f64> {
+        let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
+        for _ in 0..HALVINGS {
+            let (left, right) = (b - ratio * (b - a), a + ratio * (b - a));
+            if self.gap(contact, next, left) <= self.gap(contact, next, right) {
+                b = right;
+            } else {
+                a = left;
+            }
+        }
+        let bottom = 0.5 * (a + b);
+        (self.gap(contact, next, bottom) < 0.0).then_some(bottom)
+    }
+}
