@@ -121,7 +121,15 @@ impl Sizes {
             });
             energy = energy.max(momentum.zip(v).map(|(p, v)| p * v).sum());
         }
-        let (way, speed) = (of_unit(run, &way), of_unit(run, &speed));
+        let (mut way, mut speed) = (of_unit(run, &way), of_unit(run, &speed));
+        let places: Vec<f64> = problem.q.iter().map(|q| q.abs()).collect();
+        for (k, place) in of_unit(run, &places).into_iter().enumerate() {
+            let still = way[k] <= ROUNDING * place && speed[k] <= ROUNDING * place / horizon;
+            if still {
+                // Where nothing of that unit moves, the last digit of a place is no share of a motion.
+                (way[k], speed[k]) = (place, place / horizon);
+            }
+        }
         let diagonal: Vec<f64> = (0..n).map(|k| mass[k * n + k]).collect();
         let heaviest = of_unit(run, &diagonal);
         let times = way.iter().zip(&speed).map(|(way, speed)| way / speed);
