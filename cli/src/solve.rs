@@ -119,7 +119,7 @@ fn tables(
         "re-simulated  {:.1e} away from the plan at the end\n",
         solution.resimulation_error
     );
-    text += &relaxed_and_optima(solution, method.control_shape);
+    text += &relaxed_and_optima(solution);
     text += &ends(chosen.model.as_ref(), &motion.trajectory);
     text += &switches(chosen.model.declaration(), solution);
     text += &controls(chosen.model.declaration(), solution);
@@ -264,7 +264,7 @@ fn work(solution: &Solution) -> String {
 }
 
 /// The complementarity problem of the time-freezing formulation, and the local optima of several starts.
-fn relaxed_and_optima(solution: &Solution, control_shape: &str) -> String {
+fn relaxed_and_optima(solution: &Solution) -> String {
     let mut text = String::new();
     if let Some(report) = &solution.time_freezing {
         let size = report.size;
@@ -274,15 +274,9 @@ fn relaxed_and_optima(solution: &Solution, control_shape: &str) -> String {
             }
             status => status.to_string(),
         };
-        // Its own controls are constant.
-        let controls = if control_shape == ControlShape::Constant.name() {
-            ""
-        } else {
-            ", constant controls"
-        };
         let _ = writeln!(
             text,
-            "time-freezing {how}{controls}: objective {:.7}, violation {:.1e}, largest product {:.1e}\n              \
+            "time-freezing {how}: objective {:.7}, violation {:.1e}, largest product {:.1e}\n              \
              relaxed before: objective {:.7}, largest product {:.1e}{}\n              \
              {} variables, {} rows, {} pairs; {} iterations, {} of CPU time\n",
             report.objective,

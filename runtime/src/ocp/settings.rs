@@ -89,7 +89,7 @@ pub enum Formulation {
     /// Small contact-implicit programs, from coarse to fine.
     #[default]
     Phases,
-    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with constant controls.
+    /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with controls of either shape.
     TimeFreezing(TimeFreezingSettings),
 }
 

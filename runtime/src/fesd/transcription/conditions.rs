@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! int L dt = sum_e h_e s_k sum_j b_j theta_j L(X_j)     at the stages j of the elements e
-//! int L dt = T / N sum_k L(u_k)                         where L reads nothing but controls
+//! int L dt = T / N sum_k L(u_k)                         where L reads nothing but constant controls
 //! c(X_j) = 0, or >= 0                                   at the stages
-//! c(u_k) = 0, or >= 0                                   once an interval, where c reads nothing but controls
+//! c(u_k) = 0, or >= 0                                   once an interval, where c reads nothing but constant controls
 //! phi(q, v, T), goals                                   at the end
 //! ```
 //!
@@ -12,7 +12,7 @@
 //! stages of jumps, too: coordinates rest there, and velocities lie between those before and after the jump, so that
 //! nothing is lost where the condition is convex in them.
 
-use super::sites::{Input, Site, by_interval, constraint_of, constraints_of, product};
+use super::sites::{Input, Site, constraint_of, constraints_of, product};
 use super::{Block, Transcription};
 
 /// The arguments of the path functions at a block, of which those in `read` matter.
@@ -45,7 +45,7 @@ pub(super) fn sites(transcription: &Transcription<'_>) -> Vec<Site> {
     };
     let mut sites = Vec::new();
     let controls = transcription.control_inputs();
-    let (once, staged) = by_interval(&declared, controls.clone());
+    let (once, staged) = transcription.by_interval(&declared);
     let rows = |functions: &[usize], first: usize| {
         let constraints = constraints_of(&declared, functions).into_iter();
         constraints.zip(first..).collect::<Vec<_>>()

@@ -2,7 +2,7 @@
 
 use hangtime_solver::nlp::Pattern;
 
-use super::{EQUILIBRATION, SUMS, Transcription, conditions, corrections, start};
+use super::{EQUILIBRATION, SUMS, Transcription, conditions, corrections, ramps, start};
 use crate::dcs;
 
 pub(super) fn set_patterns(transcription: &mut Transcription<'_>) {
@@ -42,6 +42,7 @@ pub(super) fn add_jacobian(
     }
     start::add_jacobian(transcription, x, add);
     corrections::add_jacobian(transcription, x, add);
+    ramps::add_jacobian(transcription, x, add);
     conditions::add_jacobian(transcription, x, add);
 }
 
@@ -144,6 +145,7 @@ pub(super) fn add_hessian(
     }
     start::add_hessian(transcription, x, multipliers, add);
     corrections::add_hessian(transcription, x, multipliers, add);
+    ramps::add_hessian(transcription, multipliers, add);
     conditions::add_hessian(transcription, x, weight, multipliers, add);
 }
 

@@ -112,10 +112,12 @@ pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
     let intervals = elements(transcription);
     for (k, (interval, (length, _))) in transcription.intervals.iter().zip(&intervals).enumerate() {
         guess[interval.length] = *length;
-        let values = transcription.task.controls.values(k);
         let units = &transcription.control_units;
-        for ((&control, value), unit) in interval.controls.iter().zip(values).zip(units) {
-            guess[control] = value / unit;
+        for (node, variables) in [&interval.controls, &interval.ends].into_iter().enumerate() {
+            let values = transcription.task.controls.values(k + node);
+            for ((&control, value), unit) in variables.iter().zip(values).zip(units) {
+                guess[control] = value / unit;
+            }
         }
     }
     if let Some(beginning) = &transcription.beginning {
@@ -162,8 +164,11 @@ fn set_local(transcription: &mut Transcription<'_>, k: usize, y: &[f64], shares:
     let states = transcription.dcs.layout.states();
     transcription.local.fill(0.0);
     transcription.local[..states].copy_from_slice(y);
-    let controls = transcription.task.controls.values(k);
-    transcription.local[states..states + controls.len()].copy_from_slice(controls);
+    let task = &transcription.task;
+    let elapsed = y[transcription.dcs.layout.time()] - task.start.time;
+    let share = task.intervals as f64 * elapsed / task.horizon - k as f64;
+    let controls = task.controls.at(k, share.clamp(0.0, 1.0));
+    transcription.local[states..states + controls.len()].copy_from_slice(&controls);
     transcription
         .dcs
         .rows(&transcription.local, &mut transcription.rows);

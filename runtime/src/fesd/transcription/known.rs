@@ -171,6 +171,7 @@ mod tests {
             lower: vec![-3.0],
             upper: vec![2.0],
             guess: vec![vec![0.8]],
+            linear: false,
         };
         let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
         let system = TimeFreezingSystem::new(&*BEAD, 50.0);

@@ -33,6 +33,7 @@ mod neighbours;
 mod numbered;
 mod program;
 mod purposes;
+mod ramps;
 mod sites;
 mod start;
 mod task;
@@ -40,6 +41,7 @@ mod task;
 mod test_scenes;
 
 use numbered::{Beginning, Block, Correction, Element, Interval};
+use ramps::Ramp;
 
 pub(crate) use known::known_sides;
 pub(crate) use program::transcribe;
@@ -83,6 +85,8 @@ pub(crate) struct Transcription<'a> {
     beginning: Option<Beginning>,
     /// Where the functions that the scene declares are evaluated.
     sites: Vec<sites::Site>,
+    /// The controls of blocks, where they are linear between nodes.
+    ramps: Vec<ramps::Ramp>,
     variables: usize,
     constraints: usize,
     /// Variable of the final time, if it is free.
@@ -144,6 +148,7 @@ impl<'a> Transcription<'a> {
             elements: Vec::with_capacity(task.intervals * task.elements),
             beginning: None,
             sites: Vec::new(),
+            ramps: Vec::new(),
             variables: 0,
             constraints: 0,
             horizon: None,
@@ -177,17 +182,13 @@ impl<'a> Transcription<'a> {
         let (once, staged) = self.path_rows();
         for k in 0..self.task.intervals {
             let length = self.take(1);
-            let controls = match self.task.controls {
-                Controls::Fixed(_) => Vec::new(),
-                Controls::Free { .. } => (0..self.dcs.layout.controls())
-                    .map(|_| self.take(1))
-                    .collect(),
-            };
+            let (controls, ends) = self.take_controls();
             let rows = self.constraints;
             self.constraints += 2 + once;
             self.intervals.push(Interval {
                 length,
                 controls,
+                ends,
                 rows,
             });
             let (alike, closed) = (self.alike(k), self.corrected(k));
@@ -198,6 +199,33 @@ impl<'a> Transcription<'a> {
         }
         self.goal_rows = self.constraints;
         self.constraints += self.declared().map_or(0, |declared| declared.goals.len());
+    }
+
+    /// Variables of the controls of the next interval, or else of those at its start, which end the interval before, and at its end.
+    fn take_controls(&mut self) -> (Vec<usize>, Vec<usize>) {
+        if matches!(self.task.controls, Controls::Fixed(_)) {
+            return (Vec::new(), Vec::new());
+        }
+        let count = self.dcs.layout.controls();
+        let before = self.intervals.last().map(|interval| interval.ends.clone());
+        match before.filter(|ends| !ends.is_empty()) {
+            Some(controls) => (controls, self.take_each(count)),
+            None => {
+                let controls = self.take_each(count);
+                let ends = if self.task.controls.are_linear() {
+                    self.take_each(count)
+                } else {
+                    Vec::new()
+                };
+                (controls, ends)
+            }
+        }
+    }
+
+    /// Reserves `count` variables and returns all of them.
+    fn take_each(&mut self, count: usize) -> Vec<usize> {
+        let first = self.take(count);
+        (first..first + count).collect()
     }
 
     /// Adds the start of the motion, if any of its values is free.
@@ -255,9 +283,17 @@ impl<'a> Transcription<'a> {
         let Some(declared) = self.declared() else {
             return (0, 0);
         };
-        let (once, staged) = sites::by_interval(&declared, self.control_inputs());
+        let (once, staged) = self.by_interval(&declared);
         let count = |functions: &[usize]| sites::constraints_of(&declared, functions).len();
         (count(&once), count(&staged))
+    }
+
+    /// Path functions that have one value an interval, as they read nothing but controls that are constant there; the others.
+    fn by_interval(&self, declared: &OptimalControlDeclaration) -> (Vec<usize>, Vec<usize>) {
+        if self.task.controls.are_linear() {
+            return (Vec::new(), (0..declared.path_functions()).collect());
+        }
+        sites::by_interval(declared, self.control_inputs())
     }
 
     /// Which elements of interval `k` are as long as the one before: those of the same span of a known motion. Nothing else decides
@@ -304,10 +340,13 @@ impl<'a> Transcription<'a> {
             for slot in variables.iter_mut().take(states) {
                 *slot = Some(self.take(1));
             }
-            for (slot, &control) in variables[states..]
-                .iter_mut()
-                .zip(&self.intervals[interval].controls)
-            {
+            let shared = self.intervals[interval].controls.clone();
+            let controls = if self.task.controls.are_linear() {
+                self.take_each(shared.len())
+            } else {
+                shared
+            };
+            for (slot, control) in variables[states..].iter_mut().zip(controls) {
                 *slot = Some(control);
             }
             let first = self.dcs.layout.first_algebraic();
@@ -331,6 +370,12 @@ impl<'a> Transcription<'a> {
         }
         let corrections = self.take_corrections(corrected, blocks.len(), row);
         row += corrected.len() * blocks.len();
+        for block in &blocks {
+            let places = (states, self.dcs.layout.time());
+            let ramps = Ramp::of(block, places, (interval, &self.intervals[interval]), row);
+            row += ramps.len();
+            self.ramps.extend(ramps);
+        }
         let sums = self.take(SUMS * self.groups.len());
         for block in &blocks {
             for (first, second) in self.dcs.layout.stage_pairs() {
@@ -494,17 +539,21 @@ impl<'a> Transcription<'a> {
             .map_or(self.task.horizon, |variable| x[variable])
     }
 
-    /// Controls of interval `k`.
-    pub(crate) fn controls(&self, x: &[f64], k: usize) -> Vec<f64> {
-        match &self.task.controls {
-            Controls::Fixed(values) => values.clone(),
-            Controls::Free { .. } => self.intervals[k]
-                .controls
-                .iter()
-                .zip(&self.control_units)
-                .map(|(&variable, unit)| unit * x[variable])
-                .collect(),
+    /// Controls of each interval, or at the nodes where they are linear in between.
+    pub(crate) fn controls(&self, x: &[f64]) -> Vec<Vec<f64>> {
+        if let Controls::Fixed(values) = &self.task.controls {
+            return vec![values.clone(); self.intervals.len()];
         }
+        let values = |variables: &Vec<usize>| -> Vec<f64> {
+            let variables = variables.iter().zip(&self.control_units);
+            variables
+                .map(|(&variable, unit)| unit * x[variable])
+                .collect()
+        };
+        let last = self.intervals.last().map(|interval| &interval.ends);
+        let last = last.filter(|_| self.task.controls.are_linear());
+        let intervals = self.intervals.iter().map(|interval| &interval.controls);
+        intervals.chain(last).map(values).collect()
     }
 
     /// Length of element `e` in numerical time.
@@ -567,6 +616,8 @@ mod tests {
         NothingUnderRamps,
         /// Controls and horizon.
         Everything,
+        /// The same with controls that are linear between nodes.
+        EverythingBetweenNodes,
     }
 
     fn worst_derivative(tableau: &ButcherTableau, bead: &dyn Model, unknown: Unknown) -> f64 {
@@ -580,7 +631,8 @@ mod tests {
             v: vec![1.5, -0.7],
         };
         let mut task = Task::step(&start, &[0.8], 0.25, 2);
-        if unknown == Unknown::Everything {
+        let linear = unknown == Unknown::EverythingBetweenNodes;
+        if linear || unknown == Unknown::Everything {
             let declared = bead.declaration().optimal_control.expect("declared");
             let free_start = declared.free_start.iter();
             let free_start = free_start.map(|&k| (k, (-2.0, 2.0))).collect();
@@ -589,7 +641,8 @@ mod tests {
             task.controls = Controls::Free {
                 lower: vec![-3.0],
                 upper: vec![2.0],
-                guess: vec![vec![0.8]; 2],
+                guess: vec![vec![0.8]; 2 + usize::from(linear)],
+                linear,
             };
             task.declared = true;
             task.free_start = free_start;
@@ -624,6 +677,7 @@ mod tests {
                 Unknown::Nothing,
                 Unknown::NothingUnderRamps,
                 Unknown::Everything,
+                Unknown::EverythingBetweenNodes,
             ];
             for (bead, unknown) in beads.into_iter().flat_map(|b| unknowns.map(|u| (b, u))) {
                 // Central differences of functions of size 100 with steps of 6e-6.

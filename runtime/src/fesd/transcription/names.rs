@@ -1,6 +1,6 @@
 //! Names of variables, rows and pairs: what, which element, when.
 
-use super::{Element, Interval, SUMS, Transcription, conditions, corrections, start};
+use super::{Element, Interval, SUMS, Transcription, conditions, corrections, ramps, start};
 
 /// Interval `k`, with its physical time if that is known before the solution.
 fn interval_name(transcription: &Transcription<'_>, k: usize) -> String {
@@ -25,6 +25,11 @@ fn contact_name(transcription: &Transcription<'_>, contact: usize) -> &'static s
         .contacts
         .get(contact)
         .map_or("contact", |c| c.name)
+}
+
+fn control_name(transcription: &Transcription<'_>, control: usize) -> &'static str {
+    let controls = transcription.dcs.system.model.declaration().controls;
+    controls.get(control).map_or("control", |c| c.name)
 }
 
 /// Stage or end of an element.
@@ -55,6 +60,10 @@ fn local_name(transcription: &Transcription<'_>, k: usize) -> String {
             "lifted gap of {}",
             contact_name(transcription, k - transcription.dcs.layout.lifted_gap(0))
         );
+    }
+    let control = k - transcription.dcs.layout.states();
+    if control < transcription.dcs.layout.controls() {
+        return control_name(transcription, control).into();
     }
     match transcription.dcs.layout.algebraic_symbol(k) {
         Some((symbol, contact)) => format!("{symbol} of {}", contact_name(transcription, contact)),
@@ -89,9 +98,17 @@ pub(super) fn name_of_variable(transcription: &Transcription<'_>, index: usize) 
         return format!("numerical length of {}", interval_name(transcription, k));
     }
     if let Some(control) = interval.controls.iter().position(|&c| c == index) {
-        let controls = transcription.dcs.system.model.declaration().controls;
-        let name = controls.get(control).map_or("control", |c| c.name);
-        return format!("{name} in {}", interval_name(transcription, k));
+        let name = control_name(transcription, control);
+        let place = if interval.ends.is_empty() {
+            "in"
+        } else {
+            "at the start of"
+        };
+        return format!("{name} {place} {}", interval_name(transcription, k));
+    }
+    if let Some(control) = interval.ends.iter().position(|&c| c == index) {
+        let name = control_name(transcription, control);
+        return format!("{name} at the end of {}", interval_name(transcription, k));
     }
     let before = |element: &Element| element.first <= index;
     let e = transcription
@@ -154,6 +171,9 @@ pub(super) fn name_of_constraint(transcription: &Transcription<'_>, index: usize
                 .elements
                 .partition_point(before)
                 .saturating_sub(1);
+            if let Some(control) = ramps::control_of_row(transcription, index) {
+                return format!("line of {}", name_of_variable(transcription, control));
+            }
             let element = &transcription.elements[e];
             let kind = if index >= element.sum_rows {
                 "cross complementarity"

@@ -2,7 +2,7 @@
 
 use super::modes;
 use super::modes::Mode;
-use super::{SUMS, Transcription};
+use super::{SUMS, Transcription, ramps};
 
 /// Size up to which sums count as zero at an exact point: crossovers satisfy rows of up to ten terms to 1e-9.
 const SOLVED: f64 = 1e-7;
@@ -65,6 +65,7 @@ pub(super) fn shift_switch(
             x,
         );
     }
+    ramps::set_controls(transcription, x);
     set_sums(transcription, x);
     modes.copy_within(of(source), changed * contacts);
     vanishes.fill(false);

@@ -51,8 +51,10 @@ pub(super) struct Beginning {
 pub(super) struct Interval {
     /// Variable of the numerical length \[s\].
     pub(super) length: usize,
-    /// Variables of the controls, in their units; none if they are given.
+    /// Variables of the controls, in their units; none if they are given. Where they are linear, those at the start of the interval,
+    /// and those at its end, of which there are none else.
     pub(super) controls: Vec<usize>,
+    pub(super) ends: Vec<usize>,
     /// Constraint `sum_e h_e = 1`; the next one is the clock, and then come the path constraints on the controls.
     pub(super) rows: usize,
 }

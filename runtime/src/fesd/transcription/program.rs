@@ -5,7 +5,7 @@ use hangtime_solver::nlp::NlpProblem;
 
 use super::{
     Controls, EQUILIBRATION, SHORTEST, SUMS, Task, Transcription, conditions, corrections,
-    derivatives, guess, modes, names, neighbours, start,
+    derivatives, guess, modes, names, neighbours, ramps, start,
 };
 use crate::dcs::HeavisideSystem;
 use crate::rk::ButcherTableau;
@@ -60,9 +60,11 @@ impl NlpProblem for Transcription<'_> {
                 ..
             } = &self.task.controls
             {
-                for (k, &control) in interval.controls.iter().enumerate() {
-                    lower[control] = from[k] / self.control_units[k];
-                    upper[control] = to[k] / self.control_units[k];
+                for controls in [&interval.controls, &interval.ends] {
+                    for (k, &control) in controls.iter().enumerate() {
+                        lower[control] = from[k] / self.control_units[k];
+                        upper[control] = to[k] / self.control_units[k];
+                    }
                 }
             }
         }
@@ -172,6 +174,7 @@ impl NlpProblem for Transcription<'_> {
         }
         start::write_rows(self, x, c);
         corrections::write_rows(self, x, c);
+        ramps::write_rows(self, x, c);
         conditions::write_rows(self, x, c);
     }
 

@@ -2,7 +2,7 @@
 
 use hangtime_solver::mpcc::Mpcc as _;
 
-use super::{SUMS, Transcription, corrections, start};
+use super::{SUMS, Transcription, corrections, ramps, start};
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Numbers of contacts, and of those with friction.
@@ -26,6 +26,9 @@ fn of_local(transcription: &Transcription<'_>, k: usize) -> Purpose {
     let layout = &transcription.dcs.layout;
     if k < layout.states() {
         return of_state(transcription, k);
+    }
+    if k < layout.states() + layout.controls() {
+        return Purpose::Control;
     }
     match layout.algebraic_symbol(k) {
         Some(("alpha" | "beta" | "lp" | "ln" | "p" | "w", _)) => Purpose::StepFunction,
@@ -59,7 +62,7 @@ fn of_variable(transcription: &Transcription<'_>, index: usize) -> Purpose {
     if interval.length == index {
         return Purpose::Clock;
     }
-    if interval.controls.contains(&index) {
+    if interval.controls.contains(&index) || interval.ends.contains(&index) {
         return Purpose::Control;
     }
     let elements = &transcription.elements;
@@ -106,6 +109,9 @@ fn of_row(transcription: &Transcription<'_>, index: usize) -> Purpose {
     }
     if corrections::owns_row(element, index) {
         return Purpose::Gap;
+    }
+    if ramps::control_of_row(transcription, index).is_some() {
+        return Purpose::Control;
     }
     let blocks = &element.blocks;
     let b = blocks.partition_point(|block| block.algebraic_rows <= index);

@@ -31,11 +31,12 @@ pub(crate) struct Task {
 pub(crate) enum Controls {
     /// Given, the same everywhere.
     Fixed(Vec<f64>),
-    /// Unknown, constant on each interval; a guess for each.
+    /// Unknown, constant on each interval, with a guess for each, or linear between nodes, with a guess for each of these.
     Free {
         lower: Vec<f64>,
         upper: Vec<f64>,
         guess: Vec<Vec<f64>>,
+        linear: bool,
     },
 }
 
@@ -85,7 +86,23 @@ impl Task {
 }
 
 impl Controls {
-    /// Value on interval `k`, or guess of it.
+    /// Whether they are unknown and linear between nodes.
+    pub(crate) fn are_linear(&self) -> bool {
+        matches!(self, Self::Free { linear: true, .. })
+    }
+
+    /// Value, or guess of it, at that share of interval `k`.
+    pub(crate) fn at(&self, k: usize, share: f64) -> Vec<f64> {
+        let before = self.values(k);
+        if !self.are_linear() {
+            return before.to_vec();
+        }
+        let ends = before.iter().zip(self.values(k + 1));
+        let between = |(before, after): (&f64, &f64)| before + share * (after - before);
+        ends.map(between).collect()
+    }
+
+    /// Value on interval `k`, or at its start, or guess of it.
     pub(crate) fn values(&self, k: usize) -> &[f64] {
         match self {
             Self::Fixed(values) => values,

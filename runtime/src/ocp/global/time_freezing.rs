@@ -12,7 +12,7 @@ use crate::fesd::transcription::{
 };
 use crate::model::Model;
 use crate::ocp::motion::candidate::Candidate;
-use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem, bounds};
@@ -28,7 +28,7 @@ use crate::time_freezing::TimeFreezingSystem;
 ///
 /// Objective, path constraints, terminal conditions and free initial values are those that the scene declares. Bounds of
 /// coordinates are imposed at the ends of the finite elements, path constraints at their stages, bounds of controls
-/// everywhere.
+/// everywhere. Controls are constant on each interval.
 /// The starting point is made from the problem alone: coordinates with a goal move to it at constant speed,
 /// the others rest; without goals, it is a coarse simulation. Controls start at zero, or as
 /// near to it as their bounds allow.
@@ -38,7 +38,7 @@ use crate::time_freezing::TimeFreezingSystem;
 #[derive(Clone)]
 pub struct TimeFreezing<'a> {
     transcription: Transcription<'a>,
-    intervals: usize,
+    shape: ControlShape,
     /// Variables that are fixed at zero, for a known motion.
     vanishing: Vec<bool>,
 }
@@ -53,8 +53,7 @@ pub(in crate::ocp) struct TimeFreezingMotion {
     pub(in crate::ocp) horizon: f64,
     /// `(q, v)` at the start.
     pub(in crate::ocp) start: Vec<f64>,
-    /// Controls of each interval.
-    pub(in crate::ocp) controls: Vec<Vec<f64>>,
+    pub(in crate::ocp) controls: ControlGrid,
     /// Physical time at the end of each element \[s\].
     pub(in crate::ocp) time: Vec<f64>,
     /// Coordinates there.
@@ -83,8 +82,8 @@ impl<'a> TimeFreezing<'a> {
         Self::from_guess(model, problem, settings, &guess)
     }
 
-    /// Transcribes a problem and starts it at a motion, or at the simulation under its controls if the settings ask for
-    /// that.
+    /// Transcribes a problem with controls of the shape of those of a motion and starts it there, or at the simulation under these
+    /// controls if the settings ask for that.
     pub(in crate::ocp) fn from_guess(
         model: &'a dyn Model,
         problem: &Problem,
@@ -95,7 +94,7 @@ impl<'a> TimeFreezing<'a> {
         let task = task(model, problem, settings, guess);
         Ok(Self {
             transcription: transcribe(system(model, settings), &tableau, task),
-            intervals: problem.intervals,
+            shape: guess.controls.shape(),
             vanishing: Vec::new(),
         })
     }
@@ -124,7 +123,7 @@ impl<'a> TimeFreezing<'a> {
         Ok(Self {
             vanishing: known_sides(&transcription),
             transcription,
-            intervals: problem.intervals,
+            shape: trajectory.controls.shape(),
         })
     }
 
@@ -151,9 +150,7 @@ impl<'a> TimeFreezing<'a> {
         TimeFreezingMotion {
             horizon: program.horizon(x),
             start: program.initial_state(x),
-            controls: (0..self.intervals)
-                .map(|k| program.controls(x, k))
-                .collect(),
+            controls: ControlGrid::new(self.shape, program.controls(x)),
             time: states.iter().map(|state| state.time).collect(),
             step_functions: elements
                 .clone()
@@ -213,9 +210,11 @@ fn task(
     let controls = if lower.len() == n {
         Controls::Fixed(Vec::new())
     } else {
-        let guessed = guess.controls.resampled(ControlShape::Constant, intervals);
+        let shape = guess.controls.shape();
+        let guessed = guess.controls.resampled(shape, intervals);
         Controls::Free {
             guess: guessed.values().to_vec(),
+            linear: shape == ControlShape::Linear,
             lower: lower[n..].to_vec(),
             upper: upper[n..].to_vec(),
         }
@@ -431,7 +430,8 @@ mod tests {
         assert_eq!(solution.status, Status::Solved);
         // Constant forces are integrated exactly; the solver's tolerance is 1e-8.
         assert!((motion.horizon - 8.0_f64.sqrt()).abs() < 1e-7, "{motion:?}");
-        let controls: Vec<f64> = motion.controls.iter().map(|u| u[0].round()).collect();
+        let controls = motion.controls.values().iter();
+        let controls: Vec<f64> = controls.map(|u| u[0].round()).collect();
         assert_eq!(controls, [1.0, 1.0, -1.0, -1.0]);
     }
 
@@ -443,7 +443,8 @@ mod tests {
         let puck = Puck::default();
         let (solution, motion) = solve(&puck, &Problem::of(&puck, 4), false);
         assert_eq!(solution.status, Status::Solved);
-        let effort: f64 = motion.controls.iter().map(|u| 0.25 * u[0] * u[0]).sum();
+        let effort = motion.controls.values().iter();
+        let effort: f64 = effort.map(|u| 0.25 * u[0] * u[0]).sum();
         // Quadratics in numerical time are integrated exactly; equal elements cost nothing.
         assert!((effort - 16.0 / 21.0).abs() < 1e-7, "{effort}");
         let last = motion.q.len() - 1;

@@ -13,7 +13,6 @@ use super::time_freezing::{TimeFreezing, TimeFreezingMotion};
 use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
-use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::edit_sequence::touching_for_less_than;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::{drive, with_forces};
@@ -58,7 +57,12 @@ pub(in crate::ocp) fn candidate(
         simulated_guess: settings.simulated_guess || simulated,
         ..settings.clone()
     };
-    let mut program = TimeFreezing::from_guess(model, problem, &settings, guess)?;
+    let controls = guess.controls.resampled(setting.shape, problem.intervals);
+    let guess = Trajectory {
+        controls,
+        ..guess.clone()
+    };
+    let mut program = TimeFreezing::from_guess(model, problem, &settings, &guess)?;
     let mut relaxation = mpcc::Settings::default();
     relaxation.crossover = false;
     relaxation.final_relaxation = settings.complementarity;
@@ -217,13 +221,14 @@ fn trajectory(setting: Setting, motion: &TimeFreezingMotion) -> Trajectory {
     let states = states.into_iter().enumerate().map(|(i, state)| {
         let interval = i.saturating_sub(1) / per_interval;
         let time = i.checked_sub(1).map_or(0.0, |end| motion.time[end]);
-        let driven = drive(model, &motion.controls[interval], time);
+        let place = time * problem.intervals as f64 / motion.horizon;
+        let driven = drive(model, &motion.controls.within(interval, place), time);
         with_forces(model, state, &driven)
     });
     Trajectory {
         states: states.collect(),
         time: std::iter::once(&0.0).chain(&motion.time).copied().collect(),
         horizon: motion.horizon,
-        controls: ControlGrid::constant(motion.controls.clone()),
+        controls: motion.controls.clone(),
     }
 }

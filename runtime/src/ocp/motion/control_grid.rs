@@ -89,7 +89,11 @@ impl ControlGrid {
     /// Controls at `place`, in units of intervals, on the later side of a jump.
     pub(in crate::ocp) fn at(&self, place: f64) -> Vec<f64> {
         let last = self.intervals() - 1;
-        let interval = (place.max(0.0) as usize).min(last);
+        self.within((place.max(0.0) as usize).min(last), place)
+    }
+
+    /// Controls at a place of that interval, at its end on the earlier side of a jump.
+    pub(in crate::ocp) fn within(&self, interval: usize, place: f64) -> Vec<f64> {
         match self.shape {
             ControlShape::Constant => self.values[interval].clone(),
             ControlShape::Linear => {
