@@ -274,11 +274,16 @@ fn relaxed_and_optima(solution: &Solution) -> String {
             }
             status => status.to_string(),
         };
+        let left_out = match &report.left_out[..] {
+            [] => String::new(),
+            left_out => format!(", without {}", left_out.join(" and ")),
+        };
         let _ = writeln!(
             text,
-            "time-freezing {how}: objective {:.7}, violation {:.1e}, largest product {:.1e}\n              \
+            "time-freezing {how}{}: objective {:.7}, violation {:.1e}, largest product {:.1e}\n              \
              relaxed before: objective {:.7}, largest product {:.1e}{}\n              \
              {} variables, {} rows, {} pairs; {} iterations, {} of CPU time\n",
+            left_out,
             report.objective,
             report.residuals.primal,
             report.residuals.complementarity,

@@ -66,6 +66,7 @@ struct TimeFreezingEntry {
     objective: f64,
     horizon: f64,
     residuals: TimeFreezingResiduals,
+    left_out: Vec<&'static str>,
     relaxed: RelaxedEntry,
     #[serde(with = "SizeEntry")]
     size: ProblemSize,
@@ -98,6 +99,7 @@ impl TimeFreezingEntry {
                 primal: report.residuals.primal,
                 complementarity: report.residuals.complementarity,
             },
+            left_out: report.left_out.clone(),
             relaxed: RelaxedEntry {
                 objective: report.relaxed.objective,
                 complementarity: report.relaxed.complementarity,

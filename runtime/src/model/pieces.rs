@@ -110,13 +110,13 @@ impl Pieces {
     }
 }
 
-/// The name of a contact with an edge that bounces, if there is one. A bounce of the time-freezing system dips into the
-/// ground, by more than the other pieces may be away.
-pub(crate) fn bouncing_edge(model: &dyn Model) -> Option<&'static str> {
+/// The contacts with an edge that bounce. A bounce of the time-freezing system dips into the ground, by more than the other pieces
+/// may be away.
+pub(crate) fn bouncing_edges(model: &dyn Model) -> Vec<usize> {
     let contacts = model.declaration().contacts.iter().enumerate();
-    let mut bouncing =
+    let bouncing =
         contacts.filter(|(i, known)| !known.alternatives.is_empty() && model.restitution(*i) > 0.0);
-    bouncing.next().map(|(_, known)| known.name)
+    bouncing.map(|(i, _)| i).collect()
 }
 
 /// The name of a contact with an edge, if there is one.

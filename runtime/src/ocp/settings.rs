@@ -3,7 +3,7 @@
 use hangtime_solver::mpcc::RelaxationRule;
 
 use super::previous::Previous;
-use crate::model::{Model, bouncing_edge};
+use crate::model::Model;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
@@ -286,7 +286,7 @@ impl Settings {
     ///
     /// # Errors
     /// [`InputError`] names the first field outside its range.
-    pub(in crate::ocp) fn check(&self, model: &dyn Model) -> Result<(), InputError> {
+    pub(in crate::ocp) fn check(&self) -> Result<(), InputError> {
         if !(2..=ButcherTableau::MAX_STAGES).contains(&self.stages) {
             return Err(self.refuse_stages());
         }
@@ -314,20 +314,7 @@ impl Settings {
                 return Err(refusal::out_of_range(what, 0.0, "", "at least 1"));
             }
         }
-        if let (Formulation::TimeFreezing(_), Some(name)) =
-            (&self.formulation, bouncing_edge(model))
-        {
-            return Err(refusal::unsupported(
-                format!(
-                    "optimal control by time-freezing with restitution at an outer edge, of which `{name}` is a piece"
-                ),
-                "use the formulation in phases, which is the default",
-            ));
-        }
-        match self.formulation {
-            Formulation::TimeFreezing(_) => refuse_forces(model),
-            Formulation::Phases => Ok(()),
-        }
+        Ok(())
     }
 
     pub(in crate::ocp) fn refuse_stages(&self) -> InputError {
@@ -338,16 +325,4 @@ impl Settings {
             format!("in 2..={}", ButcherTableau::MAX_STAGES),
         )
     }
-}
-
-/// The time-freezing program knows no forces: they are those of numerical time, and impulses are spread over it.
-pub(in crate::ocp) fn refuse_forces(model: &dyn Model) -> Result<(), InputError> {
-    let declared = model.declaration().optimal_control;
-    if declared.is_none_or(|declared| !declared.contacts.any()) {
-        return Ok(());
-    }
-    Err(refusal::unsupported(
-        "optimal control by time-freezing with forces or impulses of contacts in `minimize`, `constraint` or `finally`",
-        "use the formulation in phases, which is the default",
-    ))
 }

@@ -54,7 +54,7 @@ pub fn program_sizes(
     problem: &Problem,
     settings: &Settings,
 ) -> Result<Vec<FormulationSize>, InputError> {
-    settings.check(model)?;
+    settings.check()?;
     problem.check(model)?;
     match &settings.formulation {
         Formulation::Phases => phases(model, problem, settings),

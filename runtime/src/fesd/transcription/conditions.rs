@@ -11,6 +11,9 @@
 //! The clock runs at the speed `theta`. It stands during a jump, which therefore costs nothing. Path constraints hold at the
 //! stages of jumps, too: coordinates rest there, and velocities lie between those before and after the jump, so that
 //! nothing is lost where the condition is convex in them.
+//!
+//! What contacts provide is 0 for all functions, and conditions on that are left out: in numerical time a force is the share of the
+//! auxiliary dynamics by the speed of the clock, which has no limit in a jump.
 
 use super::sites::{Input, Site, constraint_of, constraints_of, product};
 use super::{Block, Transcription};
@@ -24,8 +27,8 @@ fn inputs_at(
 ) -> Vec<Input> {
     let layout = &transcription.dcs.layout;
     let given = transcription.task.controls.values(interval);
-    let count = transcription.dcs.system.model.declaration().inputs();
-    let inputs = (0..count).map(|k| {
+    let declaration = transcription.dcs.system.model.declaration();
+    let inputs = (0..declaration.inputs()).map(|k| {
         let place = layout.local_of_input(k);
         let control = place.checked_sub(layout.states());
         Input {
@@ -35,8 +38,17 @@ fn inputs_at(
             read: read(k),
         }
     });
-    inputs.collect()
+    let contacts = declaration.inputs()..declaration.path_inputs();
+    inputs.chain(contacts.map(|_| NOTHING)).collect()
 }
+
+/// What a contact provides.
+const NOTHING: Input = Input {
+    variable: None,
+    unit: 1.0,
+    constant: 0.0,
+    read: false,
+};
 
 /// The sites of a program whose variables and rows are numbered.
 pub(super) fn sites(transcription: &Transcription<'_>) -> Vec<Site> {
@@ -88,18 +100,23 @@ pub(super) fn sites(transcription: &Transcription<'_>) -> Vec<Site> {
         let n = transcription.dcs.system.coordinates();
         let state = transcription.final_state()[..2 * n].iter();
         let variables = state.copied().chain([transcription.horizon]);
-        let goals = (0..declared.terminal_functions())
-            .filter(|&function| constraint_of(&declared, true, function).is_some());
+        let states_and_time = variables.map(|variable| Input {
+            variable,
+            unit: 1.0,
+            constant: transcription.task.horizon,
+            read: true,
+        });
+        let inputs = transcription
+            .dcs
+            .system
+            .model
+            .declaration()
+            .terminal_inputs();
+        let contacts = (2 * n + 1..inputs).map(|_| NOTHING);
+        let goals = transcription.goals().into_iter();
         sites.push(Site {
             terminal: true,
-            inputs: variables
-                .map(|variable| Input {
-                    variable,
-                    unit: 1.0,
-                    constant: transcription.task.horizon,
-                    read: true,
-                })
-                .collect(),
+            inputs: states_and_time.chain(contacts).collect(),
             rows: goals.zip(transcription.goal_rows..).collect(),
             cost: declared.final_cost.then(|| (1.0, Vec::new())),
         });

@@ -198,7 +198,7 @@ impl<'a> Transcription<'a> {
             }
         }
         self.goal_rows = self.constraints;
-        self.constraints += self.declared().map_or(0, |declared| declared.goals.len());
+        self.constraints += self.goals().len();
     }
 
     /// Variables of the controls of the next interval, or else of those at its start, which end the interval before, and at its end.
@@ -290,10 +290,19 @@ impl<'a> Transcription<'a> {
 
     /// Path functions that have one value an interval, as they read nothing but controls that are constant there; the others.
     fn by_interval(&self, declared: &OptimalControlDeclaration) -> (Vec<usize>, Vec<usize>) {
+        let inputs = self.dcs.system.model.declaration().inputs();
+        let functions = sites::path_functions(declared, inputs);
         if self.task.controls.are_linear() {
-            return (Vec::new(), (0..declared.path_functions()).collect());
+            return (Vec::new(), functions);
         }
-        sites::by_interval(declared, self.control_inputs())
+        sites::by_interval(declared, functions, self.control_inputs())
+    }
+
+    /// Terminal functions that are conditions of the program.
+    fn goals(&self) -> Vec<usize> {
+        let states = 2 * self.dcs.system.coordinates();
+        let declared = self.declared();
+        declared.map_or(Vec::new(), |declared| sites::goals(&declared, states + 1))
     }
 
     /// Which elements of interval `k` are as long as the one before: those of the same span of a known motion. Nothing else decides

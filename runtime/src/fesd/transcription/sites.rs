@@ -41,12 +41,33 @@ pub(super) fn constraint_of(
     }
 }
 
-/// Path functions that read nothing but controls, whose inputs these are, and so have one value an interval; the others.
+/// The path functions of the program, of which `inputs` is the length of what they read beside contacts: conditions on forces are left out.
+pub(super) fn path_functions(declared: &OptimalControlDeclaration, inputs: usize) -> Vec<usize> {
+    let functions = 0..declared.path_functions();
+    let stated = |&function: &usize| {
+        constraint_of(declared, false, function).is_none()
+            || !declared.path_jacobian.reads(function, inputs)
+    };
+    functions.filter(stated).collect()
+}
+
+/// The terminal conditions of the program, of which `inputs` is the length of what they read beside contacts.
+pub(super) fn goals(declared: &OptimalControlDeclaration, inputs: usize) -> Vec<usize> {
+    let functions = 0..declared.terminal_functions();
+    let stated = |&function: &usize| {
+        constraint_of(declared, true, function).is_some()
+            && !declared.terminal_jacobian.reads(function, inputs)
+    };
+    functions.filter(stated).collect()
+}
+
+/// Those of some path functions that read nothing but controls, whose inputs these are, and so have one value an interval; the others.
 pub(super) fn by_interval(
     declared: &OptimalControlDeclaration,
+    functions: Vec<usize>,
     controls: std::ops::Range<usize>,
 ) -> (Vec<usize>, Vec<usize>) {
-    (0..declared.path_functions()).partition(|&function| {
+    functions.into_iter().partition(|&function| {
         let entries = declared.path_jacobian.entries.iter();
         let mut own = entries.filter(|entry| entry.0 as usize == function);
         own.all(|entry| controls.contains(&(entry.1 as usize)))

@@ -10,7 +10,7 @@ use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{
     Controls, Guess, Task, Transcription, known_sides, size_groups, transcribe,
 };
-use crate::model::Model;
+use crate::model::{Model, bouncing_edges};
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::final_times::FinalTimes;
@@ -28,7 +28,8 @@ use crate::time_freezing::TimeFreezingSystem;
 ///
 /// Objective, path constraints, terminal conditions and free initial values are those that the scene declares. Bounds of
 /// coordinates are imposed at the ends of the finite elements, path constraints at their stages, bounds of controls
-/// everywhere. Controls are constant on each interval.
+/// everywhere. Controls are constant on each interval. Forces and impulses of contacts are those of physical time: functions that
+/// read them take them for 0, and conditions on them are left out. Outer edges do not bounce.
 /// The starting point is made from the problem alone: coordinates with a goal move to it at constant speed,
 /// the others rest; without goals, it is a coarse simulation. Controls start at zero, or as
 /// near to it as their bounds allow.
@@ -75,7 +76,6 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
-        settings::refuse_forces(model)?;
         let (lower, upper) = bounds(model);
         let bounds = (&lower[..], &upper[..]);
         let guess = guess(model, problem, &settings::Guess::Straight, bounds)?;
@@ -169,7 +169,8 @@ impl<'a> TimeFreezing<'a> {
 /// The time-freezing system in step form.
 fn system<'a>(model: &'a dyn Model, settings: &TimeFreezingSettings) -> HeavisideSystem<'a> {
     let a_bar = settings.auxiliary_acceleration;
-    HeavisideSystem::new(TimeFreezingSystem::new(model, a_bar))
+    let system = TimeFreezingSystem::new(model, a_bar);
+    HeavisideSystem::new(system.without_bounces(&bouncing_edges(model)))
 }
 
 /// The scheme, where all settings are in range.

@@ -10,8 +10,9 @@ use hangtime_solver::{mpcc, nlp};
 
 use super::start_modes::modes_at_start;
 use super::time_freezing::{TimeFreezing, TimeFreezingMotion};
-use crate::model::Model;
+use crate::model::{Model, bouncing_edges};
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::effort::Effort;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::edit_sequence::touching_for_less_than;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity};
@@ -66,10 +67,16 @@ pub(in crate::ocp) fn candidate(
     let mut relaxation = mpcc::Settings::default();
     relaxation.crossover = false;
     relaxation.final_relaxation = settings.complementarity;
-    relaxation.rules = settings.rules.to_vec();
+    // One of many starts is left where the first rule comes to nothing soon.
+    let explores = runner.effort == Effort::Explore;
+    let rules = if explores { 1 } else { settings.rules.len() };
+    relaxation.rules = settings.rules[..rules].to_vec();
     relaxation.interior_point.tolerance = settings.complementarity;
-    relaxation.interior_point.maximum_iterations =
-        runner.settings.maximum_iterations.max(ITERATIONS);
+    relaxation.interior_point.maximum_iterations = if explores {
+        runner.settings.maximum_iterations
+    } else {
+        runner.settings.maximum_iterations.max(ITERATIONS)
+    };
     let Ok(solution) = runner.relax(&mut program, &relaxation, "time-freezing program", 1.0) else {
         return Ok(None);
     };
@@ -86,6 +93,7 @@ pub(in crate::ocp) fn candidate(
             complementarity,
             ..solution.residuals
         },
+        left_out: left_out(model),
         relaxed: RelaxedReport {
             objective: solution.objective,
             complementarity,
@@ -113,7 +121,7 @@ pub(in crate::ocp) fn candidate(
 }
 
 /// Solves the complementarity problem with the contact sequence of a motion, which says what vanishes of each pair, and
-/// adds that to the report. Where that does not succeed, the relaxed solution is left.
+/// adds that to the report. Where that does not succeed, and where an edge bounces, the relaxed solution is left.
 pub(in crate::ocp) fn solve_exactly(
     runner: &mut Runner,
     (model, problem): (&dyn Model, &Problem),
@@ -121,6 +129,9 @@ pub(in crate::ocp) fn solve_exactly(
     motion: &Candidate,
     report: &mut TimeFreezingReport,
 ) -> Result<(), InputError> {
+    if !bouncing_edges(model).is_empty() {
+        return Ok(());
+    }
     let clock = ThreadTime::try_now();
     let mut program = TimeFreezing::known(model, problem, settings, motion)?;
     let mut interior_point = mpcc::Settings::default().interior_point;
@@ -151,6 +162,15 @@ pub(in crate::ocp) fn solve_exactly(
     }
     report.seconds += elapsed(clock);
     Ok(())
+}
+
+/// What of the scene the program leaves out.
+fn left_out(model: &dyn Model) -> Vec<&'static str> {
+    let declared = model.declaration().optimal_control;
+    let forces = declared.is_some_and(|declared| declared.contacts.any());
+    let forces = forces.then_some("forces and impulses");
+    let edges = (!bouncing_edges(model).is_empty()).then_some("restitution at edges");
+    forces.into_iter().chain(edges).collect()
 }
 
 /// Whether a run ended because it made no progress any more.

@@ -30,7 +30,7 @@ pub fn solve(
     settings: &Settings,
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
-    settings.check(model)?;
+    settings.check()?;
     problem.check(model)?;
     let search = matches!(settings.formulation, Formulation::Phases)
         && !matches!(settings.guess, Guess::Previous(_));

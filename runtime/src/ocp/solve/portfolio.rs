@@ -4,7 +4,8 @@
 //! solved in batches of a fixed size, each start by itself: what comes out does not depend on the number of threads. A
 //! start ends where one of an earlier batch was before, which makes those cheap that bring nothing new; after the first
 //! batch every second one begins at the best motion so far, bent out of shape, which finds what random motions seldom do. Where that
-//! batch has no motion at all, the next one begins with those that simulated controls lead nearest to the goals.
+//! batch has no motion at all, the next one begins with those that simulated controls lead nearest to the goals. One start of the second
+//! batch takes its contact sequence from the program of the time-freezing system, which ends at other motions than the contact-implicit ones.
 
 use hangtime_solver::nlp;
 use rayon::prelude::*;
@@ -12,9 +13,10 @@ use rayon::prelude::*;
 use super::one_grid::Known;
 use super::optima::{Found, ends_at_no_time, rank};
 use super::run::Task;
+use crate::model::{Model, bouncing_edges};
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::has_free_start;
-use crate::ocp::settings::{EulerStep, Guess, Settings};
+use crate::ocp::settings::{EulerStep, Formulation, Guess, Settings, TimeFreezingSettings};
 use crate::ocp::solution::{Counts, Solution, Status};
 use crate::simulation::InputError;
 
@@ -30,6 +32,9 @@ const BENDS: [f64; 2] = [0.1, 0.3];
 
 /// Most iterations of a program of a start: of several, some take few.
 const ITERATIONS: usize = 250;
+
+/// The start that takes its contact sequence from the program of the time-freezing system.
+const FREEZES: usize = 6;
 
 /// First barrier parameter of the contact-implicit programs in which contacts act from a distance.
 const FROM_A_DISTANCE: f64 = 10.0;
@@ -59,7 +64,11 @@ pub(super) fn explore(
         let batch = all.len()..starts.min(end);
         let best = best(&all);
         let runs = batch.into_par_iter().map(|start| {
-            let settings = member(task.settings, start, best.is_some());
+            let mut settings = member(task.settings, start, best.is_some());
+            if start == FREEZES && can_freeze(task.model) {
+                settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+                settings.guess = Guess::Straight;
+            }
             let near = best.filter(|_| looks_near_the_best(start));
             let near = near.and_then(|best| best.solution.previous.clone());
             let known = Known {
@@ -70,7 +79,7 @@ pub(super) fn explore(
         });
         let runs: Vec<_> = runs.collect();
         for (start, run) in runs {
-            let (found, trace) = match run {
+            let (mut found, trace) = match run {
                 Ok(run) => run,
                 Err(refusal) => {
                     refusals.push(refusal);
@@ -78,10 +87,11 @@ pub(super) fn explore(
                     continue;
                 }
             };
-            let found = match trace.repeats {
-                Some(start) => again(found, &all[start]),
-                None => found,
-            };
+            // What is asked for is the motion.
+            found.solution.time_freezing = None;
+            if let Some(start) = trace.repeats {
+                found = again(found, &all[start]);
+            }
             known.extend(trace.known);
             known.ended_at(&found.solution);
             all.push(found);
@@ -145,6 +155,11 @@ fn best_was_found_again(all: &[Found]) -> bool {
 /// Whether a start looks near the best motion so far, if there is one: every second one after the first batch.
 fn looks_near_the_best(start: usize) -> bool {
     start >= BATCH && !start.is_multiple_of(2)
+}
+
+/// Whether the program of the time-freezing system differs from a program without contacts, and can be stated.
+fn can_freeze(model: &dyn Model) -> bool {
+    !model.declaration().contacts.is_empty() && bouncing_edges(model).is_empty()
 }
 
 /// The settings of a start; the guess of the first one is the caller's. Those near the best have a guess as well: there may be
