@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::support::{DIGITS, one_start, solve};
 use hangtime::ocp::{Problem, Status, solve as solve_with};
 use hangtime::simulation::EventKind;
 
@@ -244,4 +245,35 @@ fn ball_is_kicked_off_the_lawn_when_it_is_time() {
         "{:?}",
         struck.v_before
     );
+}
+
+hangtime::model! {
+    /// A ball that is dropped on a table bounces to rest there, over three control intervals, and is pushed off the table.
+    Dropped {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, height: m = 0.8, edge: m = 1, goal: m = 1.4, e = 0.5 }
+        coordinates { y: m, z: m }
+        controls { u: N in -20..=20 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface table: max(z - height, y - edge) >= 0
+        impact table: restitution e
+        minimize integral(u^2)
+        finally { y == goal }
+        start { z: 1 [m] }
+        horizon 1.3 [s]
+    }
+}
+
+#[test]
+fn ball_that_bounces_to_rest_over_several_intervals_is_pushed_with_the_least_effort_of_its_way() {
+    let ball = Dropped::default();
+    for intervals in [8, 10] {
+        let solution = solve(&ball, intervals, &one_start());
+        // The table never hinders the push: controls in proportion to the time that is left in the middle of each interval, of
+        // which the sum of the squares is T^3 / 3 (1 - 1 / (4 N^2)).
+        let squares = 1.3_f64.powi(3) / 3.0 * (1.0 - 0.25 / (intervals * intervals) as f64);
+        let effort = (2.0 * 1.4_f64).powi(2) / squares;
+        let off = (solution.objective - effort).abs() / effort;
+        assert!(off < DIGITS, "{intervals}: {} {effort}", solution.objective);
+    }
 }
