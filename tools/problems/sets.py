@@ -8,6 +8,7 @@ import subprocess
 
 import casadi as ca
 
+import cutest
 import nl_writer
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -20,6 +21,7 @@ SOURCES = {
     "mpeclib": ("https://github.com/mrsaurabhtanwar/MPECSSCODEPAPER", "293e497", "benchmarks/mpeclib/mpeclib-json", ".nl.json"),
     "tsc": ("https://github.com/blegat/MacMPEC.jl", "6e1375a", "data/ampl", ".dat"),
     "nosbench": ("https://github.com/nosnoc/nosbench", "8f44ce4", "problems/casadi", ".json"),
+    "cutest": ("https://github.com/GrattonToint/S2MPJ", "35c9dcab", "python_problems", ".py"),
 }
 
 
@@ -27,14 +29,14 @@ class Source:
     """A pinned commit: its id is the checksum of every file in it, and each file is checked against it."""
 
     def __init__(self, name, clones):
-        self.url, commit, self.folder, self.end = SOURCES[name]
+        self.url, self.commit, self.folder, self.end = SOURCES[name]
         repository = self.url.split("/")[-1]
         given = [path for path in clones if repository in str(path)]
         self.path = given[0] if given else TARGET / "sources" / repository
         if not self.path.exists():
             self.path.parent.mkdir(parents=True, exist_ok=True)
             subprocess.run(["git", "clone", "--quiet", self.url, self.path], check=True)
-        listing = self.git("ls-tree", "-r", commit, f"{self.folder}/").decode()
+        listing = self.git("ls-tree", "-r", self.commit, f"{self.folder}/").decode()
         entries = (line.split(None, 3)[2:] for line in listing.splitlines())
         self.files = {path.split("/")[-1]: checksum for checksum, path in entries}
 
@@ -150,6 +152,20 @@ def traffic(data):
     return statement.text(objective)
 
 
+def state_cutest(source, problem, text, path):
+    """Writes the file of a problem, or beside it why there is none; whether it was written."""
+    reason = path.with_suffix(".skipped")
+    if reason.exists():
+        return False
+    library = source.git("show", f"{source.commit}:s2mpjlib.py").decode()
+    try:
+        path.write_text(cutest.state(library, problem, text))
+    except cutest.Skipped as skipped:
+        reason.write_text(f"{skipped}\n")
+        return False
+    return True
+
+
 def fetch(name, clones):
     """States every problem that can be had as a file; returns paths and how many were not there."""
     folder = TARGET / name
@@ -157,7 +173,8 @@ def fetch(name, clones):
     missing = 0
     parts = {"macmpec": [("macmpec", lambda data: from_json(data, "f_fun")), ("tsc", traffic)],
              "mpeclib": [("mpeclib", lambda data: from_json(data, "f_fun"))],
-             "nosbench": [("nosbench", lambda data: from_json(data, "augmented_objective_fun"))]}
+             "nosbench": [("nosbench", lambda data: from_json(data, "augmented_objective_fun"))],
+             "cutest": [("cutest", None)]}
     for part, state in parts[name]:
         source = Source(part, clones)
         for problem in source.names():
@@ -169,6 +186,9 @@ def fetch(name, clones):
             data = source.read(problem + source.end)
             if data is None:
                 missing += 1
+                continue
+            if part == "cutest":
+                missing += not state_cutest(source, problem, data.decode(), path)
                 continue
             path.write_text(state(data))
     return sorted(folder.glob("*.nl")), missing

@@ -52,6 +52,7 @@ pub struct Settings {
 impl Default for Settings {
     fn default() -> Self {
         let interior_point = nlp::Settings {
+            persistent: false,
             permanent_dual_shift: 1e-10,
             maximum_iterations: 1000,
             ..nlp::Settings::default()

@@ -27,13 +27,14 @@
 //! reset to the constraint value at trial points while their barrier stays comparable, which halves the
 //! iterations on some problems; bounds are not relaxed; objectives that are steep at the start are scaled again where
 //! they are not at the end; a solution whose multipliers are huge is called
-//! [`Status::Degenerate`], not solved.
+//! [`Status::Degenerate`], not solved. Runs that would end without a solution go on by other means ([`Settings::persistent`]).
 
 mod derivative_check;
 mod elements;
 mod error;
 mod info;
 mod kkt;
+mod least_squares;
 mod method;
 mod pattern;
 mod problem;
@@ -42,6 +43,7 @@ mod program;
 mod rescaled;
 mod result;
 mod run;
+mod second_round;
 mod settings;
 mod solution;
 mod solve;

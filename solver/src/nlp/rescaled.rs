@@ -7,7 +7,7 @@
 
 use super::method::barrier::Monotone;
 use super::program::scaling::row_scaling;
-use super::run::run_after;
+use super::run::{Ended, Start, run_after};
 use super::{NlpProblem, Observer, Products, Residuals, Settings, Solution, Status, WarmStart};
 
 /// How much larger the scale at the end has to be for another run. What a smaller ratio hides is of the size of the tolerance;
@@ -29,12 +29,13 @@ pub(super) fn rescaled(
     problem: &mut dyn NlpProblem,
     settings: &Settings,
     observer: &mut Observer<'_>,
-    first: (Solution, f64),
+    first: (Solution, Ended),
 ) -> Solution {
-    let (mut solution, mut scale) = first;
+    let (mut solution, mut ended) = first;
+    let mut went_on = false;
     for _ in 0..MOST_RUNS {
-        let Some(needed) = hidden(problem, settings, &solution, scale) else {
-            return solution;
+        let Some(needed) = hidden(problem, settings, &solution, ended.scale) else {
+            break;
         };
         let complementarity = needed * solution.residuals.complementarity;
         let warm = WarmStart {
@@ -59,17 +60,23 @@ pub(super) fn rescaled(
             problem,
             &near,
             tied,
-            Some(&warm),
+            Start::Warm(&warm),
             Some(&mut see),
             Some(solution.clone()),
         );
         match next {
-            Ok(next) => (solution, scale) = next,
+            Ok(next) => {
+                (solution, ended) = next;
+                went_on = true;
+            }
             // the functions have no value that near
             Err(_) => break,
         }
     }
-    if hidden(problem, settings, &solution, scale).is_some() {
+    // a residual that no step lowers is rounding, and nothing is hidden
+    if went_on && ended.is_close {
+        solution.status = Status::Solved;
+    } else if hidden(problem, settings, &solution, ended.scale).is_some() {
         solution.status = Status::StepTooSmall;
     }
     solution

@@ -16,23 +16,54 @@ pub(crate) fn run<'o>(
     observer: Option<&'o mut Observer<'o>>,
 ) -> Result<Solution, InputError> {
     let tied = (products, path);
+    let start = Start::of(start);
     run_after(problem, settings, tied, start, observer, None).map(|(solution, _)| solution)
 }
 
-/// A run, and the scale of the objective in it, that goes on counting where the run `earlier` stopped.
+/// What a solution does not say of its run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ended {
+    /// Scale of the objective.
+    pub(super) scale: f64,
+    /// Whether it gave up where a Newton step is shorter than 1e-8 of the point: the solution but for rounding.
+    pub(super) is_close: bool,
+}
+
+/// Where a run starts.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Start<'s> {
+    /// At the point of the problem.
+    Own,
+    /// At another point.
+    Point(&'s [f64]),
+    /// At a point with multipliers.
+    Warm(&'s WarmStart),
+}
+
+impl<'s> Start<'s> {
+    pub(super) fn of(start: Option<&'s WarmStart>) -> Self {
+        start.map_or(Self::Own, Self::Warm)
+    }
+}
+
+/// A run that goes on counting where the run `earlier` stopped.
 pub(super) fn run_after<'o>(
     problem: &mut dyn NlpProblem,
     settings: &Settings,
     (products, path): (&mut Products, &mut dyn BarrierPath),
-    start: Option<&WarmStart>,
+    start: Start<'_>,
     observer: Option<&'o mut Observer<'o>>,
     earlier: Option<Solution>,
-) -> Result<(Solution, f64), InputError> {
+) -> Result<(Solution, Ended), InputError> {
+    let (point, start) = match start {
+        Start::Own => (None, None),
+        Start::Point(x) => (Some(x), None),
+        Start::Warm(start) => (Some(&start.x[..]), Some(start)),
+    };
     if let Some(start) = start {
         check_warm_start(problem, start)?;
     }
     settings.validate()?;
-    let point = start.map(|s| &s.x[..]);
     let formulation = Formulation::new(problem, &products.pairs, point)?;
     let scale = formulation.objective_scale;
     let mut core = Core::new(formulation, settings, observer)?;
@@ -41,7 +72,9 @@ pub(super) fn run_after<'o>(
     }
     let end = method::run(&mut core, path, start, products)?;
     products.sigma = end.sigma;
-    Ok((solution(core, &end, products), scale))
+    let is_close = core.is_close;
+    let ended = Ended { scale, is_close };
+    Ok((solution(core, &end, products), ended))
 }
 
 fn check_warm_start(problem: &dyn NlpProblem, start: &WarmStart) -> Result<(), InputError> {

@@ -25,9 +25,14 @@ pub struct Settings {
     /// Least distance of the first point from two-sided bounds, relative to their distance; default
     /// 1e-2, in (0, 0.5).
     pub bound_fraction: f64,
+    /// Whether a run that would end without a solution goes on by other means: from other starts, by Newton's method without a
+    /// line search, with rows that give way a little; default true. Complementarity problems have their own means.
+    pub persistent: bool,
     /// Shift of the dual rows relative to `mu^0.25` that is always on; default 0. Complementarity
     /// problems use 1e-10: their Jacobians lose rank.
     pub(crate) permanent_dual_shift: f64,
+    /// So many first steps are taken without a test; default 0.
+    pub(crate) untested_steps: usize,
 }
 
 impl Default for Settings {
@@ -42,7 +47,9 @@ impl Default for Settings {
             initial_barrier_parameter: 0.1,
             bound_push: 1e-2,
             bound_fraction: 1e-2,
+            persistent: true,
             permanent_dual_shift: 0.0,
+            untested_steps: 0,
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use super::method::barrier::Monotone;
 use super::rescaled::rescaled;
-use super::run::run_after;
+use super::run::{Start, run_after};
+use super::second_round::second_round;
 use super::{
     InputError, IterationInfo, NlpProblem, Observer, Products, Settings, Solution, WarmStart,
 };
@@ -130,9 +131,14 @@ pub fn solve_from<'o>(
         problem,
         settings,
         (none, &mut path),
-        start,
+        Start::of(start),
         Some(&mut see),
         None,
     )?;
-    Ok(rescaled(problem, settings, &mut see, first))
+    let first = rescaled(problem, settings, &mut see, first);
+    // a start with multipliers was chosen with care
+    if start.is_some() || !settings.persistent {
+        return Ok(first);
+    }
+    Ok(second_round(problem, settings, &mut see, first))
 }

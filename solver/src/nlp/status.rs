@@ -14,7 +14,7 @@ pub enum Status {
     /// solution than the tolerance says.
     Degenerate,
     /// A stationary point of the constraint violation that is not feasible: the constraints are
-    /// infeasible near it. The diagnosis names the rows.
+    /// infeasible near it. The diagnosis names the rows. Where rows are not linear, other starts found no feasible point either.
     Infeasible,
     /// The iterates grew beyond 1e20, or the objective fell on and on beyond 1e12, at points that violate no row by more than
     /// rounding: the objective is probably unbounded below.

@@ -8,6 +8,7 @@ mod mpcc_problems;
 mod nl_files;
 mod nlp_elements;
 mod nlp_hock_schittkowski;
+mod nlp_second_round;
 mod nlp_special;
 #[path = "../solver_support/mod.rs"]
 mod solver_support;

@@ -468,6 +468,8 @@ pub(super) fn interior_point(chosen: &Settings) -> nlp::Settings {
     settings.tolerance = chosen.tolerance;
     settings.constraint_tolerance = chosen.tolerance;
     settings.maximum_iterations = chosen.maximum_iterations;
+    // the search has other sequences and starts to go on with
+    settings.persistent = false;
     settings
 }
 

@@ -181,8 +181,9 @@ impl KktSystem {
         self.seconds.factorize += start.elapsed().as_secs_f64();
     }
 
-    /// Assembles the matrix of the least-squares multiplier problem, `[I J'; J -e]` with `D = 1`.
-    fn assemble_least_squares(&mut self, problem: &BarrierProblem) {
+    /// Assembles the matrix of the least-squares multiplier problem, `[D J'; J -e]` with `D = 1`, or large for what is `free`.
+    fn assemble_least_squares(&mut self, problem: &BarrierProblem, free: &[bool]) {
+        const FREE: f64 = 1e16;
         let values = self.solver.values_mut();
         values.fill(0.0);
         for (&position, &a) in self.maps.jacobian.iter().zip(&self.jacobian_values) {
@@ -190,13 +191,21 @@ impl KktSystem {
         }
         self.stiffness.clear();
         self.stiffness.resize(problem.variables(), 1.0);
+        for (stiffness, _) in self
+            .stiffness
+            .iter_mut()
+            .zip(free)
+            .filter(|(_, free)| **free)
+        {
+            *stiffness = FREE;
+        }
         self.flexibility.clear();
         self.flexibility.resize(problem.rows(), 0.0);
-        for slack in &problem.slacks {
-            self.flexibility[slack.row] += 1.0;
+        for (slack, d) in problem.slacks.iter().zip(&self.stiffness[self.n..]) {
+            self.flexibility[slack.row] += 1.0 / d;
         }
         for i in 0..self.n {
-            self.solver.add_to_diagonal(i, 1.0);
+            self.solver.add_to_diagonal(i, self.stiffness[i]);
         }
         for row in 0..self.m {
             self.solver
@@ -303,17 +312,18 @@ impl KktSystem {
 
     /// Least-squares multipliers of the explicit rows,
     /// `min |grad F + J' y - z_l + z_u + products|`, into `iterate.y`; the multipliers of product rows are
-    /// data. Leaves zeros if the system is singular or an entry exceeds `limit`.
+    /// data. Variables that are `free` are left out: their bounds balance what is left. Leaves zeros if the system is singular or an entry exceeds `limit`.
     pub(crate) fn least_squares_multipliers(
         &mut self,
         problem: &BarrierProblem,
         iterate: &mut Iterate,
         gradient: &[f64],
         (limit, dual_shift): (f64, f64),
+        free: &[bool],
         work: &mut Iterate,
     ) {
         iterate.y[..self.m].fill(0.0);
-        self.assemble_least_squares(problem);
+        self.assemble_least_squares(problem, free);
         if self.factor(0.0, dual_shift).is_err() {
             return;
         }
@@ -332,7 +342,8 @@ impl KktSystem {
         self.row_terms.resize(problem.rows(), 0.0);
         for (k, slack) in problem.slacks.iter().enumerate() {
             if slack.row < self.m {
-                self.row_terms[slack.row] -= slack.sign * self.barrier_gradient[self.n + k];
+                self.row_terms[slack.row] -=
+                    slack.sign * self.barrier_gradient[self.n + k] / self.stiffness[self.n + k];
             }
         }
         for i in 0..self.n {

@@ -13,6 +13,8 @@ pub(super) enum Acceptance {
     Filter,
     /// The step is below the resolution of the numbers.
     Tiny,
+    /// The error of the optimality conditions decides later, or nothing does.
+    Untested,
 }
 
 impl Acceptance {
@@ -25,6 +27,7 @@ impl Acceptance {
             (Self::Filter, false) => 'h',
             (Self::Filter, true) => 'H',
             (Self::Tiny, _) => 't',
+            (Self::Untested, _) => 'n',
         }
     }
 }

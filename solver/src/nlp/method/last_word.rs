@@ -5,8 +5,9 @@
 //! method ends without a step that means anything, at a point that may well be the solution.
 
 use super::main_loop;
+use super::polish::{polish, restore};
 use super::state::{Outcome, State};
-use super::stop::LARGEST_MULTIPLIER;
+use super::stop::{LARGEST_MULTIPLIER, is_solution, largest_multiplier};
 use crate::linalg::norms::norm_inf;
 use crate::nlp::Status;
 use crate::nlp::program::residuals::SCALE_MAX;
@@ -16,7 +17,7 @@ const LARGEST_SCALE: f64 = 1e4 / SCALE_MAX;
 
 /// Hessian of rows with larger multipliers than that, beyond which these do not exist: that of `x^2 = 0` is the inverse of the
 /// distance to the solution.
-const LARGEST_CURVATURE: f64 = 100.0;
+pub(crate) const LARGEST_CURVATURE: f64 = 100.0;
 
 /// The outcome of a run, judged once more where it gave up at a feasible point: solved with the smallest multipliers that fit,
 /// or degenerate where multipliers diverged.
@@ -37,21 +38,55 @@ pub(super) fn last_word(state: &mut State<'_, '_, '_, '_>, outcome: Outcome) -> 
     // not a number is not feasible
     let feasible = state.unscaled_infeasibility() <= settings.constraint_tolerance
         && state.point.values.infeasibility() <= acceptable;
-    let diverged = diverged(state);
-    if !feasible || !diverged {
+    if !feasible {
         return outcome;
     }
-    if is_solved(state, 100.0 * tolerance) {
+    let diverged = diverged(state);
+    if diverged && is_solved(state, 100.0 * tolerance) {
         return state.outcome(Status::Solved);
     }
-    if let Some(outcome) = go_on_with_smallest(state) {
+    if diverged && let Some(outcome) = go_on_with_smallest(state) {
+        return outcome;
+    }
+    if state.core.settings.persistent
+        && let Some(outcome) = take_fitting(state)
+    {
+        return outcome;
+    }
+    // an error in the scale of multipliers that grow falls without end
+    if state.core.settings.persistent
+        && !diverged
+        && let Some(outcome) = polish(state)
+    {
         return outcome;
     }
     match outcome.status {
+        Status::RestorationFailed if state.error(0.0).scaled() <= acceptable => {
+            state.outcome(Status::Acceptable)
+        }
+        _ if !diverged => outcome,
         // without huge multipliers in the measure it would be as good
         Status::Acceptable if is_small(state, 100.0 * acceptable) => outcome,
         _ => state.outcome(Status::Degenerate),
     }
+}
+
+/// Solved with the multipliers that fit the gradient best, at the point or on the bounds near it, where these pass the test.
+fn take_fitting(state: &mut State<'_, '_, '_, '_>) -> Option<Outcome> {
+    let before = state.point.iterate.clone();
+    let bounds = (state.problem.lower.clone(), state.problem.upper.clone());
+    for snap in [false, true] {
+        if snap && !state.snap_to_bounds() {
+            break;
+        }
+        state.fit_multipliers();
+        if is_solution(state, &state.error(0.0)) {
+            return Some(state.outcome(Status::Solved));
+        }
+    }
+    (state.problem.lower, state.problem.upper) = bounds;
+    restore(state, &before);
+    None
 }
 
 /// Goes on with the smallest multipliers that fit, where these are moderate and all but pass the test: the others may have
@@ -79,10 +114,7 @@ fn go_on_with_smallest(state: &mut State<'_, '_, '_, '_>) -> Option<Outcome> {
             return Some(outcome);
         }
     }
-    state.point.iterate = before;
-    state.evaluate_iterate();
-    state.evaluate_first_derivatives();
-    state.update_lagrangian();
+    restore(state, &before);
     None
 }
 
@@ -98,7 +130,7 @@ fn is_solved(state: &mut State<'_, '_, '_, '_>, absolute: f64) -> bool {
 /// is huge. Where multipliers diverge since the gradient of a row vanishes at the solution, its curvature does not.
 fn multipliers_exist(state: &mut State<'_, '_, '_, '_>) -> bool {
     let y = &state.point.iterate.y;
-    if norm_inf(y) <= LARGEST_MULTIPLIER || !state.problem.products.is_empty() {
+    if norm_inf(y) <= largest_multiplier(state) || !state.problem.products.is_empty() {
         return true;
     }
     let core = &mut *state.core;
@@ -124,7 +156,7 @@ fn diverged(state: &State<'_, '_, '_, '_>) -> bool {
         .map(|of| norm_inf(of))
         .into_iter()
         .fold(0.0, f64::max);
-    largest > LARGEST_MULTIPLIER || state.error(0.0).dual_scale > LARGEST_SCALE
+    largest > largest_multiplier(state) || state.error(0.0).dual_scale > LARGEST_SCALE
 }
 
 /// Whether the unscaled residuals of the optimality conditions are below `limit`.

@@ -53,6 +53,17 @@ pub(super) fn line_search(state: &mut State<'_, '_, '_, '_>) -> Search {
             filter_rejected: false,
         };
     }
+    if state.progress.untested > 0 {
+        state.progress.untested -= 1;
+        if take_trial(state, alpha_max, false) {
+            return Search {
+                acceptance: Acceptance::Untested,
+                alpha: alpha_max,
+                alpha_max,
+                ..Search::failed(1)
+            };
+        }
+    }
     backtrack(state, &reference, alpha_max)
 }
 

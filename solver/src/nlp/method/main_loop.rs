@@ -7,7 +7,7 @@ use super::parameters::update_barrier;
 use super::rescue::{Rescue, rescue};
 use super::restoration::{Leave, PENALTY, Restored, begin, enter, take_over};
 use super::state::{Outcome, State};
-use super::step::{accept, is_drifting, is_jammed};
+use super::step::{Before, accept, is_drifting, is_jammed, stands_still};
 use super::stop::{record, stop_test};
 use crate::nlp::Status;
 
@@ -72,7 +72,17 @@ fn take_step(
             Rescue::End(outcome) => return Some(outcome),
         }
     } else {
+        let before = Before {
+            theta: state.point.values.theta,
+            phi: state.barrier_function(),
+            error: state.error(0.0).scaled(),
+        };
         accept(state, search);
+        if stands_still(state, &before) {
+            state.evaluate_first_derivatives();
+            state.update_lagrangian();
+            return Some(state.outcome(Status::StepTooSmall));
+        }
         if is_jammed(state, search) {
             Some(if state.problem.products.is_empty() {
                 0.9

@@ -15,6 +15,7 @@ mod last_word;
 mod line_search;
 mod main_loop;
 mod parameters;
+mod polish;
 mod rescue;
 mod restoration;
 mod saddle;
@@ -26,6 +27,7 @@ mod step;
 mod stop;
 mod trial;
 
+pub(super) use last_word::LARGEST_CURVATURE;
 pub(super) use state::{Core, End};
 
 use super::program::barrier_problem::BarrierProblem;

@@ -49,6 +49,8 @@ fn change_parameters(state: &mut State<'_, '_, '_, '_>, mu: f64, sigma: f64) -> 
     state.mu = mu;
     state.globalization.filter.clear();
     state.level.iterations = 0;
+    state.progress.still_steps = 0;
+    state.progress.least_error = f64::INFINITY;
     state.level.jams = 0;
     let changed = sigma != state.sigma;
     if changed {

@@ -156,11 +156,9 @@ pub(super) fn take_over(
     if !state.evaluate_iterate() {
         return Restored::Ended(Status::NotFinite);
     }
-    let tolerance = state.core.settings.tolerance;
     if !outcome.left {
-        let infeasibility = state.point.values.infeasibility();
         return match outcome.status {
-            Status::Solved | Status::Acceptable if infeasibility > tolerance => {
+            Status::Solved | Status::Acceptable if is_violated(state) => {
                 Restored::Ended(Status::Infeasible)
             }
             // feasible, though not acceptable to the filter: go on without it
@@ -175,6 +173,17 @@ pub(super) fn take_over(
     }
     reset_multipliers(state, found);
     Restored::Continue
+}
+
+/// Whether the point violates rows by more than what a solution may.
+fn is_violated(state: &State<'_, '_, '_, '_>) -> bool {
+    let settings = &state.core.settings;
+    let infeasibility = state.point.values.infeasibility();
+    if !state.problem.products.is_empty() {
+        return infeasibility > settings.tolerance;
+    }
+    infeasibility > settings.acceptable_tolerance
+        || state.unscaled_infeasibility() > settings.constraint_tolerance
 }
 
 /// Bound multipliers from the restoration phase, at most 1000; row multipliers by least squares.

@@ -15,6 +15,9 @@ use crate::nlp::{InputError, IterationInfo, Observer, Settings, Solution, Status
 /// Shift of the dual rows that makes multipliers of dependent rows unique, beside gradients of size 1 to 100.
 const DEPENDENT_SHIFT: f64 = 1e-10;
 
+/// Distance of a bound that is near, relative to the size of the variable.
+const NEAR: f64 = 1e-6;
+
 /// What main loop and restoration phase share.
 pub(crate) struct Core<'a, 'o> {
     pub(crate) formulation: Formulation<'a>,
@@ -25,6 +28,8 @@ pub(crate) struct Core<'a, 'o> {
     pub(crate) restoration_iterations: usize,
     /// Gradient of the least violation that the restoration phase ended at, if it ended the run.
     pub(crate) violation_stationarity: Option<f64>,
+    /// Whether the run gave up at a point that is the solution but for rounding.
+    pub(crate) is_close: bool,
     pub(crate) observer: Option<&'o mut Observer<'o>>,
     start: Instant,
     clock: ThreadTime,
@@ -47,6 +52,7 @@ impl<'a, 'o> Core<'a, 'o> {
             iterations: 0,
             restoration_iterations: 0,
             violation_stationarity: None,
+            is_close: false,
             observer,
             start: Instant::now(),
             clock: ThreadTime::now(),
@@ -159,6 +165,11 @@ pub(super) struct Progress {
     /// Steps far out that lowered an objective of huge negative values, and the last of these.
     pub(super) far_steps: usize,
     pub(super) far_objective: f64,
+    /// Steps that are still to be taken without a test.
+    pub(super) untested: usize,
+    /// Steps that changed nothing beyond rounding, and the least error before one on this barrier problem.
+    pub(super) still_steps: usize,
+    pub(super) least_error: f64,
     /// Iterations within the acceptable tolerance.
     pub(super) acceptable: usize,
     /// Iterations within the tolerance only by the size of the multipliers.
@@ -193,6 +204,11 @@ impl<'c, 'a, 'o, 'p> State<'c, 'a, 'o, 'p> {
         let rows = problem.rows();
         let (mu, sigma) = path.first();
         let zeros = Iterate::zeros(&problem);
+        let untested = if is_restoration {
+            0
+        } else {
+            core.settings.untested_steps
+        };
         Self {
             core,
             path,
@@ -234,6 +250,9 @@ impl<'c, 'a, 'o, 'p> State<'c, 'a, 'o, 'p> {
                 drift_theta: f64::INFINITY,
                 far_steps: 0,
                 far_objective: f64::INFINITY,
+                untested,
+                still_steps: 0,
+                least_error: f64::INFINITY,
                 acceptable: 0,
                 degenerate: 0,
             },
@@ -286,8 +305,66 @@ impl<'c, 'a, 'o, 'p> State<'c, 'a, 'o, 'p> {
             &mut self.point.iterate,
             &self.point.gradient,
             (limit, dual_shift),
+            &[],
             &mut self.work.correction,
         );
+    }
+
+    /// Puts variables on the bounds that are near; `false` where functions have no value there.
+    pub(super) fn snap_to_bounds(&mut self) -> bool {
+        let formulation = &self.core.formulation;
+        let bounds = formulation.lower.iter().zip(&formulation.upper);
+        let variables = self.point.iterate.v.iter_mut().zip(bounds).enumerate();
+        for (i, (v, (lower, upper))) in variables {
+            for bound in [*lower, *upper] {
+                if (*v - bound).abs() <= NEAR * v.abs().max(1.0) {
+                    *v = bound;
+                }
+            }
+            self.problem.lower[i] = *lower;
+            self.problem.upper[i] = *upper;
+        }
+        let finite = self.evaluate_iterate();
+        if finite {
+            self.evaluate_first_derivatives();
+        }
+        finite
+    }
+
+    /// The smallest multipliers that fit the gradient best where those of near bounds are free, and those of others zero.
+    pub(super) fn fit_multipliers(&mut self) {
+        let Iterate {
+            v,
+            z_lower,
+            z_upper,
+            ..
+        } = &mut self.point.iterate;
+        z_lower.fill(0.0);
+        z_upper.fill(0.0);
+        let bounds = self.problem.lower.iter().zip(&self.problem.upper);
+        let near = v.iter().zip(bounds).map(|(v, (lower, upper))| {
+            let distance = (v - lower).min(upper - v);
+            distance <= NEAR * v.abs().max(1.0)
+        });
+        let near: Vec<bool> = near.collect();
+        self.core.kkt.least_squares_multipliers(
+            &self.problem,
+            &mut self.point.iterate,
+            &self.point.gradient,
+            (f64::INFINITY, DEPENDENT_SHIFT),
+            &near,
+            &mut self.work.correction,
+        );
+        self.update_lagrangian();
+        for (i, _) in near.iter().enumerate().filter(|(_, near)| **near) {
+            let (v, gradient) = (self.point.iterate.v[i], self.point.lagrangian[i]);
+            if v - self.problem.lower[i] < self.problem.upper[i] - v {
+                self.point.iterate.z_lower[i] = gradient.max(0.0);
+            } else {
+                self.point.iterate.z_upper[i] = (-gradient).max(0.0);
+            }
+        }
+        self.update_lagrangian();
     }
 
     /// Updates the gradient of the Lagrangian, and what the optimality error follows from.

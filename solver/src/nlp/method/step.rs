@@ -1,10 +1,25 @@
 //! From an accepted step to the next iterate.
 
 use super::acceptance::{Acceptance, Search};
+use super::filter::GAMMA_THETA;
 use super::safeguard::safeguard;
 use super::state::State;
 use super::stop::FARTHEST;
 use crate::linalg::norms::norm_inf;
+
+/// Change of the barrier function, relative to its size, that rounding may make, and that steps this short, relative to the
+/// point, may make.
+const STILL: f64 = 1e-14;
+const STILL_BY_SHORT_STEPS: f64 = 1e-11;
+const SHORT: f64 = 1e-8;
+
+/// What a step is measured against.
+pub(super) struct Before {
+    pub(super) theta: f64,
+    pub(super) phi: f64,
+    /// Scaled error of the optimality conditions.
+    pub(super) error: f64,
+}
 
 /// Takes over the trial point and updates multipliers, filter and shift.
 pub(super) fn accept(state: &mut State<'_, '_, '_, '_>, search: &Search) {
@@ -105,6 +120,41 @@ pub(super) fn is_jammed(state: &mut State<'_, '_, '_, '_>, search: &Search) -> b
     }
     state.level.jams = 0;
     true
+}
+
+/// Length of the direction, relative to the point.
+fn relative_step(state: &State<'_, '_, '_, '_>) -> f64 {
+    let steps = state.work.direction.v.iter().zip(&state.point.iterate.v);
+    steps.fold(0.0, |largest, (d, v)| {
+        largest.max(d.abs() / v.abs().max(1.0))
+    })
+}
+
+/// Fifteen steps in a row that change neither the barrier function nor the violation by more than rounding, nor lower the
+/// error: the line search decides on rounding errors.
+pub(super) fn stands_still(state: &mut State<'_, '_, '_, '_>, before: &Before) -> bool {
+    if state.is_restoration || !state.core.settings.persistent {
+        return false;
+    }
+    let phi = state.barrier_function();
+    let theta = state.point.values.theta;
+    let resolution = if state.info.step_length_primal * relative_step(state) <= SHORT {
+        STILL_BY_SHORT_STEPS
+    } else {
+        STILL
+    };
+    let moved = (phi - before.phi).abs() > resolution * before.phi.abs().max(STILL)
+        || theta < (1.0 - GAMMA_THETA) * before.theta;
+    let lower = before.error < 0.9 * state.progress.least_error;
+    if lower {
+        state.progress.least_error = before.error;
+    }
+    if moved || lower {
+        state.progress.still_steps = 0;
+    } else {
+        state.progress.still_steps += 1;
+    }
+    state.progress.still_steps >= 15
 }
 
 /// Fifteen steps at infeasible points far out, or one beyond all sizes, that lowered the objective only: it is unbounded below

@@ -4,6 +4,7 @@ use super::state::State;
 use crate::linalg::norms::norm_inf;
 use crate::nlp::Status;
 use crate::nlp::program::residuals::OptimalityError;
+use crate::nlp::program::scaling::GRADIENT;
 
 /// Multipliers of the scaled problem, whose gradients are at most 100, beyond which none seem to exist.
 pub(super) const LARGEST_MULTIPLIER: f64 = 1e8;
@@ -62,23 +63,39 @@ fn divergence(state: &mut State<'_, '_, '_, '_>) -> Option<Status> {
     (ends && state.is_feasible_to_rounding()).then_some(Status::Diverging)
 }
 
+/// Whether the scaled error and the violation in the user's units are within their tolerances.
+fn passes(state: &State<'_, '_, '_, '_>, error: &OptimalityError) -> bool {
+    let settings = &state.core.settings;
+    error.scaled() <= settings.tolerance
+        && state.sigma <= state.path.final_sigma()
+        && (state.is_restoration || state.unscaled_infeasibility() <= settings.constraint_tolerance)
+}
+
+/// Whether the test of the error means something: huge multipliers scale any residual away.
+fn has_meaning(state: &State<'_, '_, '_, '_>, error: &OptimalityError) -> bool {
+    let absolute = 100.0 * state.core.settings.tolerance;
+    let largest = norm_inf(&state.point.iterate.y);
+    let exist = largest <= largest_multiplier(state) || !state.problem.products.is_empty();
+    exist && error.dual <= absolute && error.complementarity <= absolute
+}
+
+/// Whether the point is a solution by what is seen at it alone.
+pub(super) fn is_solution(state: &State<'_, '_, '_, '_>, error: &OptimalityError) -> bool {
+    passes(state, error) && has_meaning(state, error)
+}
+
+/// Multiplier beyond which none seem to exist: gradients that have grown since the start call for larger ones.
+pub(super) fn largest_multiplier(state: &State<'_, '_, '_, '_>) -> f64 {
+    LARGEST_MULTIPLIER * (norm_inf(&state.point.gradient) / GRADIENT).max(1.0)
+}
+
 /// The status that a point with this error ends the run with, if it does.
 pub(super) fn stop_test(
     state: &mut State<'_, '_, '_, '_>,
     error: &OptimalityError,
 ) -> Option<Status> {
-    let settings = &state.core.settings;
-    let scaled = error.scaled();
-    let at_end = state.sigma <= state.path.final_sigma();
-    let feasible =
-        || state.is_restoration || state.unscaled_infeasibility() <= settings.constraint_tolerance;
-    if scaled <= settings.tolerance && at_end && feasible() {
-        // huge multipliers scale any residual away; then the test says nothing
-        let absolute = 100.0 * settings.tolerance;
-        let largest = norm_inf(&state.point.iterate.y);
-        let exist = largest <= LARGEST_MULTIPLIER || !state.problem.products.is_empty();
-        let small = error.dual <= absolute && error.complementarity <= absolute;
-        if state.is_restoration || (exist && small) {
+    if passes(state, error) {
+        if state.is_restoration || has_meaning(state, error) {
             return Some(Status::Solved);
         }
         state.progress.degenerate += 1;
@@ -86,7 +103,9 @@ pub(super) fn stop_test(
             return Some(Status::Degenerate);
         }
     }
-    if scaled <= settings.acceptable_tolerance && at_end {
+    let settings = &state.core.settings;
+    let at_end = state.sigma <= state.path.final_sigma();
+    if error.scaled() <= settings.acceptable_tolerance && at_end {
         state.progress.acceptable += 1;
     } else {
         state.progress.acceptable = 0;

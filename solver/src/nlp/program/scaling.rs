@@ -1,7 +1,7 @@
 //! Gradient-based scaling and the start inside the bounds.
 
 /// Size that no gradient of objective and rows exceeds at the start.
-const GRADIENT: f64 = 100.0;
+pub(crate) const GRADIENT: f64 = 100.0;
 
 /// Factor that brings a gradient of size `largest` down to 100; never enlarges, never below 1e-8.
 pub(crate) fn row_scaling(largest: f64) -> f64 {
