@@ -23,7 +23,9 @@ def solve(path, limit):
     stats = solver.stats()
     far = lambda value, lower, upper: [max(l - v, v - u, 0.0) for v, l, u in zip(value, lower, upper)]
     violation = far(ca.vertsplit(end["g"]), program.g_lb, program.g_ub) + far(ca.vertsplit(end["x"]), program.x_lb, program.x_ub)
-    return {"status": stats["return_status"], "iterations": stats["iter_count"], "objective": float(end["f"]),
+    # with more equations than variables it does not begin, and its counts are not set
+    begun = stats["return_status"] != "Not_Enough_Degrees_Of_Freedom"
+    return {"status": stats["return_status"], "iterations": stats["iter_count"] if begun else 0, "objective": float(end["f"]),
             "violation": max(map(float, violation), default=0.0), "seconds": seconds}
 
 

@@ -12,7 +12,7 @@ use crate::simulation::{Event, EventKind, Simulation};
 pub(in crate::ocp) const AT_THE_END: f64 = 1e-7;
 
 /// Bounces that end within this many intervals are read as one landing.
-pub(in crate::ocp) const COMES_TO_REST: f64 = 0.5;
+const COMES_TO_REST: f64 = 0.5;
 
 /// A simulation under controls on equal intervals.
 pub(in crate::ocp) struct Replay<'r> {
@@ -181,24 +181,38 @@ pub(in crate::ocp) fn of_elements(
 
 /// With bounces that come to rest within so many intervals as one landing, at the first of them: a plan in which an elastic contact closes
 /// means all of them.
-pub(in crate::ocp) fn landed(mut sequence: Sequence, model: &dyn Model, within: f64) -> Sequence {
+pub(in crate::ocp) fn landed(sequence: Sequence, model: &dyn Model, within: f64) -> Sequence {
+    landed_where(sequence, model, |bounce, rest| {
+        rest.time - bounce.time < within
+    })
+}
+
+/// The same of bounces in the control interval in which they come to rest, in which a plan has them.
+pub(in crate::ocp) fn landed_in_an_interval(sequence: Sequence, model: &dyn Model) -> Sequence {
+    landed_where(sequence, model, |bounce, rest| {
+        bounce.interval == rest.interval
+    })
+}
+
+/// With bounces before a rest as one landing at the first of them, as far as they belong to it.
+fn landed_where(
+    mut sequence: Sequence,
+    model: &dyn Model,
+    belongs: impl Fn(&Switch, &Switch) -> bool,
+) -> Sequence {
     let switches = &mut sequence.switches;
     let mut landing = 0;
     while landing < switches.len() {
-        let Switch {
-            contact,
-            time,
-            mode,
-            ..
-        } = switches[landing];
+        let rest = switches[landing];
+        let Switch { contact, mode, .. } = rest;
         if !switches[landing].stays() || model.restitution(contact) == 0.0 {
             landing += 1;
             continue;
         }
         let own = (0..landing).rev();
         let own = own.filter(|&index| switches[index].contact == contact);
-        let bounces = own
-            .take_while(|&index| switches[index].touches() && time - switches[index].time < within);
+        let bounces =
+            own.take_while(|&index| switches[index].touches() && belongs(&switches[index], &rest));
         let bounces: Vec<usize> = bounces.collect();
         let Some((&first, later)) = bounces.split_last() else {
             landing += 1;

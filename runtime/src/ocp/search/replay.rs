@@ -4,7 +4,7 @@ use crate::model::{Pieces, edge};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::passages::with_passages;
-use crate::ocp::motion::read_sequence::{AT_THE_END, COMES_TO_REST, Replay, landed};
+use crate::ocp::motion::read_sequence::{AT_THE_END, Replay, landed_in_an_interval};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::simulation::{
@@ -64,8 +64,8 @@ pub(in crate::ocp) fn simulated(
     let controls = grid.resampled(setting.shape, problem.intervals);
     Ok(Some(Candidate {
         objective: f64::INFINITY,
-        // A plan holds no more bounces of a contact that comes to rest than it has intervals for.
-        sequence: landed(read_replay(setting, &replay, driven), model, COMES_TO_REST),
+        // A plan has the last bounces of a contact that comes to rest in one interval.
+        sequence: landed_in_an_interval(read_replay(setting, &replay, driven), model),
         trajectory: Trajectory::of_simulation(model, &replay, horizon, controls),
     }))
 }
