@@ -158,8 +158,7 @@ fn sizes(model: &dyn Model) -> Vec<FormulationSize> {
     all.extend(simulated(model, StepFormulation::Complementarity));
     all.extend(programs(model, Formulation::Phases).unwrap());
     let time_freezing = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    // Scenes that read forces have none; where it is asked for, it is missed by name.
-    all.extend(programs(model, time_freezing).unwrap_or_default());
+    all.extend(programs(model, time_freezing).unwrap());
     all
 }
 
@@ -261,16 +260,8 @@ fn force_adds_a_variable_and_an_equation_at_each_stage_of_its_contact() {
     assert_eq!(added(&pressed, COARSE, COARSE), []);
     let kernels = ["path_functions", "path_jacobian", "path_hessian"];
     assert_eq!(added_kernels(&pressed), kernels);
-    let refused = programs(
-        &pressed,
-        Formulation::TimeFreezing(TimeFreezingSettings::default()),
-    );
-    assert!(
-        refused
-            .unwrap_err()
-            .to_string()
-            .contains("forces or impulses")
-    );
+    // The program of the time-freezing system leaves forces out, and conditions on them.
+    assert_eq!(added(&pressed, FROZEN, FROZEN), []);
 }
 
 #[test]

@@ -207,7 +207,7 @@ const LANDER: &str = "parameters { m: kg = 2, g: m/s^2 = 10, bearable: N s = 10 
     finally { z == 0, dot(z) == 0 } start { z: 12.5 } horizon 2 [s]";
 
 #[test]
-fn forces_and_impulses_are_explained_solved_for_and_refused_by_name_where_they_are_not_known() {
+fn forces_and_impulses_are_explained_solved_for_and_told_where_a_program_leaves_them_out() {
     let scratch = Scratch::new("forces-scene");
     fs::create_dir_all(&scratch.0).unwrap();
     let file = scratch.0.join("lander.hang");
@@ -226,8 +226,23 @@ fn forces_and_impulses_are_explained_solved_for_and_refused_by_name_where_they_a
     let solution = json(&["solve", file, "--intervals", "2", "--json"]);
     let objective = solution["objective"].as_f64().unwrap();
     assert!((objective - 2.0).abs() < 1e-6, "{objective}");
-    let error = refused(&["solve", file, "--formulation", "time-freezing"]);
-    assert!(error.contains("forces or impulses of contacts"), "{error}");
+    let frozen = [
+        "solve",
+        file,
+        "--intervals",
+        "2",
+        "--formulation",
+        "time-freezing",
+    ];
+    let solution = json(&[&frozen[..], &["--json"]].concat());
+    let objective = solution["objective"].as_f64().unwrap();
+    assert!((objective - 2.0).abs() < 1e-6, "{objective}");
+    assert_eq!(
+        solution["time_freezing"]["left_out"][0],
+        "forces and impulses"
+    );
+    let text = solved(&frozen);
+    assert!(text.contains("without forces and impulses:"), "{text}");
 }
 
 #[test]
