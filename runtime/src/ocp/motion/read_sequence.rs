@@ -12,7 +12,7 @@ use crate::simulation::{Event, EventKind, Simulation};
 pub(in crate::ocp) const AT_THE_END: f64 = 1e-7;
 
 /// Bounces that end within this many intervals are read as one landing.
-const COMES_TO_REST: f64 = 0.5;
+pub(in crate::ocp) const COMES_TO_REST: f64 = 0.5;
 
 /// A simulation under controls on equal intervals.
 pub(in crate::ocp) struct Replay<'r> {

@@ -6,7 +6,7 @@ use super::attempt::{Attempt, Attempts, Local, Purpose};
 use super::free_lengths::retimed;
 use super::reach::reachable;
 use super::repair::{Repaired, is_left, repair};
-use super::replay::simulated;
+use super::replay::{simulated, simulations};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
@@ -463,9 +463,9 @@ fn motions(
 ) -> Result<Vec<(Sequence, Trajectory)>, InputError> {
     let candidate = shaped(setting, candidate);
     let trajectory = &candidate.trajectory;
-    let replay = simulated(setting, trajectory, runner.settings.replay_tolerance)?;
+    let replay = simulations(setting, trajectory, runner.settings.replay_tolerance)?.into_iter();
     let replay = replay.map(|replay| (replay.sequence, replay.trajectory));
-    let mut motions: Vec<(Sequence, Trajectory)> = replay.into_iter().collect();
+    let mut motions: Vec<(Sequence, Trajectory)> = replay.collect();
     motions.push((candidate.sequence, candidate.trajectory));
     Ok(motions)
 }

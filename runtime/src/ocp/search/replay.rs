@@ -4,7 +4,9 @@ use crate::model::{Pieces, edge};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::passages::with_passages;
-use crate::ocp::motion::read_sequence::{AT_THE_END, Replay, landed_in_an_interval};
+use crate::ocp::motion::read_sequence::{
+    AT_THE_END, COMES_TO_REST, Replay, landed, landed_in_an_interval,
+};
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::simulation::{
@@ -55,19 +57,35 @@ pub(in crate::ocp) fn simulated(
     driven: &Trajectory,
     tolerance: f64,
 ) -> Result<Option<Candidate>, InputError> {
+    Ok(simulations(setting, driven, tolerance)?.into_iter().next())
+}
+
+/// The same with each way to read the bounces of a contact that comes to rest: those in the control interval of the rest are the
+/// landing that a plan has there, or those within half an interval.
+pub(in crate::ocp) fn simulations(
+    setting: Setting,
+    driven: &Trajectory,
+    tolerance: f64,
+) -> Result<Vec<Candidate>, InputError> {
     let replay = simulate(setting, driven, None, tolerance)?;
     if replay.status != SimulationStatus::Solved {
-        return Ok(None);
+        return Ok(Vec::new());
     }
     let Setting { model, problem, .. } = setting;
     let (horizon, grid) = (driven.horizon, &driven.controls);
     let controls = grid.resampled(setting.shape, problem.intervals);
-    Ok(Some(Candidate {
+    let read = read_replay(setting, &replay, driven);
+    let in_an_interval = landed_in_an_interval(read.clone(), model);
+    let soon = landed(read, model, COMES_TO_REST);
+    let other = (soon.signature() != in_an_interval.signature()).then_some(soon);
+    let trajectory = Trajectory::of_simulation(model, &replay, horizon, controls);
+    let sequences = std::iter::once(in_an_interval).chain(other);
+    let candidate = |sequence| Candidate {
         objective: f64::INFINITY,
-        // A plan has the last bounces of a contact that comes to rest in one interval.
-        sequence: landed_in_an_interval(read_replay(setting, &replay, driven), model),
-        trajectory: Trajectory::of_simulation(model, &replay, horizon, controls),
-    }))
+        sequence,
+        trajectory: trajectory.clone(),
+    };
+    Ok(sequences.map(candidate).collect())
 }
 
 /// The contact sequence of a simulation under the controls of a trajectory.
