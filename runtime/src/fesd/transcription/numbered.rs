@@ -70,3 +70,40 @@ pub(super) struct Correction {
     /// Contact direction.
     pub(super) direction: Vec<f64>,
 }
+
+/// A control at a block that is linear between two nodes.
+#[derive(Clone)]
+pub(super) struct Ramp {
+    pub(super) row: usize,
+    /// Its variable, and those of the nodes before and after it.
+    pub(super) control: usize,
+    pub(super) nodes: [usize; 2],
+    /// Variable of the clock at the block.
+    pub(super) clock: usize,
+    /// Interval, which is the number of the node before it.
+    pub(super) interval: f64,
+}
+
+impl Ramp {
+    /// The ramps of a block of interval `k`, their rows from `first` on; none where controls are constant or given.
+    pub(super) fn of(
+        block: &Block,
+        (states, time): (usize, usize),
+        (k, interval): (usize, &Interval),
+        first: usize,
+    ) -> Vec<Self> {
+        let nodes = interval.controls.iter().zip(&interval.ends);
+        let controls = block.variables[states..].iter();
+        let ramps = controls.zip(nodes).zip(first..);
+        let ramp = |((&control, (&before, &after)), row)| {
+            Some(Self {
+                row,
+                control: control?,
+                nodes: [before, after],
+                clock: block.variables[time]?,
+                interval: k as f64,
+            })
+        };
+        ramps.filter_map(ramp).collect()
+    }
+}

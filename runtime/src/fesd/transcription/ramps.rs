@@ -9,64 +9,30 @@
 //!
 //! A jump has one control, as its clock stands. Between nodes within bounds every control is.
 
-use super::{Block, Interval, Transcription};
+use super::Transcription;
+use super::numbered::Ramp;
 
-/// A control at a block.
-#[derive(Clone)]
-pub(super) struct Ramp {
-    pub(super) row: usize,
-    /// Its variable, and those of the nodes before and after it.
-    pub(super) control: usize,
-    nodes: [usize; 2],
-    clock: usize,
-    /// Interval, which is the number of the node before it.
-    interval: f64,
+/// Length of the motion, and how far the clock is past the node before, both over the guess of the length, the second one
+/// in intervals times the length.
+fn lengths(ramp: &Ramp, transcription: &Transcription<'_>, x: &[f64]) -> (f64, f64) {
+    let guess = transcription.task.horizon;
+    let count = transcription.task.intervals as f64;
+    let length = transcription.horizon(x) / guess;
+    let elapsed = x[ramp.clock] - transcription.task.start.time;
+    (length, count * elapsed / guess - ramp.interval * length)
 }
 
-impl Ramp {
-    /// The ramps of a block of interval `k`, their rows from `first` on; none where controls are constant or given.
-    pub(super) fn of(
-        block: &Block,
-        (states, time): (usize, usize),
-        (k, interval): (usize, &Interval),
-        first: usize,
-    ) -> Vec<Self> {
-        let nodes = interval.controls.iter().zip(&interval.ends);
-        let controls = block.variables[states..].iter();
-        let ramps = controls.zip(nodes).zip(first..);
-        let ramp = |((&control, (&before, &after)), row)| {
-            Some(Self {
-                row,
-                control: control?,
-                nodes: [before, after],
-                clock: block.variables[time]?,
-                interval: k as f64,
-            })
-        };
-        ramps.filter_map(ramp).collect()
-    }
-
-    /// Length of the motion, and how far the clock is past the node before, both over the guess of the length, the second one
-    /// in intervals times the length.
-    fn lengths(&self, transcription: &Transcription<'_>, x: &[f64]) -> (f64, f64) {
-        let guess = transcription.task.horizon;
-        let count = transcription.task.intervals as f64;
-        let length = transcription.horizon(x) / guess;
-        let elapsed = x[self.clock] - transcription.task.start.time;
-        (length, count * elapsed / guess - self.interval * length)
-    }
-
-    fn differences(&self, x: &[f64]) -> (f64, f64) {
-        let [before, after] = self.nodes.map(|node| x[node]);
-        (x[self.control] - before, after - before)
-    }
+/// How far the control is from the node before, and the node behind.
+fn differences(ramp: &Ramp, x: &[f64]) -> (f64, f64) {
+    let [before, after] = ramp.nodes.map(|node| x[node]);
+    (x[ramp.control] - before, after - before)
 }
 
 /// Writes the rows.
 pub(super) fn write_rows(transcription: &Transcription<'_>, x: &[f64], c: &mut [f64]) {
     for ramp in &transcription.ramps {
-        let (length, past) = ramp.lengths(transcription, x);
-        let (own, all) = ramp.differences(x);
+        let (length, past) = lengths(ramp, transcription, x);
+        let (own, all) = differences(ramp, x);
         c[ramp.row] = length * own - all * past;
     }
 }
@@ -80,8 +46,8 @@ pub(super) fn add_jacobian(
     let guess = transcription.task.horizon;
     let count = transcription.task.intervals as f64;
     for ramp in &transcription.ramps {
-        let (length, past) = ramp.lengths(transcription, x);
-        let (own, all) = ramp.differences(x);
+        let (length, past) = lengths(ramp, transcription, x);
+        let (own, all) = differences(ramp, x);
         add(ramp.row, ramp.control, length);
         add(ramp.row, ramp.nodes[0], past - length);
         add(ramp.row, ramp.nodes[1], -past);
@@ -116,8 +82,8 @@ pub(super) fn add_hessian(
 /// Gives the controls of all blocks the values that nodes and clocks ask for.
 pub(super) fn set_controls(transcription: &Transcription<'_>, x: &mut [f64]) {
     for ramp in &transcription.ramps {
-        let (length, past) = ramp.lengths(transcription, x);
-        let (_, all) = ramp.differences(x);
+        let (length, past) = lengths(ramp, transcription, x);
+        let (_, all) = differences(ramp, x);
         x[ramp.control] = x[ramp.nodes[0]] + all * past / length;
     }
 }
