@@ -195,6 +195,27 @@ impl<'a> HeavisideSystem<'a> {
         }
     }
 
+    /// What contacts provide over the speed of the clock, by number, the normal accelerations first and then those along the sliding
+    /// velocities: a unit, and terms (place, factor) of weights.
+    pub(crate) fn provision(&self, number: usize) -> (f64, Vec<(usize, f64)>) {
+        let contacts = self.system.contacts();
+        let a_bar = self.system.auxiliary_acceleration;
+        if number < self.layout.contacts {
+            let terms = self.pressing(number).into_iter().flatten();
+            return (a_bar, terms.collect());
+        }
+        let sliding = number.checked_sub(contacts);
+        let friction = sliding.and_then(|i| self.layout.rough.iter().position(|&rough| rough == i));
+        match (sliding, friction) {
+            (Some(contact), Some(r)) => {
+                let place = |offset: usize| self.layout.friction_place(r, offset);
+                let terms = vec![(place(SLIP_MINUS), 1.0), (place(SLIP_PLUS), -1.0)];
+                (a_bar * self.system.friction(contact), terms)
+            }
+            _ => (a_bar, Vec::new()),
+        }
+    }
+
     /// Sets all algebraic variables in `xi` from the shares of the groups: `alpha` of each contact, the part
     /// of its friction that opposes forward sliding, the part of its jump that falls. Leaves what
     /// [`rows`](Self::rows) evaluated at `xi`.

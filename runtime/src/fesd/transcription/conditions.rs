@@ -6,23 +6,29 @@
 //! c(X_j) = 0, or >= 0                                   at the stages
 //! c(u_k) = 0, or >= 0                                   once an interval, where c reads nothing but constant controls
 //! phi(q, v, T), goals                                   at the end
+//! c(q, u, P) >= 0                                       in each impact
 //! ```
 //!
 //! The clock runs at the speed `theta`. It stands during a jump, which therefore costs nothing. Path constraints hold at the
 //! stages of jumps, too: coordinates rest there, and velocities lie between those before and after the jump, so that
 //! nothing is lost where the condition is convex in them.
 //!
-//! What contacts provide is 0 for all functions, and conditions on that are left out: in numerical time a force is the share of the
-//! auxiliary dynamics by the speed of the clock, which has no limit in a jump.
+//! Where it is known which elements are jumps, functions read what contacts provide ([`provided`](super::provided)). Otherwise that is
+//! 0 for all functions, and conditions on it are left out: in numerical time a force is the share of the auxiliary dynamics by the
+//! speed of the clock, which has no limit in a jump.
 
-use super::sites::{Input, Site, constraint_of, constraints_of, product};
-use super::{Block, Transcription};
+use super::numbered::Place;
+use super::provided;
+use super::sites::{Functions, Input, Row, Site, conditions_on_forces, constraints_of, product};
+use super::{Block, Impact, Interval, Transcription};
+use crate::model::OptimalControlDeclaration;
 
-/// The arguments of the path functions at a block, of which those in `read` matter.
+/// The arguments of the functions at a block, what contacts provide at a place behind all else, of which those in `read` matter.
 fn inputs_at(
     transcription: &Transcription<'_>,
-    block: &Block,
-    interval: usize,
+    (block, interval): (&Block, usize),
+    place: Option<Place>,
+    length: usize,
     read: impl Fn(usize) -> bool,
 ) -> Vec<Input> {
     let layout = &transcription.dcs.layout;
@@ -38,90 +44,154 @@ fn inputs_at(
             read: read(k),
         }
     });
-    let contacts = declaration.inputs()..declaration.path_inputs();
-    inputs.chain(contacts.map(|_| NOTHING)).collect()
+    let contacts = 0..length - declaration.inputs();
+    let provided = contacts.map(|number| provided::input(transcription, place, number));
+    inputs.chain(provided).collect()
 }
-
-/// What a contact provides.
-const NOTHING: Input = Input {
-    variable: None,
-    unit: 1.0,
-    constant: 0.0,
-    read: false,
-};
 
 /// The sites of a program whose variables and rows are numbered.
 pub(super) fn sites(transcription: &Transcription<'_>) -> Vec<Site> {
     let Some(declared) = transcription.declared() else {
         return Vec::new();
     };
-    let mut sites = Vec::new();
+    let mut sites = of_intervals(transcription, &declared);
+    sites.extend(of_stages(transcription, &declared));
+    sites.extend(of_impacts(transcription));
+    if declared.terminal_functions() > 0 {
+        sites.push(of_end(transcription, &declared));
+    }
+    sites
+}
+
+/// Whether the running cost is among functions.
+fn costs(declared: &OptimalControlDeclaration, functions: &[usize]) -> bool {
+    declared.running_cost && functions.contains(&0)
+}
+
+/// Path functions that have one value an interval.
+fn of_intervals(
+    transcription: &Transcription<'_>,
+    declared: &OptimalControlDeclaration,
+) -> Vec<Site> {
+    let (once, _) = transcription.by_interval(declared);
+    if once.is_empty() {
+        return Vec::new();
+    }
     let controls = transcription.control_inputs();
-    let (once, staged) = transcription.by_interval(&declared);
-    let rows = |functions: &[usize], first: usize| {
-        let constraints = constraints_of(&declared, functions).into_iter();
-        constraints.zip(first..).collect::<Vec<_>>()
+    let length = transcription.dcs.system.model.declaration().path_inputs();
+    let count = transcription.intervals.len() as f64;
+    let intervals = transcription.intervals.iter().enumerate();
+    let site = |(k, interval): (usize, &Interval)| {
+        let block = &transcription.elements[k * transcription.task.elements].blocks[0];
+        let read = |input| controls.contains(&input);
+        Site {
+            functions: Functions::Path,
+            inputs: inputs_at(transcription, (block, k), None, length, read),
+            rows: Row::each(&constraints_of(declared, &once), interval.rows + 2),
+            cost: costs(declared, &once).then(|| match transcription.horizon {
+                Some(horizon) => (1.0 / count, vec![horizon]),
+                None => (transcription.task.horizon / count, Vec::new()),
+            }),
+        }
     };
-    let costs = |functions: &[usize]| declared.running_cost && functions.contains(&0);
-    if !once.is_empty() {
-        let count = transcription.intervals.len() as f64;
-        for (k, interval) in transcription.intervals.iter().enumerate() {
-            let block = &transcription.elements[k * transcription.task.elements].blocks[0];
+    intervals.map(site).collect()
+}
+
+/// Path functions at the stages.
+fn of_stages(transcription: &Transcription<'_>, declared: &OptimalControlDeclaration) -> Vec<Site> {
+    let (_, staged) = transcription.by_interval(declared);
+    let declaration = transcription.dcs.system.model.declaration();
+    let length = declaration.path_inputs();
+    let imposed = constraints_of(declared, &staged);
+    let on_forces = conditions_on_forces(declared, declaration.inputs());
+    let theta = transcription.dcs.layout.theta();
+    let mut sites = Vec::new();
+    for (e, element) in transcription.elements.iter().enumerate() {
+        let force_rows = transcription.provisions.path_rows.get(e).copied().flatten();
+        for (j, b) in transcription.tableau.b().iter().enumerate() {
+            let block = &element.blocks[j];
+            let mut factors = vec![
+                element.length,
+                transcription.intervals[element.interval].length,
+            ];
+            factors.extend(theta.and_then(|place| block.variables[place]));
+            let mut rows = Row::each(&imposed, element.path_rows + j * imposed.len());
+            if let Some(first) = force_rows {
+                rows.extend(Row::each(&on_forces, first + j * on_forces.len()));
+            }
+            let cost = costs(declared, &staged).then_some((*b, factors));
+            if rows.is_empty() && cost.is_none() {
+                continue;
+            }
+            let place = Some(Place::Stage {
+                element: e,
+                stage: j,
+            });
+            let at = (block, element.interval);
             sites.push(Site {
-                terminal: false,
-                inputs: inputs_at(transcription, block, k, |input| controls.contains(&input)),
-                rows: rows(&once, interval.rows + 2),
-                cost: costs(&once).then(|| match transcription.horizon {
-                    Some(horizon) => (1.0 / count, vec![horizon]),
-                    None => (transcription.task.horizon / count, Vec::new()),
-                }),
+                functions: Functions::Path,
+                inputs: inputs_at(transcription, at, place, length, |_| true),
+                rows,
+                cost,
             });
         }
     }
-    if !staged.is_empty() {
-        let theta = transcription.dcs.layout.theta();
-        let imposed = constraints_of(&declared, &staged).len();
-        for element in &transcription.elements {
-            let length = transcription.intervals[element.interval].length;
-            for (j, b) in transcription.tableau.b().iter().enumerate() {
-                let block = &element.blocks[j];
-                let mut factors = vec![element.length, length];
-                factors.extend(theta.and_then(|place| block.variables[place]));
-                sites.push(Site {
-                    terminal: false,
-                    inputs: inputs_at(transcription, block, element.interval, |_| true),
-                    rows: rows(&staged, element.path_rows + j * imposed),
-                    cost: costs(&staged).then_some((*b, factors)),
-                });
-            }
-        }
-    }
-    if declared.terminal_functions() > 0 {
-        let n = transcription.dcs.system.coordinates();
-        let state = transcription.final_state()[..2 * n].iter();
-        let variables = state.copied().chain([transcription.horizon]);
-        let states_and_time = variables.map(|variable| Input {
+    sites
+}
+
+/// Functions of the impulses of each impact.
+fn of_impacts(transcription: &Transcription<'_>) -> Vec<Site> {
+    let length = transcription.dcs.system.model.declaration().impact_inputs();
+    let impacts = transcription.provisions.impacts.iter();
+    let site = |impact: &Impact| {
+        let element = &transcription.elements[impact.elements.end - 1];
+        let at = (element.blocks.last()?, element.interval);
+        let place = Some(Place::Impact {
+            first: impact.elements.start,
+        });
+        Some(Site {
+            functions: Functions::Impact,
+            inputs: inputs_at(transcription, at, place, length, |_| true),
+            rows: impact.rows.clone(),
+            cost: None,
+        })
+    };
+    impacts.filter_map(site).collect()
+}
+
+/// The terminal functions.
+fn of_end(transcription: &Transcription<'_>, declared: &OptimalControlDeclaration) -> Site {
+    let n = transcription.dcs.system.coordinates();
+    let state = transcription.final_state()[..2 * n].iter();
+    let provisions = &transcription.provisions;
+    let sums = (0..declared.contacts.sums).map(|k| provisions.sums.get(k).map(|sum| sum.0));
+    let time = transcription.horizon;
+    let mut inputs: Vec<Input> = state
+        .copied()
+        .chain([time])
+        .chain(sums)
+        .enumerate()
+        .map(|(k, variable)| Input {
             variable,
             unit: 1.0,
-            constant: transcription.task.horizon,
+            constant: if k == 2 * n {
+                transcription.task.horizon
+            } else {
+                0.0
+            },
             read: true,
-        });
-        let inputs = transcription
-            .dcs
-            .system
-            .model
-            .declaration()
-            .terminal_inputs();
-        let contacts = (2 * n + 1..inputs).map(|_| NOTHING);
-        let goals = transcription.goals().into_iter();
-        sites.push(Site {
-            terminal: true,
-            inputs: states_and_time.chain(contacts).collect(),
-            rows: goals.zip(transcription.goal_rows..).collect(),
-            cost: declared.final_cost.then(|| (1.0, Vec::new())),
-        });
+        })
+        .collect();
+    let declaration = transcription.dcs.system.model.declaration();
+    let place = transcription.last_stage();
+    let contacts = 0..declaration.terminal_inputs() - inputs.len();
+    inputs.extend(contacts.map(|number| provided::input(transcription, place, number)));
+    Site {
+        functions: Functions::Terminal,
+        inputs,
+        rows: Row::each(&transcription.goals(), transcription.goal_rows),
+        cost: declared.final_cost.then(|| (1.0, Vec::new())),
     }
-    sites
 }
 
 /// The objective that the scene declares.
@@ -165,10 +235,14 @@ pub(super) fn write_rows(transcription: &Transcription<'_>, x: &[f64], c: &mut [
         return;
     };
     let model = transcription.dcs.system.model;
-    for site in transcription.sites.iter().filter(|s| !s.rows.is_empty()) {
+    let sites = || transcription.sites.iter().filter(|s| !s.rows.is_empty());
+    sites()
+        .flat_map(|site| &site.rows)
+        .for_each(|at| c[at.row] = 0.0);
+    for site in sites() {
         let values = site.values(model, &declared, x);
-        for &(function, row) in &site.rows {
-            c[row] = values[function];
+        for at in &site.rows {
+            c[at.row] += at.factor * values[at.function];
         }
     }
 }
@@ -179,10 +253,10 @@ pub(super) fn write_bounds(transcription: &Transcription<'_>, upper: &mut [f64])
         return;
     };
     for site in &transcription.sites {
-        for &(function, row) in &site.rows {
-            let constraint = constraint_of(&declared, site.terminal, function);
+        for at in &site.rows {
+            let constraint = site.functions.constraint(&declared, at.function);
             if constraint.is_some_and(|c| !c.equality) {
-                upper[row] = f64::INFINITY;
+                upper[at.row] = f64::INFINITY;
             }
         }
     }
@@ -200,9 +274,9 @@ pub(super) fn add_jacobian(
     let model = transcription.dcs.system.model;
     for site in transcription.sites.iter().filter(|s| !s.rows.is_empty()) {
         let at = site.evaluate(model, &declared, x);
-        for &(function, row) in &site.rows {
-            for (variable, slope) in site.gradient_of(&declared, &at.slopes, function) {
-                add(row, variable, slope);
+        for own in &site.rows {
+            for (variable, slope) in site.gradient_of(&declared, &at.slopes, own.function) {
+                add(own.row, variable, own.factor * slope);
             }
         }
     }
@@ -223,8 +297,8 @@ pub(super) fn add_hessian(
     for site in &transcription.sites {
         let at = site.evaluate(model, &declared, x);
         let mut weights = vec![0.0; at.values.len()];
-        for &(function, row) in &site.rows {
-            weights[function] = multipliers[row];
+        for own in &site.rows {
+            weights[own.function] += own.factor * multipliers[own.row];
         }
         if let Some((factor, variables)) = &site.cost {
             weights[0] = weight * product(*factor, variables, &[], x);
@@ -239,21 +313,8 @@ pub(super) fn add_hessian(
                 }
             }
         }
-        let pattern = if site.terminal {
-            declared.terminal_hessian
-        } else {
-            declared.path_hessian
-        };
-        let mut curvatures = vec![0.0; pattern.entries.len()];
-        if site.terminal {
-            model.terminal_hessian(&at.input, &weights, &mut curvatures);
-        } else {
-            model.path_hessian(&at.input, &weights, &mut curvatures);
-        }
-        for (&(i, j), curvature) in pattern.entries.iter().zip(&curvatures) {
-            if let (Some((a, of_a)), Some((b, of_b))) = (site.argument(i), site.argument(j)) {
-                add(a, b, of_a * of_b * curvature);
-            }
+        for (a, b, curvature) in site.curvatures(model, &declared, &at.input, &weights) {
+            add(a, b, curvature);
         }
     }
 }
@@ -266,15 +327,15 @@ pub(super) fn row_name(
 ) -> Option<String> {
     let declared = transcription.declared()?;
     let mut sites = transcription.sites.iter();
-    let (terminal, function) = sites.find_map(|site| {
+    let (functions, function) = sites.find_map(|site| {
         let mut rows = site.rows.iter();
-        let (function, _) = rows.find(|(_, own)| *own == row)?;
-        Some((site.terminal, *function))
+        let own = rows.find(|own| own.row == row)?;
+        Some((site.functions, own.function))
     })?;
-    let name = constraint_of(&declared, terminal, function)?.name;
-    Some(if terminal {
-        format!("`{name}` at the end")
-    } else {
-        format!("`{name}` in {}", place())
+    let name = functions.constraint(&declared, function)?.name;
+    Some(match functions {
+        Functions::Path => format!("`{name}` in {}", place()),
+        Functions::Terminal => format!("`{name}` at the end"),
+        Functions::Impact => format!("`{name}` in an impact"),
     })
 }

@@ -2,7 +2,7 @@
 
 use hangtime_solver::nlp::Pattern;
 
-use super::{EQUILIBRATION, SUMS, Transcription, conditions, corrections, ramps, start};
+use super::{EQUILIBRATION, SUMS, Transcription, conditions, corrections, provided, ramps, start};
 use crate::dcs;
 
 pub(super) fn set_patterns(transcription: &mut Transcription<'_>) {
@@ -44,6 +44,7 @@ pub(super) fn add_jacobian(
     corrections::add_jacobian(transcription, x, add);
     ramps::add_jacobian(transcription, x, add);
     conditions::add_jacobian(transcription, x, add);
+    provided::add_jacobian(transcription, x, add);
 }
 
 fn add_element_jacobian(
@@ -147,6 +148,7 @@ pub(super) fn add_hessian(
     corrections::add_hessian(transcription, x, multipliers, add);
     ramps::add_hessian(transcription, multipliers, add);
     conditions::add_hessian(transcription, x, weight, multipliers, add);
+    provided::add_hessian(transcription, x, multipliers, add);
 }
 
 fn add_element_hessian(

@@ -1,7 +1,7 @@
 //! What vanishes in a known motion.
 
 use super::Transcription;
-use super::laid_out::parts;
+use super::laid_out::spans_of_elements;
 use super::modes::{self, Mode};
 use super::task::Guess;
 use crate::dcs::W;
@@ -15,13 +15,9 @@ pub(crate) fn known_sides(transcription: &Transcription<'_>) -> Vec<bool> {
     let Guess::Known(intervals) = &transcription.task.guess else {
         return vanishes;
     };
-    let of_elements: Vec<&[[bool; 2]]> = intervals
-        .iter()
-        .flat_map(|spans| {
-            let parts = parts(spans, transcription.task.elements);
-            let repeated = spans.iter().zip(parts);
-            repeated.flat_map(|(span, count)| std::iter::repeat_n(&span.weights[..], count))
-        })
+    let of_elements: Vec<&[[bool; 2]]> = spans_of_elements(intervals, transcription.task.elements)
+        .into_iter()
+        .map(|span| &span.weights[..])
         .collect();
     let layout = &transcription.dcs.layout;
     let contacts = layout.contacts();

@@ -27,6 +27,15 @@ pub(super) fn parts(spans: &[Span], count: usize) -> Vec<usize> {
     parts
 }
 
+/// The span of each element of all intervals, which have `count` elements each.
+pub(super) fn spans_of_elements(intervals: &[Vec<Span>], count: usize) -> Vec<&Span> {
+    let repeated = intervals.iter().flat_map(|spans| {
+        let parts = spans.iter().zip(parts(spans, count));
+        parts.flat_map(|(span, count)| std::iter::repeat_n(span, count))
+    });
+    repeated.collect()
+}
+
 /// Which of these contacts are closed in each element of an interval, where the clock runs.
 pub(super) fn closed(spans: &[Span], count: usize, contacts: &[usize]) -> Vec<Vec<usize>> {
     let of_span = |(span, parts): (&Span, usize)| {

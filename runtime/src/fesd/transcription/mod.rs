@@ -32,6 +32,7 @@ mod names;
 mod neighbours;
 mod numbered;
 mod program;
+mod provided;
 mod purposes;
 mod ramps;
 mod sites;
@@ -42,7 +43,7 @@ mod test_scenes;
 #[cfg(test)]
 mod tests;
 
-use numbered::{Beginning, Block, Correction, Element, Interval, Ramp};
+use numbered::{Beginning, Block, Correction, Element, Impact, Interval, Place, Provisions, Ramp};
 
 pub(crate) use known::known_sides;
 pub(crate) use program::transcribe;
@@ -55,7 +56,7 @@ use hangtime_solver::nlp::Pattern;
 
 use crate::dcs::{Group, HeavisideSystem};
 use crate::fesd::finite_element::State;
-use crate::model::OptimalControlDeclaration;
+use crate::model::{ContactTerms, OptimalControlDeclaration};
 use crate::rk::ButcherTableau;
 
 /// Smallest element length relative to the nominal one: elements of length zero would make the Jacobian
@@ -88,6 +89,7 @@ pub(crate) struct Transcription<'a> {
     sites: Vec<sites::Site>,
     /// The controls of blocks, where they are linear between nodes.
     ramps: Vec<Ramp>,
+    provisions: Provisions,
     variables: usize,
     constraints: usize,
     /// Variable of the final time, if it is free.
@@ -150,6 +152,7 @@ impl<'a> Transcription<'a> {
             beginning: None,
             sites: Vec::new(),
             ramps: Vec::new(),
+            provisions: Provisions::default(),
             variables: 0,
             constraints: 0,
             horizon: None,
@@ -301,9 +304,35 @@ impl<'a> Transcription<'a> {
 
     /// Terminal functions that are conditions of the program.
     fn goals(&self) -> Vec<usize> {
-        let states = 2 * self.dcs.system.coordinates();
-        let declared = self.declared();
-        declared.map_or(Vec::new(), |declared| sites::goals(&declared, states + 1))
+        let plain = 2 * self.dcs.system.coordinates() + 1;
+        let Some(declared) = self.declared() else {
+            return Vec::new();
+        };
+        let read = match (self.is_known(), self.last_stage()) {
+            (false, _) => plain,
+            (true, None) => plain + declared.contacts.sums,
+            (true, Some(_)) => self.dcs.system.model.declaration().terminal_inputs(),
+        };
+        sites::goals(&declared, read)
+    }
+
+    /// Whether the motion is known at which the solver starts.
+    fn is_known(&self) -> bool {
+        matches!(self.task.guess, Guess::Known(_))
+    }
+
+    /// The stage at the end of a known motion, if the scheme has one there.
+    fn last_stage(&self) -> Option<Place> {
+        (self.is_known() && self.tableau.stiffly_accurate()).then(|| Place::Stage {
+            element: self.task.intervals * self.task.elements - 1,
+            stage: self.tableau.stages() - 1,
+        })
+    }
+
+    /// Whether functions read forces and impulses of which the program knows nothing.
+    pub(crate) fn leaves_out_forces(&self) -> bool {
+        let terms = self.declared().map_or(ContactTerms::NONE, |d| d.contacts);
+        terms.any() && (!self.is_known() || terms.terminal && self.last_stage().is_none())
     }
 
     /// Which elements of interval `k` are as long as the one before: those of the same span of a known motion. Nothing else decides

@@ -1,6 +1,9 @@
 //! Names of variables, rows and pairs: what, which element, when.
 
-use super::{Element, Interval, SUMS, Transcription, conditions, corrections, ramps, start};
+use super::{
+    Element, Interval, Place, Provisions, SUMS, Transcription, conditions, corrections, ramps,
+    start,
+};
 
 /// Interval `k`, with its physical time if that is known before the solution.
 fn interval_name(transcription: &Transcription<'_>, k: usize) -> String {
@@ -81,12 +84,44 @@ fn summed(transcription: &Transcription<'_>, sum: usize) -> (&'static str, usize
         .unwrap_or(("", 0))
 }
 
+/// A force or an impulse, or a sum over impacts, whose variable and row are those.
+fn name_of_provision(
+    transcription: &Transcription<'_>,
+    own: impl Fn((usize, usize)) -> bool,
+) -> Option<String> {
+    let Provisions { all, sums, .. } = &transcription.provisions;
+    if let Some(k) = sums.iter().position(|&sum| own(sum)) {
+        return Some(format!("sum {k} over impacts"));
+    }
+    let provision = all.iter().find(|p| own((p.variable, p.row)))?;
+    let contacts = transcription.contacts();
+    let contact = contact_name(transcription, provision.number % contacts);
+    let along = if provision.number < contacts {
+        ""
+    } else {
+        "along the sliding velocity "
+    };
+    Some(match provision.place {
+        Place::Stage { element, stage } => {
+            let place = block_name(transcription, element, stage);
+            format!("force {along}of {contact} at {place}")
+        }
+        Place::Impact { first } => {
+            let place = element_name(transcription, first);
+            format!("impulse {along}of {contact} from {place} on")
+        }
+    })
+}
+
 pub(super) fn name_of_variable(transcription: &Transcription<'_>, index: usize) -> String {
     if transcription.horizon == Some(index) {
         return "final time".into();
     }
     if let Some(k) = start::local_of(transcription, index) {
         return format!("{} at the start", local_name(transcription, k));
+    }
+    if let Some(name) = name_of_provision(transcription, |own| own.0 == index) {
+        return name;
     }
     let before = |interval: &Interval| interval.length <= index;
     let k = transcription
@@ -149,6 +184,9 @@ pub(super) fn name_of_variable(transcription: &Transcription<'_>, index: usize) 
 pub(super) fn name_of_constraint(transcription: &Transcription<'_>, index: usize) -> String {
     if start::owns_row(transcription, index) {
         return "switching functions at the start".into();
+    }
+    if let Some(name) = name_of_provision(transcription, |own| own.1 == index) {
+        return name;
     }
     let before = |interval: &Interval| interval.rows <= index;
     let k = transcription

@@ -1,5 +1,9 @@
 //! Where the variables and rows of a program begin.
 
+use std::ops::Range;
+
+use super::sites::Row;
+
 /// A point at which the step form is evaluated: a Runge-Kutta stage, or the end of an element.
 #[derive(Clone)]
 pub(super) struct Block {
@@ -106,4 +110,47 @@ impl Ramp {
         };
         ramps.filter_map(ramp).collect()
     }
+}
+
+/// Where a contact provides something.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Place {
+    /// A force at a stage of an element in which the clock runs.
+    Stage { element: usize, stage: usize },
+    /// An impulse in the impact whose first element this is.
+    Impact { first: usize },
+}
+
+/// A force or an impulse that functions read.
+#[derive(Debug, Clone)]
+pub(super) struct Provision {
+    pub(super) variable: usize,
+    pub(super) row: usize,
+    pub(super) place: Place,
+    /// Among all that contacts provide: the normal ones, then those along the sliding velocities.
+    pub(super) number: usize,
+    /// Value of one of the variable.
+    pub(super) unit: f64,
+    /// Places and factors of the weights that it is made of.
+    pub(super) terms: Vec<(usize, f64)>,
+}
+
+/// An impact of a known motion.
+#[derive(Debug, Clone)]
+pub(super) struct Impact {
+    /// Its elements.
+    pub(super) elements: Range<usize>,
+    /// What it adds to the sums, and the conditions on it.
+    pub(super) rows: Vec<Row>,
+}
+
+/// What contacts provide in a known motion, where functions read it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Provisions {
+    pub(super) all: Vec<Provision>,
+    pub(super) impacts: Vec<Impact>,
+    /// Variable and row of each sum over impacts.
+    pub(super) sums: Vec<(usize, usize)>,
+    /// First row of the path constraints on forces at the stages of each element, stage by stage; none in jumps.
+    pub(super) path_rows: Vec<Option<usize>>,
 }

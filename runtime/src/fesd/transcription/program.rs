@@ -5,7 +5,7 @@ use hangtime_solver::nlp::NlpProblem;
 
 use super::{
     Controls, EQUILIBRATION, SHORTEST, SUMS, Task, Transcription, conditions, corrections,
-    derivatives, guess, modes, names, neighbours, ramps, start,
+    derivatives, guess, modes, names, neighbours, provided, ramps, start,
 };
 use crate::dcs::HeavisideSystem;
 use crate::rk::ButcherTableau;
@@ -17,9 +17,14 @@ pub(crate) fn transcribe<'a>(
     task: Task,
 ) -> Transcription<'a> {
     let mut transcription = Transcription::new(dcs, tableau, task);
+    provided::number(&mut transcription);
     transcription.sites = conditions::sites(&transcription);
     guess::set_guess(&mut transcription);
+    provided::guess_forces(&mut transcription);
     let guess = transcription.guess.clone();
+    let mut rows = vec![0.0; transcription.constraints];
+    conditions::write_rows(&transcription, &guess, &mut rows);
+    provided::guess_sums(&mut transcription, &rows);
     corrections::set_directions(&mut transcription, &guess);
     derivatives::set_patterns(&mut transcription);
     transcription
@@ -176,6 +181,7 @@ impl NlpProblem for Transcription<'_> {
         corrections::write_rows(self, x, c);
         ramps::write_rows(self, x, c);
         conditions::write_rows(self, x, c);
+        provided::write_rows(self, x, c);
     }
 
     fn jacobian_pattern(&self) -> Vec<(usize, usize)> {

@@ -2,7 +2,7 @@
 
 use hangtime_solver::mpcc::Mpcc as _;
 
-use super::{SUMS, Transcription, corrections, ramps, start};
+use super::{SUMS, Transcription, corrections, provided, ramps, start};
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Numbers of contacts, and of those with friction.
@@ -56,6 +56,9 @@ fn of_variable(transcription: &Transcription<'_>, index: usize) -> Purpose {
     if start::local_of(transcription, index).is_some() {
         return Purpose::FreeStart;
     }
+    if provided::owns(transcription, |own| own.0 == index) {
+        return Purpose::ForceTerm;
+    }
     let intervals = &transcription.intervals;
     let k = intervals.partition_point(|interval| interval.length <= index);
     let interval = &intervals[k.saturating_sub(1)];
@@ -83,8 +86,13 @@ fn of_variable(transcription: &Transcription<'_>, index: usize) -> Purpose {
 }
 
 fn of_row(transcription: &Transcription<'_>, index: usize) -> Purpose {
-    if index >= transcription.goal_rows {
-        return Purpose::Goal;
+    if provided::owns(transcription, |own| own.1 == index) {
+        return Purpose::ForceTerm;
+    }
+    match index.checked_sub(transcription.goal_rows) {
+        Some(goal) if goal < transcription.goals().len() => return Purpose::Goal,
+        Some(_) => return Purpose::PathConstraint,
+        None => {}
     }
     if start::owns_row(transcription, index) {
         return Purpose::FreeStart;

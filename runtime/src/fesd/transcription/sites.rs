@@ -1,6 +1,38 @@
 //! Functions that a scene declares for optimal control, with the variables that they read where they are evaluated.
 
-use crate::model::{ConstraintDeclaration, Model, OptimalControlDeclaration};
+use crate::model::{ConstraintDeclaration, Model, OptimalControlDeclaration, SparsityPattern};
+
+/// Which functions of the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Functions {
+    /// Running cost and path constraints, of `(q, v, u[, t])` and what contacts provide.
+    Path,
+    /// Final cost and goals, of `(q, v, T)`, the sums over impacts and what contacts provide.
+    Terminal,
+    /// What is summed over impacts and conditions on them, of `(q, v, u[, t])` and the impulses.
+    Impact,
+}
+
+/// A function of a site in a row of the program.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Row {
+    pub(super) function: usize,
+    pub(super) row: usize,
+    pub(super) factor: f64,
+}
+
+impl Row {
+    /// Functions in rows of their own, from `first` on.
+    pub(super) fn each(functions: &[usize], first: usize) -> Vec<Self> {
+        let rows = functions.iter().zip(first..);
+        let row = |(&function, row)| Self {
+            function,
+            row,
+            factor: 1.0,
+        };
+        rows.map(row).collect()
+    }
+}
 
 /// An argument of the functions of a site.
 #[derive(Clone)]
@@ -17,46 +49,100 @@ pub(super) struct Input {
 /// Where functions of the scene are evaluated, and what for.
 #[derive(Clone)]
 pub(super) struct Site {
-    /// Whether they are the terminal functions, of `(q, v, T)`, and not the path functions.
-    pub(super) terminal: bool,
+    pub(super) functions: Functions,
     pub(super) inputs: Vec<Input>,
-    /// Functions that are constraints, and their rows.
-    pub(super) rows: Vec<(usize, usize)>,
+    /// Functions that rows of the program contain.
+    pub(super) rows: Vec<Row>,
     /// What function 0 is multiplied by in the objective: a number and variables.
     pub(super) cost: Option<(f64, Vec<usize>)>,
 }
 
-/// The constraint that a function states; none for a cost.
-pub(super) fn constraint_of(
-    declared: &OptimalControlDeclaration,
-    terminal: bool,
-    function: usize,
-) -> Option<&'static ConstraintDeclaration> {
-    if terminal {
-        let index = function.checked_sub(usize::from(declared.final_cost))?;
-        declared.goals.get(index)
-    } else {
-        let index = function.checked_sub(usize::from(declared.running_cost))?;
-        declared.constraints.get(index)
+impl Functions {
+    /// How many there are.
+    fn count(self, declared: &OptimalControlDeclaration) -> usize {
+        match self {
+            Self::Path => declared.path_functions(),
+            Self::Terminal => declared.terminal_functions(),
+            Self::Impact => declared.contacts.impact_functions(),
+        }
+    }
+
+    /// The constraint that a function states; none for a cost or a sum.
+    pub(super) fn constraint(
+        self,
+        declared: &OptimalControlDeclaration,
+        function: usize,
+    ) -> Option<&'static ConstraintDeclaration> {
+        let (first, constraints) = match self {
+            Self::Path => (usize::from(declared.running_cost), declared.constraints),
+            Self::Terminal => (usize::from(declared.final_cost), declared.goals),
+            Self::Impact => (declared.contacts.sums, declared.contacts.constraints),
+        };
+        constraints.get(function.checked_sub(first)?)
+    }
+
+    /// Patterns of Jacobian and Hessian.
+    fn patterns(self, declared: &OptimalControlDeclaration) -> [SparsityPattern; 2] {
+        match self {
+            Self::Path => [declared.path_jacobian, declared.path_hessian],
+            Self::Terminal => [declared.terminal_jacobian, declared.terminal_hessian],
+            Self::Impact => {
+                let terms = declared.contacts;
+                [terms.impact_jacobian, terms.impact_hessian]
+            }
+        }
+    }
+
+    /// Whether a function reads inputs from `first` on.
+    pub(super) fn reads(
+        self,
+        declared: &OptimalControlDeclaration,
+        function: usize,
+        first: usize,
+    ) -> bool {
+        self.patterns(declared)[0].reads(function, first)
+    }
+
+    /// Whether a function reads one input.
+    pub(super) fn reads_one(
+        self,
+        declared: &OptimalControlDeclaration,
+        function: usize,
+        input: usize,
+    ) -> bool {
+        let [jacobian, _] = self.patterns(declared);
+        let mut entries = jacobian.entries.iter();
+        entries.any(|&(row, column)| row as usize == function && column as usize == input)
     }
 }
 
-/// The path functions of the program, of which `inputs` is the length of what they read beside contacts: conditions on forces are left out.
+/// The path functions that read nothing but the first `inputs`, which are those beside contacts, and running costs whatever they
+/// read.
 pub(super) fn path_functions(declared: &OptimalControlDeclaration, inputs: usize) -> Vec<usize> {
     let functions = 0..declared.path_functions();
-    let stated = |&function: &usize| {
-        constraint_of(declared, false, function).is_none()
-            || !declared.path_jacobian.reads(function, inputs)
-    };
-    functions.filter(stated).collect()
+    let on_forces = conditions_on_forces(declared, inputs);
+    functions.filter(|f| !on_forces.contains(f)).collect()
 }
 
-/// The terminal conditions of the program, of which `inputs` is the length of what they read beside contacts.
+/// The path constraints that read forces, which stand behind the first `inputs`.
+pub(super) fn conditions_on_forces(
+    declared: &OptimalControlDeclaration,
+    inputs: usize,
+) -> Vec<usize> {
+    let functions = 0..declared.path_functions();
+    let on_forces = |&function: &usize| {
+        Functions::Path.constraint(declared, function).is_some()
+            && Functions::Path.reads(declared, function, inputs)
+    };
+    functions.filter(on_forces).collect()
+}
+
+/// The terminal conditions that read nothing but the first `inputs`.
 pub(super) fn goals(declared: &OptimalControlDeclaration, inputs: usize) -> Vec<usize> {
     let functions = 0..declared.terminal_functions();
     let stated = |&function: &usize| {
-        constraint_of(declared, true, function).is_some()
-            && !declared.terminal_jacobian.reads(function, inputs)
+        Functions::Terminal.constraint(declared, function).is_some()
+            && !Functions::Terminal.reads(declared, function, inputs)
     };
     functions.filter(stated).collect()
 }
@@ -80,7 +166,7 @@ pub(super) fn constraints_of(
     functions: &[usize],
 ) -> Vec<usize> {
     let constraints = functions.iter().copied();
-    let constraints = constraints.filter(|&f| constraint_of(declared, false, f).is_some());
+    let constraints = constraints.filter(|&f| Functions::Path.constraint(declared, f).is_some());
     constraints.collect()
 }
 
@@ -106,15 +192,13 @@ impl Site {
         x: &[f64],
     ) -> Vec<f64> {
         let input = self.input(x);
-        if self.terminal {
-            let mut values = vec![0.0; declared.terminal_functions()];
-            model.terminal_functions(&input, &mut values);
-            values
-        } else {
-            let mut values = vec![0.0; declared.path_functions()];
-            model.path_functions(&input, &mut values);
-            values
+        let mut values = vec![0.0; self.functions.count(declared)];
+        match self.functions {
+            Functions::Path => model.path_functions(&input, &mut values),
+            Functions::Terminal => model.terminal_functions(&input, &mut values),
+            Functions::Impact => model.impact_functions(&input, &mut values),
         }
+        values
     }
 
     pub(super) fn evaluate(
@@ -126,10 +210,10 @@ impl Site {
         let input = self.input(x);
         let values = self.values(model, declared, x);
         let mut slopes = vec![0.0; self.jacobian(declared).len()];
-        if self.terminal {
-            model.terminal_jacobian(&input, &mut slopes);
-        } else {
-            model.path_jacobian(&input, &mut slopes);
+        match self.functions {
+            Functions::Path => model.path_jacobian(&input, &mut slopes),
+            Functions::Terminal => model.terminal_jacobian(&input, &mut slopes),
+            Functions::Impact => model.impact_jacobian(&input, &mut slopes),
         }
         Evaluated {
             values,
@@ -139,11 +223,30 @@ impl Site {
     }
 
     fn jacobian(&self, declared: &OptimalControlDeclaration) -> &'static [(u32, u32)] {
-        if self.terminal {
-            declared.terminal_jacobian.entries
-        } else {
-            declared.path_jacobian.entries
+        self.functions.patterns(declared)[0].entries
+    }
+
+    /// Entries (i, j, value) of the Hessian of the weighted functions, as variables.
+    pub(super) fn curvatures(
+        &self,
+        model: &dyn Model,
+        declared: &OptimalControlDeclaration,
+        input: &[f64],
+        weights: &[f64],
+    ) -> Vec<(usize, usize, f64)> {
+        let [_, pattern] = self.functions.patterns(declared);
+        let mut curvatures = vec![0.0; pattern.entries.len()];
+        match self.functions {
+            Functions::Path => model.path_hessian(input, weights, &mut curvatures),
+            Functions::Terminal => model.terminal_hessian(input, weights, &mut curvatures),
+            Functions::Impact => model.impact_hessian(input, weights, &mut curvatures),
         }
+        let entries = pattern.entries.iter().zip(&curvatures);
+        let of_variables = |(&(i, j), curvature): (&(u32, u32), &f64)| {
+            let ((a, of_a), (b, of_b)) = (self.argument(i)?, self.argument(j)?);
+            Some((a, b, of_a * of_b * curvature))
+        };
+        entries.filter_map(of_variables).collect()
     }
 
     /// Variable and unit of an argument on which functions of this site depend.

@@ -28,8 +28,8 @@ use crate::time_freezing::TimeFreezingSystem;
 ///
 /// Objective, path constraints, terminal conditions and free initial values are those that the scene declares. Bounds of
 /// coordinates are imposed at the ends of the finite elements, path constraints at their stages, bounds of controls
-/// everywhere. Controls are constant on each interval. Forces and impulses of contacts are those of physical time: functions that
-/// read them take them for 0, and conditions on them are left out. Outer edges do not bounce.
+/// everywhere. Controls are constant on each interval. Forces and impulses of contacts are those of physical time: where it is not
+/// known which elements are jumps, functions that read them take them for 0, and conditions on them are left out. Outer edges do not bounce.
 /// The starting point is made from the problem alone: coordinates with a goal move to it at constant speed,
 /// the others rest; without goals, it is a coarse simulation. Controls start at zero, or as
 /// near to it as their bounds allow.
@@ -134,6 +134,11 @@ impl<'a> TimeFreezing<'a> {
         (0..program.elements())
             .map(|e| program.numerical_length(x, e))
             .collect()
+    }
+
+    /// Whether functions that the scene declares read forces or impulses of which the program knows nothing.
+    pub(in crate::ocp) fn leaves_out_forces(&self) -> bool {
+        self.transcription.leaves_out_forces()
     }
 
     /// What its variables and rows are there for.

@@ -93,7 +93,7 @@ pub(in crate::ocp) fn candidate(
             complementarity,
             ..solution.residuals
         },
-        left_out: left_out(model),
+        left_out: left_out(model, &program),
         relaxed: RelaxedReport {
             objective: solution.objective,
             complementarity,
@@ -159,16 +159,15 @@ pub(in crate::ocp) fn solve_exactly(
             ..solution.residuals
         };
         report.size = ProblemSize::of(&program, program.complementarities().len());
+        report.left_out = left_out(model, &program);
     }
     report.seconds += elapsed(clock);
     Ok(())
 }
 
-/// What of the scene the program leaves out.
-fn left_out(model: &dyn Model) -> Vec<&'static str> {
-    let declared = model.declaration().optimal_control;
-    let forces = declared.is_some_and(|declared| declared.contacts.any());
-    let forces = forces.then_some("forces and impulses");
+/// What of the scene a program leaves out.
+fn left_out(model: &dyn Model, program: &TimeFreezing<'_>) -> Vec<&'static str> {
+    let forces = program.leaves_out_forces().then_some("forces and impulses");
     let edges = (!bouncing_edges(model).is_empty()).then_some("restitution at edges");
     forces.into_iter().chain(edges).collect()
 }
