@@ -194,7 +194,7 @@ pub(super) fn input(
     let own = all.find(|own| Some(own.place) == place && own.number == number);
     Input {
         variable: own.map(|own| own.variable),
-        unit: own.map_or(1.0, |own| value_of_one(own)),
+        unit: own.map_or(1.0, value_of_one),
         constant: 0.0,
         read: own.is_some(),
     }
