@@ -33,6 +33,11 @@ const BESIDE: usize = 2;
 /// Motions that go on to finer grids, and with them the one that the neighbours of the best lead to.
 const KEPT: usize = 2;
 const KEPT_WITH_PROVEN: usize = KEPT + 1;
+/// Motions whose neighbours are decided at most, as long as they lead to better ones; of more starts one in three.
+const TRIED: usize = 6;
+const STARTS_OF_ONE_TRIED: usize = 3;
+/// Relative decrease of the objective by which neighbours lead to a better motion.
+const IMPROVED: f64 = 1e-3;
 /// Most programs on a grid before the neighbours of the best motion are decided.
 const PROGRAMS: usize = 12;
 /// Relative excess of the objective that residuals before a polish explain; beyond it the motion before is kept.
@@ -54,6 +59,7 @@ pub(super) fn solve(
         PROGRAMS
     };
     let proves = settings.starts() > 1;
+    let tried = TRIED.max(settings.starts() / STARTS_OF_ONE_TRIED);
     let kept = if proves { KEPT_WITH_PROVEN } else { KEPT };
     let quick = Settings {
         maximum_programs: settings.maximum_programs.min(most),
@@ -92,7 +98,7 @@ pub(super) fn solve(
         if let Some(endless) = endless(&task, &found, problem.intervals) {
             return Ok(result(vec![endless], seen, observer.stopped()));
         }
-        let mut found = best_of(found, KEPT);
+        let mut found = best_of(found, tried);
         if proves && intervals < problem.intervals {
             let task = Task { settings, ..task };
             found = proven(&task, found, &mut seen)?;
@@ -197,7 +203,7 @@ fn carry(task: &Task, from: &[Found], seen: &mut Vec<Found>) -> Result<Vec<Found
 fn proven(task: &Task, found: Vec<Found>, seen: &mut Vec<Found>) -> Result<Vec<Found>, InputError> {
     let best = decided(task, found.clone(), Effort::Certify, seen)?;
     let mut all: Vec<Found> = best.into_iter().collect();
-    all.extend(found);
+    all.extend(found.into_iter().take(KEPT));
     Ok(best_of(all, KEPT_WITH_PROVEN))
 }
 
@@ -230,7 +236,8 @@ fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Resul
     Ok(())
 }
 
-/// The best motion with its neighbours decided, or the next one where it is not confirmed.
+/// The best motion with its neighbours decided, and the next one where it is not confirmed, or where neighbours have led to a better
+/// motion: then those that starts came to are not optima yet, and a poorer one may lead further.
 fn decided(
     task: &Task,
     found: Vec<Found>,
@@ -238,12 +245,15 @@ fn decided(
     seen: &mut Vec<Found>,
 ) -> Result<Option<Found>, InputError> {
     let mut best: Option<Found> = None;
+    let mut improved = false;
     for one in found {
         let enough = |best: &Found| is_as_good(&best.solution, &one.solution);
-        if best.as_ref().is_some_and(enough) {
+        if !improved && best.as_ref().is_some_and(enough) {
             break;
         }
+        let before = one.solution.objective;
         let one = judged(task, one, effort, seen)?;
+        improved = one.solution.objective < before - one.solution.tolerated(IMPROVED);
         if best.as_ref().is_none_or(|best| is_better(&one, best)) {
             best = Some(one);
         }
