@@ -57,6 +57,8 @@ pub enum Guess {
     /// Simulated motions under the largest and smallest controls and those at rest, of many the few that end nearest to the
     /// goals: for goals that take several swings. [`Straight`](Self::Straight) for the time-freezing formulation.
     Reachable,
+    /// None: the search begins with random motions, simulated, the nearest to the goals of each order of impacts.
+    Sampled,
     /// The motion of an earlier [`Solution`](super::Solution) of the same scene, for other parameters or another
     /// number of intervals. Its contact sequence is tried first; there is no global search unless that fails.
     Previous(Box<Previous>),

@@ -24,4 +24,5 @@ mod scaling;
 mod sizes;
 mod support;
 mod swings;
+mod throws;
 mod vanishing_objective;

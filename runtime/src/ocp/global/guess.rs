@@ -24,13 +24,12 @@ pub(in crate::ocp) fn guess(
 ) -> Result<Trajectory, InputError> {
     let straight = straight(model, problem, bounds);
     match guess {
-        Guess::Straight | Guess::Reachable => Ok(straight),
+        Guess::Straight | Guess::Reachable | Guess::Sampled => Ok(straight),
         Guess::Rest => Ok(at_rest(straight, model, problem)),
         Guess::Ride => ride(straight, model, problem, &problem.start()),
         Guess::Perturbed(seed) => Ok(perturbed(straight, model, problem, *seed, bounds)),
         Guess::Random(seed) => {
-            let driven = randomly_driven(straight, model, problem, *seed, bounds);
-            let drawn = random_start(model, problem, *seed, driven.horizon);
+            let (driven, drawn) = random(straight, model, problem, *seed, bounds);
             match drawn.map(|start| ride(driven.clone(), model, problem, &start)) {
                 Some(Ok(motion)) => Ok(motion),
                 // It may be inside a surface: the declared one is not.
@@ -39,6 +38,19 @@ pub(in crate::ocp) fn guess(
         }
         Guess::Previous(previous) => previous.trajectory(model, problem),
     }
+}
+
+/// A motion with random controls and length, and a random start where values are free.
+pub(in crate::ocp) fn random(
+    motion: Trajectory,
+    model: &dyn Model,
+    problem: &Problem,
+    seed: u64,
+    bounds: (&[f64], &[f64]),
+) -> (Trajectory, Option<Vec<f64>>) {
+    let driven = randomly_driven(motion, model, problem, seed, bounds);
+    let drawn = random_start(model, problem, seed, driven.horizon);
+    (driven, drawn)
 }
 
 /// Coordinates with a goal move to it at constant speed, the others rest; controls are 0, or as near to
@@ -147,7 +159,7 @@ fn ride(
 }
 
 /// Random numbers in [-1, 1): SplitMix64 (Steele, Lea, Flood 2014).
-fn uniform(seed: u64) -> impl FnMut() -> f64 {
+pub(in crate::ocp) fn uniform(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {
         state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);

@@ -7,6 +7,7 @@ use super::free_lengths::retimed;
 use super::reach::reachable;
 use super::repair::{Repaired, is_left, repair};
 use super::replay::{simulated, simulations};
+use super::sampled::sampled;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
@@ -39,6 +40,17 @@ const MOST_STRUCK: usize = 8;
 /// Motions that are made up in a row without a solution after which no more are: those of two contacts. Of more, as of the pieces of a
 /// surface with edges, there are many, and few of them can follow one another.
 const FAILURES: usize = 24;
+
+/// Which of the sequences that a candidate suggests are tried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::ocp) enum Readings {
+    /// All of them: it may be far from any motion.
+    All,
+    /// Up to the first that allows a motion: it is near to one, as a known motion is.
+    First,
+    /// The same, its own before all others: it is a motion.
+    Own,
+}
 
 /// What a search has found.
 #[derive(Default)]
@@ -92,7 +104,7 @@ impl<'a> Search<'a, '_> {
         }
         let first = self.attempts.is_first();
         if let Some(bouncing) = bouncing(runner, self.attempts.setting, guess)? {
-            self.try_candidate(runner, bouncing, false)?;
+            self.try_candidate(runner, bouncing, Readings::All)?;
         }
         if first && runner.settings.formulation == Formulation::Phases {
             self.try_struck(runner, guess)?;
@@ -111,8 +123,16 @@ impl<'a> Search<'a, '_> {
         for candidate in reachable(runner, self.attempts.setting)? {
             if self.found.optima.is_empty() && !runner.stopped() {
                 self.attempts.forget();
-                self.try_candidate(runner, candidate, false)?;
+                self.try_candidate(runner, candidate, Readings::All)?;
             }
+        }
+        Ok(())
+    }
+
+    /// The same of random motions with different orders of impacts.
+    pub(in crate::ocp) fn try_sampled(&mut self, runner: &mut Runner) -> Result<(), InputError> {
+        for candidate in sampled(runner, self.attempts.setting)? {
+            self.try_candidate(runner, candidate, Readings::Own)?;
         }
         Ok(())
     }
@@ -175,7 +195,7 @@ impl<'a> Search<'a, '_> {
         let struck = struck_at(setting, guess, contacts, &struck(times));
         let lifting = lifting_others(setting, &struck).filter(|_| times <= STRUCK);
         for candidate in std::iter::once(struck).chain(lifting) {
-            self.try_candidate(runner, candidate, true)?;
+            self.try_candidate(runner, candidate, Readings::First)?;
         }
         let found = self.found.optima.len() > before || self.found.repeats.is_some();
         *failures = if found { 0 } else { *failures + 1 };
@@ -211,7 +231,7 @@ impl<'a> Search<'a, '_> {
             for candidate in found.into_iter().take(left) {
                 left -= 1;
                 if !runner.stopped() {
-                    self.try_candidate(runner, candidate, false)?;
+                    self.try_candidate(runner, candidate, Readings::All)?;
                 }
             }
         }
@@ -236,7 +256,9 @@ impl<'a> Search<'a, '_> {
         self.found.time_freezing = report.or(self.found.time_freezing.take());
         runner.restore_failure(failure, candidate.is_some());
         match candidate {
-            Some(candidate) if !runner.stopped() => self.try_candidate(runner, candidate, false),
+            Some(candidate) if !runner.stopped() => {
+                self.try_candidate(runner, candidate, Readings::All)
+            }
             _ => Ok(()),
         }
     }
@@ -247,20 +269,19 @@ impl<'a> Search<'a, '_> {
         range.end_at(plan.trajectory.horizon).is_some()
     }
 
-    /// Adds the local optimum that a candidate leads to, unless it was visited before; of one `near` to it, as that known
-    /// motion is, by the first sequence that allows a motion.
+    /// Adds the local optimum that a candidate leads to, unless it was visited before.
     pub(in crate::ocp) fn try_candidate(
         &mut self,
         runner: &mut Runner,
         candidate: Candidate,
-        near: bool,
+        readings: Readings,
     ) -> Result<(), InputError> {
         if !runner.goes_on("collocation") {
             return Ok(());
         }
         let visits = self.attempts.visits();
         let sequence = candidate.sequence.signature();
-        attempt_readings(runner, &mut self.attempts, candidate, near, visits)?;
+        attempt_readings(runner, &mut self.attempts, candidate, readings, visits)?;
         let Some(best) = &self.attempts.best else {
             return Ok(());
         };
@@ -375,17 +396,15 @@ fn attempt_readings(
     runner: &mut Runner,
     attempts: &mut Attempts,
     candidate: Candidate,
-    near: bool,
+    which: Readings,
     visits: usize,
 ) -> Result<(), InputError> {
     let setting = attempts.setting;
     let intervals = setting.problem.intervals;
     let motions = motions(runner, setting, candidate)?;
     let (mut likely, other) = readings(&motions, intervals);
-    if near
-        && runner.effort.proves()
-        && let Some((plan, motion)) = motions.last()
-    {
+    let own = which == Readings::Own || which == Readings::First && runner.effort.proves();
+    if own && let Some((plan, motion)) = motions.last() {
         // What is to be judged is the plan as it is, whatever other readings make of it.
         likely.insert(0, (plan.clone(), motion));
     }
@@ -395,7 +414,7 @@ fn attempt_readings(
             break;
         }
         let enough = runner.stopped()
-            || near && attempts.best.is_some()
+            || which != Readings::All && attempts.best.is_some()
             || attempts.visited_from(visits).is_some();
         if !enough {
             attempt_new(runner, attempts, sequence, guess)?;

@@ -15,6 +15,7 @@ pub(in crate::ocp) mod reach;
 pub(in crate::ocp) mod repair;
 pub(in crate::ocp) mod replay;
 pub(in crate::ocp) mod ride;
+mod sampled;
 mod simultaneous;
 pub(in crate::ocp) mod stationary;
 mod together;

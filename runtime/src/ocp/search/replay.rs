@@ -21,6 +21,20 @@ const ON_THE_SURFACE: f64 = 1e-9;
 /// Points of the simulation in each interval.
 const OUTPUTS: usize = 10;
 
+/// Parts of a motion without controls, which has one interval: what counts as short on equal intervals does so in these.
+const UNDRIVEN: usize = 20;
+
+/// Equal parts of a motion by which its simulation is read: its control intervals, or else as many as make it fine enough.
+fn parts(setting: Setting) -> usize {
+    let driven = !setting.model.declaration().controls.is_empty();
+    let intervals = setting.problem.intervals;
+    if driven {
+        intervals
+    } else {
+        intervals.max(UNDRIVEN)
+    }
+}
+
 /// The motion under the controls of a trajectory, from its start. That of a `plan`, which it may be so far away from, ends with
 /// the impacts that the plan ends with: rounding puts them on either side of the final time.
 pub(in crate::ocp) fn simulate(
@@ -33,8 +47,8 @@ pub(in crate::ocp) fn simulate(
     let start = trajectory.start(model, problem);
     let simulator = EventDriven {
         tolerance,
-        max_step: Some(trajectory.horizon / problem.intervals as f64),
-        output_times: OUTPUTS * problem.intervals,
+        max_step: Some(trajectory.horizon / parts(setting) as f64),
+        output_times: OUTPUTS * parts(setting),
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, trajectory.horizon, trajectory.signal());
@@ -75,8 +89,13 @@ pub(in crate::ocp) fn simulations(
     let (horizon, grid) = (driven.horizon, &driven.controls);
     let controls = grid.resampled(setting.shape, problem.intervals);
     let read = read_replay(setting, &replay, driven);
-    let in_an_interval = landed_in_an_interval(read.clone(), model);
-    let soon = landed(read, model, COMES_TO_REST);
+    let intervals_in_a_part = problem.intervals as f64 / parts(setting) as f64;
+    let soon = landed(read.clone(), model, COMES_TO_REST * intervals_in_a_part);
+    let in_an_interval = if intervals_in_a_part < 1.0 {
+        soon.clone()
+    } else {
+        landed_in_an_interval(read, model)
+    };
     let other = (soon.signature() != in_an_interval.signature()).then_some(soon);
     let trajectory = Trajectory::of_simulation(model, &replay, horizon, controls);
     let sequences = std::iter::once(in_an_interval).chain(other);

@@ -9,6 +9,7 @@ mod portfolio;
 mod run;
 mod shared_observer;
 mod starts;
+mod undriven;
 
 use super::problem::Problem;
 use super::settings::{Formulation, Guess, Settings};
@@ -34,7 +35,9 @@ pub fn solve(
     problem.check(model)?;
     let search = matches!(settings.formulation, Formulation::Phases)
         && !matches!(settings.guess, Guess::Previous(_));
-    if search {
+    if search && problem.intervals > 1 && model.declaration().controls.is_empty() {
+        undriven::solve(model, problem, settings, observer)
+    } else if search {
         nested::solve(model, problem, settings, observer)
     } else {
         starts::solve(model, problem, settings, observer)

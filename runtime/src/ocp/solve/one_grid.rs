@@ -18,7 +18,7 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
 use crate::ocp::progress::Watch;
 use crate::ocp::search::attempt::{Attempts, Local, Visited};
-use crate::ocp::search::candidates::{Found, Proved, Search};
+use crate::ocp::search::candidates::{Found, Proved, Readings, Search};
 use crate::ocp::search::ride::ride;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
@@ -253,7 +253,12 @@ fn find(
     let intervals = setting.problem.intervals;
     if let Some(previous) = previous {
         let candidate = previous.candidate(guessed, intervals);
-        search.try_candidate(runner, candidate, coarser.is_some())?;
+        let readings = if coarser.is_some() {
+            Readings::First
+        } else {
+            Readings::All
+        };
+        search.try_candidate(runner, candidate, readings)?;
     }
     // Its switches lie elsewhere on the finer grid, and a contact-implicit program on that grid says where.
     let none = search.found.optima.is_empty();
@@ -263,12 +268,17 @@ fn find(
         && !runner.stopped()
         && let Some(candidate) = coarse_to_fine::on_this_grid(runner, setting, guessed)?
     {
-        search.try_candidate(runner, candidate, true)?;
+        search.try_candidate(runner, candidate, Readings::First)?;
     }
-    let reaches = settings.guess == Guess::Reachable && settings.formulation == Formulation::Phases;
-    if reaches && coarser.is_none() {
-        search.try_reachable(runner)?;
-        return Ok(false);
+    if settings.formulation == Formulation::Phases && coarser.is_none() {
+        match settings.guess {
+            Guess::Reachable => search.try_reachable(runner)?,
+            Guess::Sampled => search.try_sampled(runner)?,
+            _ => {}
+        }
+        if matches!(settings.guess, Guess::Reachable | Guess::Sampled) {
+            return Ok(false);
+        }
     }
     // Without a previous motion, or too far from it: search.
     let none = search.found.optima.is_empty();
@@ -296,7 +306,7 @@ fn find(
     let Some(ride) = ride(runner.settings.replay_tolerance, setting)? else {
         return Ok(false);
     };
-    search.try_candidate(runner, ride.candidate, true)?;
+    search.try_candidate(runner, ride.candidate, Readings::First)?;
     Ok(ride.reaches)
 }
 

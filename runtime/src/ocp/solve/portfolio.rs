@@ -6,6 +6,8 @@
 //! batch every second one begins at the best motion so far, bent out of shape, which finds what random motions seldom do. Where that
 //! batch has no motion at all, the next one begins with those that simulated controls lead nearest to the goals. One start of the second
 //! batch takes its contact sequence from the program of the time-freezing system, which ends at other motions than the contact-implicit ones.
+//! Beside the first batch simulated motions are tried, one of each order of impacts. Where others come through their sequences they do
+//! not end, as these are many.
 
 use hangtime_solver::nlp;
 use rayon::prelude::*;
@@ -36,6 +38,9 @@ const ITERATIONS: usize = 250;
 /// The start that takes its contact sequence from the program of the time-freezing system.
 const FREEZES: usize = 6;
 
+/// The start beside which simulated motions are tried.
+const SAMPLES: usize = 3;
+
 /// First barrier parameter of the contact-implicit programs in which contacts act from a distance.
 const FROM_A_DISTANCE: f64 = 10.0;
 
@@ -53,6 +58,7 @@ pub(super) fn explore(
         return Ok(vec![task.solve_from(0, task.settings, single)?]);
     }
     let mut all: Vec<Found> = Vec::new();
+    let mut sampled: Option<Found> = None;
     let mut known = Known::default();
     let mut refusals = Vec::new();
     while all.len() < starts {
@@ -62,7 +68,8 @@ pub(super) fn explore(
             solved => (solved / BATCH + 1) * BATCH,
         };
         let batch = all.len()..starts.min(end);
-        let best = best(&all);
+        let samples = batch.contains(&SAMPLES) && has_surfaces(task.model);
+        let best = best(all.iter().chain(&sampled));
         let runs = batch.into_par_iter().map(|start| {
             let mut settings = member(task.settings, start, best.is_some());
             if start == FREEZES && can_freeze(task.model) {
@@ -77,7 +84,9 @@ pub(super) fn explore(
             };
             (start, task.solve_after(&settings, Effort::Explore, known))
         });
-        let runs: Vec<_> = runs.collect();
+        let beside = || samples.then(|| simulated(task, &known)).flatten();
+        let (runs, simulated) = rayon::join(|| runs.collect::<Vec<_>>(), beside);
+        sampled = simulated.or(sampled);
         for (start, run) in runs {
             let (mut found, trace) = match run {
                 Ok(run) => run,
@@ -98,7 +107,8 @@ pub(super) fn explore(
         }
         // Where initial values are free as well, those of the first batch agree on what is nearest too often.
         let seen = all.len() > BATCH || !has_free_start(task.model);
-        let enough = task.settings.starts.is_none() && seen && best_was_found_again(&all);
+        let enough =
+            task.settings.starts.is_none() && seen && best_was_found_again(&all, sampled.as_ref());
         let endless = all
             .iter()
             .any(|found| ends_at_no_time(task.model, &found.solution));
@@ -109,8 +119,19 @@ pub(super) fn explore(
     let refused = refusals.len();
     match refusals.into_iter().next() {
         Some(refusal) if refused == all.len() => Err(refusal),
-        _ => Ok(all),
+        _ => Ok(all.into_iter().chain(sampled).collect()),
     }
+}
+
+/// The best that simulated motions lead to, beside what is known.
+fn simulated(task: &Task, known: &Known) -> Option<Found> {
+    let settings = Settings {
+        guess: Guess::Sampled,
+        ..member(task.settings, SAMPLES, false)
+    };
+    let run = task.solve_after(&settings, Effort::Explore, known.from(SAMPLES));
+    let (found, _) = run.ok()?;
+    Some(found)
 }
 
 /// A start at which the functions of the model are not finite: others may lead to a motion.
@@ -135,14 +156,15 @@ fn again(run: Found, other: &Found) -> Found {
 }
 
 /// The best motion so far, if there is one.
-fn best(all: &[Found]) -> Option<&Found> {
-    let found = all.iter().filter(|found| rank(&found.solution).0 == 0);
+fn best<'f>(all: impl Iterator<Item = &'f Found>) -> Option<&'f Found> {
+    let found = all.filter(|found| rank(&found.solution).0 == 0);
     found.min_by(|a, b| a.solution.objective.total_cmp(&b.solution.objective))
 }
 
-/// Whether enough starts lead to the best motion; those that began near it do not count.
-fn best_was_found_again(all: &[Found]) -> bool {
-    let Some(best) = best(all) else {
+/// Whether enough starts lead to the best motion; those that began near it do not count, nor do simulated motions, of which the best
+/// of many is taken.
+fn best_was_found_again(all: &[Found], sampled: Option<&Found>) -> bool {
+    let Some(best) = best(all.iter().chain(sampled)) else {
         return false;
     };
     let most = best.solution.objective + best.solution.tolerated(SAME);
@@ -160,6 +182,12 @@ fn looks_near_the_best(start: usize) -> bool {
 /// Whether the program of the time-freezing system differs from a program without contacts, and can be stated.
 fn can_freeze(model: &dyn Model) -> bool {
     !model.declaration().contacts.is_empty() && bouncing_edges(model).is_empty()
+}
+
+/// Whether there is anything to be struck.
+fn has_surfaces(model: &dyn Model) -> bool {
+    let mut contacts = model.declaration().contacts.iter();
+    contacts.any(|contact| !contact.dry)
 }
 
 /// The settings of a start; the guess of the first one is the caller's. Those near the best have a guess as well: there may be
@@ -217,18 +245,18 @@ mod tests {
         assert!(near.iter().all(|&start| looks_near_the_best(start)));
         let mut all: Vec<Found> = [0, 2, 4].map(|start| ended_at(start, 1.0)).into();
         all.extend(near.map(|start| ended_at(start, 1.0)));
-        assert!(!best_was_found_again(&all));
+        assert!(!best_was_found_again(&all, None));
         all.push(ended_at(6, 2.0));
-        assert!(!best_was_found_again(&all));
+        assert!(!best_was_found_again(&all, None));
         all.push(ended_at(8, 1.0));
-        assert!(best_was_found_again(&all));
+        assert!(best_was_found_again(&all, None));
     }
 
     #[test]
     fn better_motion_near_the_best_has_to_be_found_by_others_as_well() {
         let mut all: Vec<Found> = [0, 1, 2, 4].map(|start| ended_at(start, 2.0)).into();
-        assert!(best_was_found_again(&all));
+        assert!(best_was_found_again(&all, None));
         all.push(ended_at(5, 1.0));
-        assert!(!best_was_found_again(&all));
+        assert!(!best_was_found_again(&all, None));
     }
 }

@@ -1,0 +1,479 @@
+//! Orders of impacts that no guess leads to, as one more bounce before the goal: simulated motions, of which one is kept for each order.
+//!
+//! Motions from random free initial values under random controls are simulated. Wherever one of them may end it has an order of events,
+//! a distance to goals, bounds and path constraints, and a cost. Of each order the best is kept, and changed at random to find better
+//! ones and further orders (an archive of elites, Mouret and Clune 2015). The best of all orders are what programs start from.
+
+use std::collections::BTreeMap;
+
+use super::replay::simulated;
+use crate::model::OptimalControlDeclaration;
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::global::guess::{guess, random, uniform};
+use crate::ocp::motion::candidate::Candidate;
+use crate::ocp::motion::control_grid::ControlGrid;
+use crate::ocp::motion::model_input::drive;
+use crate::ocp::motion::targets::goal_values;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::problem::Horizon;
+use crate::ocp::program::runner::Runner;
+use crate::ocp::settings::Guess;
+use crate::simulation::{EventDriven, EventKind, InputError, simulate_once};
+
+/// Motions that are drawn, and those that are made of the best ones.
+const DRAWN: u64 = 256;
+const CHANGED: usize = 768;
+/// How much longer than its random length, or than the one that it is made of, a motion with a free final time is followed.
+const LONGER: f64 = 2.0;
+const LONGER_THAN_BEFORE: f64 = 1.5;
+/// Places where a motion may end, and where conditions are looked at: so many in an interval, and no fewer than these.
+const PLACES: usize = 8;
+const LEAST_PLACES: usize = 64;
+/// Tolerance of the simulations.
+const TOLERANCE: f64 = 1e-6;
+/// Most events of an order.
+const EVENTS: usize = 8;
+/// Share of the drawn ends that miss a goal by less than its unit.
+const WITHIN: f64 = 0.75;
+/// Unit of the violation of bounds, as a share of what is between them.
+const OF_RANGE: f64 = 0.2;
+/// Distances, in units of the conditions, that differ by less are alike: then the cost decides.
+const ALIKE: f64 = 0.05;
+/// The best motions, one of which is changed in turn with any one.
+const BEST: usize = 8;
+/// By how much of their range values are changed at most, in turn.
+const CHANGES: [f64; 4] = [0.5, 0.2, 0.07, 0.02];
+/// Orders that are tried.
+const TRIED: usize = 12;
+
+/// What happens, one after the other: contacts, and whether they are struck.
+type Order = Vec<(usize, bool)>;
+
+/// What a motion is made of.
+#[derive(Clone)]
+struct Throw {
+    /// `(q, v)`.
+    start: Vec<f64>,
+    controls: ControlGrid,
+    /// Length \[s\].
+    horizon: f64,
+}
+
+/// A place where a motion may end.
+#[derive(Clone)]
+struct End {
+    throw: Throw,
+    order: Order,
+    /// What is missing from each goal, and by how much bounds and path constraints are violated on the way.
+    missing: Vec<f64>,
+    cost: f64,
+}
+
+/// How good an end is: distance, cost, and distance among those that are alike; smaller is better.
+type Rank = (u64, f64, f64);
+
+/// The best motion of each order, the best ones first.
+pub(in crate::ocp) fn sampled(
+    runner: &mut Runner,
+    setting: Setting,
+) -> Result<Vec<Candidate>, InputError> {
+    let Setting { model, problem, .. } = setting;
+    if model
+        .declaration()
+        .contacts
+        .iter()
+        .all(|contact| contact.dry)
+    {
+        return Ok(Vec::new());
+    }
+    let mut archive = drawn(setting)?;
+    let mut random = uniform(DRAWN);
+    for k in 0..CHANGED {
+        if archive.best.is_empty() || !runner.goes_on("random motions") {
+            break;
+        }
+        let parent = archive.parent(k, &mut random);
+        let child = archive.changed(setting, parent, CHANGES[k % CHANGES.len()], &mut random);
+        let longest = match problem.horizon {
+            Horizon::Fixed(horizon) => horizon,
+            Horizon::Free { .. } => LONGER_THAN_BEFORE * child.horizon,
+        };
+        for end in ends(setting, &child, longest) {
+            archive.add(end);
+        }
+    }
+    let mut found = Vec::new();
+    for end in archive.sorted().into_iter().take(TRIED) {
+        let Throw {
+            start,
+            controls,
+            horizon,
+        } = end.throw;
+        let motion = Trajectory {
+            horizon,
+            controls,
+            time: vec![0.0],
+            states: vec![start],
+        };
+        found.extend(simulated(
+            setting,
+            &motion,
+            runner.settings.replay_tolerance,
+        )?);
+    }
+    Ok(found)
+}
+
+/// The best end of each order.
+struct Archive {
+    best: BTreeMap<Order, (Rank, End)>,
+    /// Units of what is missing.
+    units: Vec<f64>,
+    /// Ranges of the values that were drawn: of starts, and of controls.
+    starts: Vec<(f64, f64)>,
+    controls: Vec<(f64, f64)>,
+}
+
+/// The archive of random motions.
+fn drawn(setting: Setting) -> Result<Archive, InputError> {
+    let Setting {
+        model,
+        problem,
+        bounds,
+        ..
+    } = setting;
+    let straight = guess(model, problem, &Guess::Straight, bounds)?;
+    let mut throws = Vec::new();
+    let mut all = Vec::new();
+    for seed in 0..DRAWN {
+        let (motion, start) = random(straight.clone(), model, problem, seed, bounds);
+        let throw = Throw {
+            start: start.unwrap_or_else(|| problem.start()),
+            controls: motion.controls,
+            horizon: motion.horizon,
+        };
+        let longest = match problem.horizon {
+            Horizon::Fixed(horizon) => horizon,
+            Horizon::Free { .. } => LONGER * throw.horizon,
+        };
+        all.extend(ends(setting, &throw, longest));
+        throws.push(throw);
+    }
+    let starts = throws.iter().map(|throw| &throw.start);
+    let controls = throws.iter().flat_map(|throw| throw.controls.values());
+    let mut archive = Archive {
+        best: BTreeMap::new(),
+        units: units(setting, &all),
+        starts: ranges(starts),
+        controls: ranges(controls),
+    };
+    all.into_iter().for_each(|end| archive.add(end));
+    Ok(archive)
+}
+
+/// Range of each component.
+fn ranges<'v>(values: impl Iterator<Item = &'v Vec<f64>>) -> Vec<(f64, f64)> {
+    let mut ranges: Vec<(f64, f64)> = Vec::new();
+    for value in values {
+        ranges.resize(value.len(), (f64::INFINITY, f64::NEG_INFINITY));
+        for (range, &x) in ranges.iter_mut().zip(value) {
+            *range = (range.0.min(x), range.1.max(x));
+        }
+    }
+    ranges
+}
+
+/// Units of the conditions: what most of the ends miss by less, or else the most that one misses; of bounds a share of the range.
+fn units(setting: Setting, ends: &[End]) -> Vec<f64> {
+    let count = ends.first().map_or(0, |end| end.missing.len());
+    let declared = setting.model.declaration().optimal_control;
+    let goals = declared.map_or(0, |declared| declared.goals.len());
+    let (lower, upper) = setting.bounds;
+    let coordinates = setting.problem.q.len();
+    let unit = |k: usize| {
+        let mut values: Vec<f64> = ends.iter().map(|end| end.missing[k].abs()).collect();
+        values.sort_by(f64::total_cmp);
+        let usual = values[(WITHIN * values.len() as f64) as usize];
+        if usual > 0.0 {
+            usual
+        } else {
+            values[values.len() - 1]
+        }
+    };
+    let of_bound = |k: usize| {
+        let bounded = k.checked_sub(goals).filter(|k| *k < coordinates)?;
+        let range = upper[bounded] - lower[bounded];
+        range.is_finite().then_some(OF_RANGE * range)
+    };
+    let of_condition = |k: usize| of_bound(k).unwrap_or_else(|| unit(k));
+    (0..count).map(of_condition).collect()
+}
+
+impl Archive {
+    fn rank(&self, end: &End) -> Rank {
+        let terms = end.missing.iter().zip(&self.units);
+        let terms = terms.filter(|(_, unit)| **unit > 0.0);
+        let squares: f64 = terms.map(|(value, unit)| (value / unit).powi(2)).sum();
+        let distance = squares.sqrt();
+        ((distance / ALIKE) as u64, end.cost, distance)
+    }
+
+    /// Adds an end if it is the best of its order.
+    fn add(&mut self, end: End) {
+        let rank = self.rank(&end);
+        let known = self.best.get(&end.order);
+        let better = known.is_none_or(|known| compare(&rank, &known.0).is_lt());
+        if rank.2.is_finite() && rank.1.is_finite() && better {
+            self.best.insert(end.order.clone(), (rank, end));
+        }
+    }
+
+    /// The best of each order, the best first.
+    fn sorted(&self) -> Vec<End> {
+        let mut found: Vec<&(Rank, End)> = self.best.values().collect();
+        found.sort_by(|a, b| {
+            let lengths = a.1.order.len().cmp(&b.1.order.len());
+            compare(&a.0, &b.0).then(lengths)
+        });
+        found.into_iter().map(|(_, end)| end.clone()).collect()
+    }
+
+    /// A motion to be changed: one of the best in turn with any one.
+    fn parent(&self, turn: usize, random: &mut impl FnMut() -> f64) -> Throw {
+        let all = self.sorted();
+        let count = if turn.is_multiple_of(2) {
+            all.len().min(BEST)
+        } else {
+            all.len()
+        };
+        let place = (0.5 * (random() + 1.0) * count as f64) as usize;
+        all[place.min(count - 1)].throw.clone()
+    }
+
+    /// A motion with all its values, or the controls of one interval, changed by up to that share of their ranges.
+    fn changed(
+        &self,
+        setting: Setting,
+        mut throw: Throw,
+        share: f64,
+        random: &mut impl FnMut() -> f64,
+    ) -> Throw {
+        let Setting {
+            model,
+            problem,
+            bounds,
+            ..
+        } = setting;
+        let n = problem.q.len();
+        let allowed = problem.start_ranges(model);
+        for ((x, range), (lower, upper)) in throw.start.iter_mut().zip(&self.starts).zip(allowed) {
+            if lower < upper {
+                *x = (*x + share * random() * (range.1 - range.0)).clamp(lower, upper);
+            }
+        }
+        if matches!(problem.horizon, Horizon::Free { .. }) {
+            throw.horizon *= (share * random()).exp();
+        }
+        let mut values = throw.controls.values().to_vec();
+        let intervals = values.len();
+        let one = (random() > 0.0).then(|| (0.5 * (random() + 1.0) * intervals as f64) as usize);
+        for (k, controls) in values.iter_mut().enumerate() {
+            if one.is_some_and(|one| one != k) {
+                continue;
+            }
+            for (u, control) in controls.iter_mut().zip(n..) {
+                let range = self.controls[control - n];
+                let moved = *u + share * random() * (range.1 - range.0);
+                *u = moved.clamp(bounds.0[control], bounds.1[control]);
+            }
+        }
+        throw.controls = ControlGrid::constant(values);
+        throw
+    }
+}
+
+fn compare(a: &Rank, b: &Rank) -> std::cmp::Ordering {
+    let costs = a.1.total_cmp(&b.1);
+    a.0.cmp(&b.0).then(costs).then(a.2.total_cmp(&b.2))
+}
+
+/// Where a motion may end that is followed so long; its last controls last.
+fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
+    let Setting { model, problem, .. } = setting;
+    let declaration = model.declaration();
+    let Some(declared) = declaration.optimal_control else {
+        return Vec::new();
+    };
+    let followed = Trajectory {
+        horizon: longest,
+        controls: prolonged(throw, longest, problem.intervals),
+        time: vec![0.0],
+        states: vec![throw.start.clone()],
+    };
+    let simulator = EventDriven {
+        tolerance: TOLERANCE,
+        output_times: LEAST_PLACES.max(PLACES * problem.intervals),
+        ..EventDriven::default()
+    };
+    let value = problem.initial_value_problem(&throw.start, longest, followed.signal());
+    let Ok(simulation) = simulate_once(&simulator, model, &value) else {
+        return Vec::new();
+    };
+    let (trajectory, events) = (&simulation.trajectory, &simulation.events);
+    let fixed = matches!(problem.horizon, Horizon::Fixed(_));
+    let mut way = Way::new(setting, &declared);
+    let mut ends = Vec::new();
+    for (i, &time) in trajectory.time.iter().enumerate() {
+        let state = [&trajectory.q[i][..], &trajectory.v[i]].concat();
+        way.pass(setting, &declared, (&state, &trajectory.u[i], time));
+        let before = events.iter().filter(|event| event.time <= time);
+        let order: Order = before
+            .map(|event| (event.contact, event.kind == EventKind::Impact))
+            .collect();
+        if order.len() > EVENTS {
+            break;
+        }
+        let last = time >= longest * (1.0 - TOLERANCE);
+        if if fixed { last } else { time > 0.0 } {
+            let z = [&state[..], &[time]].concat();
+            let mut missing = goal_values(model, &z);
+            missing.extend(&way.violations);
+            ends.push(End {
+                throw: Throw {
+                    start: throw.start.clone(),
+                    controls: up_to(&followed, time, problem.intervals),
+                    horizon: time,
+                },
+                order,
+                missing,
+                cost: way.cost + final_cost(setting, &declared, &z),
+            });
+        }
+    }
+    ends
+}
+
+/// What a motion has come through.
+struct Way {
+    /// The most by which each bound and path constraint was violated.
+    violations: Vec<f64>,
+    /// Running cost, and its value and time at the last place.
+    cost: f64,
+    last: Option<(f64, f64)>,
+}
+
+impl Way {
+    fn new(setting: Setting, declared: &OptimalControlDeclaration) -> Self {
+        Self {
+            violations: vec![0.0; setting.problem.q.len() + declared.constraints.len()],
+            cost: 0.0,
+            last: None,
+        }
+    }
+
+    /// Passes a place: bounds of the coordinates, path constraints, running cost.
+    fn pass(
+        &mut self,
+        setting: Setting,
+        declared: &OptimalControlDeclaration,
+        (state, controls, time): (&[f64], &[f64], f64),
+    ) {
+        let (model, (lower, upper)) = (setting.model, setting.bounds);
+        let n = setting.problem.q.len();
+        let coordinates = (0..n).map(|k| (lower[k] - state[k]).max(state[k] - upper[k]).max(0.0));
+        let mut values = vec![0.0; declared.path_functions()];
+        let mut input = state.to_vec();
+        input.extend(drive(model, controls, time));
+        input.resize(model.declaration().path_inputs(), 0.0);
+        model.path_functions(&input, &mut values);
+        let own = &values[usize::from(declared.running_cost)..];
+        let constraints = declared.constraints.iter().zip(own);
+        let constraints = constraints.map(|(constraint, &value)| {
+            if constraint.equality {
+                value.abs()
+            } else {
+                (-value).max(0.0)
+            }
+        });
+        let all = coordinates.chain(constraints);
+        for (most, value) in self.violations.iter_mut().zip(all) {
+            *most = most.max(value);
+        }
+        if declared.running_cost {
+            if let Some((value, before)) = self.last {
+                self.cost += 0.5 * (value + values[0]) * (time - before);
+            }
+            self.last = Some((values[0], time));
+        }
+    }
+}
+
+/// The final cost at `(q, v, T)`.
+fn final_cost(setting: Setting, declared: &OptimalControlDeclaration, z: &[f64]) -> f64 {
+    if !declared.final_cost {
+        return 0.0;
+    }
+    let mut all = vec![0.0; declared.terminal_functions()];
+    let mut z = z.to_vec();
+    z.resize(setting.model.declaration().terminal_inputs(), 0.0);
+    setting.model.terminal_functions(&z, &mut all);
+    all[0]
+}
+
+/// The controls of a motion on intervals of a longer one, the last of them to its end.
+fn prolonged(throw: &Throw, longest: f64, intervals: usize) -> ControlGrid {
+    let own = throw.controls.intervals() as f64;
+    let at = |k: usize| {
+        let share = (k as f64 + 0.5) / intervals as f64 * longest / throw.horizon;
+        throw.controls.at(own * share.min(1.0))
+    };
+    ControlGrid::constant((0..intervals).map(at).collect())
+}
+
+/// The controls of a motion up to a time, on equal intervals up to there.
+fn up_to(motion: &Trajectory, time: f64, intervals: usize) -> ControlGrid {
+    let own = motion.controls.intervals() as f64;
+    let at = |k: usize| {
+        let share = (k as f64 + 0.5) / intervals as f64 * time / motion.horizon;
+        motion.controls.at(own * share)
+    };
+    ControlGrid::constant((0..intervals).map(at).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn archive_keeps_the_best_end_of_each_order_and_cost_decides_among_those_that_are_alike() {
+        let mut archive = Archive {
+            best: BTreeMap::new(),
+            units: vec![2.0],
+            starts: Vec::new(),
+            controls: Vec::new(),
+        };
+        let end = |order: &[(usize, bool)], missing: f64, cost: f64| End {
+            throw: Throw {
+                start: Vec::new(),
+                controls: ControlGrid::constant(vec![Vec::new()]),
+                horizon: 1.0,
+            },
+            order: order.to_vec(),
+            missing: vec![missing],
+            cost,
+        };
+        let (once, twice) = ([(0, true)], [(0, true), (0, true)]);
+        archive.add(end(&once, 1.0, -5.0));
+        archive.add(end(&once, 0.02, 3.0));
+        // Further from the goal by less than a twentieth of its unit, and cheaper.
+        archive.add(end(&once, 0.08, 2.0));
+        archive.add(end(&twice, 0.05, 1.0));
+        archive.add(end(&twice, f64::NAN, 0.0));
+        let found: Vec<(usize, f64)> = archive
+            .sorted()
+            .iter()
+            .map(|end| (end.order.len(), end.cost))
+            .collect();
+        assert_eq!(found, [(2, 1.0), (1, 2.0)]);
+    }
+}
