@@ -32,6 +32,9 @@ const SHORT_SWITCHES: usize = 2;
 /// Relative difference of the objective within which a motion that is solved anew is the same: what smaller residuals change, and more.
 const SAME: f64 = 1e-3;
 
+/// Simulated motions of which it is asked when their switches have to be, as long as none has led to a plan.
+const RETIMED: usize = 3;
+
 /// How often a contact that bounces is struck in motions that are made up: always so often, and at most so often where that
 /// becomes better all the time, or there is no motion yet.
 const STRUCK: usize = 3;
@@ -50,6 +53,8 @@ pub(in crate::ocp) enum Readings {
     First,
     /// The same, its own before all others: it is a motion.
     Own,
+    /// The same, without a program that asks when switches have to be.
+    OwnAsTimed,
 }
 
 /// What a search has found.
@@ -131,8 +136,14 @@ impl<'a> Search<'a, '_> {
 
     /// The same of random motions with different orders of impacts.
     pub(in crate::ocp) fn try_sampled(&mut self, runner: &mut Runner) -> Result<(), InputError> {
-        for candidate in sampled(runner, self.attempts.setting)? {
-            self.try_candidate(runner, candidate, Readings::Own)?;
+        let candidates = sampled(runner, self.attempts.setting)?.into_iter();
+        for (index, candidate) in candidates.enumerate() {
+            let readings = if self.found.optima.is_empty() && index < RETIMED {
+                Readings::Own
+            } else {
+                Readings::OwnAsTimed
+            };
+            self.try_candidate(runner, candidate, readings)?;
         }
         Ok(())
     }
@@ -403,7 +414,11 @@ fn attempt_readings(
     let intervals = setting.problem.intervals;
     let motions = motions(runner, setting, candidate)?;
     let (mut likely, other) = readings(&motions, intervals);
-    let own = which == Readings::Own || which == Readings::First && runner.effort.proves();
+    let own = match which {
+        Readings::All => false,
+        Readings::First => runner.effort.proves(),
+        Readings::Own | Readings::OwnAsTimed => true,
+    };
     if own && let Some((plan, motion)) = motions.last() {
         // What is to be judged is the plan as it is, whatever other readings make of it.
         likely.insert(0, (plan.clone(), motion));
@@ -419,6 +434,9 @@ fn attempt_readings(
         if !enough {
             attempt_new(runner, attempts, sequence, guess)?;
         }
+    }
+    if which == Readings::OwnAsTimed {
+        return Ok(());
     }
     attempt_retimed(runner, attempts, &likely)
 }

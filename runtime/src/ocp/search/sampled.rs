@@ -43,6 +43,8 @@ const ALIKE: f64 = 0.05;
 const BEST: usize = 8;
 /// By how much of their range values are changed at most, in turn.
 const CHANGES: [f64; 4] = [0.5, 0.2, 0.07, 0.02];
+/// By how much further than the nearest one a motion may be that is tried.
+const FAR: f64 = 1.0;
 /// Orders that are tried.
 const TRIED: usize = 12;
 
@@ -103,7 +105,10 @@ pub(in crate::ocp) fn sampled(
         }
     }
     let mut found = Vec::new();
-    for end in archive.sorted().into_iter().take(TRIED) {
+    let ends = archive.sorted();
+    let far = ends.first().map_or(0.0, |end| FAR + archive.rank(end).2);
+    let near = ends.into_iter().filter(|end| archive.rank(end).2 <= far);
+    for end in near.take(TRIED).collect::<Vec<_>>() {
         let Throw {
             start,
             controls,
