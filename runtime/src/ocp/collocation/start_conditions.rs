@@ -87,7 +87,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
     }
 }
 
-/// The path constraints on linear controls, and on forces, at the very start, which is no stage.
+/// The path constraints on linear controls, on forces, and on what is free at the start, at the very start, which is no stage.
 pub(in crate::ocp) fn path_rows(builder: &mut Builder, phase: &Phase) {
     let declaration = builder.setting.model.declaration();
     let Some(declared) = declaration.optimal_control else {
@@ -103,8 +103,16 @@ pub(in crate::ocp) fn path_rows(builder: &mut Builder, phase: &Phase) {
             .any(|&(row, column)| row as usize == first + constraint && controls(column as usize))
     };
     let forces = provided::at_start(declaration);
+    // Else the start may be where a condition is violated the most.
+    let free = |constraint: &usize| {
+        let mut entries = declared.path_jacobian.entries.iter();
+        let chosen = |column: usize| declared.free_start.contains(&column);
+        !declared.constraints[*constraint].equality
+            && entries
+                .any(|&(row, column)| row as usize == first + constraint && chosen(column as usize))
+    };
     let chosen: Vec<usize> = (0..declared.constraints.len())
-        .filter(|i| linear && reads(i) || forces(*i))
+        .filter(|i| linear && reads(i) || forces(*i) || free(i))
         .collect();
     if chosen.is_empty() {
         return;

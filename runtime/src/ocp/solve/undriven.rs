@@ -3,7 +3,7 @@
 //!
 //! On equal intervals each switch would have to stay in the one where the search has put it: a ball that comes back from an elastic wall
 //! half-way strikes it at a node, on whichever side of it the program is. The finite elements of a phase are fewer than the intervals asked
-//! for; where the re-simulation wants more, there are more.
+//! for; where the re-simulation wants more, there are more. Whoever asks for several elements of a phase and interval gets as many.
 
 use super::nested;
 use crate::Observer;
@@ -14,7 +14,7 @@ use crate::ocp::solution::Solution;
 use crate::simulation::InputError;
 
 /// Intervals asked for in place of which a phase has one element.
-const INTERVALS_OF_AN_ELEMENT: usize = 5;
+const INTERVALS_OF_AN_ELEMENT: usize = 2;
 
 /// Solves on one interval, and states the result on the grid of the problem.
 pub(super) fn solve(
@@ -27,9 +27,12 @@ pub(super) fn solve(
         intervals: 1,
         ..problem.clone()
     };
-    let elements = problem.intervals.div_ceil(INTERVALS_OF_AN_ELEMENT);
+    let elements = match settings.elements {
+        1 => problem.intervals.div_ceil(INTERVALS_OF_AN_ELEMENT),
+        several => several * problem.intervals,
+    };
     let settings = Settings {
-        elements: settings.elements.max(elements),
+        elements,
         ..settings.clone()
     };
     let mut solution = nested::solve(model, &whole, &settings, observer)?;
