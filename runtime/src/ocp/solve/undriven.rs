@@ -1,42 +1,57 @@
-//! Scenes without controls: there is nothing to be constant on intervals, so that a motion has one, in which switches may be at
-//! any time.
+//! Scenes without controls: there is nothing to be constant on intervals, and yet each switch of a plan has to stay in the one where the
+//! search has put it. A ball that comes back from an elastic wall half-way strikes it at a node, on whichever side of it the program is.
 //!
-//! On equal intervals each switch would have to stay in the one where the search has put it: a ball that comes back from an elastic wall
-//! half-way strikes it at a node, on whichever side of it the program is. The finite elements of a phase are fewer than the intervals asked
-//! for; where the re-simulation wants more, there are more. Whoever asks for several elements of a phase and interval gets as many.
+//! So such a scene is solved on one interval as well, in which switches may be at any time, and that motion is taken where it is
+//! clearly better.
 
 use super::nested;
+use super::optima::rank;
 use crate::Observer;
 use crate::model::Model;
 use crate::ocp::problem::Problem;
 use crate::ocp::settings::Settings;
-use crate::ocp::solution::Solution;
+use crate::ocp::solution::{Solution, Status};
 use crate::simulation::InputError;
 
-/// Intervals asked for in place of which a phase has one element.
+/// Intervals asked for in place of which a phase has one element more.
 const INTERVALS_OF_AN_ELEMENT: usize = 2;
+/// Relative difference of the objective by which the motion on one interval has to be better.
+const BETTER: f64 = 1e-3;
 
-/// Solves on one interval, and states the result on the grid of the problem.
+/// Solves on the grid of the problem and on one interval.
 pub(super) fn solve(
     model: &dyn Model,
     problem: &Problem,
     settings: &Settings,
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
+    let mut solution = nested::solve(model, problem, settings, observer)?;
+    if matches!(solution.status, Status::Interrupted | Status::Unbounded) {
+        return Ok(solution);
+    }
     let whole = Problem {
         intervals: 1,
         ..problem.clone()
     };
-    let elements = match settings.elements {
-        1 => problem.intervals.div_ceil(INTERVALS_OF_AN_ELEMENT),
-        several => several * problem.intervals,
-    };
+    let elements = problem.intervals.div_ceil(INTERVALS_OF_AN_ELEMENT);
     let settings = Settings {
-        elements,
+        elements: settings.elements * elements,
         ..settings.clone()
     };
-    let mut solution = nested::solve(model, &whole, &settings, observer)?;
-    let intervals = problem.intervals;
+    let mut other = nested::solve(model, &whole, &settings, observer)?;
+    let (own, least) = (rank(&other), rank(&solution));
+    let better = own.0 < least.0 || own.1 < least.1 - solution.tolerated(BETTER);
+    if better && own.0 <= least.0 && other.status != Status::Interrupted {
+        std::mem::swap(&mut solution, &mut other);
+        state_on(&mut solution, problem.intervals);
+    }
+    solution.counts.add(&other.counts);
+    solution.seconds += other.seconds;
+    Ok(solution)
+}
+
+/// States a motion on one interval on that many.
+fn state_on(solution: &mut Solution, intervals: usize) {
     for optimum in &mut solution.optima {
         optimum.intervals = intervals;
     }
@@ -47,5 +62,4 @@ pub(super) fn solve(
         let elements = solution.elements.iter().sum::<usize>();
         solution.elements = vec![elements.div_ceil(intervals); intervals];
     }
-    Ok(solution)
 }
