@@ -15,6 +15,8 @@ use crate::simulation::InputError;
 
 /// Intervals asked for in place of which a phase has one element more.
 const INTERVALS_OF_AN_ELEMENT: usize = 2;
+/// Most starts on one interval, simulated motions beside them.
+const STARTS: usize = 4;
 /// Relative difference of the objective by which the motion on one interval has to be better.
 const BETTER: f64 = 1e-3;
 
@@ -36,6 +38,7 @@ pub(super) fn solve(
     let elements = problem.intervals.div_ceil(INTERVALS_OF_AN_ELEMENT);
     let settings = Settings {
         elements: settings.elements * elements,
+        starts: Some(settings.starts().min(STARTS)),
         ..settings.clone()
     };
     let mut other = nested::solve(model, &whole, &settings, observer)?;
