@@ -96,23 +96,19 @@ pub(in crate::ocp) fn path_rows(builder: &mut Builder, phase: &Phase) {
     let linear = builder.setting.shape == ControlShape::Linear;
     let first = usize::from(declared.running_cost);
     let (from, u) = (2 * builder.n, builder.frame.controls[0].clone());
-    let reads = |constraint: &usize| {
-        let controls = |column: usize| (from..from + u.len()).contains(&column);
+    let reads = |constraint: usize, read: &dyn Fn(usize) -> bool| {
         let mut entries = declared.path_jacobian.entries.iter();
-        entries
-            .any(|&(row, column)| row as usize == first + constraint && controls(column as usize))
+        entries.any(|&(row, column)| row as usize == first + constraint && read(column as usize))
     };
+    let controls = |column: usize| (from..from + u.len()).contains(&column);
+    // The start may be where a condition is violated the most.
+    let free = |column: usize| declared.free_start.contains(&column);
     let forces = provided::at_start(declaration);
-    // Else the start may be where a condition is violated the most.
-    let free = |constraint: &usize| {
-        let mut entries = declared.path_jacobian.entries.iter();
-        let chosen = |column: usize| declared.free_start.contains(&column);
-        !declared.constraints[*constraint].equality
-            && entries
-                .any(|&(row, column)| row as usize == first + constraint && chosen(column as usize))
-    };
     let chosen: Vec<usize> = (0..declared.constraints.len())
-        .filter(|i| linear && reads(i) || forces(*i) || free(i))
+        .filter(|&i| {
+            let inequality = !declared.constraints[i].equality;
+            linear && reads(i, &controls) || forces(i) || inequality && reads(i, &free)
+        })
         .collect();
     if chosen.is_empty() {
         return;

@@ -13,8 +13,8 @@ use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
 use crate::simulation::InputError;
 
-/// Intervals asked for in place of which a phase has one element more.
-const INTERVALS_OF_AN_ELEMENT: usize = 2;
+/// Finite elements of a phase for each that is asked for; where the re-simulation wants more, there are more.
+const ELEMENTS: usize = 5;
 /// Most starts on one interval, simulated motions beside them.
 const STARTS: usize = 4;
 /// Relative difference of the objective by which the motion on one interval has to be better.
@@ -35,9 +35,8 @@ pub(super) fn solve(
         intervals: 1,
         ..problem.clone()
     };
-    let elements = problem.intervals.div_ceil(INTERVALS_OF_AN_ELEMENT);
     let settings = Settings {
-        elements: settings.elements * elements,
+        elements: settings.elements * ELEMENTS,
         starts: Some(settings.starts().min(STARTS)),
         ..settings.clone()
     };
