@@ -275,3 +275,60 @@ fn ball_that_bounces_to_rest_over_several_intervals_is_pushed_with_the_least_eff
         assert!(off < DIGITS, "{intervals}: {} {effort}", solution.objective);
     }
 }
+
+hangtime::model! {
+    /// A ball that is dropped on a rough belt bounces to rest on it.
+    OnTheBelt {
+        parameters { m: kg = 1, g: m/s^2 = 10, mu = 0.3, e = 0.5, belt: m/s = 1 }
+        coordinates { y: m, z: m }
+        controls { u: N in -2..=2 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface floor: z >= 0
+        impact floor: restitution e, friction mu, sliding dot(y) - belt
+        minimize integral(u^2)
+        start { z: 0.8 [m] }
+        horizon 1.5 [s]
+    }
+}
+
+#[test]
+fn ball_that_bounces_to_rest_sticks_to_the_belt_by_its_bounces_together() {
+    let ball = OnTheBelt::default();
+    for intervals in [7, 8, 11] {
+        let solution = solve(&ball, intervals, &one_start());
+        assert!(
+            solution.objective < 1e-9,
+            "{intervals}: {}",
+            solution.objective
+        );
+        // It has the speed of the belt from the first impact on, at 0.4 s.
+        let motion = solution.motion.unwrap();
+        let end = motion.trajectory.q.last().unwrap()[0];
+        assert!((end - 1.1).abs() < 1e-8, "{intervals}: {end}");
+    }
+}
+
+hangtime::model! {
+    /// A ball that is thrown sideways on a rough floor bounces to rest, slips, and is pulled to the goal.
+    Slips {
+        parameters { m: kg = 1, g: m/s^2 = 10, mu = 0.3, e = 0.4 }
+        coordinates { y: m, z: m }
+        controls { u: N in -20..=20 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface floor: z >= 0
+        impact floor: restitution e, friction mu, sliding dot(y)
+        minimize integral(u^2)
+        finally { y == 2 [m], dot(y) == 0 [m/s] }
+        start { z: 0.8 [m], dot(y): 1 [m/s] }
+        horizon 2.5 [s]
+    }
+}
+
+#[test]
+fn bounces_before_a_planned_landing_are_not_counted_to_it() {
+    // The one at 0.72 s is less than an interval from the rest, and a touch of the plan.
+    let solution = solve(&Slips::default(), 10, &Default::default());
+    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+}

@@ -13,6 +13,9 @@
 //! sliding acceleration in the direction of the slip after it. Between the impulses of an impact the law is the same,
 //! with the sliding velocity after the impact (Moreau 1988); a contact that is at rest then may stick or slip.
 //!
+//! Bounces after a landing are spread over an element by a normal force that may pull for a while. Friction spreads with them, so that
+//! there its impulse over the element is what lies in the cone.
+//!
 //! Contacts of one body stop together: the velocity of one of them is asked to vanish, and whether those of the others
 //! do is for the re-simulation to judge. Their forces reach the edges of their cones together; how they share the load
 //! before is left open.
@@ -39,6 +42,8 @@ pub(in crate::ocp) struct Normal {
     pub(in crate::ocp) force_unit: f64,
     /// Unit of velocities, and of accelerations times lengths.
     pub(in crate::ocp) row_unit: f64,
+    /// Whether the contact bounces until it rests.
+    pub(in crate::ocp) settles: bool,
 }
 
 /// Adds the tangential force of a contact that sticks, in the place described by `label`; nothing without friction.
@@ -66,6 +71,7 @@ pub(in crate::ocp) fn tangential(
         mode,
         normal: normal.force,
         unit: normal.row_unit,
+        settles: normal.settles,
         force,
         rows: Vec::new(),
     })
@@ -134,7 +140,8 @@ pub(in crate::ocp) fn constrain(
         return;
     };
     velocity(program, 1.0, (0.0, 0.0));
-    if last && turns.opening.contains(&contact) {
+    let opens = last && turns.opening.contains(&contact);
+    if opens || tangential.settles {
         return;
     }
     let edge = turns.yielding.iter().find(|edge| edge.0 == contact);
@@ -215,7 +222,8 @@ pub(in crate::ocp) fn sliding_acceleration(
 }
 
 /// Adds the conditions at the start of an element: the force of a sticking contact, extrapolated from the stages, lies
-/// in its cone; a contact that is pulled into slip begins to move its way.
+/// in its cone, or, of one that bounces until it rests, the impulse over the element; a contact that is pulled into slip begins to
+/// move its way.
 pub(in crate::ocp) fn at_start(
     program: &mut Program,
     setting: Setting,
@@ -236,12 +244,18 @@ pub(in crate::ocp) fn at_start(
         let name = model.declaration().contacts[contact].name;
         match *mode {
             ContactMode::Stick => {
+                let settles = phase.settling.contains(&contact);
+                let (place, weights) = if settles {
+                    ("over", tableau.b())
+                } else {
+                    ("at the start of", &values[..])
+                };
                 for direction in Direction::BOTH {
-                    let name = format!("friction cone of `{name}` at the start of {label}");
+                    let name = format!("friction cone of `{name}` {place} {label}");
                     let unit = units.gap_rows[contact];
                     let row = program.row_in(unit, name, 0.0, f64::INFINITY);
                     let stages = &phase.stages;
-                    reserve_between(program, model, row, contact, direction, stages, &values);
+                    reserve_between(program, model, row, contact, direction, stages, weights);
                     cones.push((contact, direction, row));
                 }
             }

@@ -80,6 +80,8 @@ pub(in crate::ocp) struct Tangential {
     pub(in crate::ocp) normal: usize,
     /// Unit of its velocities, and of accelerations times lengths.
     pub(in crate::ocp) unit: f64,
+    /// Whether the contact bounces until it rests: conditions on its force hold over the element, not at its stages.
+    pub(in crate::ocp) settles: bool,
     /// Tangential force or impulse, if the contact sticks.
     pub(in crate::ocp) force: Option<usize>,
     /// Rows that hold on both sides: of the friction cone, towards the direction in which the contact would slip; or
@@ -110,8 +112,11 @@ pub(in crate::ocp) struct Phase {
     pub(in crate::ocp) openings: Vec<(usize, usize)>,
     /// (contact, row) of the sliding acceleration of contacts that are pulled into slip at the start.
     pub(in crate::ocp) pulled: Vec<(usize, usize)>,
-    /// (contact, direction of the slip beyond, row) of the friction cones of sticking contacts at the start.
+    /// (contact, direction of the slip beyond, row) of the friction cones of sticking contacts at the start, or over the element of those
+    /// that bounce until they rest.
     pub(in crate::ocp) cones: Vec<(usize, Direction, usize)>,
+    /// Contacts that bounce from the start on until they rest.
+    pub(in crate::ocp) settling: Vec<usize>,
     /// Contacts that begin to slip at the start with no acceleration.
     pub(in crate::ocp) yielded: Vec<usize>,
     /// The switch at the end inside the interval, as an index into the sequence.

@@ -59,9 +59,10 @@ impl Element<'_> {
         taking.any(|&taken| pieces.acting(taken) == contact)
     }
 
-    /// Whether a contact bounces at its start until it rests.
-    fn settles(&self, model: &dyn Model, contact: usize) -> bool {
-        self.landed.contains(&contact) && model.restitution(contact) > 0.0
+    /// The contacts that bounce from its start on until they rest.
+    fn settling(&self, model: &dyn Model) -> Vec<usize> {
+        let landed = self.landed.iter().copied();
+        landed.filter(|&i| model.restitution(i) > 0.0).collect()
     }
 
     fn is_first_of_motion(&self) -> bool {
@@ -130,6 +131,7 @@ fn unknowns(
         openings: Vec::new(),
         pulled: Vec::new(),
         cones: Vec::new(),
+        settling: element.settling(builder.setting.model),
         yielded: element.turns.yielded.clone(),
         ends_with: element.ends_with,
         closing: [element.closing, element.taking].concat(),
@@ -152,11 +154,8 @@ fn unknowns(
         let (model, length) = (builder.setting.model, element.to - element.from);
         for &i in &closed {
             let declared = &model.declaration().contacts[i];
-            let lowest = if element.settles(model, i) {
-                f64::NEG_INFINITY
-            } else {
-                0.0
-            };
+            let settles = phase.settling.contains(&i);
+            let lowest = if settles { f64::NEG_INFINITY } else { 0.0 };
             let program = &mut builder.program;
             let unit = units.force[i] * length;
             let force = program.variable(
@@ -172,6 +171,7 @@ fn unknowns(
                 force,
                 force_unit: unit,
                 row_unit: units.gap_rows[i],
+                settles,
             };
             let tangential = friction_rows::tangential(program, model, &normal, &at);
             stage.tangential.extend(tangential);
@@ -478,7 +478,7 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
         if declared.dry {
             continue;
         }
-        if element.settles(model, i) {
+        if phase.settling.contains(&i) {
             settling_row(builder, element, phase, slot);
             continue;
         }

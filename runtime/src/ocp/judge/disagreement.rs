@@ -3,7 +3,7 @@
 use crate::model::{Model, contact_point};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::model_input::drive;
-use crate::ocp::motion::read_sequence::{landed, seen};
+use crate::ocp::motion::read_sequence::{landed_as, seen};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::search::replay::read_replay;
@@ -27,9 +27,8 @@ pub(super) fn compare(
     );
     // A slip over less than the distance that is let pass is none.
     let slowest = settings.largest_distance / trajectory.horizon;
+    let read = landed_as(plan, read_replay(setting, replay, trajectory), model);
     let plan = seen(plan, model, trajectory, slowest);
-    // The bounces of a planned landing may last as long as the phase after it.
-    let read = landed(read_replay(setting, replay, trajectory), model, 1.0);
     let mut read = seen(&read, model, &simulated, slowest);
     leave_at_once(setting, &plan, trajectory, settings, &mut read);
     disagreement(

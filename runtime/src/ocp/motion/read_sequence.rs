@@ -14,6 +14,10 @@ pub(in crate::ocp) const AT_THE_END: f64 = 1e-7;
 /// Bounces that end within this many intervals are read as one landing.
 pub(in crate::ocp) const COMES_TO_REST: f64 = 0.5;
 
+/// A bounce less than this many intervals before a landing of a plan is its first one, and they last so many at most.
+const AT_A_LANDING: f64 = 1e-2;
+const MOST_OF_A_LANDING: f64 = 1.0;
+
 /// A simulation under controls on equal intervals.
 pub(in crate::ocp) struct Replay<'r> {
     pub(in crate::ocp) model: &'r dyn Model,
@@ -191,6 +195,20 @@ pub(in crate::ocp) fn landed(sequence: Sequence, model: &dyn Model, within: f64)
 pub(in crate::ocp) fn landed_in_an_interval(sequence: Sequence, model: &dyn Model) -> Sequence {
     landed_where(sequence, model, |bounce, rest| {
         bounce.interval == rest.interval
+    })
+}
+
+/// The same of bounces from a landing of a plan on, which may last as long as the phase after it.
+pub(in crate::ocp) fn landed_as(
+    plan: &Sequence,
+    sequence: Sequence,
+    model: &dyn Model,
+) -> Sequence {
+    let landings = plan.switches.iter().filter(|switch| switch.stays());
+    let landings: Vec<&Switch> = landings.collect();
+    landed_where(sequence, model, |bounce, rest| {
+        let mut own = landings.iter().filter(|l| l.contact == rest.contact);
+        own.any(|l| l.time < bounce.time + AT_A_LANDING && rest.time < l.time + MOST_OF_A_LANDING)
     })
 }
 
