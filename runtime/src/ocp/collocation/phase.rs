@@ -13,6 +13,10 @@ use crate::ocp::program::frame::{Provided, force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::settings::PathPoints;
 
+/// Room of a force at the start of the motion, in the unit of its row: where the start leaves none, as at rest on a curved surface whose
+/// force grows with the speed, the row would have no interior. A force that pulls is for the re-simulation to see.
+const AT_THE_START: f64 = 1e-4;
+
 /// One element of a phase, as the contact sequence asks for it.
 pub(super) struct Element<'e> {
     pub(super) interval: usize,
@@ -485,7 +489,13 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
         let name = declared.name;
         let name = format!("force of `{name}` at the start of {}", element.label());
         let program = &mut builder.program;
-        let row = program.row_in(units.gap_rows[i], name, 0.0, f64::INFINITY);
+        let unit = units.gap_rows[i];
+        let least = if element.is_first_of_motion() {
+            -AT_THE_START * unit
+        } else {
+            0.0
+        };
+        let row = program.row_in(unit, name, least, f64::INFINITY);
         for (stage, weight) in phase.stages.iter().zip(&values) {
             program.linear(row, stage.forces[slot], *weight);
         }

@@ -127,14 +127,15 @@ pub(in crate::ocp) fn read_replay(
     let mut input = vec![0.0; model.declaration().inputs()];
     input[..start.len()].copy_from_slice(&start);
     let pieces = Pieces::at(model, &input);
-    // A start that rounding puts above a surface lands at once.
+    // A start that rounding puts above a surface lands at once; a contact may begin without a force.
     for (contact, closed) in closed.iter_mut().enumerate() {
         let own = |event: &&Event| event.contact == contact;
-        *closed |= !pieces.is_idle(contact)
-            && model.gap(contact, &input) <= ON_THE_SURFACE
-            && replay.events.iter().find(own).is_some_and(|first| {
-                first.kind != EventKind::LiftOff && first.time < AT_ONCE * interval
-            });
+        let is_closed = match replay.events.iter().find(own) {
+            Some(first) => (first.kind == EventKind::LiftOff) != (first.time < AT_ONCE * interval),
+            None => !replay.initial_modes[contact].is_open(),
+        };
+        *closed |=
+            !pieces.is_idle(contact) && model.gap(contact, &input) <= ON_THE_SURFACE && is_closed;
     }
     let read = Replay {
         model,
