@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::replay::simulated;
-use crate::model::OptimalControlDeclaration;
+use crate::model::{Model, OptimalControlDeclaration};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::{guess, random, uniform};
 use crate::ocp::motion::candidate::Candidate;
@@ -18,7 +18,7 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Horizon;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Guess;
-use crate::simulation::{EventDriven, EventKind, InputError, simulate_once};
+use crate::simulation::{Event, EventDriven, EventKind, InputError, simulate_once};
 
 /// Motions that are drawn, and those that are made of the best ones.
 const DRAWN: u64 = 256;
@@ -43,6 +43,8 @@ const ALIKE: f64 = 0.05;
 const BEST: usize = 8;
 /// By how much of their range values are changed at most, in turn.
 const CHANGES: [f64; 4] = [0.5, 0.2, 0.07, 0.02];
+/// Ends of the random numbers, from -1 to 1, by which all controls are changed, those of one interval, or those of one that is moved.
+const OF_EACH_KIND: f64 = 1.0 / 3.0;
 /// By how much further than the nearest one a motion may be that is tried.
 const FAR: f64 = 1.0;
 /// Orders that are tried.
@@ -108,12 +110,12 @@ pub(in crate::ocp) fn sampled(
     let ends = archive.sorted();
     let far = ends.first().map_or(0.0, |end| FAR + archive.rank(end).2);
     let near = ends.into_iter().filter(|end| archive.rank(end).2 <= far);
-    for end in near.take(TRIED).collect::<Vec<_>>() {
+    for end in near.take(TRIED) {
         let Throw {
             start,
             controls,
             horizon,
-        } = end.throw;
+        } = end.throw.clone();
         let motion = Trajectory {
             horizon,
             controls,
@@ -234,13 +236,13 @@ impl Archive {
     }
 
     /// The best of each order, the best first.
-    fn sorted(&self) -> Vec<End> {
+    fn sorted(&self) -> Vec<&End> {
         let mut found: Vec<&(Rank, End)> = self.best.values().collect();
         found.sort_by(|a, b| {
             let lengths = a.1.order.len().cmp(&b.1.order.len());
             compare(&a.0, &b.0).then(lengths)
         });
-        found.into_iter().map(|(_, end)| end.clone()).collect()
+        found.into_iter().map(|(_, end)| end).collect()
     }
 
     /// A motion to be changed: one of the best in turn with any one.
@@ -255,7 +257,8 @@ impl Archive {
         all[place.min(count - 1)].throw.clone()
     }
 
-    /// A motion with all its values, or the controls of one interval, changed by up to that share of their ranges.
+    /// A motion with its values changed by up to that share of their ranges: all controls, those of one interval, or those of one that
+    /// is taken out and put in elsewhere, which moves what is between in time.
     fn changed(
         &self,
         setting: Setting,
@@ -281,9 +284,17 @@ impl Archive {
         }
         let mut values = throw.controls.values().to_vec();
         let intervals = values.len();
-        let one = (random() > 0.0).then(|| (0.5 * (random() + 1.0) * intervals as f64) as usize);
+        let mut place =
+            || ((0.5 * (random() + 1.0) * intervals as f64) as usize).min(intervals - 1);
+        let (one, other) = (place(), place());
+        let kind = random();
+        if kind > OF_EACH_KIND {
+            // What comes after an interval happens later, and another one is left out.
+            let value = values.remove(other);
+            values.insert(one, value);
+        }
         for (k, controls) in values.iter_mut().enumerate() {
-            if one.is_some_and(|one| one != k) {
+            if kind > -OF_EACH_KIND && k != one {
                 continue;
             }
             for (u, control) in controls.iter_mut().zip(n..) {
@@ -331,10 +342,7 @@ fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
     for (i, &time) in trajectory.time.iter().enumerate() {
         let state = [&trajectory.q[i][..], &trajectory.v[i]].concat();
         way.pass(setting, &declared, (&state, &trajectory.u[i], time));
-        let before = events.iter().filter(|event| event.time <= time);
-        let order: Order = before
-            .map(|event| (event.contact, event.kind == EventKind::Impact))
-            .collect();
+        let order = order(model, events, (time, longest / problem.intervals as f64));
         if order.len() > EVENTS {
             break;
         }
@@ -356,6 +364,23 @@ fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
         }
     }
     ends
+}
+
+/// The events up to a time: those of dry friction, which follow, left out; bounces of a contact in one control interval are one.
+fn order(model: &dyn Model, events: &[Event], (time, interval): (f64, f64)) -> Order {
+    let contacts = model.declaration().contacts;
+    let mut last: Vec<Option<(f64, bool)>> = vec![None; contacts.len()];
+    let mut order = Order::new();
+    for event in events.iter().take_while(|event| event.time <= time) {
+        let struck = event.kind == EventKind::Impact;
+        let now = ((event.time / interval).floor(), struck);
+        if contacts[event.contact].dry || last[event.contact] == Some(now) {
+            continue;
+        }
+        last[event.contact] = Some(now);
+        order.push((event.contact, struck));
+    }
+    order
 }
 
 /// What a motion has come through.
@@ -448,6 +473,52 @@ fn up_to(motion: &Trajectory, time: f64, intervals: usize) -> ControlGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn order_holds_what_surfaces_do_and_bounces_of_one_interval_once() {
+        crate::model! {
+            /// A ball between two plates, on a rail that rubs.
+            Plates {
+                parameters { m: kg = 1, f: N = 1, e = 0.5 }
+                coordinates { y: m, z: m }
+                controls { u: N }
+                lagrangian m/2*|dot((y, z))|^2
+                forces { y: u }
+                surface low: z >= 0
+                surface high: z <= 1[m]
+                impact low, high: restitution e
+                dry friction rail: bound f, sliding dot(y)
+            }
+        }
+        let event = |time: f64, contact: usize, kind: EventKind| Event {
+            time,
+            kind,
+            contact,
+            contact_name: "",
+            modes: Vec::new(),
+            q: Vec::new(),
+            v_before: Vec::new(),
+            v_after: Vec::new(),
+            contact_impulse: Vec::new(),
+            friction_impulse: Vec::new(),
+        };
+        let (low, high, rail) = (0, 1, 2);
+        let events = [
+            event(0.1, low, EventKind::Impact),
+            event(0.15, rail, EventKind::Slip),
+            event(0.3, low, EventKind::Impact),
+            event(0.6, high, EventKind::Impact),
+            event(0.7, low, EventKind::Impact),
+            event(1.2, low, EventKind::Impact),
+            event(1.3, low, EventKind::LiftOff),
+        ];
+        let model = Plates::default();
+        let order = |time: f64| order(&model, &events, (time, 1.0));
+        let struck = |contact: usize| (contact, true);
+        assert_eq!(order(0.9), [struck(low), struck(high)]);
+        let all = [struck(low), struck(high), struck(low), (low, false)];
+        assert_eq!(order(2.0), all);
+    }
 
     #[test]
     fn archive_keeps_the_best_end_of_each_order_and_cost_decides_among_those_that_are_alike() {
