@@ -116,9 +116,13 @@ fn tables(
     let _ = writeln!(text, "stationarity  {}", certificate(solution.stationarity));
     let _ = writeln!(
         text,
-        "re-simulated  {:.1e} away from the plan at the end\n",
+        "re-simulated  {:.1e} away from the plan at the end",
         solution.resimulation_error
     );
+    if let Some(finer) = method.finer(solution) {
+        let _ = writeln!(text, "elements      {finer}");
+    }
+    text.push('\n');
     text += &relaxed_and_optima(solution);
     text += &ends(chosen.model.as_ref(), &motion.trajectory);
     text += &switches(chosen.model.declaration(), solution);

@@ -57,6 +57,18 @@ impl SolverSettings {
             starts: settings.starts(),
         }
     }
+
+    /// Says so where a solution has more finite elements than were asked for.
+    pub(crate) fn finer(&self, solution: &Solution) -> Option<String> {
+        let most = solution.elements.iter().copied().max()?;
+        let finer = self.name == "phases" && most > self.elements;
+        finer.then(|| {
+            format!(
+                "up to {most} finite elements of a phase instead of {}: with fewer the re-simulation differs",
+                self.elements
+            )
+        })
+    }
 }
 
 /// The complementarity problem of the time-freezing formulation.
@@ -259,7 +271,7 @@ impl<'a> SolutionDocument<'a> {
             time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
             optima: solution.optima.iter().map(OptimumEntry::new).collect(),
             excess: solution.excess.iter().map(ExcessEntry::new).collect(),
-            notes: note.into_iter().collect(),
+            notes: method.finer(solution).into_iter().chain(note).collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }
     }

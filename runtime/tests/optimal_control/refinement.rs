@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use crate::support::{attempt, kinds, one_start};
+use crate::support::{DIGITS, attempt, kinds, one_start, solve};
 use hangtime::ocp::{self, ControlShape, Problem, Settings, Solution, Status};
 use hangtime::simulation::{EventKind, Fesd, InitialValueProblem, Simulator};
 
@@ -164,4 +164,59 @@ fn flights_of_fast_wheels_on_a_coarse_grid_are_no_penetrations() {
     assert!(solution.resimulation_error < 1e-6);
     let (lifts, lands) = (EventKind::LiftOff, EventKind::Impact);
     assert_eq!(kinds(&solution), [lifts, lands, lifts, lands]);
+}
+
+hangtime::model! {
+    /// A car on a rail with a weak engine, in a valley with a springy buffer, has to get onto the hill in least time.
+    Valley {
+        parameters { m = 1, g = 10, e = 0.8 }
+        coordinates { y }
+        controls { u in -2..=2 }
+        fn h(y) = 0.5*(1 - cos(2*y))
+        lagrangian m/2*|dot((y, h(y)))|^2 - m*g*h(y)
+        forces { y: u }
+        surface buffer: y >= -0.5
+        impact buffer: restitution e
+        minimize time
+        finally { y >= 1.5 }
+        horizon 3
+    }
+}
+
+#[test]
+fn search_takes_finer_elements_where_most_plans_are_no_motions() {
+    let solution = attempt(&Valley::default(), 10, &Settings::default());
+    // With one element of half a second plans run through the hill. Bang-bang patterns and multiple shooting: 5.31279 s.
+    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+    assert!(solution.objective < 5.3128, "{}", solution.objective);
+    assert!(solution.elements.iter().all(|&elements| elements >= 2));
+}
+
+hangtime::model! {
+    /// A bead at the end of a rod that is turned: it presses outwards the more the faster the rod is, and not at all at first.
+    Spun {
+        parameters { i = 0.3, m = 0.2, l = 0.6 }
+        coordinates { q, r }
+        controls { u in -8..=8 }
+        lagrangian i/2*dot(q)^2 + m/2*(dot(r)^2 + r^2*dot(q)^2)
+        forces { q: u }
+        surface rim: r <= l
+        impact rim: inelastic
+        minimize integral(u^2)
+        finally { q == 1 }
+        start { r: l }
+        horizon 1
+    }
+}
+
+#[test]
+fn contact_that_begins_without_a_force_is_closed_from_the_start() {
+    for intervals in [8, 10] {
+        let solution = solve(&Spun::default(), intervals, &one_start());
+        // Controls in proportion to the time that is left in the middle of each interval.
+        let inertia: f64 = 0.3 + 0.2 * 0.6 * 0.6;
+        let effort = 3.0 * inertia.powi(2) / (1.0 - 0.25 / (intervals * intervals) as f64);
+        let off = (solution.objective - effort).abs() / effort;
+        assert!(off < DIGITS, "{intervals}: {} {effort}", solution.objective);
+    }
 }

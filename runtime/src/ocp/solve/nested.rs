@@ -45,7 +45,13 @@ const UNPOLISHED: f64 = 1e-7;
 /// Relative excess of the objective beyond which a motion does not go on: finer grids seldom make up for more.
 const WORTH: f64 = 0.5;
 
-/// Solves on the grid of the problem by way of coarser ones.
+/// Distance of a plan from its re-simulation beyond which it is none \[m or rad\], factor by which elements are made finer where there are
+/// more of those than of motions, and the most elements of a phase that this comes to.
+const NO_MOTION: f64 = 1e-2;
+const FINER: usize = 2;
+const FINEST: usize = 4;
+
+/// Solves on the grid of the problem by way of coarser ones, with finer elements where most plans are none.
 pub(super) fn solve(
     model: &dyn Model,
     problem: &Problem,
@@ -53,6 +59,36 @@ pub(super) fn solve(
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
     let observer = SharedObserver::new(observer);
+    let scene = (model, problem);
+    let mut finer = settings.clone();
+    let mut seen = Vec::new();
+    loop {
+        let most = FINEST / FINER;
+        if let Some(solution) = solve_in_elements(scene, (&finer, most), &observer, &mut seen)? {
+            let least = finer.elements == settings.elements;
+            if least || rank(&solution).0 <= 1 || observer.stopped() {
+                return Ok(solution);
+            }
+            let mut failed = Found { start: 0, solution };
+            leave_its_work(&mut failed);
+            seen.push(failed);
+            break;
+        }
+        finer.elements *= FINER;
+    }
+    // Finer elements have led to no motion, and coarse ones may still.
+    let solution = solve_in_elements(scene, (settings, 0), &observer, &mut seen)?;
+    Ok(solution.unwrap_or_else(|| result(Vec::new(), seen, observer.stopped())))
+}
+
+/// The same with the elements of the settings. What is run is added to `seen`; without a result if they are too coarse, which is asked
+/// up to so many elements.
+fn solve_in_elements<'o>(
+    (model, problem): (&dyn Model, &Problem),
+    (settings, asked): (&Settings, usize),
+    observer: &SharedObserver<'o, 'o>,
+    seen: &mut Vec<Found>,
+) -> Result<Option<Solution>, InputError> {
     let most = if settings.starts() == 1 {
         settings.maximum_programs
     } else {
@@ -65,7 +101,6 @@ pub(super) fn solve(
         maximum_programs: settings.maximum_programs.min(most),
         ..settings.clone()
     };
-    let mut seen: Vec<Found> = Vec::new();
     let mut known: Vec<(usize, Vec<Found>)> = Vec::new();
     let grids = grids(problem.intervals);
     // One start on this grid alone is solved with all programs at once.
@@ -81,7 +116,7 @@ pub(super) fn solve(
             model,
             problem: &grid,
             settings: &quick,
-            observer: &observer,
+            observer,
         };
         let coarser = known.iter().filter(|known| is_next(known.0, intervals));
         let from: Vec<Found> = coarser.flat_map(|(_, found)| found.clone()).collect();
@@ -89,19 +124,26 @@ pub(super) fn solve(
         let from = best_of(from, kept);
         let found = if explores {
             let starts = starts(&grids, intervals, settings);
-            look(&task, (starts, single), &mut seen)?
+            let found = look(&task, (starts, single), seen)?;
+            let asks = starts == settings.starts() && settings.elements <= asked;
+            if asks && is_too_coarse(settings, &found) {
+                seen.iter_mut().for_each(leave_its_work);
+                return Ok(None);
+            }
+            found
         } else if from.iter().any(|found| found.solution.motion.is_some()) {
-            carry(&task, &from, &mut seen)?
+            carry(&task, &from, seen)?
         } else {
             from
         };
         if let Some(endless) = endless(&task, &found, problem.intervals) {
-            return Ok(result(vec![endless], seen, observer.stopped()));
+            let seen = std::mem::take(seen);
+            return Ok(Some(result(vec![endless], seen, observer.stopped())));
         }
         let mut found = best_of(found, tried);
         if proves && intervals < problem.intervals {
             let task = Task { settings, ..task };
-            found = proven(&task, found, &mut seen)?;
+            found = proven(&task, found, seen)?;
         }
         known.push((intervals, found));
     }
@@ -110,12 +152,37 @@ pub(super) fn solve(
         model,
         problem,
         settings,
-        observer: &observer,
+        observer,
     };
     if !complete {
-        conclude(&task, &mut found, &mut seen)?;
+        conclude(&task, &mut found, seen)?;
     }
-    Ok(result(found, seen, observer.stopped()))
+    let seen = std::mem::take(seen);
+    Ok(Some(result(found, seen, observer.stopped())))
+}
+
+/// Whether more plans that starts led to are none than are motions: an element holds more of the motion than its polynomials follow.
+fn is_too_coarse(settings: &Settings, found: &[Found]) -> bool {
+    let solutions = || found.iter().map(|found| &found.solution);
+    let far = |solution: &&Solution| {
+        solution.status == Status::Unconfirmed && solution.resimulation_error > NO_MOTION
+    };
+    let confirmed = |solution: &&Solution| rank(solution).0 == 0;
+    settings.starts() > 1 && solutions().filter(far).count() > solutions().filter(confirmed).count()
+}
+
+/// Leaves no more of a run than its work.
+fn leave_its_work(found: &mut Found) {
+    let Solution {
+        status,
+        counts,
+        seconds,
+        ..
+    } = found.solution;
+    found.solution = Solution {
+        seconds,
+        ..Solution::without_motion(status, Vec::new(), counts)
+    };
 }
 
 /// A motion in no time, which a finer grid makes no longer, on the grid that was asked for.
@@ -293,21 +360,9 @@ fn judged(
         && carried.solution.objective < objective - carried.solution.tolerated(UNPOLISHED);
     let worse = carried.solution.objective > unpolished;
     if solved && !better && (worse || carried.solution.status != Status::Solved) {
-        // What is left of it is the work.
-        let Solution {
-            status,
-            counts,
-            seconds,
-            ..
-        } = carried.solution;
-        let solution = Solution {
-            seconds,
-            ..Solution::without_motion(status, Vec::new(), counts)
-        };
-        seen.push(Found {
-            solution,
-            ..carried
-        });
+        let mut carried = carried;
+        leave_its_work(&mut carried);
+        seen.push(carried);
         return Ok(one);
     }
     seen.push(carried.clone());
