@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use super::replay::simulated;
+use super::replay::{parts, simulated};
 use crate::model::{Model, OptimalControlDeclaration};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::{guess, random, uniform};
@@ -342,7 +342,7 @@ fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
     for (i, &time) in trajectory.time.iter().enumerate() {
         let state = [&trajectory.q[i][..], &trajectory.v[i]].concat();
         way.pass(setting, &declared, (&state, &trajectory.u[i], time));
-        let order = order(model, events, (time, longest / problem.intervals as f64));
+        let order = order(model, events, (time, longest / parts(setting) as f64));
         if order.len() > EVENTS {
             break;
         }
@@ -366,7 +366,7 @@ fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
     ends
 }
 
-/// The events up to a time: those of dry friction, which follow, left out; bounces of a contact in one control interval are one.
+/// The events up to a time: those of dry friction, which follow, left out; bounces of a contact in one interval, by which simulations are read, are one.
 fn order(model: &dyn Model, events: &[Event], (time, interval): (f64, f64)) -> Order {
     let contacts = model.declaration().contacts;
     let mut last: Vec<Option<(f64, bool)>> = vec![None; contacts.len()];

@@ -7,7 +7,8 @@
 //! batch has no motion at all, the next one begins with those that simulated controls lead nearest to the goals. One start of the second
 //! batch takes its contact sequence from the program of the time-freezing system, which ends at other motions than the contact-implicit ones.
 //! Beside the first batch simulated motions are tried, one of each order of impacts. Where others come through their sequences they do
-//! not end, as these are many.
+//! not end, as these are many; and of the starts near the best every second one is near the best of the others, so that these do not
+//! decide alone where is looked.
 
 use hangtime_solver::nlp;
 use rayon::prelude::*;
@@ -69,6 +70,7 @@ pub(super) fn explore(
         };
         let batch = all.len()..starts.min(end);
         let samples = batch.contains(&SAMPLES) && has_surfaces(task.model);
+        let of_starts = best(all.iter());
         let best = best(all.iter().chain(&sampled));
         let runs = batch.into_par_iter().map(|start| {
             let mut settings = member(task.settings, start, best.is_some());
@@ -76,6 +78,11 @@ pub(super) fn explore(
                 settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
                 settings.guess = Guess::Straight;
             }
+            let best = if start % 4 == 1 {
+                best
+            } else {
+                of_starts.or(best)
+            };
             let near = best.filter(|_| looks_near_the_best(start));
             let near = near.and_then(|best| best.solution.previous.clone());
             let known = Known {
