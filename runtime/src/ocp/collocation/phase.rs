@@ -16,6 +16,8 @@ use crate::ocp::settings::PathPoints;
 /// Room of a force at the start of the motion, in the unit of its row: where the start leaves none, as at rest on a curved surface whose
 /// force grows with the speed, the row would have no interior. A force that pulls is for the re-simulation to see.
 const AT_THE_START: f64 = 1e-4;
+/// Force of the guess, in its unit, up to which there is none.
+const NO_FORCE: f64 = 1e-6;
 
 /// One element of a phase, as the contact sequence asks for it.
 pub(super) struct Element<'e> {
@@ -490,7 +492,9 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
         let name = format!("force of `{name}` at the start of {}", element.label());
         let program = &mut builder.program;
         let unit = units.gap_rows[i];
-        let least = if element.is_first_of_motion() {
+        // The guess tells whether there is a force.
+        let guessed = builder.guess.at(element.from, true)[2 * builder.n + i];
+        let least = if element.is_first_of_motion() && guessed <= NO_FORCE * units.force[i] {
             -AT_THE_START * unit
         } else {
             0.0
