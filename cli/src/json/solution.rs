@@ -30,6 +30,9 @@ pub(crate) struct SolverSettings {
     pub(crate) elements: usize,
     /// Starts that were solved side by side.
     pub(crate) starts: usize,
+    /// Finite elements of a phase, also of the motion that a time-freezing program leads to.
+    #[serde(skip)]
+    of_a_phase: usize,
 }
 
 impl SolverSettings {
@@ -55,19 +58,15 @@ impl SolverSettings {
             control_shape: settings.controls.name(),
             elements,
             starts: settings.starts(),
+            of_a_phase: settings.elements,
         }
     }
 
     /// Says so where a solution has more finite elements than were asked for.
     pub(crate) fn finer(&self, solution: &Solution) -> Option<String> {
-        let most = solution.elements.iter().copied().max()?;
-        let finer = self.name == "phases" && most > self.elements;
-        finer.then(|| {
-            format!(
-                "up to {most} finite elements of a phase instead of {}: with fewer the re-simulation differs",
-                self.elements
-            )
-        })
+        let (asked, most) = (self.of_a_phase, solution.elements.iter().copied().max()?);
+        (most > asked)
+            .then(|| format!("up to {most} finite elements of a phase instead of {asked}"))
     }
 }
 

@@ -16,6 +16,45 @@ fn solve_without_an_objective_says_so() {
     );
 }
 
+/// A cart passes a narrow magnet, which one finite element of an interval cannot follow.
+#[test]
+fn solve_says_how_many_elements_a_plan_has_where_they_are_more_than_asked_for() {
+    let scratch = Scratch::new("solve-elements");
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("passage.hang");
+    let notes = |depth: f64| -> (Vec<String>, String) {
+        let text = format!(
+            "coordinates {{ y }} controls {{ u }} lagrangian dot(y)^2/2 + {depth}*exp(-((y - 0.3)/0.02)^2/2) \
+             forces {{ y: u }} minimize integral(u^2) finally {{ y == 1, dot(y) == 0 }} horizon 1"
+        );
+        std::fs::write(&file, text).unwrap();
+        let solve = [
+            "solve",
+            file.to_str().unwrap(),
+            "--intervals",
+            "8",
+            "--starts",
+            "1",
+        ];
+        let document: Value =
+            serde_json::from_str(&solved(&[&solve[..], &["--json"]].concat())).unwrap();
+        let notes = document["notes"].as_array().unwrap().iter();
+        let notes = notes.map(|note| note.as_str().unwrap().to_owned());
+        (notes.collect(), solved(&solve))
+    };
+    let (notes_with, tables_with) = notes(0.2);
+    let note = notes_with
+        .iter()
+        .find(|note| note.ends_with("finite elements of a phase instead of 1"));
+    assert!(tables_with.contains(note.unwrap()), "{tables_with}");
+    let (notes_without, tables_without) = notes(0.0);
+    assert!(notes_without.is_empty(), "{notes_without:?}");
+    assert!(
+        !tables_without.contains("finite elements"),
+        "{tables_without}"
+    );
+}
+
 /// A cart of 2 kg is brought over 0.2 m from rest to rest in a time `T`, by linear controls with the effort
 /// `12 m^2 s^2/T^3`; in least time, from whatever guess, by the forces at their bounds.
 #[test]

@@ -42,8 +42,6 @@ pub(in crate::ocp) struct Normal {
     pub(in crate::ocp) force_unit: f64,
     /// Unit of velocities, and of accelerations times lengths.
     pub(in crate::ocp) row_unit: f64,
-    /// Whether the contact bounces until it rests.
-    pub(in crate::ocp) settles: bool,
 }
 
 /// Adds the tangential force of a contact that sticks, in the place described by `label`; nothing without friction.
@@ -71,7 +69,6 @@ pub(in crate::ocp) fn tangential(
         mode,
         normal: normal.force,
         unit: normal.row_unit,
-        settles: normal.settles,
         force,
         rows: Vec::new(),
     })
@@ -141,7 +138,7 @@ pub(in crate::ocp) fn constrain(
     };
     velocity(program, 1.0, (0.0, 0.0));
     let opens = last && turns.opening.contains(&contact);
-    if opens || tangential.settles {
+    if opens || turns.settles(model, contact) {
         return;
     }
     let edge = turns.yielding.iter().find(|edge| edge.0 == contact);

@@ -115,7 +115,6 @@ pub(super) fn close(builder: &mut Builder, instant: &Instant, label: &str, time:
             force: impulse,
             force_unit: unit,
             row_unit: unit,
-            settles: false,
         };
         let at = format!("in the impact that ends {label}");
         let program = &mut builder.program;

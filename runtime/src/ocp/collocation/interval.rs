@@ -40,8 +40,6 @@ struct Left {
     opened: Vec<usize>,
     /// Contacts that are touched.
     touched: Vec<usize>,
-    /// Contacts that close in an impact.
-    landed: Vec<usize>,
     turns: Turns,
 }
 
@@ -59,7 +57,9 @@ impl Left {
         }
         self.touched.extend(instant.touched());
         let landing = instant.all().filter(|switch| switch.stays());
-        self.landed.extend(landing.map(|switch| switch.contact));
+        self.turns
+            .landed
+            .extend(landing.map(|switch| switch.contact));
         if instant.first.opens() && !instant.ends_at_edge() {
             self.opened.push(instant.first.contact);
         }
@@ -109,7 +109,6 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
                 passed: if last { &ended.passed } else { &[] },
                 opened: if first { &left.opened } else { &[] },
                 touched: if first { &left.touched } else { &[] },
-                landed: if first { &left.landed } else { &[] },
                 turns: &left.turns.of_element(first, last),
             };
             phase::add(builder, &element);

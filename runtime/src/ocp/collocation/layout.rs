@@ -80,8 +80,6 @@ pub(in crate::ocp) struct Tangential {
     pub(in crate::ocp) normal: usize,
     /// Unit of its velocities, and of accelerations times lengths.
     pub(in crate::ocp) unit: f64,
-    /// Whether the contact bounces until it rests: conditions on its force hold over the element, not at its stages.
-    pub(in crate::ocp) settles: bool,
     /// Tangential force or impulse, if the contact sticks.
     pub(in crate::ocp) force: Option<usize>,
     /// Rows that hold on both sides: of the friction cone, towards the direction in which the contact would slip; or

@@ -7,7 +7,7 @@ use super::layout::{Distance, FREE, Kept, Phase, Stage};
 use super::stage_inputs::{Elapsed, drive_at, drive_within};
 use super::turns::Turns;
 use super::{cut_rows, friction_rows, provided, start_conditions};
-use crate::model::{Model, Pieces};
+use crate::model::Pieces;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::program::frame::{Provided, force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
@@ -43,8 +43,6 @@ pub(super) struct Element<'e> {
     /// Contacts that open, and that are touched, right before the start.
     pub(super) opened: &'e [usize],
     pub(super) touched: &'e [usize],
-    /// Contacts that close in an impact right before the start.
-    pub(super) landed: &'e [usize],
     pub(super) turns: &'e Turns,
 }
 
@@ -63,12 +61,6 @@ impl Element<'_> {
     fn implies(&self, pieces: &Pieces, contact: usize) -> bool {
         let mut taking = self.taking.iter();
         taking.any(|&taken| pieces.acting(taken) == contact)
-    }
-
-    /// The contacts that bounce from its start on until they rest.
-    fn settling(&self, model: &dyn Model) -> Vec<usize> {
-        let landed = self.landed.iter().copied();
-        landed.filter(|&i| model.restitution(i) > 0.0).collect()
     }
 
     fn is_first_of_motion(&self) -> bool {
@@ -122,7 +114,15 @@ fn unknowns(
     drives: Vec<Vec<usize>>,
 ) -> (Phase, Vec<Vec<usize>>) {
     let closed = builder.closed();
-    let Setting { tableau, units, .. } = builder.setting;
+    let Setting {
+        model,
+        tableau,
+        units,
+        ..
+    } = builder.setting;
+    let turns = element.turns;
+    let settling = closed.iter().copied();
+    let settling = settling.filter(|&i| turns.settles(model, i));
     let mut phase = Phase {
         interval: element.interval,
         index: element.index,
@@ -137,8 +137,8 @@ fn unknowns(
         openings: Vec::new(),
         pulled: Vec::new(),
         cones: Vec::new(),
-        settling: element.settling(builder.setting.model),
-        yielded: element.turns.yielded.clone(),
+        settling: settling.collect(),
+        yielded: turns.yielded.clone(),
         ends_with: element.ends_with,
         closing: [element.closing, element.taking].concat(),
     };
@@ -157,11 +157,14 @@ fn unknowns(
             provided: Vec::new(),
         };
         let mut shifts = Vec::new();
-        let (model, length) = (builder.setting.model, element.to - element.from);
+        let length = element.to - element.from;
         for &i in &closed {
             let declared = &model.declaration().contacts[i];
-            let settles = phase.settling.contains(&i);
-            let lowest = if settles { f64::NEG_INFINITY } else { 0.0 };
+            let lowest = if turns.settles(model, i) {
+                f64::NEG_INFINITY
+            } else {
+                0.0
+            };
             let program = &mut builder.program;
             let unit = units.force[i] * length;
             let force = program.variable(
@@ -177,7 +180,6 @@ fn unknowns(
                 force,
                 force_unit: unit,
                 row_unit: units.gap_rows[i],
-                settles,
             };
             let tangential = friction_rows::tangential(program, model, &normal, &at);
             stage.tangential.extend(tangential);

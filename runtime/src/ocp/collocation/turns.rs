@@ -1,11 +1,14 @@
 //! What happens to contacts with friction at the ends of an element.
 
+use crate::model::Model;
 use crate::ocp::motion::sequence::{Place, Switch};
 use crate::simulation::{ContactMode, Direction};
 
 /// What happens to contacts with friction at the ends of an element.
 #[derive(Default, Clone)]
 pub(in crate::ocp) struct Turns {
+    /// Contacts that close in an impact right before the start, with friction or without.
+    pub(in crate::ocp) landed: Vec<usize>,
     /// Contacts at rest that begin to slip at the start, pulled by a jump of the controls, an impact or the reversal of
     /// their own friction: with an acceleration.
     pub(in crate::ocp) pulled: Vec<usize>,
@@ -67,10 +70,16 @@ impl Turns {
         }
     }
 
+    /// Whether a contact bounces from the start on until it rests.
+    pub(in crate::ocp) fn settles(&self, model: &dyn Model, contact: usize) -> bool {
+        self.landed.contains(&contact) && model.restitution(contact) > 0.0
+    }
+
     /// The part that belongs to one of the elements between two switches.
     pub(in crate::ocp) fn of_element(&self, first: bool, last: bool) -> Self {
         let mut turns = self.clone();
         if !first {
+            turns.landed = Vec::new();
             (turns.pulled, turns.yielded) = (Vec::new(), Vec::new());
         }
         if !last {

@@ -366,7 +366,8 @@ fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
     ends
 }
 
-/// The events up to a time: those of dry friction, which follow, left out; bounces of a contact in one interval, by which simulations are read, are one.
+/// The events up to a time: those of dry friction, which follow, left out; bounces of a contact in one interval, by which simulations
+/// are read, are one.
 fn order(model: &dyn Model, events: &[Event], (time, interval): (f64, f64)) -> Order {
     let contacts = model.declaration().contacts;
     let mut last: Vec<Option<(f64, bool)>> = vec![None; contacts.len()];

@@ -45,9 +45,9 @@ const UNPOLISHED: f64 = 1e-7;
 /// Relative excess of the objective beyond which a motion does not go on: finer grids seldom make up for more.
 const WORTH: f64 = 0.5;
 
-/// Distance of a plan from its re-simulation beyond which it is none \[m or rad\], factor by which elements are made finer where there are
-/// more of those than of motions, and the most elements of a phase that this comes to.
+/// Distance of a plan from its re-simulation beyond which it is no motion \[m or rad\].
 const NO_MOTION: f64 = 1e-2;
+/// Factor by which the elements of a phase become more where most plans are no motions, and the most that this comes to.
 const FINER: usize = 2;
 const FINEST: usize = 4;
 
@@ -60,32 +60,33 @@ pub(super) fn solve(
 ) -> Result<Solution, InputError> {
     let observer = SharedObserver::new(observer);
     let scene = (model, problem);
-    let mut finer = settings.clone();
+    let mut tried = settings.clone();
+    let mut asks = true;
     let mut seen = Vec::new();
     loop {
-        let most = FINEST / FINER;
-        if let Some(solution) = solve_in_elements(scene, (&finer, most), &observer, &mut seen)? {
-            let least = finer.elements == settings.elements;
-            if least || rank(&solution).0 <= 1 || observer.stopped() {
-                return Ok(solution);
-            }
-            let mut failed = Found { start: 0, solution };
-            leave_its_work(&mut failed);
-            seen.push(failed);
-            break;
+        let asks_for_finer = asks && FINER * tried.elements <= FINEST;
+        let with = (&tried, asks_for_finer);
+        let Some(solution) = solve_in_elements(scene, with, &observer, &mut seen)? else {
+            tried.elements *= FINER;
+            continue;
+        };
+        let coarse = tried.elements == settings.elements;
+        if coarse || rank(&solution).0 <= 1 || observer.stopped() {
+            return Ok(solution);
         }
-        finer.elements *= FINER;
+        // Finer elements have led to no motion, and coarse ones may still.
+        let mut failed = Found { start: 0, solution };
+        leave_its_work(&mut failed);
+        seen.push(failed);
+        (tried, asks) = (settings.clone(), false);
     }
-    // Finer elements have led to no motion, and coarse ones may still.
-    let solution = solve_in_elements(scene, (settings, 0), &observer, &mut seen)?;
-    Ok(solution.unwrap_or_else(|| result(Vec::new(), seen, observer.stopped())))
 }
 
-/// The same with the elements of the settings. What is run is added to `seen`; without a result if they are too coarse, which is asked
-/// up to so many elements.
+/// The same with the elements of the settings. What is run is added to `seen`; without a result if these are too coarse, where that is
+/// asked.
 fn solve_in_elements<'o>(
     (model, problem): (&dyn Model, &Problem),
-    (settings, asked): (&Settings, usize),
+    (settings, asks): (&Settings, bool),
     observer: &SharedObserver<'o, 'o>,
     seen: &mut Vec<Found>,
 ) -> Result<Option<Solution>, InputError> {
@@ -125,7 +126,7 @@ fn solve_in_elements<'o>(
         let found = if explores {
             let starts = starts(&grids, intervals, settings);
             let found = look(&task, (starts, single), seen)?;
-            let asks = starts == settings.starts() && settings.elements <= asked;
+            let asks = asks && starts == settings.starts() && !observer.stopped();
             if asks && is_too_coarse(settings, &found) {
                 seen.iter_mut().for_each(leave_its_work);
                 return Ok(None);

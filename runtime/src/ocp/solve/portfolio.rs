@@ -30,7 +30,10 @@ const BATCH: usize = 4;
 /// the same trap.
 const AGREEING: usize = 4;
 
-/// Shares of its range by which the best motion is bent for starts near it, in turn.
+/// One start in so many looks near the best motion after the first batch, in turn near the best of all, and of those that are not simulated.
+const NEAR_THE_BEST: usize = 2;
+
+/// Shares of its range by which the best motion is bent for starts near it: little that of all, much that of those that are not simulated.
 const BENDS: [f64; 2] = [0.1, 0.3];
 
 /// Most iterations of a program of a start: of several, some take few.
@@ -78,12 +81,12 @@ pub(super) fn explore(
                 settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
                 settings.guess = Guess::Straight;
             }
-            let best = if start % 4 == 1 {
+            let near = if start % (2 * NEAR_THE_BEST) == 1 {
                 best
             } else {
                 of_starts.or(best)
             };
-            let near = best.filter(|_| looks_near_the_best(start));
+            let near = near.filter(|_| looks_near_the_best(start));
             let near = near.and_then(|best| best.solution.previous.clone());
             let known = Known {
                 near: near.map(|near| (near, BENDS[start / 2 % BENDS.len()])),
@@ -181,9 +184,9 @@ fn best_was_found_again(all: &[Found], sampled: Option<&Found>) -> bool {
     same.count() >= AGREEING
 }
 
-/// Whether a start looks near the best motion so far, if there is one: every second one after the first batch.
+/// Whether a start looks near the best motion so far, if there is one.
 fn looks_near_the_best(start: usize) -> bool {
-    start >= BATCH && !start.is_multiple_of(2)
+    start >= BATCH && start % NEAR_THE_BEST == 1
 }
 
 /// Whether the program of the time-freezing system differs from a program without contacts, and can be stated.
