@@ -9,15 +9,14 @@ use super::turns::Turns;
 use super::{cut_rows, friction_rows, provided, start_conditions};
 use crate::model::Pieces;
 use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::program::frame::{Provided, force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::settings::PathPoints;
 
 /// Room of a force at the start of the motion, in the unit of its row: where the start leaves none, as at rest on a curved surface whose
-/// force grows with the speed, the row would have no interior. A force that pulls is for the re-simulation to see.
+/// force grows with the speed, the row would have no interior but by the controls. A force that pulls is for the re-simulation to see.
 const AT_THE_START: f64 = 1e-4;
-/// Force of the guess, in its unit, up to which there is none.
-const NO_FORCE: f64 = 1e-6;
 
 /// One element of a phase, as the contact sequence asks for it.
 pub(super) struct Element<'e> {
@@ -107,6 +106,31 @@ fn drives(builder: &mut Builder, element: &Element) -> Vec<Vec<usize>> {
     drives
 }
 
+/// The phase of an element with these contacts closed, without unknowns and rows.
+fn without_stages(builder: &Builder, element: &Element, closed: &[usize]) -> Phase {
+    let turns = element.turns;
+    let settles = |i: &usize| turns.settles(builder.setting.model, *i);
+    Phase {
+        interval: element.interval,
+        index: element.index,
+        closed: closed.to_vec(),
+        modes: builder.modes.clone(),
+        pieces: builder.pieces.clone(),
+        start: builder.state.clone(),
+        stages: Vec::with_capacity(builder.setting.tableau.stages()),
+        rows: builder.program.extent().1..0,
+        scale: element.scale,
+        factor: element.factor,
+        openings: Vec::new(),
+        pulled: Vec::new(),
+        cones: Vec::new(),
+        settling: closed.iter().copied().filter(settles).collect(),
+        yielded: turns.yielded.clone(),
+        ends_with: element.ends_with,
+        closing: [element.closing, element.taking].concat(),
+    }
+}
+
 /// Adds the unknowns of the stages; the phase, without rows, and the position corrections of each stage.
 fn unknowns(
     builder: &mut Builder,
@@ -121,27 +145,7 @@ fn unknowns(
         ..
     } = builder.setting;
     let turns = element.turns;
-    let settling = closed.iter().copied();
-    let settling = settling.filter(|&i| turns.settles(model, i));
-    let mut phase = Phase {
-        interval: element.interval,
-        index: element.index,
-        closed: closed.clone(),
-        modes: builder.modes.clone(),
-        pieces: builder.pieces.clone(),
-        start: builder.state.clone(),
-        stages: Vec::with_capacity(drives.len()),
-        rows: builder.program.extent().1..0,
-        scale: element.scale,
-        factor: element.factor,
-        openings: Vec::new(),
-        pulled: Vec::new(),
-        cones: Vec::new(),
-        settling: settling.collect(),
-        yielded: turns.yielded.clone(),
-        ends_with: element.ends_with,
-        closing: [element.closing, element.taking].concat(),
-    };
+    let mut phase = without_stages(builder, element, &closed);
     let mut corrections = Vec::with_capacity(drives.len());
     for ((m, c), drive) in tableau.c().iter().enumerate().zip(drives) {
         let last = m + 1 == tableau.stages();
@@ -471,6 +475,16 @@ fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) 
     }
 }
 
+/// Whether nothing but controls gives a contact a force at the start of the motion.
+fn starts_without_force(builder: &Builder, contact: usize) -> bool {
+    let model = builder.setting.model;
+    let controls = vec![0.0; model.declaration().controls.len()];
+    let mut x = builder.guess.at(0.0, true);
+    x.truncate(2 * builder.n);
+    x.extend(drive(model, &controls, 0.0));
+    free_normal_acceleration(model, contact, &x) == 0.0
+}
+
 /// Adds the sign of the force right at the start of a contact phase, extrapolated from the stages.
 fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) {
     let Setting {
@@ -492,15 +506,13 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
         }
         let name = declared.name;
         let name = format!("force of `{name}` at the start of {}", element.label());
-        let program = &mut builder.program;
         let unit = units.gap_rows[i];
-        // The guess tells whether there is a force.
-        let guessed = builder.guess.at(element.from, true)[2 * builder.n + i];
-        let least = if element.is_first_of_motion() && guessed <= NO_FORCE * units.force[i] {
+        let least = if element.is_first_of_motion() && starts_without_force(builder, i) {
             -AT_THE_START * unit
         } else {
             0.0
         };
+        let program = &mut builder.program;
         let row = program.row_in(unit, name, least, f64::INFINITY);
         for (stage, weight) in phase.stages.iter().zip(&values) {
             program.linear(row, stage.forces[slot], *weight);
