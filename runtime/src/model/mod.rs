@@ -44,7 +44,7 @@ mod pieces;
 pub(crate) mod rounding;
 
 pub(crate) use control_piece::ControlPiece;
-pub(crate) use pieces::{Pieces, bouncing_edges, edge};
+pub(crate) use pieces::{Pieces, edge};
 
 pub use declaration::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,

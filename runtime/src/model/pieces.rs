@@ -110,15 +110,6 @@ impl Pieces {
     }
 }
 
-/// The contacts with an edge that bounce. A bounce of the time-freezing system dips into the ground, by more than the other pieces
-/// may be away.
-pub(crate) fn bouncing_edges(model: &dyn Model) -> Vec<usize> {
-    let contacts = model.declaration().contacts.iter().enumerate();
-    let bouncing =
-        contacts.filter(|(i, known)| !known.alternatives.is_empty() && model.restitution(*i) > 0.0);
-    bouncing.map(|(i, _)| i).collect()
-}
-
 /// The name of a contact with an edge, if there is one.
 pub(crate) fn edge(model: &dyn Model) -> Option<&'static str> {
     let contacts = model.declaration().contacts.iter();

@@ -72,7 +72,7 @@ pub struct TimeFreezingReport {
     pub horizon: f64,
     /// Its residuals; the complementarity is the largest product of a pair.
     pub residuals: Residuals,
-    /// What of the scene it leaves out, and the polished motion does not: restitution at outer edges; at a relaxed solution forces and
+    /// What of the scene it leaves out, and the polished motion does not: at a relaxed solution forces and
     /// impulses of contacts, which are 0 in its functions and of which it has no conditions.
     pub left_out: Vec<&'static str>,
     /// The relaxed solution before the polish.

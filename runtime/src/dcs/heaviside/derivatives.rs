@@ -103,20 +103,25 @@ fn contact_entries(
     if let Some(place) = dcs.layout.theta() {
         add(gap, place, velocity);
     }
+    let dip = dcs.layout.dip(contact);
     if bounces {
-        add(gap, beta, velocity);
+        add(dip.unwrap_or(gap), beta, velocity);
     } else {
         add(row + 1, gap, 1.0);
     }
-    add(row + 2, gap, 1.0);
+    for height in dcs.layout.heights(contact) {
+        add(row + 2, height, 1.0);
+    }
     let push = dcs.pressure(xi, contact) * dcs.system.auxiliary_acceleration;
-    let rate = dcs.gap_rate(xi, contact);
+    let rates = dcs.gap_rates(xi, contact);
     for (entry, column, value) in dcs.system.contact_jacobian(contact) {
         let column = dcs.layout.local_of_input(column);
         match entry {
             0 => {}
             1 => {
-                add(gap, column, rate * value);
+                for (height, rate) in dcs.layout.heights(contact).zip(rates) {
+                    add(height, column, rate * value);
+                }
                 add(row + 1, column, -value);
             }
             _ => add(n + entry - 2, column, push * value),
@@ -316,8 +321,13 @@ fn contact_curvature(
     let a_bar = dcs.system.auxiliary_acceleration;
     let row = dcs.layout.contact_row(contact);
     let by_gap = weights[dcs.layout.lifted_gap(contact)];
+    let by_beta = dcs.layout.dip(contact).map_or(by_gap, |dip| weights[dip]);
     let push = dcs.pressure(xi, contact) * a_bar;
-    let by_velocity = dcs.gap_rate(xi, contact) * by_gap - weights[row + 1];
+    let heights = dcs.layout.heights(contact).zip(dcs.gap_rates(xi, contact));
+    let by_velocity = heights
+        .map(|(height, rate)| rate * weights[height])
+        .sum::<f64>()
+        - weights[row + 1];
     dcs.system.evaluate_contact_hessian(
         contact,
         &dcs.input,
@@ -337,12 +347,13 @@ fn contact_curvature(
     let beta = dcs
         .layout
         .rebound(contact)
-        .map(|_| dcs.layout.algebraic(contact, BETA));
+        .map(|_| (dcs.layout.algebraic(contact, BETA), by_beta));
     for (entry, column, value) in dcs.system.contact_jacobian(contact) {
         let column = dcs.layout.local_of_input(column);
         if entry == 1 {
-            for place in dcs.layout.theta().into_iter().chain(beta) {
-                add(place, column, by_gap * value);
+            let theta = dcs.layout.theta().map(|place| (place, by_gap));
+            for (place, weight) in theta.into_iter().chain(beta) {
+                add(place, column, weight * value);
             }
         }
         if entry >= 2 {

@@ -1,5 +1,7 @@
 //! Where the variables and rows of the step form stand.
 
+use std::ops::Range;
+
 /// Algebraic variables of one contact.
 pub(super) const PER_CONTACT: usize = 6;
 /// Offsets of the algebraic variables of one contact.
@@ -50,12 +52,14 @@ pub(crate) struct Layout {
     pub(super) elastic: Vec<usize>,
     /// Contacts that are pieces of an outer edge, each with every other piece of it.
     pub(super) edges: Vec<(usize, usize)>,
+    /// Contacts with restitution that are pieces of an outer edge.
+    pub(super) dipping: Vec<usize>,
 }
 
 impl Layout {
-    /// Length of `y = (q, v, t, G)`.
+    /// Length of `y = (q, v, t, G, D)`.
     pub(crate) fn states(&self) -> usize {
-        2 * self.n + 1 + self.contacts
+        self.lifted_gaps().end + self.dipping.len()
     }
 
     /// Number of controls.
@@ -168,9 +172,14 @@ impl Layout {
         self.elastic.iter().position(|&i| i == contact)
     }
 
-    /// Whether the lifted gap of `contact` moves during its jumps.
+    /// Whether `contact` bounces.
     pub(crate) fn bounces(&self, contact: usize) -> bool {
         self.rebound(contact).is_some()
+    }
+
+    /// Whether the lifted gap of `contact` moves during its jumps.
+    pub(crate) fn moves_in_jumps(&self, contact: usize) -> bool {
+        self.bounces(contact) && self.dip(contact).is_none()
     }
 
     /// Place in `xi` of the physical time.
@@ -181,6 +190,28 @@ impl Layout {
     /// Place in `xi` of the lifted gap of `contact`.
     pub(crate) fn lifted_gap(&self, contact: usize) -> usize {
         2 * self.n + 1 + contact
+    }
+
+    /// Places in `xi` of all lifted gaps.
+    pub(crate) fn lifted_gaps(&self) -> Range<usize> {
+        self.lifted_gap(0)..self.lifted_gap(self.contacts)
+    }
+
+    /// Place in `xi` of the dip of `contact`, if it bounces at an edge.
+    pub(crate) fn dip(&self, contact: usize) -> Option<usize> {
+        let dip = self.dipping.iter().position(|&i| i == contact)?;
+        Some(self.lifted_gaps().end + dip)
+    }
+
+    /// The contact whose dip stands at `place`.
+    pub(crate) fn dip_of(&self, place: usize) -> Option<usize> {
+        let dip = place.checked_sub(self.lifted_gaps().end)?;
+        self.dipping.get(dip).copied()
+    }
+
+    /// Places in `xi` of what a margin is the sum of before velocities and edges count: the lifted gap, and the dip.
+    pub(super) fn heights(&self, contact: usize) -> impl Iterator<Item = usize> + use<> {
+        std::iter::once(self.lifted_gap(contact)).chain(self.dip(contact))
     }
 
     /// Place in `xi` of the product of the first `count >= 1` step functions.
@@ -267,6 +298,25 @@ impl Layout {
         let edges =
             (0..self.edges.len()).map(|k| (self.edge_place(k, AHEAD), self.edge_place(k, BEHIND)));
         contacts.chain(frictions).chain(edges).collect()
+    }
+
+    /// Those of one surface: of its margin, its friction, its edges.
+    pub(crate) fn stage_pairs_of(&self, contact: usize) -> Vec<(usize, usize)> {
+        let friction = self.slip_group(contact);
+        let first_edge = self.contacts + self.rough.len();
+        let edges = self.edges_of(contact).map(|(k, _)| first_edge + k);
+        let pairs = self.stage_pairs();
+        let own = std::iter::once(contact).chain(friction).chain(edges);
+        own.map(|k| pairs[k]).collect()
+    }
+
+    /// Groups of one surface: its own, and those of its friction and its restitution.
+    pub(crate) fn groups_of(&self, contact: usize) -> impl Iterator<Item = usize> + use<> {
+        let first = self.contacts + self.rough.len();
+        let rebound = self.rebound(contact).map(|j| first + j);
+        std::iter::once(contact)
+            .chain(self.slip_group(contact))
+            .chain(rebound)
     }
 
     /// Whether the variable at `place` belongs to the switching functions alone, which the end of an element

@@ -44,11 +44,16 @@
 //!
 //! Over an element, `a_ij` counts like `lp_i` against `beta_i`. Without it, a contact could be kept at `G_j = G_i` inside the
 //! ground, which a stage can reach at once. Where two gaps are negative, as beside and below the corner of a table, only the larger one pushes; where another
-//! piece comes to be the larger one while the contact lasts, the body passes the edge and is free.
+//! piece comes to be the larger one while the contact lasts, the body passes the edge and is free. A piece that *bounces* dips into the
+//! ground during a jump, by more than the other pieces may be away. So its *dip* `D_i` is a state of its own, which is not compared with other pieces:
 //!
-//! The *local vector* of a stage is `xi = (q, v, t, G, u, z)`, with `z = (alpha, beta, lp, ln, p, w)` of each
+//! ```text
+//! G_i' = theta v_n,i    D_i' = beta_i v_n,i    m_i = G_i    (D_i + m_i + sum_j a_ij instead of m_i)
+//! ```
+//!
+//! The *local vector* of a stage is `xi = (q, v, t, G, D, u, z)`, with `z = (alpha, beta, lp, ln, p, w)` of each
 //! contact, `(b+, b-, c+, c-)` of each with friction, `(f, r)` of each with restitution, `(a, b)` of each pair
-//! of pieces and then the lifted products `P_2..P_nc`. The *local rows* are the right-hand side `F = (q', v', t', G')` and then the
+//! of pieces and then the lifted products `P_2..P_nc`. The *local rows* are the right-hand side `F = (q', v', t', G', D')` and then the
 //! algebraic equations: three a contact, two a friction, one a restitution, one a pair of pieces
 //! and one a lifted product.
 

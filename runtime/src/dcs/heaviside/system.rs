@@ -22,6 +22,8 @@ impl<'a> HeavisideSystem<'a> {
     pub(crate) fn new(system: TimeFreezingSystem<'a>) -> Self {
         let declaration = system.model.declaration();
         let contacts = 0..system.contacts();
+        let has_edge = |i: &usize| !declaration.contacts[*i].alternatives.is_empty();
+        let bounces = |i: &usize| system.restitution(*i) > 0.0;
         Self {
             layout: Layout {
                 n: system.coordinates(),
@@ -31,10 +33,8 @@ impl<'a> HeavisideSystem<'a> {
                     .clone()
                     .filter(|&i| system.friction(i) > 0.0)
                     .collect(),
-                elastic: contacts
-                    .clone()
-                    .filter(|&i| system.restitution(i) > 0.0)
-                    .collect(),
+                elastic: contacts.clone().filter(bounces).collect(),
+                dipping: contacts.clone().filter(bounces).filter(has_edge).collect(),
                 edges: contacts
                     .flat_map(|i| {
                         declaration.contacts[i]
@@ -105,14 +105,20 @@ impl<'a> HeavisideSystem<'a> {
         xi[self.layout.friction_place(r, SLIP_MINUS)] - xi[self.layout.friction_place(r, SLIP_PLUS)]
     }
 
-    /// Rate of the lifted gap for a unit normal velocity.
-    pub(super) fn gap_rate(&self, xi: &[f64], contact: usize) -> f64 {
+    /// Rates of the lifted gap and of the dip for a unit normal velocity.
+    pub(super) fn gap_rates(&self, xi: &[f64], contact: usize) -> [f64; 2] {
         let theta = self.layout.theta().map_or(1.0, |place| xi[place]);
-        if self.layout.rebound(contact).is_some() {
-            theta + xi[self.layout.algebraic(contact, BETA)]
+        let beta = xi[self.layout.algebraic(contact, BETA)];
+        if self.layout.moves_in_jumps(contact) {
+            [theta + beta, 0.0]
         } else {
-            theta
+            [theta, beta]
         }
+    }
+
+    /// How far a contact is dipped into the ground, if it bounces at an edge.
+    fn dip(&self, xi: &[f64], contact: usize) -> f64 {
+        self.layout.dip(contact).map_or(0.0, |place| xi[place])
     }
 
     /// Local rows at `xi`.
@@ -129,14 +135,18 @@ impl<'a> HeavisideSystem<'a> {
         for contact in 0..self.layout.contacts {
             let row = self.layout.contact_row(contact);
             let z = |offset: usize| xi[self.layout.algebraic(contact, offset)];
-            let (gap, velocity) = (
-                xi[self.layout.lifted_gap(contact)],
-                self.system.normal_velocity(contact),
-            );
-            rows[self.layout.lifted_gap(contact)] = self.gap_rate(xi, contact) * velocity;
+            let gap = xi[self.layout.lifted_gap(contact)];
+            let velocity = self.system.normal_velocity(contact);
+            for (place, rate) in self
+                .layout
+                .heights(contact)
+                .zip(self.gap_rates(xi, contact))
+            {
+                rows[place] = rate * velocity;
+            }
             rows[row] = z(ALPHA) + z(BETA) - 1.0;
             rows[row + 1] = z(P) - z(W) - velocity;
-            rows[row + 2] = gap - z(LAMBDA_PLUS) + z(LAMBDA_MINUS);
+            rows[row + 2] = gap + self.dip(xi, contact) - z(LAMBDA_PLUS) + z(LAMBDA_MINUS);
             if self.layout.rebound(contact).is_none() {
                 rows[row + 1] += gap;
                 rows[row + 2] += z(P);
@@ -228,19 +238,18 @@ impl<'a> HeavisideSystem<'a> {
             let velocity = self.system.normal_velocity(contact);
             let gap = xi[self.layout.lifted_gap(contact)];
             let bounces = self.layout.rebound(contact);
-            let margin = if bounces.is_some() {
+            let mut margin = if bounces.is_some() {
                 gap
             } else {
                 gap.max(velocity)
             };
-            let mut margin = margin;
             for (k, other) in self.layout.edges_of(contact) {
                 let (ahead, behind) = parts(self.lead(xi, contact, other) - margin);
                 xi[self.layout.edge_place(k, AHEAD)] = ahead;
                 xi[self.layout.edge_place(k, BEHIND)] = behind;
                 margin += ahead;
             }
-            let (plus, minus) = parts(margin);
+            let (plus, minus) = parts(margin + self.dip(xi, contact));
             let (p, w) = parts(if bounces.is_some() {
                 velocity
             } else {
@@ -290,9 +299,10 @@ impl<'a> HeavisideSystem<'a> {
                 gap.max(self.system.normal_velocity(contact))
             };
             let others = self.layout.edges_of(contact);
-            others.fold(own, |margin, (_, other)| {
+            let largest = others.fold(own, |margin, (_, other)| {
                 margin.max(self.lead(xi, contact, other))
-            })
+            });
+            largest + self.dip(xi, contact)
         };
         let alphas: Vec<f64> = (0..self.layout.contacts).map(|i| step(margin(i))).collect();
         let where_closed = |contact: usize, share: f64| {

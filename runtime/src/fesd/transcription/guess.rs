@@ -13,7 +13,7 @@ const STEADY: usize = 5;
 struct Sampled {
     /// Numerical length of the interval.
     length: f64,
-    /// `(q, v, t, G)` and then the shares of the groups during the following step, at each instant.
+    /// `(q, v, t, G, D)` and then the shares of the groups during the following step, at each instant.
     points: Vec<Vec<f64>>,
 }
 
@@ -173,7 +173,7 @@ fn set_local(transcription: &mut Transcription<'_>, k: usize, y: &[f64], shares:
         .dcs
         .rows(&transcription.local, &mut transcription.rows);
     for contact in 0..transcription.dcs.layout.contacts() {
-        if !transcription.dcs.layout.bounces(contact) {
+        if !transcription.dcs.layout.moves_in_jumps(contact) {
             let place = transcription.dcs.layout.lifted_gap(contact);
             transcription.local[place] = transcription.dcs.system.gap(contact);
         }
@@ -247,6 +247,7 @@ fn undecided(transcription: &mut Transcription<'_>, state: &[f64], elapsed: f64)
     let system = &transcription.dcs.system;
     let contacts = 0..transcription.dcs.layout.contacts();
     point.extend(contacts.map(|contact| system.gap(contact)));
+    point.resize(states, 0.0);
     point.resize(states + transcription.groups.len(), 0.5);
     point
 }

@@ -1,19 +1,28 @@
 //! What vanishes in a known motion.
 
-use super::Transcription;
 use super::laid_out::spans_of_elements;
 use super::modes::{self, Mode};
 use super::task::Guess;
+use super::{SUMS, Transcription};
 use crate::dcs::W;
 
 /// Weight or speed of a known motion that counts as none.
 const NONE: f64 = 1e-4;
 
-/// What vanishes in the motion that the solver starts at, where that is a known one; nothing else.
-pub(crate) fn known_sides(transcription: &Transcription<'_>) -> Vec<bool> {
+/// What is known of the sides of pairs.
+#[derive(Clone, Default)]
+pub(crate) struct KnownSides {
+    /// Whether each variable is fixed at zero.
+    pub(crate) vanishing: Vec<bool>,
+    /// Variables without a sign: while a contact neither is closed nor acts, signs decide nothing but through its margin.
+    pub(crate) unsigned: Vec<usize>,
+}
+
+/// What is known of the motion that the solver starts at, where that is a known one; nothing else.
+pub(crate) fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
     let mut vanishes = vec![false; transcription.variables];
     let Guess::Known(intervals) = &transcription.task.guess else {
-        return vanishes;
+        return KnownSides::default();
     };
     let of_elements: Vec<&[[bool; 2]]> = spans_of_elements(intervals, transcription.task.elements)
         .into_iter()
@@ -45,7 +54,47 @@ pub(crate) fn known_sides(transcription: &Transcription<'_>) -> Vec<bool> {
     }
     mark_undecided(transcription, &mut vanishes);
     mark_exits(transcription, &modes, &mut vanishes);
-    vanishes
+    KnownSides {
+        unsigned: unsigned(transcription, &modes, &vanishes),
+        vanishing: vanishes,
+    }
+}
+
+/// Where a contact is free for whole elements: of each of its pairs in a stage the side that does not vanish, and the sums of these.
+/// What vanishes says which part the margin is, and that may be another than the largest as long as it is not negative.
+fn unsigned(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &[bool]) -> Vec<usize> {
+    let layout = &transcription.dcs.layout;
+    let elements = &transcription.elements;
+    let is_free = |e: usize, contact: usize| modes[e * layout.contacts() + contact] == Mode::Free;
+    let mut unsigned = Vec::new();
+    for contact in 0..layout.contacts() {
+        let pairs = layout.stage_pairs_of(contact);
+        for (e, element) in elements
+            .iter()
+            .enumerate()
+            .filter(|&(e, _)| is_free(e, contact))
+        {
+            let multipliers = layout
+                .groups_of(contact)
+                .flat_map(|group| [1, 3].map(|sum| SUMS * group + sum));
+            unsigned.extend(multipliers.map(|sum| element.sums + sum));
+            // What comes next takes the last point into its sums.
+            let last = e + 1 < elements.len() && !is_free(e + 1, contact);
+            let blocks = &element.blocks[..element.blocks.len() - usize::from(last)];
+            for (block, (first, second)) in blocks
+                .iter()
+                .flat_map(|b| pairs.iter().map(move |p| (b, *p)))
+            {
+                let pair = block.variables[first].zip(block.variables[second]);
+                unsigned.extend(pair.and_then(|(i, j)| match (vanishes[i], vanishes[j]) {
+                    (true, false) => Some(j),
+                    (false, true) => Some(i),
+                    _ => None,
+                }));
+            }
+        }
+    }
+    unsigned
 }
 
 /// What a contact does whose step function, and whose weight, is there.
@@ -205,7 +254,7 @@ mod tests {
     #[test]
     fn sides_vanish_by_what_the_motion_does() {
         let program = landing();
-        let vanishes = known_sides(&program);
+        let vanishes = known_sides(&program).vanishing;
         let at = |e: usize, stage: usize, offset: usize| {
             let place = program.dcs.layout.algebraic(0, offset);
             vanishes[program.elements[e].blocks[stage].variables[place].expect("a variable")]

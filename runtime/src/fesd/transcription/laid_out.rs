@@ -6,7 +6,7 @@ use super::task::Span;
 pub(super) struct Placed {
     /// Its length over that of its interval.
     pub(super) width: f64,
-    /// `(q, v, t, G)` and the shares of the groups in each block.
+    /// `(q, v, t, G, D)` and the shares of the groups in each block.
     pub(super) points: Vec<Vec<f64>>,
 }
 

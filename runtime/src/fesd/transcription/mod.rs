@@ -45,7 +45,7 @@ mod tests;
 
 use numbered::{Beginning, Block, Correction, Element, Impact, Interval, Place, Provisions, Ramp};
 
-pub(crate) use known::known_sides;
+pub(crate) use known::{KnownSides, known_sides};
 pub(crate) use program::transcribe;
 pub(crate) use purposes::size_groups;
 pub(crate) use task::{Controls, Guess, Span, Task};
@@ -77,7 +77,7 @@ pub(crate) struct Transcription<'a> {
     dcs: HeavisideSystem<'a>,
     tableau: ButcherTableau,
     task: Task,
-    /// `(q, v, t, G)` at the start.
+    /// `(q, v, t, G, D)` at the start.
     start: Vec<f64>,
     /// Unit of each control unknown.
     control_units: Vec<f64>,
@@ -243,7 +243,7 @@ impl<'a> Transcription<'a> {
         let moves = free.iter().any(|&k| k < n);
         let mut variables = vec![None; layout.local_variables()];
         for (place, slot) in variables.iter_mut().enumerate() {
-            let gap = place >= layout.lifted_gap(0) && place < layout.states();
+            let gap = layout.lifted_gaps().contains(&place);
             let switching = place >= layout.first_algebraic()
                 && place < layout.first_product()
                 && layout.is_switching(place);

@@ -58,6 +58,9 @@ fn local_name(transcription: &Transcription<'_>, k: usize) -> String {
     if k == transcription.dcs.layout.time() {
         return "clock".into();
     }
+    if let Some(contact) = transcription.dcs.layout.dip_of(k) {
+        return format!("dip of {}", contact_name(transcription, contact));
+    }
     if k < transcription.dcs.layout.states() {
         return format!(
             "lifted gap of {}",

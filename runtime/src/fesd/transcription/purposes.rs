@@ -17,6 +17,7 @@ fn of_state(transcription: &Transcription<'_>, k: usize) -> Purpose {
     match k {
         k if k < time => Purpose::State,
         k if k == time => Purpose::Clock,
+        k if transcription.dcs.layout.dip_of(k).is_some() => Purpose::Restitution,
         _ => Purpose::Gap,
     }
 }

@@ -32,7 +32,7 @@ pub(super) fn write_bounds(
         return;
     };
     let layout = &transcription.dcs.layout;
-    let gaps = layout.lifted_gap(0)..layout.states();
+    let gaps = layout.lifted_gaps();
     for (place, variable) in beginning.block.variables.iter().enumerate() {
         // Lifted gaps, and the parts of switching functions. Of an edge the piece that acts where the guess starts.
         let idle = gaps.contains(&place) && is_idle(transcription, place - gaps.start);

@@ -91,6 +91,23 @@ crate::model! {
 }
 
 crate::model! {
+    /// The same, and the post throws it back.
+    pub(crate) BouncingEdgedBead {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5 }
+        coordinates { y: m, z: m }
+        controls { u: N }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u*cos(k*y) }
+        surface post: max(z - sin(k*y)/(4*k), |y + k*z^2/8| - 0.5 [m]) >= 0
+        impact post: restitution 0.6, friction 0.2
+        minimize integral(0.4*u^2/1[N^2] + y^2*dot(z)*u/1[N*m^3/s])/1[s]
+        finally { y == 0.5[m] }
+        free { z in 0..=1, dot(y) in 1..=2 }
+        start { z: 0.4 [m], dot(y): 1.5 [m/s] }
+    }
+}
+
+crate::model! {
     /// A bead that strikes a floor on which it slides, and a wall that throws it back, and reads what both do to it.
     pub(crate) StruckBead {
         parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5 }

@@ -60,7 +60,7 @@ pub(super) fn spans(
     all
 }
 
-/// A state, and how much its lifted gaps differ from its gaps.
+/// A state, and how far each contact is dipped into the ground there.
 type End<'a> = (&'a [f64], &'a [f64]);
 
 /// The motion up to some switch.
@@ -239,7 +239,7 @@ impl Motion<'_> {
         (length > 0.0 && length < fall).then(|| (length, at(length)))
     }
 
-    /// A push at a standing clock, between two states with changes of their lifted gaps.
+    /// A push at a standing clock, between two states with the depths of their dips.
     fn push(
         &mut self,
         struck: &[usize],
@@ -303,16 +303,24 @@ impl Motion<'_> {
             .collect()
     }
 
-    /// `(q, v, t, G)` and shares at a state whose lifted gaps differ from its gaps by these depths.
+    /// `(q, v, t, G, D)` and shares at a state where contacts are dipped into the ground by these depths.
     fn point(&mut self, state: &[f64], time: f64, depths: &[f64], shares: Vec<f64>) -> Vec<f64> {
         let system = &mut self.system.system;
         let mut input = state.to_vec();
         input.extend(drive(system.model, &self.controls, time));
         system.evaluate(&input);
-        let gap = |i: usize| system.gap(i) + depths.get(i).copied().unwrap_or(0.0);
+        let layout = &self.system.layout;
+        let depth = |i: usize| depths.get(i).copied().unwrap_or(0.0);
+        let gap = |i: usize| match layout.dip(i) {
+            Some(_) => system.gap(i),
+            None => system.gap(i) + depth(i),
+        };
+        let contacts = 0..layout.contacts();
+        let dips = contacts.clone().filter(|&i| layout.dip(i).is_some());
         let mut point = state.to_vec();
         point.push(time);
-        point.extend((0..self.system.layout.contacts()).map(gap));
+        point.extend(contacts.map(gap));
+        point.extend(dips.map(depth));
         point.extend(shares);
         point
     }

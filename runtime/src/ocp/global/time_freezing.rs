@@ -8,9 +8,9 @@ use super::spans::spans;
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
 use crate::fesd::transcription::{
-    Controls, Guess, Task, Transcription, known_sides, size_groups, transcribe,
+    Controls, Guess, KnownSides, Task, Transcription, known_sides, size_groups, transcribe,
 };
-use crate::model::{Model, bouncing_edges};
+use crate::model::Model;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::final_times::FinalTimes;
@@ -29,7 +29,7 @@ use crate::time_freezing::TimeFreezingSystem;
 /// Objective, path constraints, terminal conditions and free initial values are those that the scene declares. Bounds of
 /// coordinates are imposed at the ends of the finite elements, path constraints at their stages, bounds of controls
 /// everywhere. Controls are constant on each interval. Forces and impulses of contacts are those of physical time: where it is not
-/// known which elements are jumps, functions that read them take them for 0, and conditions on them are left out. Outer edges do not bounce.
+/// known which elements are jumps, functions that read them take them for 0, and conditions on them are left out.
 /// The starting point is made from the problem alone: coordinates with a goal move to it at constant speed,
 /// the others rest; without goals, it is a coarse simulation. Controls start at zero, or as
 /// near to it as their bounds allow.
@@ -40,8 +40,8 @@ use crate::time_freezing::TimeFreezingSystem;
 pub struct TimeFreezing<'a> {
     transcription: Transcription<'a>,
     shape: ControlShape,
-    /// Variables that are fixed at zero, for a known motion.
-    vanishing: Vec<bool>,
+    /// What is known of the sides of pairs, for a known motion.
+    sides: KnownSides,
 }
 
 /// Points of a guess in each interval.
@@ -95,7 +95,7 @@ impl<'a> TimeFreezing<'a> {
         Ok(Self {
             transcription: transcribe(system(model, settings), &tableau, task),
             shape: guess.controls.shape(),
-            vanishing: Vec::new(),
+            sides: KnownSides::default(),
         })
     }
 
@@ -121,7 +121,7 @@ impl<'a> TimeFreezing<'a> {
         task.guess = Guess::Known(known);
         let transcription = transcribe(system, &tableau, task);
         Ok(Self {
-            vanishing: known_sides(&transcription),
+            sides: known_sides(&transcription),
             transcription,
             shape: trajectory.controls.shape(),
         })
@@ -174,8 +174,7 @@ impl<'a> TimeFreezing<'a> {
 /// The time-freezing system in step form.
 fn system<'a>(model: &'a dyn Model, settings: &TimeFreezingSettings) -> HeavisideSystem<'a> {
     let a_bar = settings.auxiliary_acceleration;
-    let system = TimeFreezingSystem::new(model, a_bar);
-    HeavisideSystem::new(system.without_bounces(&bouncing_edges(model)))
+    HeavisideSystem::new(TimeFreezingSystem::new(model, a_bar))
 }
 
 /// The scheme, where all settings are in range.
@@ -269,7 +268,11 @@ impl NlpProblem for TimeFreezing<'_> {
 
     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
         self.transcription.variable_bounds(lower, upper);
-        for (i, _) in self.vanishing.iter().enumerate().filter(|(_, zero)| **zero) {
+        for &i in &self.sides.unsigned {
+            lower[i] = f64::NEG_INFINITY;
+        }
+        let vanishing = self.sides.vanishing.iter().enumerate();
+        for (i, _) in vanishing.filter(|(_, zero)| **zero) {
             (lower[i], upper[i]) = (0.0, 0.0);
         }
     }

@@ -10,7 +10,7 @@ use hangtime_solver::{mpcc, nlp};
 
 use super::start_modes::modes_at_start;
 use super::time_freezing::{TimeFreezing, TimeFreezingMotion};
-use crate::model::{Model, bouncing_edges};
+use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::motion::candidate::Candidate;
@@ -93,7 +93,7 @@ pub(in crate::ocp) fn candidate(
             complementarity,
             ..solution.residuals
         },
-        left_out: left_out(model, &program),
+        left_out: left_out(&program),
         relaxed: RelaxedReport {
             objective: solution.objective,
             complementarity,
@@ -121,7 +121,7 @@ pub(in crate::ocp) fn candidate(
 }
 
 /// Solves the complementarity problem with the contact sequence of a motion, which says what vanishes of each pair, and
-/// adds that to the report. Where that does not succeed, and where an edge bounces, the relaxed solution is left.
+/// adds that to the report. Where that does not succeed, the relaxed solution is left.
 pub(in crate::ocp) fn solve_exactly(
     runner: &mut Runner,
     (model, problem): (&dyn Model, &Problem),
@@ -129,9 +129,6 @@ pub(in crate::ocp) fn solve_exactly(
     motion: &Candidate,
     report: &mut TimeFreezingReport,
 ) -> Result<(), InputError> {
-    if !bouncing_edges(model).is_empty() {
-        return Ok(());
-    }
     let clock = ThreadTime::try_now();
     let mut program = TimeFreezing::known(model, problem, settings, motion)?;
     let mut interior_point = mpcc::Settings::default().interior_point;
@@ -159,17 +156,16 @@ pub(in crate::ocp) fn solve_exactly(
             ..solution.residuals
         };
         report.size = ProblemSize::of(&program, program.complementarities().len());
-        report.left_out = left_out(model, &program);
+        report.left_out = left_out(&program);
     }
     report.seconds += elapsed(clock);
     Ok(())
 }
 
 /// What of the scene a program leaves out.
-fn left_out(model: &dyn Model, program: &TimeFreezing<'_>) -> Vec<&'static str> {
+fn left_out(program: &TimeFreezing<'_>) -> Vec<&'static str> {
     let forces = program.leaves_out_forces().then_some("forces and impulses");
-    let edges = (!bouncing_edges(model).is_empty()).then_some("restitution at edges");
-    forces.into_iter().chain(edges).collect()
+    forces.into_iter().collect()
 }
 
 /// Whether a run ended because it made no progress any more.

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use super::one_grid::Known;
 use super::optima::{Found, ends_at_no_time, rank};
 use super::run::Task;
-use crate::model::{Model, bouncing_edges};
+use crate::model::Model;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::has_free_start;
 use crate::ocp::settings::{EulerStep, Formulation, Guess, Settings, TimeFreezingSettings};
@@ -189,9 +189,9 @@ fn looks_near_the_best(start: usize) -> bool {
     start >= BATCH && start % NEAR_THE_BEST == 1
 }
 
-/// Whether the program of the time-freezing system differs from a program without contacts, and can be stated.
+/// Whether the program of the time-freezing system differs from a program without contacts.
 fn can_freeze(model: &dyn Model) -> bool {
-    !model.declaration().contacts.is_empty() && bouncing_edges(model).is_empty()
+    !model.declaration().contacts.is_empty()
 }
 
 /// Whether there is anything to be struck.
