@@ -204,7 +204,7 @@ pub struct Solution {
     pub status: Status,
     /// Objective of the plan.
     pub objective: f64,
-    /// What the solver measured the objective in, by the largest of its derivatives, in the unit of the objective; 0 without a plan. Less
+    /// What the objective is measured in, by the largest of its derivatives, in the unit of the objective; 0 without a plan. Less
     /// than `1e-8` of it is what the tolerance explains.
     pub objective_unit: f64,
     /// Length of the motion \[s\].

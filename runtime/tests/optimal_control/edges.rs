@@ -560,6 +560,44 @@ fn time_freezing_program_pushes_off_a_table_and_over_a_shoulder_as_closed_forms_
 }
 
 hangtime::model! {
+    /// A ball falls on a table, is pushed aside meanwhile, and has to be beside it and far away at the end.
+    Dropped {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, height: m = 0.8, drop: m = 0.2, edge: m = 0.1, goal: m = 1.4 }
+        coordinates { y: m, z: m }
+        controls { u: N in -40..=40 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: u }
+        surface table: max(z - height, y - edge) >= 0
+        impact table: inelastic
+        minimize integral(u^2)
+        finally { y == goal, z >= -1 [m] }
+        start { z: height + drop }
+        horizon 0.65 [s]
+    }
+}
+
+/// A contact of no length at all: the ball strikes the very edge and is beyond it at once.
+#[test]
+fn ball_strikes_the_very_edge_of_a_table_and_falls_on_with_the_least_effort_of_its_closed_form() {
+    let dropped = Dropped::default();
+    let strikes = (2.0 * dropped.drop / dropped.g).sqrt();
+    let pushed = Pushed {
+        m: dropped.m,
+        at: strikes,
+        place: dropped.edge,
+        end: 0.65,
+        goal: dropped.goal,
+    };
+    let effort = pushed.least_effort_before();
+    let solution = solve(&dropped, INTERVALS, &one_start());
+    assert_eq!(kinds(&solution), [EventKind::Impact]);
+    assert!(solution.margins.is_empty(), "{:?}", solution.margins);
+    let off = (solution.objective - effort).abs();
+    assert!(off < 1e-7 * effort, "{} {effort}", solution.objective);
+    assert!((solution.planned_events[0].0 - strikes).abs() < 1e-7);
+}
+
+hangtime::model! {
     /// A ball falls on a table that throws it back, is pushed aside meanwhile, and has to be beside it and no lower at the end.
     Rubber {
         parameters { m: kg = 2, g: m/s^2 = 9.81, height: m = 0.8, drop: m = 0.2, edge: m = 0.1, goal: m = 0.5, e = 0.5 }

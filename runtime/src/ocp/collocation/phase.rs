@@ -561,7 +561,7 @@ fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: u
 }
 
 /// Adds the sign of the normal acceleration after an opening at a jump of the controls, and after a touch without a
-/// bounce: the slope of the normal velocity, which starts from 0.
+/// bounce, unless that is at an edge beyond which another piece acts: the slope of the normal velocity, which starts from 0.
 fn opening_rows(builder: &mut Builder, element: &Element, phase: &mut Phase) {
     let Setting {
         model,
@@ -574,7 +574,7 @@ fn opening_rows(builder: &mut Builder, element: &Element, phase: &mut Phase) {
     let jumps = element.index.0 == 0 && shape == ControlShape::Constant;
     let jump = element.opened.iter().filter(|_| jumps);
     let plastic = element.touched.iter();
-    let plastic = plastic.filter(|&&i| model.restitution(i) == 0.0);
+    let plastic = plastic.filter(|&&i| model.restitution(i) == 0.0 && !phase.pieces.is_idle(i));
     for &i in jump.chain(plastic) {
         let name = model.declaration().contacts[i].name;
         let name = format!("opening of `{name}` at the start of {}", element.label());

@@ -219,8 +219,7 @@ impl Plan {
 
 /// By how much the objective of a plan exceeds another one, relative to that.
 fn excess_of(plan: &Local, objective: f64) -> f64 {
-    let size = plan.program.program.objective_unit();
-    (plan.solution.objective - objective) / objective.abs().max(size)
+    (plan.solution.objective - objective) / plan.program.program.size_of(objective)
 }
 
 /// Re-simulates a plan and compares.
@@ -273,7 +272,7 @@ fn confirm(
     Ok(Solution {
         status,
         objective: solution.objective,
-        objective_unit: program.program.objective_unit(),
+        objective_unit: program.program.size_of(0.0),
         horizon: trajectory.horizon,
         final_times: (f64::NAN, f64::NAN),
         stationarity,

@@ -15,7 +15,7 @@ const OWN: f64 = 1e-6;
 /// The distances that cost something, to first order, the dearest first.
 pub(super) fn margins(program: &Collocation, solution: &nlp::Solution) -> Vec<Margin> {
     let unit = program.program.objective_unit();
-    let size = solution.objective.abs().max(unit);
+    let size = program.program.size_of(solution.objective);
     let costs = program.distances.iter().map(|distance| {
         let (multiplier, own) = match distance.kept {
             Kept::Row(row) => (solution.multipliers[row], program.program.row_unit(row)),

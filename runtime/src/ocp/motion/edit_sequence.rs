@@ -135,6 +135,44 @@ pub(in crate::ocp) fn touching_for_less_than(
     Some(sequence)
 }
 
+/// With touches at the edge in the place of contacts that end there within less than `limit` intervals after their impact.
+pub(in crate::ocp) fn touching_at_edges(mut sequence: Sequence, limit: f64) -> Sequence {
+    let ending = |sequence: &Sequence| {
+        let mut pairs = sequence.neighbours();
+        pairs.find(|&pair| lasts_at_edge(sequence, pair).is_some_and(|lasts| lasts < limit))
+    };
+    while let Some(pair) = ending(&sequence) {
+        sequence = touching_at_edge(&sequence, pair);
+    }
+    sequence
+}
+
+/// How many intervals a contact lasts between two switches, if it closes with the first and ends at an edge with the second.
+pub(in crate::ocp) fn lasts_at_edge(sequence: &Sequence, (i, j): (usize, usize)) -> Option<f64> {
+    let switches = &sequence.switches;
+    let passes = Sequence::companions(switches, j).iter().all(|s| s.passes);
+    let ends = switches[i].stays() && Sequence::ends_at_edge(switches, j) && passes;
+    ends.then(|| switches[j].time - switches[i].time)
+}
+
+/// With a touch at the edge in the place of a contact that [lasts](lasts_at_edge) between two switches.
+pub(in crate::ocp) fn touching_at_edge(given: &Sequence, (i, j): (usize, usize)) -> Sequence {
+    let mut sequence = given.clone();
+    let landing = &given.switches[i];
+    let passages = Sequence::companions(&given.switches, j);
+    sequence.switches.drain(j..=j + passages.len());
+    sequence.switches[i].mode = ContactMode::Open;
+    let after = i + 1 + Sequence::companions(&given.switches, i).len();
+    let passages = passages.iter().map(|passage| Switch {
+        interval: landing.interval,
+        place: landing.place,
+        time: landing.time,
+        ..*passage
+    });
+    sequence.switches.splice(after..after, passages);
+    sequence
+}
+
 /// Without contacts and flights too short to be meant, and without changes of sliding that do not last: shortest
 /// contacts first.
 pub(in crate::ocp) fn tidied(mut sequence: Sequence) -> Sequence {
@@ -270,6 +308,35 @@ mod tests {
             Some(sequence(ContactMode::Open, &[touch, touched]))
         );
         assert_eq!(touching(&sequence(ContactMode::Open, &[touch])), None);
+    }
+
+    #[test]
+    fn contact_that_ends_at_an_edge_at_once_is_a_touch_there() {
+        let landing = switch(true, ContactMode::Frictionless, 1.5);
+        let (end, passage) = (
+            switch(false, ContactMode::Open, 1.6),
+            Switch::passage(1, 1.6),
+        );
+        let passage = Switch {
+            accompanies: true,
+            ..passage
+        };
+        let mut ending = sequence(ContactMode::Open, &[landing, end, passage]);
+        ending.initially.push(ContactMode::Open);
+        let touching = touching_at_edges(ending.clone(), 0.2);
+        assert!(touching.switches[0].touches() && touching.switches[0].impulse == landing.mode);
+        assert_eq!(
+            touching.switches[1],
+            Switch {
+                time: 1.5,
+                ..passage
+            }
+        );
+        assert_eq!(touching.switches.len(), 2);
+        assert_eq!(touching_at_edges(ending.clone(), 0.05), ending);
+        // A contact that lets go is none that ends at an edge.
+        ending.switches.pop();
+        assert_eq!(touching_at_edges(ending.clone(), 0.2), ending);
     }
 
     #[test]

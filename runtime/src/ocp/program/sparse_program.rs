@@ -13,7 +13,7 @@ use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::{NlpProblem, Pattern};
 
 use super::kernel::{Evaluator, Kernel};
-use super::units::Units;
+use super::units::{Units, objective_size};
 use crate::model::Model;
 
 /// The row of the objective in the uses of a kernel.
@@ -85,6 +85,7 @@ pub(in crate::ocp) struct Program<'a> {
     variables: Variables,
     rows: Rows,
     objective_unit: f64,
+    objective_size: f64,
     pairs: Vec<(usize, usize)>,
     jacobian: Pattern,
     hessian: Pattern,
@@ -101,6 +102,7 @@ impl<'a> Program<'a> {
             variables: Variables::default(),
             rows: Rows::default(),
             objective_unit: 1.0,
+            objective_size: 1.0,
             pairs: Vec::new(),
             jacobian: Pattern::default(),
             hessian: Pattern::default(),
@@ -316,11 +318,18 @@ impl<'a> Program<'a> {
         self.gradient(&x, &mut gradient);
         let largest = gradient.iter().fold(0.0, |largest, g| g.abs().max(largest));
         self.objective_unit = units.objective(largest);
+        self.objective_size = objective_size(largest);
     }
 
     /// What the solver's objective is in units of.
     pub(in crate::ocp) fn objective_unit(&self) -> f64 {
         self.objective_unit
+    }
+
+    /// Against what differences of an objective count: what it is, or, where it is next to nothing, the power of ten nearest to its largest
+    /// derivative, if that is less than the unit. The unit itself may be a thousand times that.
+    pub(in crate::ocp) fn size_of(&self, objective: f64) -> f64 {
+        objective.abs().max(self.objective_size)
     }
 
     /// Fixes the patterns and the unit of the objective; call once, after everything is added.

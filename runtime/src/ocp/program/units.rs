@@ -145,11 +145,10 @@ impl Units {
     /// The unit of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller
     /// and it has to be exact.
     pub(super) fn objective(&self, largest: f64) -> f64 {
-        let unit = nearest_power(MILLION, largest);
         if self.is_exact {
-            unit.min(nearest_power(TEN, largest))
+            objective_size(largest)
         } else {
-            unit
+            nearest_power(MILLION, largest)
         }
     }
 
@@ -172,6 +171,11 @@ impl Units {
         });
         sizes.collect()
     }
+}
+
+/// Size of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller.
+pub(super) fn objective_size(largest: f64) -> f64 {
+    nearest_power(MILLION, largest).min(nearest_power(TEN, largest))
 }
 
 /// The largest acceleration of each coordinate at a state, as it is and with each control by itself at its unit.
@@ -238,7 +242,7 @@ pub(in crate::ocp) fn nearest_power(base: f64, size: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Units, nearest_power};
+    use super::{Units, nearest_power, objective_size};
     use crate::model::Model;
     use crate::ocp::motion::control_grid::ControlGrid;
     use crate::ocp::motion::trajectory::Trajectory;
@@ -303,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn objective_of_a_known_motion_is_measured_in_no_larger_unit() {
+    fn objective_of_a_known_motion_is_measured_in_no_larger_unit_and_differences_never_are() {
         let rough = Units {
             time: 1.0,
             controls: Vec::new(),
@@ -324,6 +328,7 @@ mod tests {
             let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
             assert!(close(rough.objective(largest), unit), "{largest}");
             assert!(close(exact.objective(largest), exactly), "{largest}");
+            assert!(close(objective_size(largest), exactly), "{largest}");
         }
     }
 

@@ -161,7 +161,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
     pub(super) fn visited_from(&self, visits: usize) -> Option<usize> {
         let best = self.best.as_ref()?;
         let (signature, objective) = (best.sequence.signature(), best.solution.objective);
-        let close = SAME * best.program.program.objective_unit().max(objective.abs());
+        let close = SAME * best.program.program.size_of(objective);
         let mut visited = self.visited[..visits].iter();
         let visit = visited.find(|visited| {
             visited.signature == signature && (visited.objective - objective).abs() <= close
@@ -330,7 +330,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
     /// Whether an objective is better than the best.
     pub(super) fn improves(&self, objective: f64) -> bool {
         self.best.as_ref().is_none_or(|best| {
-            let size = objective.abs().max(best.program.program.objective_unit());
+            let size = best.program.program.size_of(objective);
             objective <= best.solution.objective - IMPROVEMENT * size
         })
     }

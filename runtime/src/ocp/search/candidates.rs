@@ -89,9 +89,8 @@ impl Proved {
     /// Whether a local optimum is the same one, which was solved less exactly before.
     fn is_of(&self, local: &Local, sequence: &Signature) -> bool {
         let difference = (local.solution.objective - self.objective).abs();
-        let size = local.program.program.objective_unit();
         local.sequence.signature() == *sequence
-            && difference <= SAME * self.objective.abs().max(size)
+            && difference <= SAME * local.program.program.size_of(self.objective)
     }
 }
 

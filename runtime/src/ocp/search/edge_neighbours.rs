@@ -4,10 +4,13 @@ use super::neighbours::{CLOSE, Neighbour, distinct};
 use super::pressure::Pressure;
 use crate::model::edge;
 use crate::ocp::collocation::layout::Phase;
+use crate::ocp::motion::edit_sequence::{lasts_at_edge, touching_at_edge};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::simulation::ContactMode;
 
 /// Sequences without a passage and the way back, with both where a piece is kept though another one is larger, with an end
-/// of contact at an edge where the motion presses towards it, and with an opening that comes before the edge or not.
+/// of contact at an edge where the motion presses towards it, with an opening that comes before the edge or not, and with an impact
+/// right at the edge.
 pub(super) fn edges(pressure: &Pressure) -> Vec<Neighbour> {
     if edge(pressure.program.model).is_none() {
         return Vec::new();
@@ -16,6 +19,7 @@ pub(super) fn edges(pressure: &Pressure) -> Vec<Neighbour> {
         .into_iter()
         .chain(ends(pressure))
         .chain(goes_on(pressure))
+        .chain(touches(pressure))
         .chain(pressed(pressure).into_iter().map(Neighbour::adjoining));
     distinct(candidates, pressure.intervals)
 }
@@ -131,6 +135,44 @@ fn goes_on(pressure: &Pressure) -> Vec<Neighbour> {
             }
             found.push(Neighbour::without(closing.time - opening.time, sequence));
         }
+    }
+    found
+}
+
+/// With a touch at the edge in the place of a contact that ends there soon after its impact, and with that contact, or with the passage
+/// alone, in the place of such a touch.
+fn touches(pressure: &Pressure) -> Vec<Neighbour> {
+    let switches = &pressure.sequence.switches;
+    let mut found = Vec::new();
+    for pair in pressure.sequence.neighbours() {
+        let lasts = lasts_at_edge(pressure.sequence, pair);
+        if let Some(lasts) = lasts.filter(|&lasts| lasts < CLOSE) {
+            let sequence = touching_at_edge(pressure.sequence, pair);
+            found.push(Neighbour::without(lasts, sequence));
+        }
+    }
+    for (i, touch) in switches.iter().enumerate().filter(|(_, s)| s.touches()) {
+        let passage = Sequence::companions(switches, i)
+            .iter()
+            .position(|s| s.passes);
+        let Some(passage) = passage.map(|k| i + 1 + k) else {
+            continue;
+        };
+        let mut missed = pressure.sequence.clone();
+        missed.switches[passage].accompanies = touch.accompanies;
+        missed.switches.remove(i);
+        found.push(Neighbour::adjoining(missed));
+        let mut lasting = pressure.sequence.clone();
+        let passed = lasting.switches.remove(passage);
+        lasting.switches[i].mode = touch.impulse;
+        let time = touch.time + pressure.inserted;
+        let end = Switch::inside(touch.contact, false, ContactMode::Open, time);
+        let passed = Switch {
+            accompanies: true,
+            ..Switch::passage(passed.contact, time)
+        };
+        lasting.switches.extend([end, passed]);
+        found.push(Neighbour::adjoining(lasting));
     }
     found
 }

@@ -3,6 +3,7 @@
 use crate::model::{Pieces, edge};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
+use crate::ocp::motion::edit_sequence::touching_at_edges;
 use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::read_sequence::{
     AT_THE_END, COMES_TO_REST, Replay, landed, landed_in_an_interval,
@@ -149,5 +150,5 @@ pub(in crate::ocp) fn read_replay(
     }
     let controls = trajectory.controls.clone();
     let motion = Trajectory::of_simulation(model, replay, trajectory.horizon, controls);
-    with_passages(model, sequence, &motion, true)
+    touching_at_edges(with_passages(model, sequence, &motion, true), AT_THE_END)
 }

@@ -9,6 +9,9 @@ use crate::ocp::solution::{Counts, Optimum, Solution, Status};
 /// Relative difference of the objective within which two local optima count as the same.
 const SAME: f64 = 1e-6;
 
+/// The same within which one of them does not cost less: what refining their elements by different paths changes.
+const COSTS_THE_SAME: f64 = 1e-8;
+
 /// Relative difference of the objective from the final time within which it is that.
 const SAME_TIME: f64 = 1e-9;
 /// Share of the longest final time that was looked at below which one is as good as none: two moves of the range end there.
@@ -37,10 +40,15 @@ pub(super) fn rank(solution: &Solution) -> (usize, f64) {
     (class, objective)
 }
 
-/// Whether a run came to more than another one; the later of two that came to nothing knows more, unless it made no motion to speak of
-/// and the other one tells what is violated.
+/// Whether a run came to more than another one: of two confirmed motions that cost the same, one that is proved to be an optimum. The
+/// later of two that came to nothing knows more, unless it made no motion to speak of and the other one tells what is violated.
 pub(super) fn is_better(later: &Found, earlier: &Found) -> bool {
     let (a, b) = (rank(&later.solution), rank(&earlier.solution));
+    let solved = |found: &Found| found.solution.status == Status::Solved;
+    let costs_the_same = (a.1 - b.1).abs() <= later.solution.tolerated(COSTS_THE_SAME);
+    if a.0 == 0 && b.0 == 0 && costs_the_same && solved(later) != solved(earlier) {
+        return solved(later);
+    }
     let silent = later.solution.motion.is_none() && later.solution.violations.is_empty();
     let knows = !silent || earlier.solution.violations.is_empty();
     a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 && knows
