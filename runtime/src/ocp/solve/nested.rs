@@ -9,7 +9,9 @@
 //! The motion that is returned is polished at last; the search goes on from those that are not.
 
 use super::one_grid::Known;
-use super::optima::{Found, ends_at_no_time, is_better, is_same, rank, result, sort};
+use super::optima::{
+    Found, costs_the_same, ends_at_no_time, is_better, is_same, rank, result, sort,
+};
 use super::portfolio::explore;
 use super::run::{Task, is_as_good, on_grid};
 use super::shared_observer::SharedObserver;
@@ -304,8 +306,9 @@ fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Resul
     Ok(())
 }
 
-/// The best motion with its neighbours decided, and the next one where it is not confirmed, or where neighbours have led to a better
-/// motion: then those that starts came to are not optima yet, and a poorer one may lead further.
+/// The best motion with its neighbours decided, and the next one where it is not confirmed, or not proved and the next one costs the
+/// same, or where neighbours have led to a better motion: then those that starts came to are not optima yet, and a poorer one may lead
+/// further.
 fn decided(
     task: &Task,
     found: Vec<Found>,
@@ -315,7 +318,11 @@ fn decided(
     let mut best: Option<Found> = None;
     let mut improved = false;
     for one in found {
-        let enough = |best: &Found| is_as_good(&best.solution, &one.solution);
+        let enough = |best: &Found| {
+            let unproved = best.solution.status == Status::Uncertified;
+            is_as_good(&best.solution, &one.solution)
+                && !(unproved && costs_the_same(&best.solution, &one.solution))
+        };
         if !improved && best.as_ref().is_some_and(enough) {
             break;
         }

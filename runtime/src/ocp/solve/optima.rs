@@ -45,13 +45,18 @@ pub(super) fn rank(solution: &Solution) -> (usize, f64) {
 pub(super) fn is_better(later: &Found, earlier: &Found) -> bool {
     let (a, b) = (rank(&later.solution), rank(&earlier.solution));
     let solved = |found: &Found| found.solution.status == Status::Solved;
-    let costs_the_same = (a.1 - b.1).abs() <= later.solution.tolerated(COSTS_THE_SAME);
-    if a.0 == 0 && b.0 == 0 && costs_the_same && solved(later) != solved(earlier) {
+    if costs_the_same(&later.solution, &earlier.solution) && solved(later) != solved(earlier) {
         return solved(later);
     }
     let silent = later.solution.motion.is_none() && later.solution.violations.is_empty();
     let knows = !silent || earlier.solution.violations.is_empty();
     a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 && knows
+}
+
+/// Whether two motions are confirmed, and neither of them costs less.
+pub(super) fn costs_the_same(one: &Solution, other: &Solution) -> bool {
+    let (a, b) = (rank(one), rank(other));
+    a.0 == 0 && b.0 == 0 && (a.1 - b.1).abs() <= one.tolerated(COSTS_THE_SAME)
 }
 
 /// Whether final times without an end lead to a motion that no other one can beat by more than its own final time: that is the
