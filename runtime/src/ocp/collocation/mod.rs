@@ -14,7 +14,8 @@
 //! controls where `r_i >= 0` before and the normal acceleration is `>= 0` after it, and one at a node of linear
 //! controls, which do not jump, where `r_i = 0` before it; a closing or a touch where `g_i = 0`, possibly at the very
 //! end, followed by the impact map `v+ = v + sum_B d_i p_i`, `v_n,i(v+) = -e_i v_n,i(v)` for all contacts `B` closed
-//! there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it.
+//! there. A touch leaves its contact open; without a bounce the normal acceleration is `>= 0` after it, unless the motion
+//! passes an edge right there.
 //! Contacts with friction are the subject of [`friction_rows`].
 //!
 //! The gap of an edge is the largest of those of its pieces. The sequence says which piece `k` acts: only its gap has a row,

@@ -14,7 +14,7 @@ pub(in crate::ocp) enum Place {
 }
 
 /// A contact closes, opens, is touched, or changes from one way of sliding to another. A touch is an impact after which
-/// the contact is open again, because it bounces or because it is pulled away.
+/// the contact is open again, because it bounces, because it is pulled away, or because the motion passes an edge right there.
 ///
 /// The gap of an edge is the largest of those of its pieces, so that one of them that is kept is enough: the one that acts.
 /// Where another one comes to be as large, the motion *passes* the edge, and that one acts from there on. Where a contact
