@@ -134,6 +134,13 @@ fn tables(
             excess.name, excess.amount, excess.unit, excess.time
         );
     }
+    for margin in &solution.margins {
+        let _ = writeln!(
+            text,
+            "kept          {}, {:.1e}, which costs about {:.1e}",
+            margin.name, margin.amount, margin.cost
+        );
+    }
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
     text + &work(solution)
 }

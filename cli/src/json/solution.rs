@@ -1,7 +1,7 @@
 //! The JSON document of an optimal control problem.
 
 use hangtime::model::Model;
-use hangtime::ocp::{Excess, Formulation, Optimum, Settings, Solution, TimeFreezingReport};
+use hangtime::ocp::{Excess, Formulation, Margin, Optimum, Settings, Solution, TimeFreezingReport};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
 use serde::Serialize;
@@ -144,6 +144,26 @@ impl<'a> ExcessEntry<'a> {
     }
 }
 
+/// A distance that the method keeps, and that costs something.
+#[derive(Serialize)]
+struct MarginEntry<'a> {
+    name: &'a str,
+    amount: f64,
+    cost: f64,
+    chosen: bool,
+}
+
+impl<'a> MarginEntry<'a> {
+    fn new(margin: &'a Margin) -> Self {
+        Self {
+            name: &margin.name,
+            amount: margin.amount,
+            cost: margin.cost,
+            chosen: margin.chosen,
+        }
+    }
+}
+
 /// A distinct local optimum.
 #[derive(Serialize)]
 struct OptimumEntry<'a> {
@@ -202,6 +222,7 @@ pub(crate) struct SolutionDocument<'a> {
     time_freezing: Option<TimeFreezingEntry>,
     optima: Vec<OptimumEntry<'a>>,
     excess: Vec<ExcessEntry<'a>>,
+    margins: Vec<MarginEntry<'a>>,
     notes: Vec<String>,
     quantities: QuantitiesEntry,
 }
@@ -270,6 +291,7 @@ impl<'a> SolutionDocument<'a> {
             time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
             optima: solution.optima.iter().map(OptimumEntry::new).collect(),
             excess: solution.excess.iter().map(ExcessEntry::new).collect(),
+            margins: solution.margins.iter().map(MarginEntry::new).collect(),
             notes: method.finer(solution).into_iter().chain(note).collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }

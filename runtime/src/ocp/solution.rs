@@ -164,6 +164,8 @@ pub struct Excess {
 pub struct Margin {
     /// What is kept, and where.
     pub name: String,
+    /// How much of it, in the unit of the gap, of its velocity, or \[s\].
+    pub amount: f64,
     /// What the objective would gain without it, to first order.
     pub cost: f64,
     /// Whether it is [`Settings::gap_margin`](super::Settings::gap_margin). Others that cost more than a millionth of

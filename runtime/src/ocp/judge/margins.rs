@@ -26,6 +26,7 @@ pub(super) fn margins(program: &Collocation, solution: &nlp::Solution) -> Vec<Ma
         };
         Margin {
             name: distance.name.clone(),
+            amount: distance.amount,
             cost: (multiplier * distance.amount / own * unit).abs(),
             chosen: distance.chosen,
         }
