@@ -28,7 +28,7 @@ use crate::time_freezing::TimeFreezingSystem;
 ///
 /// Objective, path constraints, terminal conditions and free initial values are those that the scene declares. Bounds of
 /// coordinates are imposed at the ends of the finite elements, path constraints at their stages, bounds of controls
-/// everywhere. Controls are constant on each interval. Forces and impulses of contacts are those of physical time: where it is not
+/// everywhere. Controls are constant on each interval, or linear there. Forces and impulses of contacts are those of physical time: where it is not
 /// known which elements are jumps, functions that read them take them for 0, and conditions on them are left out.
 /// The starting point is made from the problem alone: coordinates with a goal move to it at constant speed,
 /// the others rest; without goals, it is a coarse simulation. Controls start at zero, or as
