@@ -135,10 +135,13 @@ fn tables(
         );
     }
     for margin in &solution.margins {
+        let amount = format!("{:.1e} {}", margin.amount, margin.unit);
         let _ = writeln!(
             text,
-            "kept          {}, {:.1e}, which costs about {:.1e}",
-            margin.name, margin.amount, margin.cost
+            "kept          {}, {}, which costs about {:.1e}",
+            margin.name,
+            amount.trim_end(),
+            margin.cost
         );
     }
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));

@@ -149,6 +149,7 @@ impl<'a> ExcessEntry<'a> {
 struct MarginEntry<'a> {
     name: &'a str,
     amount: f64,
+    unit: &'a str,
     cost: f64,
     chosen: bool,
 }
@@ -158,6 +159,7 @@ impl<'a> MarginEntry<'a> {
         Self {
             name: &margin.name,
             amount: margin.amount,
+            unit: &margin.unit,
             cost: margin.cost,
             chosen: margin.chosen,
         }

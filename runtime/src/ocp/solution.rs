@@ -164,8 +164,10 @@ pub struct Excess {
 pub struct Margin {
     /// What is kept, and where.
     pub name: String,
-    /// How much of it, in the unit of the gap, of its velocity, or \[s\].
+    /// How much of it.
     pub amount: f64,
+    /// The unit of that: of a gap, of its velocity, or seconds.
+    pub unit: String,
     /// What the objective would gain without it, to first order.
     pub cost: f64,
     /// Whether it is [`Settings::gap_margin`](super::Settings::gap_margin). Others that cost more than a millionth of

@@ -40,7 +40,7 @@ pub use state::State;
 pub use trajectory::Trajectory;
 
 pub(crate) use event::{Ending, simulate_once, simulate_to};
-pub(crate) use quantity::{Quantity, number};
+pub(crate) use quantity::{Quantity, number, per_second};
 
 use crate::Observer;
 use crate::model::Model;

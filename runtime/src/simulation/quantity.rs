@@ -101,7 +101,7 @@ impl Quantity {
 }
 
 /// The unit of a velocity whose coordinate has `unit`, or of an angle's.
-pub(super) fn per_second(unit: &str) -> String {
+pub(crate) fn per_second(unit: &str) -> String {
     format!("{}/s", if unit.is_empty() { "1" } else { unit })
 }
 

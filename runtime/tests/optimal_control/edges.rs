@@ -407,15 +407,32 @@ fn ball_is_thrown_over_the_ridge_of_a_roof_with_the_least_energy() {
     assert_eq!(solution.planned_events, []);
     // Half of the time after its start it passes the ridge, t^2 g / 8 above the middle between start and goal.
     let margin = Settings::default().gap_margin;
-    let time = (8.0 / G * (roof.top + margin - 0.75)).sqrt();
-    let (across, up) = (6.0 / time, (0.5 + 0.5 * G * time * time) / time);
-    let energy = 0.5 * (across * across + (up - G * time).powi(2));
+    let best = |margin: f64| {
+        let time = (8.0 / G * (roof.top + margin - 0.75)).sqrt();
+        let (across, up) = (6.0 / time, (0.5 + 0.5 * G * time * time) / time);
+        (time, 0.5 * (across * across + (up - G * time).powi(2)))
+    };
+    let (time, energy) = best(margin);
     let (objective, horizon) = (solution.objective, solution.horizon);
     assert!(
         (objective - energy).abs() < 1e-7 * energy,
         "{objective} {energy}"
     );
     assert!((horizon - time).abs() < 1e-7, "{horizon} {time}");
+    // What it would gain without the margin, to first order: the second is a part in a million of that.
+    let [kept] = &solution.margins[..] else {
+        panic!("{:?}", solution.margins);
+    };
+    assert_eq!(
+        (kept.amount, &kept.unit[..], kept.chosen),
+        (margin, "m", true)
+    );
+    let gains = energy - best(0.0).1;
+    assert!(
+        (kept.cost - gains).abs() < 1e-4 * gains,
+        "{} {gains}",
+        kept.cost
+    );
 }
 
 #[test]

@@ -55,6 +55,30 @@ fn solve_says_how_many_elements_a_plan_has_where_they_are_more_than_asked_for() 
     );
 }
 
+#[test]
+fn solve_says_what_keeping_a_distance_costs() {
+    let scratch = Scratch::new("solve-margins");
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("roof.hang");
+    let text = "coordinates { y: m, z: m } lagrangian 1 [kg]/2*|dot((y, z))|^2 - 9.81 [N]*z \
+                surface roof: z >= 3 [m] - |2*y| impact roof: inelastic minimize 1 [kg]/2*|dot((y, z))|^2 \
+                finally { y == 3 [m], z == 1 [m], time <= 5 [s] } free { dot(y) in 0..=20, dot(z) in 0..=20 } \
+                start { y: -3 [m], z: 0.5 [m], dot(y): 5, dot(z): 5 } horizon 1.5 [s]";
+    std::fs::write(&file, text).unwrap();
+    let solve = ["solve", file.to_str().unwrap(), "--starts", "1"];
+    let document: Value =
+        serde_json::from_str(&solved(&[&solve[..], &["--json"]].concat())).unwrap();
+    let margins = document["margins"].as_array().unwrap();
+    assert_eq!(margins.len(), 1, "{margins:?}");
+    let name = margins[0]["name"].as_str().unwrap();
+    let (amount, unit) = (margins[0]["amount"].as_f64(), margins[0]["unit"].as_str());
+    assert_eq!((amount, unit), (Some(1e-5), Some("m")));
+    let tables = solved(&solve);
+    let cost = margins[0]["cost"].as_f64().unwrap();
+    let line = format!("kept          {name}, 1.0e-5 m, which costs about {cost:.1e}\n");
+    assert!(tables.contains(&line), "{tables}");
+}
+
 /// A cart of 2 kg is brought over 0.2 m from rest to rest in a time `T`, by linear controls with the effort
 /// `12 m^2 s^2/T^3`; in least time, from whatever guess, by the forces at their bounds.
 #[test]

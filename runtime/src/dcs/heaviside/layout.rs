@@ -300,7 +300,7 @@ impl Layout {
         contacts.chain(frictions).chain(edges).collect()
     }
 
-    /// Those of one surface: of its margin, its friction, its edges.
+    /// The pairs in each stage of one surface: of its margin, its friction, its edges.
     pub(crate) fn stage_pairs_of(&self, contact: usize) -> Vec<(usize, usize)> {
         let friction = self.slip_group(contact);
         let first_edge = self.contacts + self.rough.len();

@@ -174,7 +174,7 @@ mod tests {
     use super::super::test_scenes::Bead;
     use super::super::{Controls, Span, Task, transcribe};
     use super::*;
-    use crate::dcs::{ALPHA, HeavisideSystem};
+    use crate::dcs::{ALPHA, HeavisideSystem, P};
     use crate::fesd::finite_element::State;
     use crate::rk::{ButcherTableau, Scheme};
     use crate::time_freezing::TimeFreezingSystem;
@@ -265,5 +265,27 @@ mod tests {
             assert_eq!(at(e, 1, W), e >= 2, "{e}");
         }
         assert!(!at(2, 0, W) && at(3, 0, W));
+    }
+
+    #[test]
+    fn other_sides_have_no_sign_while_a_contact_is_free() {
+        let program = landing();
+        let KnownSides {
+            vanishing,
+            unsigned,
+        } = known_sides(&program);
+        let variables = |e: usize, stage: usize| {
+            let place = |offset| program.dcs.layout.algebraic(0, offset);
+            let block = &program.elements[e].blocks[stage];
+            [P, W].map(|offset| block.variables[place(offset)].expect("a variable"))
+        };
+        // At the last point before the jump the floor is struck: what vanishes there is the beginning of that.
+        for (e, stage) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (3, 0), (4, 1)] {
+            let free = e == 0 || (e, stage) == (1, 0);
+            for variable in variables(e, stage) {
+                let expected = free && !vanishing[variable];
+                assert_eq!(unsigned.contains(&variable), expected, "{e} {stage}");
+            }
+        }
     }
 }

@@ -76,30 +76,13 @@ crate::model! {
 crate::model! {
     /// A bead over a wavy post with an end on each side: three pieces of one edge.
     pub(crate) EdgedBead {
-        parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5 }
+        parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5, e = 0, mu = 0 }
         coordinates { y: m, z: m }
         controls { u: N }
         lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
         forces { y: u*cos(k*y) }
         surface post: max(z - sin(k*y)/(4*k), |y + k*z^2/8| - 0.5 [m]) >= 0
-        impact post: inelastic
-        minimize integral(0.4*u^2/1[N^2] + y^2*dot(z)*u/1[N*m^3/s])/1[s]
-        finally { y == 0.5[m] }
-        free { z in 0..=1, dot(y) in 1..=2 }
-        start { z: 0.4 [m], dot(y): 1.5 [m/s] }
-    }
-}
-
-crate::model! {
-    /// The same, and the post throws it back.
-    pub(crate) BouncingEdgedBead {
-        parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5 }
-        coordinates { y: m, z: m }
-        controls { u: N }
-        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-        forces { y: u*cos(k*y) }
-        surface post: max(z - sin(k*y)/(4*k), |y + k*z^2/8| - 0.5 [m]) >= 0
-        impact post: restitution 0.6, friction 0.2
+        impact post: restitution e, friction mu
         minimize integral(0.4*u^2/1[N^2] + y^2*dot(z)*u/1[N*m^3/s])/1[s]
         finally { y == 0.5[m] }
         free { z in 0..=1, dot(y) in 1..=2 }

@@ -65,6 +65,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
                     name: format!("margin of the {name}"),
                     kept: Kept::Row(row),
                     amount: margin,
+                    unit: declaration.contacts[contact].unit.to_owned(),
                     chosen: true,
                 });
                 let uses = vec![(row, 0, 1.0)];

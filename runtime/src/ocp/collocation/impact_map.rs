@@ -6,11 +6,11 @@ use super::friction_rows::Normal;
 use super::layout::{Distance, FREE, Kept};
 use super::turns::Turns;
 use super::{friction_rows, provided};
-use crate::model::contact_point;
+use crate::model::{ContactDeclaration, contact_point};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::frame::state_name;
 use crate::ocp::program::kernel::Kernel;
-use crate::simulation::ContactMode;
+use crate::simulation::{ContactMode, per_second};
 
 /// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion
 /// that grazes a surface is none that can be followed.
@@ -218,7 +218,7 @@ fn touch_rows(builder: &mut Builder, instant: &Instant, label: &str) {
     for touch in instant.all().filter(|switch| switch.touches()) {
         let contact = touch.contact;
         let least = LEAST_IMPACT * units.force[contact] * length;
-        let name = model.declaration().contacts[contact].name;
+        let ContactDeclaration { name, unit, .. } = model.declaration().contacts[contact];
         let name = format!("touch of `{name}` that ends {label}");
         let program = &mut builder.program;
         let row = program.row(name.clone(), f64::NEG_INFINITY, -least);
@@ -226,6 +226,7 @@ fn touch_rows(builder: &mut Builder, instant: &Instant, label: &str) {
             name: format!("least velocity of the {name}"),
             kept: Kept::Row(row),
             amount: least,
+            unit: per_second(unit),
             chosen: false,
         });
         let (q, v) = builder.state.split_at(n);

@@ -264,6 +264,7 @@ fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<usize>
             name: format!("shortest phase {p} of interval {interval}"),
             kept: Kept::Variable(duration),
             amount: shortest,
+            unit: "s".to_owned(),
             chosen: false,
         });
         duration

@@ -50,6 +50,8 @@ pub(in crate::ocp) struct Distance {
     pub(in crate::ocp) name: String,
     pub(in crate::ocp) kept: Kept,
     pub(in crate::ocp) amount: f64,
+    /// Unit of that; empty where the scene has none.
+    pub(in crate::ocp) unit: String,
     /// Whether the caller chooses it, as the gap margin.
     pub(in crate::ocp) chosen: bool,
 }

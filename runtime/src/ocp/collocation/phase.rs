@@ -13,6 +13,7 @@ use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::program::frame::{Provided, force_name, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::settings::PathPoints;
+use crate::simulation::per_second;
 
 /// Room of a force at the start of the motion, in the unit of its row: where the start leaves none, as at rest on a curved surface whose
 /// force grows with the speed, the row would have no interior but by the controls. A force that pulls is for the re-simulation to see.
@@ -532,7 +533,8 @@ fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: u
     } = builder.setting;
     let contact = phase.closed[slot];
     let e = model.restitution(contact);
-    let name = model.declaration().contacts[contact].name;
+    let declared = &model.declaration().contacts[contact];
+    let name = declared.name;
     let name = format!(
         "time in which `{name}` comes to rest in {}",
         element.label()
@@ -556,6 +558,7 @@ fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: u
         name,
         kept: Kept::Row(row),
         amount: unit,
+        unit: per_second(declared.unit),
         chosen: false,
     });
 }

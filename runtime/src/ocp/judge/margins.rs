@@ -27,6 +27,7 @@ pub(super) fn margins(program: &Collocation, solution: &nlp::Solution) -> Vec<Ma
         Margin {
             name: distance.name.clone(),
             amount: distance.amount,
+            unit: distance.unit.clone(),
             cost: (multiplier * distance.amount / own * unit).abs(),
             chosen: distance.chosen,
         }
