@@ -56,21 +56,12 @@ impl NlpProblem for Decided<'_> {
 }
 
 impl Mpcc for Decided<'_> {
-    fn complementarities(&self) -> &[(usize, usize)] {
-        self.problem.complementarities()
-    }
-
-    fn complementarity_name(&self, index: usize) -> String {
-        self.problem.complementarity_name(index)
-    }
-
-    fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
-        self.problem.vanishing_sides(x, vanishes)
-    }
-
-    fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
-        self.problem.neighbour(index, x, vanishes)
-    }
+    forward!(
+        complementarities,
+        complementarity_name,
+        vanishing_sides,
+        neighbour
+    );
 }
 
 /// The variables that vanish at every exact point: partners of sides that linear rows keep above zero, and what these rows force to

@@ -1,6 +1,6 @@
 //! What a changed problem has in common with the problem that it holds.
 
-/// Methods of [`NlpProblem`](crate::nlp::NlpProblem) that are those of the field `problem`, by their names.
+/// Methods of [`NlpProblem`](crate::nlp::NlpProblem) and [`Mpcc`](super::Mpcc) that are those of the field `problem`, by their names.
 macro_rules! forward {
     ($($method:ident),+ $(,)?) => { $(forward!(@$method);)+ };
     (@variables) => {
@@ -71,6 +71,26 @@ macro_rules! forward {
     (@constraint_name) => {
         fn constraint_name(&self, index: usize) -> String {
             self.problem.constraint_name(index)
+        }
+    };
+    (@complementarities) => {
+        fn complementarities(&self) -> &[(usize, usize)] {
+            self.problem.complementarities()
+        }
+    };
+    (@complementarity_name) => {
+        fn complementarity_name(&self, index: usize) -> String {
+            self.problem.complementarity_name(index)
+        }
+    };
+    (@vanishing_sides) => {
+        fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
+            self.problem.vanishing_sides(x, vanishes)
+        }
+    };
+    (@neighbour) => {
+        fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
+            self.problem.neighbour(index, x, vanishes)
         }
     };
 }

@@ -54,6 +54,10 @@
 //! its products do. Where there are such sides and six tenths of the iterations have not led to a certified point, the first two rules and the
 //! second round follow once more with these sides fixed at zero: the path is another one.
 //!
+//! Where the first rule ends in a stationary point of the violation, its start may be to blame: the objective led there before rows and
+//! bounds held. The nearest point at which they hold, whatever the pairs do, is looked for without the objective; from the first point on the
+//! way there that keeps them all of the above begins anew, and goes on from the own start only if that leads nowhere.
+//!
 //! # How a solve ends
 //! Every end has a [`Status`]. *Infeasible* is said of a problem only where runs converged to stationary points of the
 //! violation, with the rows and pairs that are to blame; runs that end otherwise, by a limit among them, have *failed*, and
@@ -68,6 +72,7 @@ mod finish;
 mod forced;
 mod forward;
 mod linear_program;
+mod moved;
 mod nearest;
 mod penalty;
 mod problem;

@@ -82,13 +82,7 @@ impl NlpProblem for Nearest<'_> {
 }
 
 impl Mpcc for Nearest<'_> {
-    fn complementarities(&self) -> &[(usize, usize)] {
-        self.problem.complementarities()
-    }
-
-    fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
-        self.problem.vanishing_sides(x, vanishes)
-    }
+    forward!(complementarities, vanishing_sides);
 }
 
 #[cfg(test)]

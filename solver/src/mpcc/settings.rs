@@ -29,7 +29,8 @@ pub struct Settings {
     pub interior_point: nlp::Settings,
     /// Most interior point iterations of the whole solve, those of crossovers and certificates included; default
     /// 10 000. Where linear rows decide sides, the program as it is stated may take six tenths of them, but for the certificates of
-    /// exact points, and what it leaves is for the program with these sides fixed.
+    /// exact points, and what it leaves is for the program with these sides fixed. The same holds for a start at which rows and bounds
+    /// hold, which is taken where the first rule ends in a stationary point of the violation, and the own one after it.
     pub maximum_iterations: usize,
     /// Rules to try, in this order, until one ends at a certified point; default all.
     pub rules: Vec<RelaxationRule>,

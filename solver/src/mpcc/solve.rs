@@ -3,15 +3,17 @@
 use super::crossover::improve;
 use super::decided::{Decided, decided_sides};
 use super::finish::{BINDING, Ended, compare};
+use super::moved::{Moved, start_within_rows};
 use super::run::solve_with;
 use super::second_round::second_round;
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
 use crate::nlp::{self, Fault, InputError};
 
-/// Part of the iterations that the problem as it is stated may take where linear rows decide sides, and rules that are asked for the
-/// problem with these sides fixed.
-const STATED: f64 = 0.6;
+/// Part of the iterations that a first path may take where another one follows: the problem as it is stated where linear rows decide sides,
+/// and the one from another start.
+const FIRST_PATH: f64 = 0.6;
+/// Rules that are asked for the problem with decided sides fixed.
 const DECIDED_RULES: usize = 2;
 
 /// Solves a mathematical program with complementarity constraints from its own starting point: the rules of
@@ -121,28 +123,72 @@ pub fn solve_observed(
     settings.validate()?;
     check_pairs(problem)?;
     let mut watch = Watch::new(settings, observer);
+    let watch = &mut watch;
+    let first = solve_with(problem, settings, settings.rules[0], watch)?;
+    let led_astray = first.solution.status == Status::Infeasible && watch.stop.is_none();
+    let start = if settings.crossover && led_astray {
+        start_within_rows(problem, &settings.interior_point, watch)?
+    } else {
+        None
+    };
+    let Some(start) = start else {
+        return solve_paths(problem, settings, (Some(first), 0), watch);
+    };
+    let all = settings.maximum_iterations;
+    watch.limit(first_path(watch.used(), all));
+    let mut moved = Moved::new(problem, start);
+    let moved = solve_stated(&mut moved, settings, None, watch)?;
+    // a point without descent of the violation says nothing of other starts
+    let goes_on = moved.status == Status::Infeasible || !is_settled(problem, &moved);
+    if !(goes_on && watch.limit(all)) {
+        return Ok(moved);
+    }
+    let begun = watch.used();
+    let own = solve_paths(problem, settings, (Some(first), begun), watch)?;
+    Ok(better(own, moved, watch))
+}
+
+/// Where the iterations of a first path end that begins after so many of `all`.
+fn first_path(begun: usize, all: usize) -> usize {
+    begun + (FIRST_PATH * all.saturating_sub(begun) as f64) as usize
+}
+
+/// The problem as it is stated, then with the sides that linear rows decide fixed at zero; `first` is what the first rule came to, where
+/// it was asked before, and `begun` the iterations that are not theirs.
+fn solve_paths(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    (first, begun): (Option<Ended>, usize),
+    watch: &mut Watch<'_>,
+) -> Result<Solution, InputError> {
     let sides = settings.crossover.then(|| decided_sides(problem)).flatten();
     let Some(vanishes) = sides else {
-        return solve_stated(problem, settings, &mut watch);
+        return solve_stated(problem, settings, first, watch);
     };
-    watch.limit((STATED * settings.maximum_iterations as f64) as usize);
-    let stated = solve_stated(problem, settings, &mut watch)?;
+    watch.limit(first_path(begun, settings.maximum_iterations));
+    let stated = solve_stated(problem, settings, first, watch)?;
     if is_settled(problem, &stated) || !watch.limit(settings.maximum_iterations) {
         return Ok(stated);
     }
     // sides that are fixed change the path, and another path may lead to a point that can be certified
-    let first = settings.rules.iter().take(DECIDED_RULES);
+    let rules = settings.rules.iter().take(DECIDED_RULES);
     let settings = Settings {
-        rules: first.copied().collect(),
+        rules: rules.copied().collect(),
         ..settings.clone()
     };
     let mut program = Decided::new(problem, vanishes);
-    let decided = solve_stated(&mut program, &settings, &mut watch)?;
+    let decided = solve_stated(&mut program, &settings, None, watch)?;
+    Ok(better(decided, stated, watch))
+}
+
+/// The later of two solutions where it is better, or was interrupted, else the one before, with what all runs took.
+fn better(later: Solution, before: Solution, watch: &Watch<'_>) -> Solution {
     let interrupted = watch.stop == Some(nlp::Status::Interrupted);
-    if interrupted || compare(&decided, &stated).is_lt() {
-        return Ok(decided);
+    if interrupted || compare(&later, &before).is_lt() {
+        later
+    } else {
+        with_totals(before, watch)
     }
-    Ok(with_totals(stated, &watch))
 }
 
 /// Whether another path to a solution is not worth it.
@@ -152,17 +198,21 @@ fn is_settled(problem: &dyn Mpcc, solution: &Solution) -> bool {
         || is_infeasible_without_pairs(problem, solution)
 }
 
-/// The rules, and what follows on them.
+/// The rules, of which the first may have been asked before, and what follows on them.
 fn solve_stated(
     problem: &mut dyn Mpcc,
     settings: &Settings,
+    mut first: Option<Ended>,
     watch: &mut Watch<'_>,
 ) -> Result<Solution, InputError> {
     let mut best: Option<Ended> = None;
     let mut others: Vec<Ended> = Vec::new();
     let mut infeasible = 0;
     for &rule in &settings.rules {
-        let ended = solve_with(problem, settings, rule, watch)?;
+        let ended = match first.take() {
+            Some(first) => first,
+            None => solve_with(problem, settings, rule, watch)?,
+        };
         infeasible += usize::from(ended.solution.status == Status::Infeasible);
         let finished = watch.stop.is_some()
             || best

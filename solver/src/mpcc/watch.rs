@@ -72,9 +72,13 @@ impl<'o> Watch<'o> {
         result
     }
 
+    /// Iterations of all runs and certificates so far.
+    pub(crate) fn used(&self) -> usize {
+        self.iterations + self.certificate_iterations
+    }
+
     fn iterations_left(&self) -> usize {
-        self.maximum_iterations
-            .saturating_sub(self.iterations + self.certificate_iterations)
+        self.maximum_iterations.saturating_sub(self.used())
     }
 
     /// A run within what is left of the limits. `call` starts it with the settings and the observer it is given;

@@ -1,0 +1,162 @@
+//! A start from which rows and bounds hold.
+//!
+//! A relaxed run whose rows and bounds are far from holding at its start is led by its objective into stationary points of the
+//! violation, be the pairs relaxed or not, though points that keep the rows lie near. Without pairs and objective they are found.
+
+use super::Mpcc;
+use super::forward::forward;
+use super::nearest::Nearest;
+use super::watch::{Purpose, Watch};
+use crate::nlp::{self, InputError, IterationInfo, NlpProblem};
+
+/// Violation, scaled, up to which a start keeps the rows: further digits are left to the runs from there.
+const KEPT: f64 = 1e-6;
+
+/// The same problem from another point.
+pub(crate) struct Moved<'a> {
+    problem: &'a mut dyn Mpcc,
+    start: Vec<f64>,
+}
+
+impl<'a> Moved<'a> {
+    pub(crate) fn new(problem: &'a mut dyn Mpcc, start: Vec<f64>) -> Self {
+        Self { problem, start }
+    }
+}
+
+impl NlpProblem for Moved<'_> {
+    forward!(
+        variables,
+        constraints,
+        variable_bounds,
+        constraint_bounds,
+        objective,
+        gradient,
+        constraint_values,
+        jacobian_pattern,
+        jacobian_values,
+        hessian_pattern,
+        hessian_values,
+        variable_name,
+        constraint_name
+    );
+
+    fn initial_point(&self, x: &mut [f64]) {
+        x.copy_from_slice(&self.start);
+    }
+}
+
+impl Mpcc for Moved<'_> {
+    forward!(
+        complementarities,
+        complementarity_name,
+        vanishing_sides,
+        neighbour
+    );
+}
+
+/// A point near the start of a problem at which its rows and bounds hold, whatever the pairs do: on the way to the nearest one, where
+/// the rows hold first. `None` where that comes to no such point.
+pub(crate) fn start_within_rows(
+    problem: &mut dyn Mpcc,
+    settings: &nlp::Settings,
+    watch: &mut Watch<'_>,
+) -> Result<Option<Vec<f64>>, InputError> {
+    let mut own = vec![0.0; problem.variables()];
+    problem.initial_point(&mut own);
+    let settings = nlp::Settings {
+        tolerance: KEPT,
+        constraint_tolerance: KEPT,
+        // it is the pairs that take the rank from Jacobians
+        permanent_dual_shift: 0.0,
+        ..settings.clone()
+    };
+    let mut holds = false;
+    let mut see = |info: &IterationInfo| {
+        holds = !info.restoration && info.primal_infeasibility <= KEPT;
+        !holds
+    };
+    let mut near = Nearest::new(problem, &own);
+    let found = watch.run(
+        Purpose::Relaxed,
+        &settings,
+        &mut see,
+        |settings, observer| nlp::solve_from(&mut near, settings, None, Some(observer)),
+    )?;
+    Ok((holds && watch.stop.is_none()).then_some(found.x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{RelaxationRule, Settings, Status, solve};
+    use super::*;
+
+    /// `min -100 x + a` s.t. `x^3 - 3 x + 3 = y`, `a - b = x`, `|y| <= 0.05`, `0 <= a _|_ b >= 0`, from `x = -1.1`. The first row
+    /// can hold near -2.1 only, and has a stationary violation at 1, where the objective leads.
+    struct Cubic;
+
+    impl NlpProblem for Cubic {
+        fn variables(&self) -> usize {
+            4
+        }
+        fn constraints(&self) -> usize {
+            2
+        }
+        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            lower.copy_from_slice(&[-10.0, -0.05, 0.0, 0.0]);
+            upper.copy_from_slice(&[10.0, 0.05, f64::INFINITY, f64::INFINITY]);
+        }
+        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+            lower.fill(0.0);
+            upper.fill(0.0);
+        }
+        fn initial_point(&self, x: &mut [f64]) {
+            x.copy_from_slice(&[-1.1, 0.0, 1.0, 1.0]);
+        }
+        fn objective(&mut self, x: &[f64]) -> f64 {
+            -100.0 * x[0] + x[2]
+        }
+        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
+            gradient.copy_from_slice(&[-100.0, 0.0, 1.0, 0.0]);
+        }
+        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
+            c[0] = x[0].powi(3) - 3.0 * x[0] + 3.0 - x[1];
+            c[1] = x[2] - x[3] - x[0];
+        }
+        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
+            vec![(0, 0), (0, 1), (1, 2), (1, 3), (1, 0)]
+        }
+        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
+            values.copy_from_slice(&[3.0 * x[0].powi(2) - 3.0, -1.0, 1.0, -1.0, -1.0]);
+        }
+        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
+            vec![(0, 0)]
+        }
+        fn hessian_values(&mut self, x: &[f64], _: f64, multipliers: &[f64], values: &mut [f64]) {
+            values[0] = 6.0 * x[0] * multipliers[0];
+        }
+    }
+
+    impl Mpcc for Cubic {
+        fn complementarities(&self) -> &[(usize, usize)] {
+            &[(2, 3)]
+        }
+    }
+
+    #[test]
+    fn start_that_leads_into_a_stationary_violation_is_moved_to_where_the_rows_hold() {
+        let one_rule = Settings {
+            crossover: false,
+            rules: vec![RelaxationRule::RollOff],
+            ..Settings::default()
+        };
+        let led = solve(&mut Cubic, &one_rule).expect("a valid program");
+        assert_eq!(led.status, Status::Infeasible);
+        assert!((led.x[0] - 1.0).abs() < 1e-6);
+        let solution = solve(&mut Cubic, &Settings::default()).expect("a valid program");
+        assert!(solution.status.is_solved());
+        // x = -2 cosh t solves x^3 - 3 x + q = 0 where 2 cosh 3 t = q; the largest x has y = 0.05
+        let root = -2.0 * ((2.95_f64 / 2.0).acosh() / 3.0).cosh();
+        assert!((solution.x[0] - root).abs() < 1e-8);
+    }
+}
