@@ -56,7 +56,7 @@ impl Mpcc for Moved<'_> {
 }
 
 /// A point near the start of a problem at which its rows and bounds hold, whatever the pairs do: on the way to the nearest one, where
-/// the rows hold first. `None` where that comes to no such point.
+/// the rows hold first. `None` where that comes to no such point, and where they hold at the start.
 pub(crate) fn start_within_rows(
     problem: &mut dyn Mpcc,
     settings: &nlp::Settings,
@@ -64,6 +64,9 @@ pub(crate) fn start_within_rows(
 ) -> Result<Option<Vec<f64>>, InputError> {
     let mut own = vec![0.0; problem.variables()];
     problem.initial_point(&mut own);
+    if keeps_rows(problem, &own) {
+        return Ok(None);
+    }
     let settings = nlp::Settings {
         tolerance: KEPT,
         constraint_tolerance: KEPT,
@@ -84,6 +87,16 @@ pub(crate) fn start_within_rows(
         |settings, observer| nlp::solve_from(&mut near, settings, None, Some(observer)),
     )?;
     Ok((holds && watch.stop.is_none()).then_some(found.x))
+}
+
+/// Whether rows hold at a point.
+fn keeps_rows(problem: &mut dyn Mpcc, x: &[f64]) -> bool {
+    let m = problem.constraints();
+    let (mut c, mut lower, mut upper) = (vec![0.0; m], vec![0.0; m], vec![0.0; m]);
+    problem.constraint_values(x, &mut c);
+    problem.constraint_bounds(&mut lower, &mut upper);
+    let mut rows = c.iter().zip(lower.iter().zip(&upper));
+    rows.all(|(c, (lower, upper))| *c >= lower - KEPT && *c <= upper + KEPT)
 }
 
 #[cfg(test)]

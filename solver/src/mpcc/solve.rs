@@ -145,7 +145,12 @@ pub fn solve_observed(
     }
     let begun = watch.used();
     let own = solve_paths(problem, settings, (Some(first), begun), watch)?;
-    Ok(better(own, moved, watch))
+    Ok(match (moved.status, own.status) {
+        // a problem is infeasible only if it is so from both starts
+        (Status::Infeasible, Status::Failed(_)) => own,
+        (Status::Failed(_), Status::Infeasible) => with_totals(moved, watch),
+        _ => better(own, moved, watch),
+    })
 }
 
 /// Where the iterations of a first path end that begins after so many of `all`.
