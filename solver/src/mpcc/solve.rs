@@ -132,7 +132,7 @@ pub fn solve_observed(
         None
     };
     let Some(start) = start else {
-        return solve_paths(problem, settings, (Some(first), 0), watch);
+        return solve_paths(problem, settings, (first, 0), watch);
     };
     let all = settings.maximum_iterations;
     watch.limit(first_path(watch.used(), all));
@@ -144,7 +144,7 @@ pub fn solve_observed(
         return Ok(moved);
     }
     let begun = watch.used();
-    let own = solve_paths(problem, settings, (Some(first), begun), watch)?;
+    let own = solve_paths(problem, settings, (first, begun), watch)?;
     Ok(match (moved.status, own.status) {
         // a problem is infeasible only if it is so from both starts
         (Status::Infeasible, Status::Failed(_)) => own,
@@ -158,20 +158,20 @@ fn first_path(begun: usize, all: usize) -> usize {
     begun + (FIRST_PATH * all.saturating_sub(begun) as f64) as usize
 }
 
-/// The problem as it is stated, then with the sides that linear rows decide fixed at zero; `first` is what the first rule came to, where
-/// it was asked before, and `begun` the iterations that are not theirs.
+/// The problem as it is stated, then with the sides that linear rows decide fixed at zero; `first` is what the first rule has come to,
+/// and `begun` the iterations that are not theirs.
 fn solve_paths(
     problem: &mut dyn Mpcc,
     settings: &Settings,
-    (first, begun): (Option<Ended>, usize),
+    (first, begun): (Ended, usize),
     watch: &mut Watch<'_>,
 ) -> Result<Solution, InputError> {
     let sides = settings.crossover.then(|| decided_sides(problem)).flatten();
     let Some(vanishes) = sides else {
-        return solve_stated(problem, settings, first, watch);
+        return solve_stated(problem, settings, Some(first), watch);
     };
     watch.limit(first_path(begun, settings.maximum_iterations));
-    let stated = solve_stated(problem, settings, first, watch)?;
+    let stated = solve_stated(problem, settings, Some(first), watch)?;
     if is_settled(problem, &stated) || !watch.limit(settings.maximum_iterations) {
         return Ok(stated);
     }
