@@ -7,7 +7,8 @@ use super::Mpcc;
 use super::forward::forward;
 use super::nearest::Nearest;
 use super::watch::{Purpose, Watch};
-use crate::nlp::{self, InputError, IterationInfo, NlpProblem};
+use crate::linalg::norms::norm_inf;
+use crate::nlp::{self, InputError, IterationInfo, NlpProblem, violation};
 
 /// Violation, scaled, up to which a start keeps the rows: further digits are left to the runs from there.
 const KEPT: f64 = 1e-6;
@@ -89,14 +90,19 @@ pub(crate) fn start_within_rows(
     Ok((holds && watch.stop.is_none()).then_some(found.x))
 }
 
-/// Whether rows hold at a point.
+/// Whether rows hold at a point, brought within its bounds.
 fn keeps_rows(problem: &mut dyn Mpcc, x: &[f64]) -> bool {
-    let m = problem.constraints();
-    let (mut c, mut lower, mut upper) = (vec![0.0; m], vec![0.0; m], vec![0.0; m]);
-    problem.constraint_values(x, &mut c);
-    problem.constraint_bounds(&mut lower, &mut upper);
-    let mut rows = c.iter().zip(lower.iter().zip(&upper));
-    rows.all(|(c, (lower, upper))| *c >= lower - KEPT && *c <= upper + KEPT)
+    let (mut lower, mut upper) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+    problem.variable_bounds(&mut lower, &mut upper);
+    let bounds = lower.iter().zip(&upper);
+    let x: Vec<f64> = x
+        .iter()
+        .zip(bounds)
+        .map(|(x, (lower, upper))| x.max(*lower).min(*upper))
+        .collect();
+    let weights = vec![1.0; problem.constraints()];
+    let violation = violation(&mut Moved::new(problem, Vec::new()), &x, &weights);
+    norm_inf(&violation) <= KEPT
 }
 
 #[cfg(test)]

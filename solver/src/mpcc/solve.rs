@@ -21,7 +21,8 @@ const DECIDED_RULES: usize = 2;
 /// they ended.
 ///
 /// A problem is called infeasible if the rows and bounds are infeasible without its pairs, if the elastic mode and
-/// another rule both end at a stationary point of the violation, or if all rules do.
+/// another rule both end at a stationary point of the violation, or if all rules do; where rows do not hold at its starting point, from
+/// a point near it as well at which they do, if there is one.
 ///
 /// # Errors
 /// [`InputError`] when the input is wrong, among it pairs of a variable with itself or of variables whose
@@ -213,12 +214,18 @@ fn solve_stated(
     let mut best: Option<Ended> = None;
     let mut others: Vec<Ended> = Vec::new();
     let mut infeasible = 0;
+    let mut is_shown = false;
     for &rule in &settings.rules {
         let ended = match first.take() {
             Some(first) => first,
             None => solve_with(problem, settings, rule, watch)?,
         };
-        infeasible += usize::from(ended.solution.status == Status::Infeasible);
+        if ended.solution.status == Status::Infeasible {
+            infeasible += 1;
+            is_shown = infeasible == settings.rules.len()
+                || infeasible >= 2 && rule == RelaxationRule::Elastic
+                || is_infeasible_without_pairs(problem, &ended.solution);
+        }
         let finished = watch.stop.is_some()
             || best
                 .as_ref()
@@ -226,10 +233,7 @@ fn solve_stated(
             || match ended.solution.status {
                 Status::Solved => !(ended.resumed && settings.second_opinion),
                 Status::Relaxed => !settings.crossover,
-                Status::Infeasible => {
-                    infeasible >= 2 && rule == RelaxationRule::Elastic
-                        || is_infeasible_without_pairs(problem, &ended.solution)
-                }
+                Status::Infeasible => is_shown,
                 _ => false,
             };
         best = Some(match best {
@@ -254,6 +258,12 @@ fn solve_stated(
     {
         others.sort_by(|a, b| compare(&a.solution, &b.solution));
         second_round(problem, settings, best, &others, watch)?;
+    }
+    if let (Some(best), Some(stop), false) = (&mut best, watch.stop, is_shown)
+        && best.solution.status == Status::Infeasible
+    {
+        // cut short before other rules could tell
+        best.solution.status = Status::Failed(stop);
     }
     let best = best.map(|ended| complete(problem, settings, ended, watch));
     // the list of rules is not empty

@@ -41,7 +41,7 @@ impl<'a> LeastSquares<'a> {
 }
 
 /// What each row needs to hold, times its weight.
-pub(super) fn violation(problem: &mut dyn NlpProblem, x: &[f64], weights: &[f64]) -> Vec<f64> {
+pub(crate) fn violation(problem: &mut dyn NlpProblem, x: &[f64], weights: &[f64]) -> Vec<f64> {
     let m = weights.len();
     let (mut c, mut lower, mut upper) = (vec![0.0; m], vec![0.0; m], vec![0.0; m]);
     problem.constraint_values(x, &mut c);

@@ -65,6 +65,7 @@ pub use solve::{solve, solve_from};
 pub use status::Status;
 pub use warm_start::WarmStart;
 
+pub(crate) use least_squares::violation;
 pub(crate) use method::barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
 pub(crate) use products::Products;
 pub(crate) use run::run;
