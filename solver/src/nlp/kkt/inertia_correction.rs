@@ -21,12 +21,17 @@ pub(crate) struct InertiaCorrection {
     /// Shift that the current matrix was factorized with.
     pub(crate) delta_w: f64,
     pub(crate) delta_c: f64,
+    /// Matrices one after the other whose rows were dependent, until they are taken to be.
+    dependent: usize,
 }
 
 impl InertiaCorrection {
     const FIRST: f64 = 1e-4;
     const LARGEST: f64 = 1e20;
     const SMALLEST: f64 = 1e-20;
+    /// Matrices with dependent rows one after the other after which those of the next ones are taken to be dependent, without a
+    /// factorization that shows it.
+    const DEPENDENT: usize = 3;
 
     /// Shift to try after `tried` (0: none yet) failed; `floor` is a shift wanted for other reasons.
     fn next_shift(&self, tried: Option<f64>, floor: f64) -> f64 {
@@ -55,7 +60,10 @@ impl InertiaCorrection {
         let m = kkt.rows();
         self.delta_w = floor;
         self.delta_c = permanent_dual_shift * mu.powf(0.25);
-        let mut rows_shifted = false;
+        let mut rows_shifted = self.dependent >= Self::DEPENDENT;
+        if rows_shifted {
+            self.shift_rows(mu);
+        }
         let mut capped = problem.products.is_empty();
         let mut tried = None;
         loop {
@@ -74,7 +82,7 @@ impl InertiaCorrection {
             match remedy {
                 Remedy::ShiftRows => {
                     rows_shifted = true;
-                    self.delta_c = self.delta_c.max(1e-8 * mu.powf(0.25));
+                    self.shift_rows(mu);
                 }
                 Remedy::CapProducts => {
                     capped = true;
@@ -92,7 +100,12 @@ impl InertiaCorrection {
         if tried.is_some() {
             self.last = self.delta_w;
         }
+        self.dependent = if rows_shifted { self.dependent + 1 } else { 0 };
         true
+    }
+
+    fn shift_rows(&mut self, mu: f64) {
+        self.delta_c = self.delta_c.max(1e-8 * mu.powf(0.25));
     }
 }
 
