@@ -184,7 +184,8 @@ impl<'a, 'g> CoarseToFine<'a, 'g> {
             let found = match found {
                 Ok(found) => found,
                 Err(status) => {
-                    self.infeasible += usize::from(status == nlp::Status::Infeasible);
+                    let infeasible = [nlp::Status::Infeasible, nlp::Status::RestorationFailed];
+                    self.infeasible += usize::from(infeasible.contains(&status));
                     continue;
                 }
             };

@@ -365,7 +365,13 @@ impl<'a, 'e> Attempts<'a, 'e> {
         };
         let compares = purpose == Purpose::Compare;
         let near = self.best.as_ref().filter(|_| compares);
-        let gives_up = near.is_some();
+        // Nothing is claimed about it, and of those that have to restore feasibility one in fifty comes to a solution.
+        let leaves = if self.best.is_some() {
+            !compares
+        } else {
+            !proves
+        };
+        let gives_up = |last: bool| leaves || near.is_some() && !last;
         let known = match (before, near) {
             (Some((program, solution)), _) => Some((AFTER_CUT, (program, solution))),
             (None, Some(best)) => Some((NEIGHBOUR[0], (&best.program, &best.solution))),
@@ -375,7 +381,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
         // A deep cut leaves little of that solution but the motion itself.
         let again = before.map(|_| (AFTER_CUT, true, None));
         let cold = barriers.iter().enumerate();
-        let cold = cold.map(|(index, &run)| (run, gives_up && index + 1 < barriers.len(), None));
+        let cold = cold.map(|(index, &run)| (run, gives_up(index + 1 == barriers.len()), None));
         let mut status = nlp::Status::Interrupted;
         let tries = warm.into_iter().chain(again).chain(cold);
         for (index, ((barrier, iterations), gives_up, known)) in tries.enumerate() {

@@ -51,7 +51,7 @@ pub(super) fn retimed(
     let run = Run {
         settings: &settings,
         start: None,
-        gives_up: false,
+        gives_up: !runner.effort.proves(),
         best: None,
     };
     let horizon = program.horizon;
