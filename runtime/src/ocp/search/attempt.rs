@@ -20,13 +20,15 @@ use crate::simulation::InputError;
 
 /// Barrier parameters that a program is started with, in this order, and most iterations with each: of the first
 /// program, of a neighbour, which starts near its solution, and of a sequence about which nothing is claimed.
-const FIRST: [(f64, usize); 3] = [(1e-2, usize::MAX), (1e-3, usize::MAX), (1e-1, usize::MAX)];
+const FIRST: [(f64, usize); 3] = [(1e-2, 300), (1e-3, 300), (1e-1, 300)];
 /// The same of the first program where nothing is to be proved: of those that are solved from there, 49 of 50 take fewer.
 pub(super) const QUICK: [(f64, usize); 1] = [(1e-2, 130)];
-const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 300)];
+const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 200)];
 const EXPLORED: [(f64, usize); 1] = [(1e-4, 60)];
 /// The same after a cut.
 const AFTER_CUT: (f64, usize) = (1e-5, 80);
+/// Most iterations of the second stage: of 2500 that came to a solution none took more.
+const SECOND: usize = 100;
 /// Rounds of cuts of one sequence.
 const ROUNDS: usize = 6;
 /// Tolerance of the first stage.
@@ -420,7 +422,8 @@ fn second(
     first: &nlp::Solution,
     best: Option<f64>,
 ) -> Ended<nlp::Solution> {
-    let settings = warm(interior_point(runner.settings), first.barrier_parameter);
+    let mut settings = warm(interior_point(runner.settings), first.barrier_parameter);
+    settings.maximum_iterations = settings.maximum_iterations.min(SECOND);
     let run = Run {
         settings: &settings,
         start: Some(&nlp::WarmStart::from_solution(first)),

@@ -192,6 +192,14 @@ fn compare(
         Effort::Certify | Effort::Conclude => Purpose::Compare,
         Effort::Explore | Effort::Carry => Purpose::Explore,
     };
+    // Of one that does not adjoin nothing is claimed.
+    let purpose_of = |neighbour: &Neighbour| {
+        if neighbour.adjoins {
+            purpose
+        } else {
+            Purpose::Explore
+        }
+    };
     let mut undecided = false;
     let mut asked = false;
     for neighbour in &around.neighbours {
@@ -205,10 +213,10 @@ fn compare(
             Some(verdict) => verdict,
             None if runner.is_exhausted() && *adjoins => return Ok(Compared::Incomplete),
             None if runner.is_exhausted() => continue,
-            None if purpose == Purpose::Explore && attempts.was_tried(sequence) => {
+            None if purpose_of(neighbour) == Purpose::Explore && attempts.was_tried(sequence) => {
                 Verdict::Undecided
             }
-            None => decide(runner, attempts, around, neighbour, purpose)?,
+            None => decide(runner, attempts, around, neighbour, purpose_of(neighbour))?,
         };
         undecided |= match verdict {
             Verdict::Better => return Ok(Compared::Improved),
@@ -252,7 +260,7 @@ fn decide(
 ) -> Result<Verdict, InputError> {
     let sequence = &neighbour.sequence;
     let attempt = around.attempt(sequence, purpose);
-    if purpose == Purpose::Explore || !neighbour.adjoins {
+    if purpose == Purpose::Explore {
         return attempts.attempt(runner, attempt);
     }
     let held = held(attempts, runner, attempt)?;

@@ -262,7 +262,7 @@ fn find(
     }
     // Its switches lie elsewhere on the finer grid, and a contact-implicit program on that grid says where.
     let none = search.found.optima.is_empty();
-    let looks = none || runner.effort == Effort::Carry && search.found.repeats.is_none();
+    let looks = (none || runner.effort == Effort::Carry) && search.found.repeats.is_none();
     if coarser.is_some()
         && looks
         && !runner.stopped()
