@@ -5,7 +5,7 @@
 //! switches are in the intervals of equal length in which the motion needs them, and its controls, averaged over these, are a
 //! start.
 
-use super::attempt::{Attempts, QUICK, interior_point};
+use super::attempt::{Attempts, QUICK, RESTORED, interior_point};
 use crate::ocp::collocation::discretization::{Lengths, Places, Setting};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
@@ -51,7 +51,11 @@ pub(super) fn retimed(
     let run = Run {
         settings: &settings,
         start: None,
-        gives_up: !runner.effort.proves(),
+        restores: if runner.effort.proves() {
+            usize::MAX
+        } else {
+            RESTORED
+        },
         best: None,
     };
     let horizon = program.horizon;

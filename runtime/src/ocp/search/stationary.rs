@@ -114,7 +114,7 @@ pub(super) fn solved<'a>(
     let run = Run {
         settings: &settings,
         start: Some(&start),
-        gives_up: relaxed,
+        restores: if relaxed { 0 } else { usize::MAX },
         best: Some(best.solution.objective),
     };
     let horizon = program.horizon;
