@@ -363,8 +363,8 @@ impl Solution {
             }
             Status::Infeasible => Some(format!(
                 "no motion to the goal within the bounds was found from this guess, nor from the motion without \
-                 controls, with final times from {:.3} to {:.3} s; try several starts or more intervals; {worst}",
-                self.final_times.0, self.final_times.1
+                 controls, with {}; try several starts or more intervals; {worst}",
+                self.times_looked_at()
             )),
             Status::Unbounded => Some(format!(
                 "the objective still improves at a final time of {:.3e} s, the end of those from {:.3e} to {:.3e} s that \
@@ -379,6 +379,14 @@ impl Solution {
                 self.resimulation_error
             )),
             Status::Failed(status) => Some(format!("{status}; {worst}")),
+        }
+    }
+
+    /// The final times among which a motion was looked for, in words.
+    fn times_looked_at(&self) -> String {
+        match self.final_times {
+            (first, last) if first == last => format!("a final time of {first:.3} s"),
+            (first, last) => format!("final times from {first:.3} to {last:.3} s"),
         }
     }
 }

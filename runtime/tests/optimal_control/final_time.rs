@@ -175,6 +175,11 @@ fn goal_of_a_motion_without_controls_is_infeasible_by_its_distance() {
     assert_eq!(solution.status, Status::Infeasible);
     let worst = &solution.violations[0];
     assert!((worst.amount - 2.0).abs() < 1e-6, "{worst:?}");
+    let diagnosis = solution.diagnosis().unwrap();
+    assert!(
+        diagnosis.contains("with a final time of 1.000 s"),
+        "{diagnosis}"
+    );
 }
 
 #[test]
