@@ -13,6 +13,8 @@ pub(in crate::ocp) struct Watch<'o> {
     progress: Progress,
     /// Iterations of the programs before this one.
     before: usize,
+    /// Iterations of the restoration phase that are left to the present program.
+    restores: usize,
     pub(in crate::ocp) stopped: bool,
 }
 
@@ -23,12 +25,20 @@ impl<'o> Watch<'o> {
             start: Instant::now(),
             progress: Progress::new("start"),
             before: 0,
+            restores: usize::MAX,
             stopped: false,
         }
     }
 
-    /// Says what the next iterations are for.
-    pub(in crate::ocp) fn begin(&mut self, step: &'static str, counts: &Counts, best: Option<f64>) {
+    /// Says what the next iterations are for, and how many of them may restore feasibility.
+    pub(in crate::ocp) fn begin(
+        &mut self,
+        step: &'static str,
+        counts: &Counts,
+        best: Option<f64>,
+        restores: usize,
+    ) {
+        self.restores = restores;
         self.before = counts.global_iterations + counts.iterations;
         self.progress.step = step;
         self.progress.programs = counts.programs;
@@ -43,7 +53,8 @@ impl<'o> Watch<'o> {
         !self.stopped
     }
 
-    /// Reports an iteration of a program with the objective in that unit; `false` stops it.
+    /// Reports an iteration of a program with the objective in that unit; `false` stops it, where the observer asks to or no more of them
+    /// may restore feasibility.
     pub(in crate::ocp) fn iteration(&mut self, info: &IterationInfo, unit: f64) -> bool {
         self.progress.iterations = self.before + info.iteration;
         self.progress.objective = unit * info.objective;
@@ -52,6 +63,8 @@ impl<'o> Watch<'o> {
         self.progress.residuals.complementarity = info.complementarity;
         self.progress.seconds = self.start.elapsed().as_secs_f64();
         self.stopped |= !(self.observer)(&self.progress);
-        !self.stopped
+        let left = self.restores.checked_sub(usize::from(info.restoration));
+        self.restores = left.unwrap_or(0);
+        !self.stopped && left.is_some()
     }
 }

@@ -235,7 +235,7 @@ pub struct Settings {
     pub(crate) first_barrier: f64,
     /// Most programs, those of the global phase included; default 200.
     pub maximum_programs: usize,
-    /// Most iterations of one program; default 500.
+    /// Most iterations of one program; default 500. Programs of the search of which few are solved that late end sooner.
     pub maximum_iterations: usize,
     /// Tolerance of the simulation that reads the contact sequence; default 1e-9.
     pub(crate) replay_tolerance: f64,

@@ -101,7 +101,7 @@ fn keeps_rows(problem: &mut dyn Mpcc, x: &[f64]) -> bool {
         .map(|(x, (lower, upper))| x.max(*lower).min(*upper))
         .collect();
     let weights = vec![1.0; problem.constraints()];
-    let violation = violation(&mut Moved::new(problem, Vec::new()), &x, &weights);
+    let violation = violation(problem, &x, &weights);
     norm_inf(&violation) <= KEPT
 }
 

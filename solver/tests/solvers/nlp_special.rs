@@ -359,6 +359,21 @@ fn solve_from_a_steep_start_counts_all_its_runs_towards_the_limits() {
 }
 
 #[test]
+fn solve_finds_out_three_times_that_rows_are_dependent() {
+    let text = "problem valley 3\nstart -1.2 1 2\nminimize 100*(x2 - x1^2)^2 + (1 - x1)^2 + (x3 - x1)^2\n\
+                row 3 3 x1 + x2 + x3\nrow 6 6 2*x1 + 2*x2 + 2*x3";
+    let solution = nlp::solve(&mut read_problems(text)[0], &Settings::default()).unwrap();
+    assert_eq!(solution.status, Status::Solved);
+    assert!(solution.x.iter().all(|x| (x - 1.0).abs() < 1e-6));
+    let counts = solution.counts;
+    // one an iteration, those that show it, and those of multipliers and curvature
+    insta::assert_snapshot!(
+        format!("{} factorizations in {} iterations", counts.factorizations, counts.iterations),
+        @"20 factorizations in 13 iterations"
+    );
+}
+
+#[test]
 fn solve_with_dependent_or_tiny_rows_is_solved() {
     for (text, optimum) in [
         (

@@ -153,13 +153,10 @@ impl<'s> Runner<'s> {
         horizon: usize,
         run: &Run,
     ) -> Ended<nlp::Solution> {
-        self.watch.begin("collocation", &self.counts, run.best);
+        self.watch
+            .begin("collocation", &self.counts, run.best, run.restores);
         let unit = program.objective_unit();
-        let mut restoring = 0;
-        let mut observer = |info: &nlp::IterationInfo| {
-            restoring += usize::from(info.restoration);
-            self.watch.iteration(info, unit) && restoring <= run.restores
-        };
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
         let mut solution = nlp::solve_from(program, run.settings, run.start, Some(&mut observer))
             .map_err(|error| refused(&mut self.refusal, &error))?;
         solution.objective *= unit;
@@ -172,8 +169,7 @@ impl<'s> Runner<'s> {
         self.seconds += solution.cpu;
         let status = match solution.status {
             nlp::Status::Solved | nlp::Status::Acceptable => return Ok(solution),
-            nlp::Status::Interrupted if !self.watch.stopped => nlp::Status::RestorationFailed,
-            status => status,
+            status => self.unless_left(status),
         };
         self.note(Failure {
             status,
@@ -181,6 +177,14 @@ impl<'s> Runner<'s> {
             horizon: program.physical(&solution.x)[horizon],
         });
         Err(status)
+    }
+
+    /// How a program ended; where it was interrupted and nobody asked for that, it was left as it restored feasibility.
+    fn unless_left(&self, status: nlp::Status) -> nlp::Status {
+        match status {
+            nlp::Status::Interrupted if !self.watch.stopped => nlp::Status::RestorationFailed,
+            status => status,
+        }
     }
 
     /// Relaxes a complementarity problem whose objective is measured in `unit`; `step` says what for. An error if it could not
@@ -192,24 +196,20 @@ impl<'s> Runner<'s> {
         step: &'static str,
         unit: f64,
     ) -> Ended<mpcc::Solution> {
-        self.watch.begin(step, &self.counts, None);
-        let most = match self.effort {
+        let restores = match self.effort {
             Effort::Explore => RESTORING,
             Effort::Carry | Effort::Certify | Effort::Conclude => usize::MAX,
         };
-        let mut restoring = 0;
-        let mut observer = |info: &nlp::IterationInfo| {
-            restoring += usize::from(info.restoration);
-            self.watch.iteration(info, unit) && restoring <= most
-        };
+        self.watch.begin(step, &self.counts, None, restores);
+        let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
         let mut solution = mpcc::solve_observed(program, settings, &mut observer)
             .map_err(|error| refused(&mut self.refusal, &error))?;
         self.counts.programs += 1;
         self.counts.global_iterations += solution.iterations;
         self.counts.factorizations += solution.factorizations;
         self.seconds += solution.cpu;
-        if restoring > most && !self.watch.stopped {
-            solution.status = mpcc::Status::Failed(nlp::Status::RestorationFailed);
+        if let mpcc::Status::Failed(status) = solution.status {
+            solution.status = mpcc::Status::Failed(self.unless_left(status));
         }
         Ok(solution)
     }
@@ -222,7 +222,7 @@ impl<'s> Runner<'s> {
         settings: &nlp::Settings,
         step: &'static str,
     ) -> Ended<nlp::Solution> {
-        self.watch.begin(step, &self.counts, None);
+        self.watch.begin(step, &self.counts, None, usize::MAX);
         let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, 1.0);
         let solution = nlp::solve_from(program, settings, None, Some(&mut observer))
             .map_err(|error| refused(&mut self.refusal, &error))?;

@@ -188,22 +188,16 @@ fn compare(
     attempts: &mut Attempts,
     around: &Around,
 ) -> Result<Compared, InputError> {
-    let purpose = match runner.effort {
-        Effort::Certify | Effort::Conclude => Purpose::Compare,
-        Effort::Explore | Effort::Carry => Purpose::Explore,
-    };
-    // Of one that does not adjoin nothing is claimed.
-    let purpose_of = |neighbour: &Neighbour| {
-        if neighbour.adjoins {
-            purpose
-        } else {
-            Purpose::Explore
-        }
-    };
     let mut undecided = false;
     let mut asked = false;
     for neighbour in &around.neighbours {
         let Neighbour { sequence, adjoins } = neighbour;
+        // Of one that does not adjoin nothing is claimed.
+        let purpose = if runner.effort.proves() && *adjoins {
+            Purpose::Compare
+        } else {
+            Purpose::Explore
+        };
         let asks = !asked && *adjoins && Insertion::of(sequence, &around.sequence).is_some();
         if asks && attempts.known(sequence).is_none() {
             asked = true;
@@ -213,10 +207,10 @@ fn compare(
             Some(verdict) => verdict,
             None if runner.is_exhausted() && *adjoins => return Ok(Compared::Incomplete),
             None if runner.is_exhausted() => continue,
-            None if purpose_of(neighbour) == Purpose::Explore && attempts.was_tried(sequence) => {
+            None if purpose == Purpose::Explore && attempts.was_tried(sequence) => {
                 Verdict::Undecided
             }
-            None => decide(runner, attempts, around, neighbour, purpose_of(neighbour))?,
+            None => decide(runner, attempts, around, neighbour, purpose)?,
         };
         undecided |= match verdict {
             Verdict::Better => return Ok(Compared::Improved),
