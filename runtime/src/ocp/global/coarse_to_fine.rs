@@ -25,7 +25,7 @@ const COARSE_PROGRAMS: [(usize, RelaxationRule); 3] = [
     (2, RelaxationRule::RollOff),
 ];
 
-/// How many of the first programs have to end at stationary points of their violation until one of several starts leaves the
+/// How many of the first programs have to end at stationary points of their violation, or to be left on the way to one, until one of several starts leaves the
 /// others, and refined ones from the guess: of 87 such searches of the zoo, 2 came through the third one, and none through a
 /// refined one.
 const INFEASIBLE: usize = 2;
@@ -139,7 +139,7 @@ pub(in crate::ocp) struct CoarseToFine<'a, 'g> {
     guess: &'g Trajectory,
     /// How many of the first programs were solved.
     programs: usize,
-    /// How many of them were infeasible.
+    /// How many of them were infeasible, or left as they restored feasibility.
     infeasible: usize,
     /// Objectives of the distinct motions of the first programs, and of the refined ones.
     coarse: Vec<f64>,
