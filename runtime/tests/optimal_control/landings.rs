@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use crate::support::{DIGITS, one_start, solve};
-use hangtime::ocp::{Problem, Status, solve as solve_with};
+use hangtime::ocp::{Problem, Settings, Status, solve as solve_with};
 use hangtime::simulation::EventKind;
 
 hangtime::model! {
@@ -331,4 +331,65 @@ fn bounces_before_a_planned_landing_are_not_counted_to_it() {
     // The one at 0.72 s is less than an interval from the rest, and a touch of the plan.
     let solution = solve(&Slips::default(), 10, &Default::default());
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+}
+
+hangtime::model! {
+    /// A puck is putted over a low hump, with the speed that it arrives slowest with. Where it starts the ground is level but for
+    /// `4e-15`, so that rounding decides whether it strikes there.
+    Putt {
+        parameters { mu = 0.1, g = 9.81, a = 0.02 }
+        coordinates { y, z }
+        controls { u in -1e-3..=1e-3 }
+        fn hill(y) = a*exp(-((y - 2)/0.35)^2)
+        lagrangian |dot((y, z))|^2/2 - g*z
+        forces { y: u }
+        surface ground: z >= hill(y)
+        impact ground: inelastic, friction mu
+        minimize dot(y)^2
+        finally { y == 4, time <= 4 }
+        free { dot(y) in 0.5..=6 }
+        start { z: hill(0), dot(y): 2.9 }
+        horizon 3.2
+    }
+}
+
+/// Square of the speed that a puck needs at `y = 0` to come to rest at `y = 4`, from `d(v^2)/dy` along the hump without controls.
+fn needed(Putt { mu, g, a, .. }: &Putt) -> f64 {
+    let slope = |y: f64, w: f64| {
+        let x = (y - 2.0) / 0.35;
+        let hill = a * (-x * x).exp();
+        let (first, second) = (
+            -2.0 * x * hill / 0.35,
+            (4.0 * x * x - 2.0) * hill / 0.35 / 0.35,
+        );
+        let stretch = (1.0 + first * first).sqrt();
+        let force = g / stretch + second / stretch.powi(3) * w;
+        -2.0 * (mu * force * stretch + g * first)
+    };
+    let (steps, mut w) = (4000, 0.0);
+    let h = -4.0 / f64::from(steps);
+    for k in 0..steps {
+        let y = 4.0 + h * f64::from(k);
+        let a = slope(y, w);
+        let b = slope(y + h / 2.0, w + h / 2.0 * a);
+        let c = slope(y + h / 2.0, w + h / 2.0 * b);
+        let d = slope(y + h, w + h * c);
+        w += h / 6.0 * (a + 2.0 * b + 2.0 * c + d);
+    }
+    w
+}
+
+#[test]
+fn puck_that_rounding_lets_strike_at_its_start_slides_from_there() {
+    let putt = Putt::default();
+    let solution = solve(&putt, 10, &Settings::default());
+    // it can come to rest at the goal, and no square is less
+    assert!(solution.objective < 1e-9, "{}", solution.objective);
+    // the controls change v^2 by 2 u (y(T) - y(0)) at most
+    let found = solution.motion.as_ref().unwrap().trajectory.v[0][0].powi(2);
+    let needed = needed(&putt);
+    assert!(
+        (found - needed).abs() < 0.008,
+        "{found} instead of {needed}"
+    );
 }

@@ -49,9 +49,10 @@ impl Replay<'_> {
             if !mode.is_open() {
                 return mode;
             }
-            // One that lands at once is closed from then on.
-            let own = |event: &&Event| event.contact == contact;
-            let landing = events.iter().find(own);
+            // One that lands at once is closed from then on; an impact that rounding makes comes before its contact.
+            let lands =
+                |event: &&Event| event.contact == contact && !event.modes[contact].is_open();
+            let landing = events.iter().find(lands);
             landing.map_or(mode, |event| event.modes[contact])
         });
         let mut sequence = Sequence {
