@@ -188,8 +188,17 @@ impl Problem {
         let input = self
             .initial_value_problem(&self.start(), 1.0, ControlSignal::Zero)
             .input(model);
-        let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
+        let n = declaration.coordinates.len();
+        let mut point = vec![0.0; contact_point::length(n)];
         let pieces = Pieces::at(model, &input);
+        let control = declaration.optimal_control.iter();
+        let mut free = control.flat_map(|control| control.free_start);
+        // A free velocity leaves the surface where another one, which would have to follow it, is given.
+        let remedy = if free.any(|known| (n..2 * n).contains(known)) {
+            "start along it, with all velocities free that follow it"
+        } else {
+            "start after the impact"
+        };
         for (i, contact) in declaration.contacts.iter().enumerate() {
             model.contact(i, &input, &mut point);
             let velocity = point[contact_point::NORMAL_VELOCITY];
@@ -199,7 +208,7 @@ impl Problem {
                     format!("initial normal velocity of `{}`", contact.name),
                     velocity,
                     &format!("{}/s", contact.unit),
-                    "at least 0 on the surface: start after the impact".into(),
+                    format!("at least 0 on the surface: {remedy}"),
                 ));
             }
         }

@@ -393,3 +393,20 @@ fn puck_that_rounding_lets_strike_at_its_start_slides_from_there() {
         "{found} instead of {needed}"
     );
 }
+
+#[test]
+fn start_into_the_ground_with_a_free_velocity_is_refused_with_the_remedy() {
+    let putt = Putt::default();
+    let falling = Problem {
+        v: vec![2.9, -0.1],
+        ..Problem::of(&putt, 10)
+    };
+    let refused = solve_with(&putt, &falling, &one_start(), &mut |_| true).unwrap_err();
+    let refused = refused.to_string();
+    let remedy =
+        "at least 0 on the surface: start along it, with all velocities free that follow it";
+    assert!(
+        refused.contains("initial normal velocity of `ground` = -0.1") && refused.contains(remedy),
+        "{refused}"
+    );
+}
