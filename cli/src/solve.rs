@@ -12,7 +12,7 @@ use crate::bounds::Bounds;
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
-use crate::json::SolverSettings;
+use crate::json::{SolverSettings, struck_after_the_end};
 use crate::method::name_of;
 use crate::output::OutputDirectory;
 use crate::progress::SolveProgress;
@@ -121,6 +121,9 @@ fn tables(
     );
     if let Some(finer) = method.finer(solution) {
         let _ = writeln!(text, "elements      {finer}");
+    }
+    for struck in struck_after_the_end(chosen.model.as_ref(), solution) {
+        let _ = writeln!(text, "end           {struck}");
     }
     text.push('\n');
     text += &relaxed_and_optima(solution);

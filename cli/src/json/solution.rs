@@ -12,6 +12,7 @@ use super::parts::{
 };
 use crate::ending::Ending;
 use crate::settings::ChosenScene;
+use crate::table::per_second;
 
 /// The method of a solution.
 #[derive(Serialize)]
@@ -68,6 +69,21 @@ impl SolverSettings {
         (most > asked)
             .then(|| format!("up to {most} finite elements of a phase instead of {asked}"))
     }
+}
+
+/// Says of each contact that is struck right after the end that it is.
+pub(crate) fn struck_after_the_end(model: &dyn Model, solution: &Solution) -> Vec<String> {
+    let contacts = model.declaration().contacts;
+    let struck = solution.struck_after_the_end(model).into_iter();
+    let note = |(contact, velocity): (usize, f64)| {
+        let contact = &contacts[contact];
+        let unit = per_second(contact.unit);
+        format!(
+            "the motion ends right before `{}` is struck at {:.6} {unit}; that impact is no part of it",
+            contact.name, -velocity,
+        )
+    };
+    struck.map(note).collect()
 }
 
 /// The complementarity problem of the time-freezing formulation.
@@ -294,7 +310,10 @@ impl<'a> SolutionDocument<'a> {
             optima: solution.optima.iter().map(OptimumEntry::new).collect(),
             excess: solution.excess.iter().map(ExcessEntry::new).collect(),
             margins: solution.margins.iter().map(MarginEntry::new).collect(),
-            notes: method.finer(solution).into_iter().chain(note).collect(),
+            notes: (method.finer(solution).into_iter())
+                .chain(struck_after_the_end(chosen.model.as_ref(), solution))
+                .chain(note)
+                .collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }
     }

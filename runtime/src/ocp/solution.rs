@@ -6,6 +6,7 @@ use hangtime_solver::nlp::Violation;
 use hangtime_solver::{mpcc, nlp};
 
 use super::previous::Previous;
+use crate::model::{Model, Pieces, contact_point};
 use crate::ocp::motion::control_grid::{ControlShape, signal};
 use crate::refusal;
 use crate::simulation::{
@@ -262,6 +263,11 @@ pub struct Solution {
 /// Difference of objectives, as a share of what they are measured in, that the tolerance of the solver explains.
 const EXPLAINED: f64 = 1e-8;
 
+/// Gap at the end below which a contact is about to be struck, by a normal velocity beyond this: the distance that is let pass
+/// between plan and re-simulation, and that in a second.
+const TOUCHES: f64 = 1e-6;
+const STRIKES: f64 = 1e-6;
+
 impl Solution {
     /// By how much another objective may differ from this one within a relative tolerance: of an objective that vanishes by no less than what the
     /// tolerance of the solver explains.
@@ -312,6 +318,38 @@ impl Solution {
             return ControlSignal::Zero;
         }
         signal(self.shape, self.horizon, self.controls.clone())
+    }
+
+    /// Contacts that would be struck right after the end of the motion, with their normal velocity before that, below zero, in the
+    /// unit of the gap per second: what such an impact does and costs is no part of the result. None without a motion.
+    #[must_use]
+    pub fn struck_after_the_end(&self, model: &dyn Model) -> Vec<(usize, f64)> {
+        let Some(motion) = &self.motion else {
+            return Vec::new();
+        };
+        let trajectory = &motion.trajectory;
+        let (Some(time), Some(q), Some(v)) = (
+            trajectory.time.last(),
+            trajectory.q.last(),
+            trajectory.v.last(),
+        ) else {
+            return Vec::new();
+        };
+        let u = trajectory.u.last().map_or(&[][..], Vec::as_slice);
+        let mut input = [q, v, u].concat();
+        input.resize(model.declaration().inputs(), *time);
+        let pieces = Pieces::at(model, &input);
+        let mut point = vec![0.0; contact_point::length(q.len())];
+        let mut struck = Vec::new();
+        for contact in 0..model.declaration().contacts.len() {
+            model.contact(contact, &input, &mut point);
+            let velocity = point[contact_point::NORMAL_VELOCITY];
+            let touches = point[contact_point::GAP].abs() <= TOUCHES;
+            if touches && velocity < -STRIKES && !pieces.is_idle(contact) {
+                struck.push((contact, velocity));
+            }
+        }
+        struck
     }
 
     /// The state of the re-simulated motion at a time, right after an impact at that time; see
