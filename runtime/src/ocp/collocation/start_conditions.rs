@@ -4,6 +4,7 @@ use super::builder::Builder;
 use super::discretization::Setting;
 use super::layout::Phase;
 use super::provided;
+use crate::model::contact_point;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::mode::{sliding_velocity, zero_velocity};
 use crate::ocp::problem::has_free_start;
@@ -57,7 +58,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
                 uses.push((row, 0, 1.0));
             }
         }
-        if closed && reads(1) && !contact.dry {
+        if closed && reads(1) && !contact.dry && !slides_whatever(builder, i, &free) {
             let name = format!("normal velocity of `{}` at the start", contact.name);
             let row = builder.program.row_in(units.gap_rows[i], name, 0.0, 0.0);
             uses.push((row, 1, 1.0));
@@ -85,6 +86,34 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
                 .block(&Kernel::Sliding(i), [q, v, &[], &[]], None, uses);
         }
     }
+}
+
+/// Entries of a normal that say nothing, beside its largest: the velocity that they give is far below the least that counts.
+const LEVEL: f64 = 1e-10;
+
+/// Whether a contact begins along its surface whatever the free initial values are, which are those of the state in `free`: ground that
+/// is level there but for rounding. The condition that it does would have them vanish.
+fn slides_whatever(builder: &Builder, contact: usize, free: &[usize]) -> bool {
+    let Setting { model, problem, .. } = builder.setting;
+    let n = builder.n;
+    let mut entries = model.declaration().contacts[contact]
+        .jacobian
+        .entries
+        .iter();
+    if entries.any(|&(row, column)| row == 1 && free.iter().any(|&k| k < n && k == column as usize))
+    {
+        return false;
+    }
+    let mut input = problem.start();
+    input.resize(model.declaration().inputs(), 0.0);
+    let mut point = vec![0.0; contact_point::length(n)];
+    model.contact(contact, &input, &mut point);
+    let normal = &point[contact_point::NORMAL..][..n];
+    let largest = normal
+        .iter()
+        .fold(0.0, |largest: f64, a| largest.max(a.abs()));
+    let mut velocities = free.iter().filter(|&&k| k >= n);
+    velocities.all(|&k| normal[k - n].abs() <= LEVEL * largest)
 }
 
 /// The path constraints on linear controls, on forces, and on what is free at the start, at the very start, which is no stage.
