@@ -193,9 +193,9 @@ impl Problem {
         let pieces = Pieces::at(model, &input);
         let control = declaration.optimal_control.iter();
         let mut free = control.flat_map(|control| control.free_start);
-        // A free velocity leaves the surface where another one, which would have to follow it, is given.
+        // A free velocity leaves the surface where another one is given that would have to follow it.
         let remedy = if free.any(|known| (n..2 * n).contains(known)) {
-            "start along it, with all velocities free that follow it"
+            "start after the impact, or along the surface with all velocities free that follow it"
         } else {
             "start after the impact"
         };

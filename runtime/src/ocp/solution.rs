@@ -320,8 +320,9 @@ impl Solution {
         signal(self.shape, self.horizon, self.controls.clone())
     }
 
-    /// Contacts that would be struck right after the end of the motion, with their normal velocity before that, below zero, in the
-    /// unit of the gap per second: what such an impact does and costs is no part of the result. None without a motion.
+    /// Contacts that are struck right after the end of the re-simulated motion, and their normal velocity `v_n` before that, in the
+    /// unit of the gap per second: what such an impact does and costs is no part of the result. These are the ones with a gap of
+    /// at most 1e-6 and `v_n < -1e-6` at the end. None without a motion.
     #[must_use]
     pub fn struck_after_the_end(&self, model: &dyn Model) -> Vec<(usize, f64)> {
         let Some(motion) = &self.motion else {

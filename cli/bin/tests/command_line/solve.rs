@@ -16,31 +16,35 @@ fn solve_without_an_objective_says_so() {
     );
 }
 
+/// What `solve` says from one start of a scene with this text, as JSON and as tables.
+fn said(scratch: &Scratch, text: &str, more: &[&str]) -> (Value, String) {
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("scene.hang");
+    std::fs::write(&file, text).unwrap();
+    let solve = ["solve", file.to_str().unwrap(), "--starts", "1"];
+    let solve = [&solve, more].concat();
+    let document = solved(&[&solve[..], &["--json"]].concat());
+    (serde_json::from_str(&document).unwrap(), solved(&solve))
+}
+
+fn notes_of(document: &Value) -> Vec<String> {
+    let notes = document["notes"].as_array().unwrap().iter();
+    notes
+        .map(|note| note.as_str().unwrap().to_owned())
+        .collect()
+}
+
 /// A cart passes a narrow magnet, which one finite element of an interval cannot follow.
 #[test]
 fn solve_says_how_many_elements_a_plan_has_where_they_are_more_than_asked_for() {
     let scratch = Scratch::new("solve-elements");
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let file = scratch.0.join("passage.hang");
     let notes = |depth: f64| -> (Vec<String>, String) {
         let text = format!(
             "coordinates {{ y }} controls {{ u }} lagrangian dot(y)^2/2 + {depth}*exp(-((y - 0.3)/0.02)^2/2) \
              forces {{ y: u }} minimize integral(u^2) finally {{ y == 1, dot(y) == 0 }} horizon 1"
         );
-        std::fs::write(&file, text).unwrap();
-        let solve = [
-            "solve",
-            file.to_str().unwrap(),
-            "--intervals",
-            "8",
-            "--starts",
-            "1",
-        ];
-        let document: Value =
-            serde_json::from_str(&solved(&[&solve[..], &["--json"]].concat())).unwrap();
-        let notes = document["notes"].as_array().unwrap().iter();
-        let notes = notes.map(|note| note.as_str().unwrap().to_owned());
-        (notes.collect(), solved(&solve))
+        let (document, tables) = said(&scratch, &text, &["--intervals", "8"]);
+        (notes_of(&document), tables)
     };
     let (notes_with, tables_with) = notes(0.2);
     let note = notes_with
@@ -58,25 +62,43 @@ fn solve_says_how_many_elements_a_plan_has_where_they_are_more_than_asked_for() 
 #[test]
 fn solve_says_what_keeping_a_distance_costs() {
     let scratch = Scratch::new("solve-margins");
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let file = scratch.0.join("roof.hang");
     let text = "coordinates { y: m, z: m } lagrangian 1 [kg]/2*|dot((y, z))|^2 - 9.81 [N]*z \
                 surface roof: z >= 3 [m] - |2*y| impact roof: inelastic minimize 1 [kg]/2*|dot((y, z))|^2 \
                 finally { y == 3 [m], z == 1 [m], time <= 5 [s] } free { dot(y) in 0..=20, dot(z) in 0..=20 } \
                 start { y: -3 [m], z: 0.5 [m], dot(y): 5, dot(z): 5 } horizon 1.5 [s]";
-    std::fs::write(&file, text).unwrap();
-    let solve = ["solve", file.to_str().unwrap(), "--starts", "1"];
-    let document: Value =
-        serde_json::from_str(&solved(&[&solve[..], &["--json"]].concat())).unwrap();
+    let (document, tables) = said(&scratch, text, &[]);
     let margins = document["margins"].as_array().unwrap();
     assert_eq!(margins.len(), 1, "{margins:?}");
     let name = margins[0]["name"].as_str().unwrap();
     let (amount, unit) = (margins[0]["amount"].as_f64(), margins[0]["unit"].as_str());
     assert_eq!((amount, unit), (Some(1e-5), Some("m")));
-    let tables = solved(&solve);
     let cost = margins[0]["cost"].as_f64().unwrap();
     let line = format!("kept          {name}, 1.0e-5 m, which costs about {cost:.1e}\n");
     assert!(tables.contains(&line), "{tables}");
+}
+
+/// A door that has to be shut: its motion ends before it slams, unless it is to come to rest.
+#[test]
+fn solve_says_where_an_impact_follows_the_end() {
+    let scratch = Scratch::new("solve-end");
+    let tables = |goal: &str| {
+        let text = format!(
+            "coordinates {{ phi }} controls {{ u }} lagrangian dot(phi)^2/2 forces {{ phi: u }} surface frame: phi >= 0 \
+             impact frame: inelastic minimize integral(u^2) finally {{ phi == 0{goal} }} start {{ phi: 1.5 }} horizon 1"
+        );
+        let (document, tables) = said(&scratch, &text, &["--intervals", "4"]);
+        (notes_of(&document), tables)
+    };
+    let (notes, ends) = tables("");
+    // 1.5 sum(w) h/sum(w^2) with the weights w = h (1 - t) in the middle of the intervals
+    let note = "the motion ends right before `frame` is struck at 2.285714 1/s; that impact is no part of it";
+    assert_eq!(notes, [note]);
+    assert!(ends.contains(&format!("end           {note}\n")), "{ends}");
+    let (notes, rests) = tables(", dot(phi) == 0");
+    assert!(
+        notes.is_empty() && !rests.contains("no part of it"),
+        "{rests}"
+    );
 }
 
 /// A cart of 2 kg is brought over 0.2 m from rest to rest in a time `T`, by linear controls with the effort

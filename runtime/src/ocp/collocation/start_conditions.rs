@@ -58,7 +58,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
                 uses.push((row, 0, 1.0));
             }
         }
-        if closed && reads(1) && !contact.dry && !slides_whatever(builder, i, &free) {
+        if closed && reads(1) && !contact.dry && !is_level(builder, i, &free) {
             let name = format!("normal velocity of `{}` at the start", contact.name);
             let row = builder.program.row_in(units.gap_rows[i], name, 0.0, 0.0);
             uses.push((row, 1, 1.0));
@@ -88,20 +88,18 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
     }
 }
 
-/// Entries of a normal that say nothing, beside its largest: the velocity that they give is far below the least that counts.
+/// Share of the largest entry of a normal up to which another one says nothing: a velocity of 10 in its direction strikes no faster than
+/// what counts as rest at the start.
 const LEVEL: f64 = 1e-10;
 
-/// Whether a contact begins along its surface whatever the free initial values are, which are those of the state in `free`: ground that
-/// is level there but for rounding. The condition that it does would have them vanish.
-fn slides_whatever(builder: &Builder, contact: usize, free: &[usize]) -> bool {
+/// Whether a contact begins along its surface whatever the initial values in `free` (indices of the state) are: they are velocities
+/// along ground that is level but for rounding. The condition that the contact does would have them vanish.
+fn is_level(builder: &Builder, contact: usize, free: &[usize]) -> bool {
     let Setting { model, problem, .. } = builder.setting;
     let n = builder.n;
-    let mut entries = model.declaration().contacts[contact]
-        .jacobian
-        .entries
-        .iter();
-    if entries.any(|&(row, column)| row == 1 && free.iter().any(|&k| k < n && k == column as usize))
-    {
+    let jacobian = &model.declaration().contacts[contact].jacobian;
+    let mut columns = jacobian.entries.iter().filter(|entry| entry.0 == 1);
+    if columns.any(|&(_, column)| (column as usize) < n && free.contains(&(column as usize))) {
         return false;
     }
     let mut input = problem.start();
@@ -109,9 +107,7 @@ fn slides_whatever(builder: &Builder, contact: usize, free: &[usize]) -> bool {
     let mut point = vec![0.0; contact_point::length(n)];
     model.contact(contact, &input, &mut point);
     let normal = &point[contact_point::NORMAL..][..n];
-    let largest = normal
-        .iter()
-        .fold(0.0, |largest: f64, a| largest.max(a.abs()));
+    let largest = normal.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
     let mut velocities = free.iter().filter(|&&k| k >= n);
     velocities.all(|&k| normal[k - n].abs() <= LEVEL * largest)
 }

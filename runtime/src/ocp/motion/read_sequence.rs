@@ -50,9 +50,9 @@ impl Replay<'_> {
                 return mode;
             }
             // One that lands at once is closed from then on; an impact that rounding makes comes before its contact.
-            let lands =
-                |event: &&Event| event.contact == contact && !event.modes[contact].is_open();
-            let landing = events.iter().find(lands);
+            let mut own = events.iter().filter(|event| event.contact == contact);
+            let first = own.clone().next().map(|event| event.time);
+            let landing = own.rfind(|event| Some(event.time) == first);
             landing.map_or(mode, |event| event.modes[contact])
         });
         let mut sequence = Sequence {
