@@ -118,6 +118,7 @@ fn phases(
         },
         shape: settings.controls,
         lengths: Lengths::Equal,
+        kept: 1.0,
     };
     let declaration = model.declaration();
     let per_interval = refined_elements(settings, problem.intervals);

@@ -22,6 +22,8 @@ pub(in crate::ocp) struct Setting<'a> {
     pub(in crate::ocp) places: Places,
     pub(in crate::ocp) shape: ControlShape,
     pub(in crate::ocp) lengths: Lengths,
+    /// Distances that the method keeps by itself, shortest phases and least impacts, as a share of the usual ones.
+    pub(in crate::ocp) kept: f64,
 }
 
 impl Setting<'_> {

@@ -20,7 +20,7 @@ pub(in crate::ocp) fn friction(motion: &DenseMotion, limits: Limits) -> Vec<Cut>
         };
         for (contact, mode) in phase.modes.iter().enumerate() {
             match *mode {
-                ContactMode::Stick if phase.settling.contains(&contact) => {}
+                ContactMode::Stick if phase.settles(contact) => {}
                 ContactMode::Stick => {
                     for direction in Direction::BOTH {
                         let tolerance = limits.bound * largest_force(motion, phase, contact);

@@ -241,7 +241,7 @@ pub(in crate::ocp) fn at_start(
         let name = model.declaration().contacts[contact].name;
         match *mode {
             ContactMode::Stick => {
-                let settles = phase.settling.contains(&contact);
+                let settles = phase.settles(contact);
                 let (place, weights) = if settles {
                     ("over", tableau.b())
                 } else {
@@ -471,6 +471,7 @@ mod tests {
             model,
             shape,
             lengths: Lengths::Equal,
+            kept: 1.0,
             problem: &problem,
             tableau: &tableau,
             units: &units,

@@ -213,11 +213,13 @@ fn final_impulse(builder: &Builder, contact: usize) -> f64 {
 /// Adds the least impact velocities of the contacts that are touched.
 fn touch_rows(builder: &mut Builder, instant: &Instant, label: &str) {
     let n = builder.n;
-    let Setting { model, units, .. } = builder.setting;
+    let Setting {
+        model, units, kept, ..
+    } = builder.setting;
     let length = builder.interval_length();
     for touch in instant.all().filter(|switch| switch.touches()) {
         let contact = touch.contact;
-        let least = LEAST_IMPACT * units.force[contact] * length;
+        let least = LEAST_IMPACT * kept * units.force[contact] * length;
         let ContactDeclaration { name, unit, .. } = model.declaration().contacts[contact];
         let name = format!("touch of `{name}` that ends {label}");
         let program = &mut builder.program;

@@ -247,7 +247,7 @@ fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<usize>
     let shortest = if count == 1 {
         SHORTEST_INTERVAL
     } else {
-        SHORTEST
+        SHORTEST * builder.setting.kept
     } * length;
     let durations = (0..count).map(|p| {
         let begin = if p == 0 { 0.0 } else { ends[p - 1] };

@@ -36,12 +36,18 @@ pub(in crate::ocp) struct Cut {
 }
 
 /// Where a distance is kept.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(in crate::ocp) enum Kept {
     /// By the bound of a row that is not infinite.
     Row(usize),
     /// By the lower bound of a variable.
     Variable(usize),
+    /// By the row of the time that a contact needs to come to rest: the amount is a sum of variables with these factors.
+    Settling {
+        row: usize,
+        contact: usize,
+        impulse: Vec<(usize, f64)>,
+    },
 }
 
 /// A distance that a plan keeps for the sake of the method, though the scene does not ask for it.
@@ -49,11 +55,21 @@ pub(in crate::ocp) enum Kept {
 pub(in crate::ocp) struct Distance {
     pub(in crate::ocp) name: String,
     pub(in crate::ocp) kept: Kept,
+    /// What is kept; its unit, where that depends on the motion.
     pub(in crate::ocp) amount: f64,
     /// Unit of that; empty where the scene has none.
     pub(in crate::ocp) unit: String,
     /// Whether the caller chooses it, as the gap margin.
     pub(in crate::ocp) chosen: bool,
+}
+
+impl Phase {
+    /// Whether a contact bounces from the start on until it rests.
+    pub(in crate::ocp) fn settles(&self, contact: usize) -> bool {
+        self.settling
+            .iter()
+            .any(|&(settling, _)| settling == contact)
+    }
 }
 
 /// Variables of a stage.
@@ -115,8 +131,8 @@ pub(in crate::ocp) struct Phase {
     /// (contact, direction of the slip beyond, row) of the friction cones of sticking contacts at the start, or over the element of those
     /// that bounce until they rest.
     pub(in crate::ocp) cones: Vec<(usize, Direction, usize)>,
-    /// Contacts that bounce from the start on until they rest.
-    pub(in crate::ocp) settling: Vec<usize>,
+    /// (contact, row) of the time that contacts need to come to rest which bounce from the start on.
+    pub(in crate::ocp) settling: Vec<(usize, usize)>,
     /// Contacts that begin to slip at the start with no acceleration.
     pub(in crate::ocp) yielded: Vec<usize>,
     /// The switch at the end inside the interval, as an index into the sequence.

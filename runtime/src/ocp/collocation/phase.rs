@@ -78,7 +78,7 @@ pub(super) fn add(builder: &mut Builder, element: &Element) {
     }
     provided::at_stages(builder, &mut phase, [element.from, element.to]);
     costs_and_path_rows(builder, element, &phase);
-    force_rows_at_start(builder, element, &phase);
+    force_rows_at_start(builder, element, &mut phase);
     opening_rows(builder, element, &mut phase);
     let (program, label) = (&mut builder.program, element.label());
     friction_rows::at_start(program, builder.setting, &mut phase, element.turns, &label);
@@ -109,8 +109,6 @@ fn drives(builder: &mut Builder, element: &Element) -> Vec<Vec<usize>> {
 
 /// The phase of an element with these contacts closed, without unknowns and rows.
 fn without_stages(builder: &Builder, element: &Element, closed: &[usize]) -> Phase {
-    let turns = element.turns;
-    let settles = |i: &usize| turns.settles(builder.setting.model, *i);
     Phase {
         interval: element.interval,
         index: element.index,
@@ -125,8 +123,8 @@ fn without_stages(builder: &Builder, element: &Element, closed: &[usize]) -> Pha
         openings: Vec::new(),
         pulled: Vec::new(),
         cones: Vec::new(),
-        settling: closed.iter().copied().filter(settles).collect(),
-        yielded: turns.yielded.clone(),
+        settling: Vec::new(),
+        yielded: element.turns.yielded.clone(),
         ends_with: element.ends_with,
         closing: [element.closing, element.taking].concat(),
     }
@@ -487,7 +485,7 @@ fn starts_without_force(builder: &Builder, contact: usize) -> bool {
 }
 
 /// Adds the sign of the force right at the start of a contact phase, extrapolated from the stages.
-fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) {
+fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &mut Phase) {
     let Setting {
         model,
         units,
@@ -501,8 +499,9 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
         if declared.dry {
             continue;
         }
-        if phase.settling.contains(&i) {
-            settling_row(builder, element, phase, slot);
+        if element.turns.settles(model, i) {
+            let row = settling_row(builder, element, phase, slot);
+            phase.settling.push((i, row));
             continue;
         }
         let name = declared.name;
@@ -524,7 +523,7 @@ fn force_rows_at_start(builder: &mut Builder, element: &Element, phase: &Phase) 
 /// Adds the time that a contact needs to come to rest. A plan spreads the bounces after a landing over the element, by a force that may
 /// pull for a while; its impulse is theirs. With the normal velocity `v` after the impact and the normal acceleration `a` they take
 /// `2 v / (a (1 - e))`, so that an element that holds all of them gives the impulse `(1 + e) / (1 - e) v` at least.
-fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: usize) {
+fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: usize) -> usize {
     let Setting {
         model,
         units,
@@ -543,8 +542,12 @@ fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: u
     let program = &mut builder.program;
     let unit = units.gap_rows[contact];
     let row = program.row_in(unit, name.clone(), 0.0, f64::INFINITY);
-    for (stage, weight) in phase.stages.iter().zip(tableau.b()) {
-        program.linear(row, stage.forces[slot], (1.0 - e) * weight);
+    let weights = phase.stages.iter().zip(tableau.b());
+    let impulse: Vec<(usize, f64)> = weights
+        .map(|(stage, weight)| (stage.forces[slot], (1.0 - e) * weight))
+        .collect();
+    for &(force, weight) in &impulse {
+        program.linear(row, force, weight);
     }
     let (q, v) = phase.start.split_at(builder.n);
     let kernel = Kernel::Contact(contact);
@@ -556,11 +559,16 @@ fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: u
     );
     builder.distances.push(Distance {
         name,
-        kept: Kept::Row(row),
+        kept: Kept::Settling {
+            row,
+            contact,
+            impulse,
+        },
         amount: unit,
         unit: per_second(declared.unit),
         chosen: false,
     });
+    row
 }
 
 /// Adds the sign of the normal acceleration after an opening at a jump of the controls, and after a touch without a

@@ -217,6 +217,7 @@ mod tests {
             },
             shape: ControlShape::Linear,
             lengths: Lengths::Equal,
+            kept: 1.0,
         };
         let sequence = Sequence {
             initially: vec![ContactMode::Frictionless],

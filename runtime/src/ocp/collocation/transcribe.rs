@@ -138,6 +138,7 @@ mod tests {
             },
             shape,
             lengths: Lengths::Equal,
+            kept: 1.0,
         };
         check(setting, &guessed);
     }

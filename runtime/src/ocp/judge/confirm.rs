@@ -32,6 +32,8 @@ const SLOW: f64 = 8.0;
 const WORSE: f64 = 1e-3;
 /// Relative excess of the objective up to which a plan with another discretization is one of the same motion: that was coarse.
 const MUCH_WORSE: f64 = 0.1;
+/// Shares of the distances that the method keeps by itself with which a plan is solved again that they hold back.
+const KEPT: [f64; 2] = [0.05, 0.0025];
 /// Relative difference of the objective within which it is the same local optimum, of which the same is proved.
 const SAME_OPTIMUM: f64 = 1e-2;
 
@@ -90,7 +92,15 @@ pub(in crate::ocp) fn judge<'a>(
         (plan, solution) = Plan::judged(runner, setting, &coarse, again)?;
     }
     let other = plan.judged_as_simulated(runner, setting, &elements, &solution)?;
+    if other.is_none() {
+        return plan.released(runner, setting, &elements, solution);
+    }
     Ok(other.unwrap_or(solution))
+}
+
+/// Whether a distance that the method keeps by itself costs something.
+fn is_held_back(solution: &Solution) -> bool {
+    solution.margins.iter().any(|margin| !margin.chosen)
 }
 
 /// What a finer program of a plan starts from.
@@ -150,8 +160,7 @@ impl Plan {
         solution: &Solution,
     ) -> Result<Option<Solution>, InputError> {
         let unconfirmed = solution.status == Status::Unconfirmed;
-        let held_back = solution.margins.iter().any(|margin| !margin.chosen);
-        if runner.stopped() || !unconfirmed && !held_back {
+        if runner.stopped() || !unconfirmed && !is_held_back(solution) {
             return Ok(None);
         }
         let Some(seen) = self.as_simulated(setting, solution) else {
@@ -164,6 +173,37 @@ impl Plan {
         let confirmed = other.status != Status::Unconfirmed;
         let better = unconfirmed || other.objective < solution.objective;
         Ok((confirmed && better).then_some(other))
+    }
+
+    /// A confirmed plan that the method's own distances hold back with smaller ones, as long as that is better and stays confirmed.
+    fn released(
+        self,
+        runner: &mut Runner,
+        setting: Setting,
+        elements: &[usize],
+        mut solution: Solution,
+    ) -> Result<Solution, InputError> {
+        let mut plan = self;
+        for kept in KEPT {
+            let confirmed = solution.status != Status::Unconfirmed;
+            if runner.effort != Effort::Conclude
+                || !confirmed
+                || !is_held_back(&solution)
+                || runner.stopped()
+            {
+                break;
+            }
+            let setting = Setting { kept, ..setting };
+            let Some(again) = plan.again(runner, setting, elements, &[])? else {
+                break;
+            };
+            let (nearer, other) = Self::judged(runner, setting, elements, again)?;
+            if other.status == Status::Unconfirmed || other.objective > solution.objective {
+                break;
+            }
+            (plan, solution) = (nearer, other);
+        }
+        Ok(solution)
     }
 
     /// The plan with the contact sequence of its re-simulation, where that is another one of the same motion.

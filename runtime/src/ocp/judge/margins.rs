@@ -2,8 +2,10 @@
 
 use hangtime_solver::nlp;
 
-use crate::ocp::collocation::layout::Kept;
+use crate::model::contact_point;
+use crate::ocp::collocation::layout::{Kept, Phase};
 use crate::ocp::collocation::program::Collocation;
+use crate::ocp::motion::targets::goals_hold;
 use crate::ocp::solution::Margin;
 
 /// Share of the objective below which the cost of a margin that the caller chooses is none: multipliers are known to the
@@ -16,19 +18,29 @@ const OWN: f64 = 1e-6;
 pub(super) fn margins(program: &Collocation, solution: &nlp::Solution) -> Vec<Margin> {
     let unit = program.program.objective_unit();
     let size = program.program.size_of(solution.objective);
-    let costs = program.distances.iter().map(|distance| {
+    let x = program.program.physical(&solution.x);
+    let of_row = |row: usize| (solution.multipliers[row], program.program.row_unit(row));
+    let kept = program.distances.iter();
+    let kept = kept.filter(|distance| !is_asked_for(program, &x, &distance.kept));
+    let costs = kept.map(|distance| {
         let (multiplier, own) = match distance.kept {
-            Kept::Row(row) => (solution.multipliers[row], program.program.row_unit(row)),
+            Kept::Row(row) | Kept::Settling { row, .. } => of_row(row),
             Kept::Variable(variable) => (
                 solution.multipliers_lower[variable],
                 program.program.unit(variable),
             ),
         };
+        let amount = match &distance.kept {
+            Kept::Settling { impulse, .. } => {
+                impulse.iter().map(|(part, factor)| factor * x[*part]).sum()
+            }
+            Kept::Row(_) | Kept::Variable(_) => distance.amount,
+        };
         Margin {
             name: distance.name.clone(),
-            amount: distance.amount,
+            amount,
             unit: distance.unit.clone(),
-            cost: (multiplier * distance.amount / own * unit).abs(),
+            cost: (multiplier * amount / own * unit).abs(),
             chosen: distance.chosen,
         }
     });
@@ -39,4 +51,43 @@ pub(super) fn margins(program: &Collocation, solution: &nlp::Solution) -> Vec<Ma
     let mut margins: Vec<Margin> = costs.filter(counts).collect();
     margins.sort_by(|a, b| b.cost.total_cmp(&a.cost));
     margins
+}
+
+/// Whether it is the scene that asks for it: a contact comes to rest in the last interval, and goals hold it at rest at the end.
+fn is_asked_for(program: &Collocation, x: &[f64], kept: &Kept) -> bool {
+    let (Kept::Settling { row, contact, .. }, Some(last)) = (kept, program.phases.last()) else {
+        return false;
+    };
+    let settles = |phase: &Phase| phase.settling.contains(&(*contact, *row));
+    let Some(phase) = program.phases.iter().find(|phase| settles(phase)) else {
+        return false;
+    };
+    if phase.interval != last.interval || !last.closed.contains(contact) {
+        return false;
+    }
+    let Some(stage) = last.stages.last() else {
+        return false;
+    };
+    let input: Vec<f64> = stage
+        .state
+        .iter()
+        .chain(&stage.drive)
+        .map(|&i| x[i])
+        .collect();
+    let pattern = program.model.declaration().contacts[*contact]
+        .jacobian
+        .entries;
+    let mut slopes = vec![0.0; pattern.len()];
+    program
+        .model
+        .contact_jacobian(*contact, &input, &mut slopes);
+    let mut gradient = vec![0.0; stage.state.len()];
+    for (&(row, column), slope) in pattern.iter().zip(&slopes) {
+        if row as usize == contact_point::NORMAL_VELOCITY && (column as usize) < gradient.len() {
+            gradient[column as usize] = *slope;
+        }
+    }
+    let mut end: Vec<f64> = stage.state.iter().map(|&i| x[i]).collect();
+    end.push(program.horizon_at(x));
+    goals_hold(program.model, &end, &gradient)
 }

@@ -1,6 +1,6 @@
 //! Input vectors of the model, and the accelerations that follow from them.
 
-use crate::model::{Model, contact_point};
+use crate::model::{Model, contact_point, tangent_point};
 
 /// What the model reads besides the state: the controls, and the time where it depends on that.
 pub(in crate::ocp) fn drive(model: &dyn Model, controls: &[f64], time: f64) -> Vec<f64> {
@@ -20,6 +20,31 @@ pub(in crate::ocp) fn with_forces(model: &dyn Model, state: Vec<f64>, drive: &[f
     x.truncate(plain);
     x.extend(forces);
     x
+}
+
+/// Acceleration of the coordinates at an input vector under forces of contacts: (contact, normal acceleration that it provides, tangential one).
+pub(in crate::ocp) fn acceleration(
+    model: &dyn Model,
+    x: &[f64],
+    forces: &[(usize, f64, f64)],
+) -> Vec<f64> {
+    let n = model.declaration().coordinates.len();
+    let mut acceleration = vec![0.0; n];
+    model.free_acceleration(x, &mut acceleration);
+    let mut point = vec![0.0; contact_point::length(n)];
+    let mut tangent = vec![0.0; tangent_point::length(n)];
+    for &(contact, normal, tangential) in forces {
+        point.fill(0.0);
+        tangent.fill(0.0);
+        model.contact(contact, x, &mut point);
+        model.tangent(contact, x, &mut tangent);
+        let along = &point[contact_point::direction(n)..][..n];
+        let across = &tangent[tangent_point::direction(n)..][..n];
+        for (a, (d, e)) in acceleration.iter_mut().zip(along.iter().zip(across)) {
+            *a += normal * d + tangential * e;
+        }
+    }
+    acceleration
 }
 
 /// Share of its terms below which a normal acceleration is none, but rounding error.

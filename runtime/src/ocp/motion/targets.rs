@@ -74,6 +74,40 @@ pub(in crate::ocp) fn goal_values(model: &dyn Model, z: &[f64]) -> Vec<f64> {
     values
 }
 
+/// Whether the goals that are equations hold a function of `(q, v)` at its value at `z = (q, v, T)`, to first order: its `gradient` is a
+/// combination of theirs.
+pub(in crate::ocp) fn goals_hold(model: &dyn Model, z: &[f64], gradient: &[f64]) -> bool {
+    let Some(declared) = model.declaration().optimal_control else {
+        return false;
+    };
+    let mut z = z.to_vec();
+    z.resize(model.declaration().terminal_inputs(), 0.0);
+    let pattern = declared.terminal_jacobian.entries;
+    let mut slopes = vec![0.0; pattern.len()];
+    model.terminal_jacobian(&z, &mut slopes);
+    let first = usize::from(declared.final_cost);
+    let mut gradients = nalgebra::DMatrix::zeros(gradient.len(), declared.goals.len());
+    for (&(row, column), slope) in pattern.iter().zip(&slopes) {
+        if let Some(goal) = (row as usize).checked_sub(first)
+            && declared.goals[goal].equality
+            && (column as usize) < gradient.len()
+        {
+            gradients[(column as usize, goal)] = *slope;
+        }
+    }
+    let gradient = nalgebra::DVector::from_column_slice(gradient);
+    let finite = gradients
+        .iter()
+        .chain(gradient.iter())
+        .all(|value| value.is_finite());
+    if !finite || declared.goals.is_empty() {
+        return false;
+    }
+    let combination = gradients.clone().svd(true, true).solve(&gradient, SINGULAR);
+    combination
+        .is_ok_and(|weights| (gradients * weights - &gradient).norm() <= MOVED * gradient.norm())
+}
+
 /// Moves `z = (q, v, T)`, and what terminal functions read of contacts behind it, by shortest Newton steps towards fulfilling the terminal conditions.
 fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f64]) {
     let first = usize::from(declared.final_cost);

@@ -3,6 +3,7 @@
 use super::pressure::Pressure;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::edit_sequence::without;
+use crate::ocp::motion::model_input::free_normal_acceleration;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::simulation::ContactMode;
 
@@ -20,6 +21,9 @@ pub(in crate::ocp) const ENTRY: f64 = 0.05;
 
 /// Half the length of an inserted contact or flight, in intervals, and that of a second attempt.
 pub(in crate::ocp) const INSERTED: [f64; 2] = [0.2, 0.03];
+
+/// Normal acceleration that pulls a contact off, as a share of that which holds it.
+const PULLED: f64 = 1e-6;
 
 /// What lasts as many intervals or more is not held at the least lengths of phases.
 const APART: f64 = 2.0 * STUCK;
@@ -90,24 +94,8 @@ pub(super) fn directed(pressure: &Pressure) -> Vec<Neighbour> {
 /// With an impact at the final time of a contact that is open until there and touches then: goals may hold it there without any
 /// blow, and nothing presses for one.
 fn ended(pressure: &Pressure) -> Vec<Sequence> {
-    let Some((phase, stage)) = pressure
-        .program
-        .phases
-        .last()
-        .and_then(|phase| Some((phase, phase.stages.last()?)))
-    else {
-        return Vec::new();
-    };
-    let x = pressure.program.program.physical(&pressure.solution.x);
-    let seconds = pressure.program.horizon_at(&x);
-    let open = |i: &usize| {
-        !phase.closed.contains(i) && !phase.closing.contains(i) && !phase.pieces.is_idle(*i)
-    };
-    let touching = (0..stage.gap_rows.len())
-        .filter(open)
-        .filter(|&contact| pressure.gap(contact, stage, &x) < pressure.touching);
-    let ends = touching.filter_map(|contact| {
-        let mode = pressure.mode_at(contact, stage, seconds, &x);
+    let ends = pressure.touching_at_the_end().into_iter();
+    let ends = ends.filter_map(|(contact, mode)| {
         let mut sequence = pressure.sequence.clone();
         sequence.switches.push(Switch {
             interval: pressure.intervals,
@@ -160,7 +148,9 @@ fn moved(pressure: &Pressure) -> Vec<Sequence> {
             || pressure.program.shape == ControlShape::Linear
         {
             let time = k as f64 - ENTRY;
-            found.extend(pressure.moved(index, k.checked_sub(1), Place::Inside, time));
+            if !(switch.stays() && is_pulled_off(pressure, k, switch.contact)) {
+                found.extend(pressure.moved(index, k.checked_sub(1), Place::Inside, time));
+            }
             found.extend(pressure.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));
             continue;
         }
@@ -189,6 +179,32 @@ fn moved(pressure: &Pressure) -> Vec<Sequence> {
         }
     }
     found
+}
+
+/// Whether a contact that lands alone where an interval begins would be pulled off by what drives the motion right before: no motion in which
+/// it lands a little earlier, and stays, is near.
+fn is_pulled_off(pressure: &Pressure, interval: usize, contact: usize) -> bool {
+    let phases = &pressure.program.phases;
+    let Some(after) = phases.iter().position(|phase| phase.interval == interval) else {
+        return false;
+    };
+    let before = after
+        .checked_sub(1)
+        .and_then(|before| phases[before].stages.last());
+    let Some(before) = before.filter(|_| phases[after].closed == [contact]) else {
+        return false;
+    };
+    let x = pressure.program.program.physical(&pressure.solution.x);
+    let acceleration = |drive: &[usize]| {
+        let input = phases[after].start.iter().chain(drive);
+        let input: Vec<f64> = input.map(|&i| x[i]).collect();
+        free_normal_acceleration(pressure.program.model, contact, &input)
+    };
+    let then = phases[after]
+        .stages
+        .first()
+        .map_or(0.0, |stage| acceleration(&stage.drive));
+    acceleration(&before.drive) > PULLED * then.abs()
 }
 
 /// Sequences with a touch in the place of a short contact, and with a short contact in the

@@ -70,6 +70,25 @@ impl Pressure<'_, '_> {
         self.program.model.gap(contact, &input)
     }
 
+    /// The contacts that are open until the end and touch there, and how each would slide.
+    pub(super) fn touching_at_the_end(&self) -> Vec<(usize, ContactMode)> {
+        let last = self.program.phases.last();
+        let Some((phase, stage)) = last.and_then(|phase| Some((phase, phase.stages.last()?)))
+        else {
+            return Vec::new();
+        };
+        let x = self.program.program.physical(&self.solution.x);
+        let seconds = self.program.horizon_at(&x);
+        let open = |i: &usize| {
+            !phase.closed.contains(i) && !phase.closing.contains(i) && !phase.pieces.is_idle(*i)
+        };
+        let touching = (0..stage.gap_rows.len())
+            .filter(open)
+            .filter(|&contact| self.gap(contact, stage, &x) < self.touching);
+        let modes = touching.map(|contact| (contact, self.mode_at(contact, stage, seconds, &x)));
+        modes.collect()
+    }
+
     /// Whether the last force of a phase presses against the edge of the cone beyond which the switch leads.
     pub(in crate::ocp) fn at_the_edge(&self, phase: &Phase, switch: &Switch) -> bool {
         let last = phase.stages.iter().rev().take(1);

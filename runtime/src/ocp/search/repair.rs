@@ -6,6 +6,8 @@ use super::at_nodes::{at_nodes, warped};
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::neighbours::Neighbour;
 use super::pressure::{DISTANT, Pressure};
+use super::resting::{resting, resting_shortly};
+use super::settling::settling;
 use super::simultaneous::simultaneous;
 use super::stationary::{Held, held};
 use super::together::{Insertion, learn_together};
@@ -136,6 +138,8 @@ impl Around {
         let mut explored: Vec<Sequence> = neighbours::shortened(&pressure)
             .into_iter()
             .chain(shifted)
+            .chain(settling(&pressure))
+            .chain(resting_shortly(&pressure))
             .collect();
         if runner.effort.proves() {
             explored.extend(at_nodes(&pressure));
@@ -165,6 +169,7 @@ fn neighbours_of(pressure: &Pressure) -> Vec<Neighbour> {
     let inserted = neighbours::insertions(pressure).into_iter();
     neighbours.extend(inserted.map(Neighbour::adjoining));
     neighbours.extend(friction_neighbours::sliding(pressure));
+    neighbours.extend(resting(pressure));
     neighbours.extend(edge_neighbours::edges(pressure));
     neighbours.extend(simultaneous(pressure));
     neighbours

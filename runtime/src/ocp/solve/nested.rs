@@ -144,9 +144,12 @@ fn solve_in_elements<'o>(
             return Ok(Some(result(vec![endless], seen, observer.stopped())));
         }
         let mut found = best_of(found, tried);
-        if proves && intervals < problem.intervals {
+        if intervals < problem.intervals {
             let task = Task { settings, ..task };
-            found = proven(&task, found, seen)?;
+            if proves {
+                found = proven(&task, found, seen)?;
+            }
+            found = looked_again(&task, found, seen)?;
         }
         known.push((intervals, found));
     }
@@ -280,15 +283,26 @@ fn proven(task: &Task, found: Vec<Found>, seen: &mut Vec<Found>) -> Result<Vec<F
 /// Decides the neighbours of the best motion, and of the next one where it is not confirmed; without one that is, looks once
 /// more on the grid asked for, with all programs. The result is what is left of `found`.
 fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Result<(), InputError> {
-    let Some(mut best) = decided(task, std::mem::take(found), Effort::Conclude, seen)? else {
+    let Some(best) = decided(task, std::mem::take(found), Effort::Conclude, seen)? else {
         return Ok(());
     };
+    *found = looked_again(task, vec![best], seen)?;
+    Ok(())
+}
+
+/// Without a motion that is confirmed, the best of what a further search on this grid comes to, with all programs.
+fn looked_again(
+    task: &Task,
+    mut found: Vec<Found>,
+    seen: &mut Vec<Found>,
+) -> Result<Vec<Found>, InputError> {
     // States that controls can lead to were looked for on coarse grids already, unless there was a single start.
     let reaches = task.problem.intervals > COARSE && task.settings.starts() > 1;
     let guesses = [task.settings.guess.clone(), Guess::Reachable];
     for guess in guesses.into_iter().take(1 + usize::from(reaches)) {
-        let failed =
-            !matches!(rank(&best.solution).0, 0 | 1) && best.solution.status != Status::Unbounded;
+        let failed = found.first().is_none_or(|best| {
+            !matches!(rank(&best.solution).0, 0 | 1) && best.solution.status != Status::Unbounded
+        });
         if !failed || task.observer.stopped() {
             break;
         }
@@ -298,12 +312,11 @@ fn conclude(task: &Task, found: &mut Vec<Found>, seen: &mut Vec<Found>) -> Resul
         };
         let other = task.solve_from(0, &settings, Effort::Conclude)?;
         seen.push(other.clone());
-        if is_better(&other, &best) {
-            best = other;
+        if found.first().is_none_or(|best| is_better(&other, best)) {
+            found.insert(0, other);
         }
     }
-    *found = vec![best];
-    Ok(())
+    Ok(found)
 }
 
 /// The best motion with its neighbours decided, and the next one where it is not confirmed, or not proved and the next one costs the

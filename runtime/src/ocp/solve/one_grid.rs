@@ -191,6 +191,7 @@ pub(super) fn solve_round<'s>(
         },
         shape: settings.controls,
         lengths: Lengths::Equal,
+        kept: 1.0,
     };
     let mut runner = Runner::new(
         settings,
