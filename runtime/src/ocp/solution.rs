@@ -385,8 +385,8 @@ impl Solution {
                 ))
             }
             Status::Uncertified => Some(format!(
-                "not all neighbouring contact sequences were decided in {} programs; try several starts, another \
-                 number of intervals, or a higher limit on programs",
+                "not all neighbouring contact sequences were decided in {} programs; try more starts, another \
+                 number of intervals, or a larger `maximum_programs` of the settings in Rust",
                 self.counts.programs
             )),
             Status::Unconfirmed => {
@@ -396,13 +396,13 @@ impl Solution {
                 };
                 Some(format!(
                     "the re-simulation {difference}, {:.1e} away at the end; raise the number of stages or of \
-                     intervals, or the gap margin",
+                     intervals, or `gap_margin` of the settings in Rust",
                     self.resimulation_error
                 ))
             }
             Status::Infeasible => Some(format!(
                 "no motion to the goal within the bounds was found from this guess, nor from the motion without \
-                 controls, with {}; try several starts or more intervals; {worst}",
+                 controls, with {}; try more starts or more intervals; {worst}",
                 self.times_looked_at()
             )),
             Status::Unbounded => Some(format!(

@@ -115,11 +115,7 @@ impl Sizes {
                 way[k] = way[k].max((q[k] - problem.q[k]).abs());
                 speed[k] = speed[k].max(v[k].abs());
             }
-            let momentum = mass.chunks_exact(n.max(1)).map(|row| {
-                let terms = row.iter().zip(v).map(|(m, v)| m * v);
-                terms.sum::<f64>()
-            });
-            energy = energy.max(momentum.zip(v).map(|(p, v)| p * v).sum());
+            energy = energy.max(twice_the_energy(&mass, v));
         }
         let (mut way, mut speed) = (of_unit(run, &way), of_unit(run, &speed));
         let places: Vec<f64> = problem.q.iter().map(|q| q.abs()).collect();
@@ -132,6 +128,14 @@ impl Sizes {
         }
         let diagonal: Vec<f64> = (0..n).map(|k| mass[k * n + k]).collect();
         let heaviest = of_unit(run, &diagonal);
+        // A coordinate of another unit is held as well as those that would move if they were free.
+        let power = twice_the_energy(&mass, &free);
+        for (k, mass) in heaviest.iter().enumerate() {
+            let held = HELD * (power / mass).sqrt() * horizon;
+            if held.is_finite() {
+                (way[k], speed[k]) = (way[k].max(held * horizon), speed[k].max(held));
+            }
+        }
         let times = way.iter().zip(&speed).map(|(way, speed)| way / speed);
         let time = times.filter(|time| time.is_finite()).fold(0.0, f64::max);
         let idle: Vec<f64> = heaviest
@@ -148,6 +152,13 @@ impl Sizes {
             speed: larger(speed, 1.0),
         }
     }
+}
+
+/// `v' M v`.
+fn twice_the_energy(mass: &[f64], v: &[f64]) -> f64 {
+    let rows = mass.chunks_exact(v.len().max(1));
+    let momentum = rows.map(|row| row.iter().zip(v).map(|(m, v)| m * v).sum::<f64>());
+    momentum.zip(v).map(|(p, v)| p * v).sum()
 }
 
 /// The largest of the values among the coordinates of the same unit, for each coordinate.

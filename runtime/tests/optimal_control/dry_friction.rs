@@ -8,7 +8,7 @@ use crate::support::{
     DIGITS, assert_program, attempt, kinds, linear, one_start, solve, time_freezing,
 };
 use hangtime::model::Model;
-use hangtime::ocp::{Problem, program_sizes};
+use hangtime::ocp::{Problem, Settings, program_sizes};
 use hangtime::simulation::EventKind;
 
 fn assert_close(found: f64, expected: f64) {
@@ -171,5 +171,36 @@ fn rail_has_neither_height_nor_gap() {
     for size in gaps.unwrap() {
         let gap = size.groups.iter().find(|group| group.name == "gap");
         assert!(gap.is_none(), "{}", size.formulation);
+    }
+}
+
+hangtime::model! {
+    /// Swing-up of a pole on a cart whose rail is dry.
+    DryRail {
+        parameters { cart: kg = 0.8, bob: kg = 0.2, l: m = 0.4, g: m/s^2 = 9.81, rub: N = 1.5 }
+        coordinates { x: m in -0.6..=0.6, theta: rad }
+        controls { u: N in -10..=10 }
+        let tip = (x + l*sin(theta), -l*cos(theta))
+        lagrangian cart/2*dot(x)^2 + bob/2*|dot(tip)|^2 - bob*g*tip.z
+        forces { x: u }
+        dry friction rail: bound rub, sliding dot(x)
+        minimize integral(u^2)
+        finally { x == 0, dot(x) == 0, theta == 180 [deg], dot(theta) == 0 }
+        horizon 1.8 [s]
+    }
+}
+
+#[test]
+fn cart_that_waits_sticks_and_is_not_held_at_the_edge_of_its_friction() {
+    // Best of 128 starts. A slip in which nothing moves would cost 1.5 N over the first interval, and one after which the cart turns round
+    // where the force jumps 0.4 % for 20 intervals.
+    let rail = DryRail::default();
+    for (intervals, known) in [(20, 47.554_137_57), (40, 45.932_331_53)] {
+        let solution = attempt(&rail, intervals, &Settings::default());
+        // An upright pole makes more of errors.
+        assert!(solution.resimulation_error < 1e-6);
+        let excess = solution.objective / known - 1.0;
+        assert!(excess < 1e-7, "{intervals}: {}", solution.objective);
+        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
     }
 }

@@ -666,3 +666,33 @@ fn time_freezing_program_bounces_at_an_edge_as_closed_forms_do() {
         assert!((solution.planned_events[0].0 - strikes).abs() < 1e-7);
     }
 }
+
+hangtime::model! {
+    /// A ball is thrown over a fence with sharp edges into a window, pushed by wind.
+    Fence {
+        parameters { m: kg = 0.2, g: m/s^2 = 9.81, e = 0.6, fence: m = 0.8, unit: m^2/s^3 = 1, one: N = 1 }
+        coordinates { y: m, z: m }
+        controls { wind: N in -0.6..=0.6 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: wind }
+        surface floor: z >= 0
+        surface post: max(z - fence, |y - 2[m]| - 0.05[m]) >= 0
+        impact floor, post: restitution e
+        minimize dot(z)^2 + integral((wind/one)^2)*unit
+        finally { y == 4 [m], z == 0.3 [m], time <= 3 [s] }
+        free { dot(y) in 0..=6, dot(z) in 0..=4.5 }
+        start { z: 1 [m], dot(y): 2.5, dot(z): 3 }
+        horizon 1.6 [s]
+    }
+}
+
+#[test]
+fn edge_that_is_passed_right_before_its_top_is_struck_takes_a_phase_as_short_as_it_needs() {
+    // A quadratic program in the wind for every throw. The shortest phase that is usual costs 1.2e-4.
+    let fence = Fence::default();
+    let solution = solve(&fence, 20, &Settings::default());
+    let known = 0.954_988_30;
+    let off = (solution.objective - known) / known;
+    assert!(off < 1e-6, "{}", solution.objective);
+    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+}

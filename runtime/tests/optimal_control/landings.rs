@@ -523,3 +523,34 @@ fn puck_on_ground_that_is_level_but_for_rounding_may_start_at_any_speed() {
         solution.objective
     );
 }
+
+hangtime::model! {
+    /// A lander drops with a side speed; fuel costs, and its legs bear a blow.
+    Legged {
+        parameters { m: kg = 50, g: m/s^2 = 1.62, bearable: N s = 75, most: N = 100, aside: N = 40, late: 1/s = 0.1 }
+        coordinates { y: m, z: m }
+        controls { side: N in -40..=40, up: N in 0..=160 }
+        lagrangian m/2*|dot((y, z))|^2 - m*g*z
+        forces { y: side, z: up }
+        surface ground: z >= 0
+        impact ground: inelastic
+        minimize integral(up/most + (side/aside)^2) + late*time*1 [s]
+        constraint legs: impulse(ground) <= bearable
+        finally { y == 0, z == 0, dot(y) == 0, dot(z) == 0 }
+        start { y: -30 [m], z: 40 [m], dot(y): 3, dot(z): -2 }
+        horizon 12 [s]
+    }
+}
+
+#[test]
+fn landing_after_full_thrust_is_certified_as_one_before_would_be_pulled_off() {
+    // From a transcription of each order of contacts. The blow comes where an interval of full thrust ends, which would lift the lander off if it
+    // stood already.
+    let lander = Legged::default();
+    for (intervals, known) in [(10, 9.499_475_769), (20, 9.411_230_984)] {
+        let solution = solve(&lander, intervals, &Settings::default());
+        let off = (solution.objective - known).abs() / known;
+        assert!(off < DIGITS, "{intervals}: {}", solution.objective);
+        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+    }
+}

@@ -129,6 +129,39 @@ fn what_long_elements_damp_alike_counts_as_error() {
     assert!(error < 10.0 * estimate, "{error:e} {estimate:e}");
 }
 
+hangtime::model! {
+    /// A box at rest on two corners, whose angle only rounding turns.
+    pub RestingBox {
+        parameters { m: kg = 4, b: m = 0.2, h: m = 0.4, g: m/s^2 = 9.81 }
+        coordinates { y: m, z: m, phi: rad }
+        let low = (y, z) + rotation(-phi)*(b, -h)
+        let near = (y, z) + rotation(-phi)*(-b, -h)
+        lagrangian m/2*|dot((y, z))|^2 + m*(b^2 + h^2)/6*dot(phi)^2 - m*g*z
+        surface left: near.z >= 0
+        surface toe: low.z >= 0
+        impact left, toe: inelastic
+        start { z: h }
+        horizon 1.5 [s]
+    }
+}
+
+#[test]
+fn box_at_rest_is_at_rest() {
+    let model = RestingBox::default();
+    for formulation in [StepFormulation::ActiveSet, StepFormulation::TimeFreezing] {
+        let found = run(&fesd(6, formulation), &model, None);
+        assert!(found.status.is_solved(), "{}", found.status);
+        let end = (found.trajectory.q.last(), found.trajectory.v.last());
+        let (q, v) = (end.0.unwrap(), end.1.unwrap());
+        assert!(
+            (q[1] - model.h).abs() < 1e-12 && q[2].abs() < 1e-12,
+            "{q:?}"
+        );
+        assert!(v.iter().all(|v| v.abs() < 1e-12), "{v:?}");
+        assert!(found.error_estimate.unwrap() < 1e-6);
+    }
+}
+
 #[test]
 fn grid_of_one_stage_estimates_the_error_of_the_implicit_euler_method() {
     // A fall from rest: the way is `g (t + h) t/2` instead of `g t^2/2`.

@@ -197,8 +197,13 @@ fn chain(
         .map(|operand| value(scope, operand, diagnostics))
         .collect();
     let values: Vec<Value> = values.into_iter().collect::<Checked<_>>()?;
+    // What a function makes small beside another constant was not written small: far from a bump its exponential is nothing.
+    let fades = std::iter::once(first)
+        .chain(rest.iter().map(|link| &link.operand))
+        .any(calls);
+    let fault = || graph::take_fault().filter(|fault| !(fades && *fault == Fault::Absorption));
     if let Some(number) = of_numbers(&values, rest) {
-        let Some(fault) = graph::take_fault() else {
+        let Some(fault) = fault() else {
             return Ok(Value::Scalar(number));
         };
         // Where it happens: with one operand more each time.
@@ -217,7 +222,7 @@ fn chain(
             rest: &rest[..i],
         };
         total = step(&left, &total, link, value, diagnostics)?;
-        match graph::take_fault() {
+        match fault() {
             Some(fault) if fault.is_of_range() || link.operator.is_additive() => {
                 return Err(unrepresentable(fault, &link.operand, diagnostics));
             }
@@ -225,6 +230,11 @@ fn chain(
         }
     }
     Ok(total)
+}
+
+/// Whether a function is called in an expression.
+fn calls(expr: &Expr) -> bool {
+    matches!(expr.kind, Kind::Call { .. }) || expr.children().into_iter().any(calls)
 }
 
 /// Evaluates an expression that must be a number.

@@ -175,9 +175,8 @@ pub(super) fn solve_round<'s>(
         units
     };
     let tableaus = tableaus(settings.stages);
-    let Some((tableau, finer)) = tableaus.split_first() else {
-        return Err(settings.refuse_stages());
-    };
+    let first = tableaus.split_first();
+    let (tableau, finer) = first.ok_or_else(|| settings.refuse_stages())?;
     let setting = Setting {
         model,
         problem,
