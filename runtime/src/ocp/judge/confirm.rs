@@ -239,7 +239,11 @@ impl Plan {
             cuts,
             purpose: Purpose::Compare,
         };
-        attempts.attempt(runner, attempt)?;
+        // It starts from a motion: a program that has to restore feasibility comes to nothing, and nothing is claimed of it.
+        let effort = std::mem::replace(&mut runner.effort, Effort::Carry);
+        let attempted = attempts.attempt(runner, attempt);
+        runner.effort = effort;
+        attempted?;
         let Some(again) = &attempts.best else {
             return Ok(None);
         };
