@@ -3,7 +3,9 @@
 use std::fmt::Write as _;
 
 use hangtime::model::{ContactDeclaration, Model};
-use hangtime::simulation::{Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Trajectory};
+use hangtime::simulation::{
+    ContactMode, Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Simulation, Trajectory,
+};
 use serde::{Serialize, Serializer};
 
 use crate::ending::Ending;
@@ -116,6 +118,26 @@ impl<'a> EventEntry<'a> {
             contact_impulse: &event.contact_impulse,
             friction_impulse: &event.friction_impulse,
         }
+    }
+}
+
+/// What a contact does from the start on: of none of these there is an event.
+#[derive(Serialize)]
+pub(super) struct InitialEntry {
+    contact: &'static str,
+    mode: String,
+}
+
+impl InitialEntry {
+    /// Those of a run.
+    pub(super) fn all(simulation: &Simulation) -> Vec<Self> {
+        let contacts = simulation.declaration.contacts.iter();
+        let modes = simulation.initial_modes.iter();
+        let entry = |(contact, mode): (&ContactDeclaration, &ContactMode)| Self {
+            contact: contact.name,
+            mode: mode.to_string(),
+        };
+        contacts.zip(modes).map(entry).collect()
     }
 }
 

@@ -4,8 +4,8 @@ use hangtime::simulation::{Counts, ProblemSize, Residuals, Seconds, Simulation};
 use serde::Serialize;
 
 use super::parts::{
-    DiagnosisEntry, EventEntry, FinalEntry, IterationsEntry, ParameterValues, QuantitiesEntry,
-    ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
+    DiagnosisEntry, EventEntry, FinalEntry, InitialEntry, IterationsEntry, ParameterValues,
+    QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
 };
 use crate::ending::Ending;
 use crate::method::MethodSettings;
@@ -39,6 +39,7 @@ pub(crate) struct Document<'a> {
     seconds: Seconds,
     notes: Vec<String>,
     quantities: QuantitiesEntry,
+    initially: Vec<InitialEntry>,
 }
 
 impl<'a> Document<'a> {
@@ -67,6 +68,7 @@ impl<'a> Document<'a> {
                 .status
                 .diagnosis()
                 .map(|diagnosis| DiagnosisEntry::new(diagnosis, ending, contacts)),
+            initially: InitialEntry::all(simulation),
             events: simulation
                 .events
                 .iter()

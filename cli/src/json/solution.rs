@@ -7,8 +7,8 @@ use hangtime::simulation::{ProblemSize, Residuals, Seconds};
 use serde::Serialize;
 
 use super::parts::{
-    EventEntry, FinalEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry,
-    SizeEntry, TrajectoryEntry, to_line,
+    EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA,
+    SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
 };
 use crate::ending::Ending;
 use crate::settings::ChosenScene;
@@ -243,6 +243,7 @@ pub(crate) struct SolutionDocument<'a> {
     margins: Vec<MarginEntry<'a>>,
     notes: Vec<String>,
     quantities: QuantitiesEntry,
+    initially: Vec<InitialEntry>,
 }
 
 #[derive(Serialize)]
@@ -284,6 +285,7 @@ impl<'a> SolutionDocument<'a> {
             method,
             status: ending.status,
             diagnosis: ending.diagnosis.as_deref(),
+            initially: motion.map_or_else(Vec::new, InitialEntry::all),
             events: events
                 .iter()
                 .map(|event| EventEntry::new(event, contacts))

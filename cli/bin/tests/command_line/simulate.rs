@@ -350,6 +350,10 @@ fn simulate_with_out_writes_data_and_a_picture_and_nothing_else() {
 fn simulate_scene_with_friction_tells_when_it_sticks_and_gives_the_friction_force() {
     let scratch = Scratch::new("incline");
     let document = json(&["simulate", "incline", "--json", "--out", scratch.text()]);
+    // It slides from the start on, which is no event.
+    let initially = &document["initially"][0];
+    assert_eq!(initially["contact"], "ramp");
+    assert_eq!(initially["mode"], "slipping forward");
     let event = &document["events"][0];
     assert_eq!(event["kind"], "stick");
     // v / (g (mu cos a - sin a)) with the defaults of the scene.

@@ -91,11 +91,10 @@ pub(in crate::ocp) fn judge<'a>(
         };
         (plan, solution) = Plan::judged(runner, setting, &coarse, again)?;
     }
-    let other = plan.judged_as_simulated(runner, setting, &elements, &solution)?;
-    if other.is_none() {
-        return plan.released(runner, setting, &elements, solution);
+    match plan.judged_as_simulated(runner, setting, &elements, &solution)? {
+        Some(other) => Ok(other),
+        None => plan.released(runner, setting, &elements, solution),
     }
-    Ok(other.unwrap_or(solution))
 }
 
 /// Whether a distance that the method keeps by itself costs something.
@@ -239,11 +238,7 @@ impl Plan {
             cuts,
             purpose: Purpose::Compare,
         };
-        // It starts from a motion: a program that has to restore feasibility comes to nothing, and nothing is claimed of it.
-        let effort = std::mem::replace(&mut runner.effort, Effort::Carry);
-        let attempted = attempts.attempt(runner, attempt);
-        runner.effort = effort;
-        attempted?;
+        attempts.attempt(runner, attempt)?;
         let Some(again) = &attempts.best else {
             return Ok(None);
         };

@@ -140,7 +140,8 @@ fn before_turning(pressure: &Pressure) -> Vec<Sequence> {
     found
 }
 
-/// Whether the force that would hold a contact at rest at the end of a phase, in which it slips, lies within the cone.
+/// Whether the force that would hold a contact at rest at the end of a phase, in which it slips, lies within the cone: under its normal force
+/// there.
 fn could_stick(
     pressure: &Pressure,
     (phase, solved): (&Phase, &SolvedPhase),
