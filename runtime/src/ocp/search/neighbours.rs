@@ -148,7 +148,9 @@ fn moved(pressure: &Pressure) -> Vec<Sequence> {
             || pressure.program.shape == ControlShape::Linear
         {
             let time = k as f64 - ENTRY;
-            if !(switch.stays() && is_pulled_off(pressure, k, switch.contact)) {
+            if switch.stays() && is_pulled_off(pressure, k, switch.contact) {
+                found.extend(touched_before(pressure, index));
+            } else {
                 found.extend(pressure.moved(index, k.checked_sub(1), Place::Inside, time));
             }
             found.extend(pressure.moved(index, Some(k), Place::Inside, k as f64 + ENTRY));
@@ -181,8 +183,22 @@ fn moved(pressure: &Pressure) -> Vec<Sequence> {
     found
 }
 
+/// With a landing where an interval begins as a touch right before, and the landing after that: of a contact that is pulled off then.
+fn touched_before(pressure: &Pressure, index: usize) -> Option<Sequence> {
+    let mut sequence = pressure.sequence.clone();
+    let landing = sequence.switches[index];
+    let node = landing.interval as f64;
+    let struck = |mode: ContactMode, time: f64| Switch {
+        impulse: landing.impulse,
+        ..Switch::inside(landing.contact, true, mode, time)
+    };
+    sequence.switches[index] = struck(ContactMode::Open, node - ENTRY);
+    sequence.switches.push(struck(landing.mode, node + ENTRY));
+    sequence.ordered(pressure.intervals)
+}
+
 /// Whether a contact that lands alone where an interval begins would be pulled off by what drives the motion right before: no motion in which
-/// it lands a little earlier, and stays, is near.
+/// it lands a little earlier, and stays, is near; one in which it is touched then is.
 fn is_pulled_off(pressure: &Pressure, interval: usize, contact: usize) -> bool {
     let phases = &pressure.program.phases;
     let Some(after) = phases.iter().position(|phase| phase.interval == interval) else {
