@@ -54,7 +54,7 @@ const BEST: &[(&str, usize, f64)] = &[
     ("blocks-on-spring", 80, 24.751675170),
     ("plate-and-box", 10, 1.820078283),
     ("plate-and-box", 20, 1.816578334),
-    ("plate-and-box", 40, 1.816136653),
+    ("plate-and-box", 40, 1.816134846),
     ("plate-and-box", 80, 1.816010634),
     ("spinning-wheel", 10, 2.257618205),
     ("spinning-wheel", 20, 2.257618205),
