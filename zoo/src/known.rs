@@ -48,7 +48,7 @@ const BEST: &[(&str, usize, f64)] = &[
     ("soft-landing", 20, 13.564482001),
     ("soft-landing", 40, 13.557427526),
     ("soft-landing", 80, 13.555662807),
-    ("blocks-on-spring", 10, 27.475722223),
+    ("blocks-on-spring", 10, 26.724680046),
     ("blocks-on-spring", 20, 25.372475887),
     ("blocks-on-spring", 40, 24.885023111),
     ("blocks-on-spring", 80, 24.751675170),
