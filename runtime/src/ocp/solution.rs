@@ -165,7 +165,8 @@ pub struct Excess {
 pub struct Margin {
     /// What is kept, and where.
     pub name: String,
-    /// How much of it.
+    /// How much of it; of the time in which a contact comes to rest the jump of its normal velocity at the first bounce, `(1 + e) v_n`
+    /// with the restitution `e` and the normal velocity `v_n` after the landing.
     pub amount: f64,
     /// The unit of that: of a gap, of its velocity, or seconds.
     pub unit: String,

@@ -115,7 +115,7 @@ impl Sizes {
                 way[k] = way[k].max((q[k] - problem.q[k]).abs());
                 speed[k] = speed[k].max(v[k].abs());
             }
-            energy = energy.max(twice_the_energy(&mass, v));
+            energy = energy.max(squared(&mass, v));
         }
         let (mut way, mut speed) = (of_unit(run, &way), of_unit(run, &speed));
         let places: Vec<f64> = problem.q.iter().map(|q| q.abs()).collect();
@@ -129,9 +129,9 @@ impl Sizes {
         let diagonal: Vec<f64> = (0..n).map(|k| mass[k * n + k]).collect();
         let heaviest = of_unit(run, &diagonal);
         // A coordinate of another unit is held as well as those that would move if they were free.
-        let power = twice_the_energy(&mass, &free);
+        let pull = squared(&mass, &free);
         for (k, mass) in heaviest.iter().enumerate() {
-            let held = HELD * (power / mass).sqrt() * horizon;
+            let held = HELD * (pull / mass).sqrt() * horizon;
             if held.is_finite() {
                 (way[k], speed[k]) = (way[k].max(held * horizon), speed[k].max(held));
             }
@@ -154,8 +154,8 @@ impl Sizes {
     }
 }
 
-/// `v' M v`.
-fn twice_the_energy(mass: &[f64], v: &[f64]) -> f64 {
+/// `v' M v`, of velocities twice the kinetic energy.
+fn squared(mass: &[f64], v: &[f64]) -> f64 {
     let rows = mass.chunks_exact(v.len().max(1));
     let momentum = rows.map(|row| row.iter().zip(v).map(|(m, v)| m * v).sum::<f64>());
     momentum.zip(v).map(|(p, v)| p * v).sum()

@@ -198,10 +198,10 @@ fn chain(
         .collect();
     let values: Vec<Value> = values.into_iter().collect::<Checked<_>>()?;
     // What a function makes small beside another constant was not written small: far from a bump its exponential is nothing.
-    let fades = std::iter::once(first)
+    let fading = std::iter::once(first)
         .chain(rest.iter().map(|link| &link.operand))
-        .any(calls);
-    let fault = || graph::take_fault().filter(|fault| !(fades && *fault == Fault::Absorption));
+        .any(fades);
+    let fault = || graph::take_fault().filter(|fault| !(fading && *fault == Fault::Absorption));
     if let Some(number) = of_numbers(&values, rest) {
         let Some(fault) = fault() else {
             return Ok(Value::Scalar(number));
@@ -232,9 +232,15 @@ fn chain(
     Ok(total)
 }
 
-/// Whether a function is called in an expression.
-fn calls(expr: &Expr) -> bool {
-    matches!(expr.kind, Kind::Call { .. }) || expr.children().into_iter().any(calls)
+/// Whether an exponential may make a constant of an expression small: itself, or in a function that the scene declares.
+fn fades(expr: &Expr) -> bool {
+    let called = match &expr.kind {
+        Kind::Call { function, .. } => {
+            function.text == "exp" || !words::is_function(&function.text)
+        }
+        _ => false,
+    };
+    called || expr.children().into_iter().any(fades)
 }
 
 /// Evaluates an expression that must be a number.

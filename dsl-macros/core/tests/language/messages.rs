@@ -423,6 +423,8 @@ texts! {
         "E21: with `3e18` constants are added of which one is lost, as it is more than 1e16 times smaller; leave it out, or write the sum otherwise";
     bumps_far_from_the_start: beside "fn road(y) = exp(-(y/1 [m] - 2)^2) + exp(-(y/1 [m] - 9)^2) parameters { far: m = 1 } start { z: far*road(0 [m]) }" =>
         "accepted";
+    constant_that_is_lost_beside_a_cosine: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*(cos(1) + 3e18)" =>
+        "E21: with `3e18` constants are added of which one is lost, as it is more than 1e16 times smaller; leave it out, or write the sum otherwise";
     constants_that_cancel_exactly_are_accepted: with "lagrangian m/2*|dot((y, z))|^2 - m*g*(z + 3e18 [m] - 3e18 [m])" =>
         "accepted";
     numbers_out_of_range: with "lagrangian m/2*|dot((y, z))|^2 - m*g*z*2e308 - m*g*y*3e-310" =>

@@ -55,7 +55,7 @@ pub(in crate::ocp) enum Kept {
 pub(in crate::ocp) struct Distance {
     pub(in crate::ocp) name: String,
     pub(in crate::ocp) kept: Kept,
-    /// What is kept; its unit, where that depends on the motion.
+    /// How much is kept; of a contact that comes to rest the unit of that, as it depends on the motion.
     pub(in crate::ocp) amount: f64,
     /// Unit of that; empty where the scene has none.
     pub(in crate::ocp) unit: String,

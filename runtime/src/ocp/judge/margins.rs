@@ -53,16 +53,18 @@ pub(super) fn margins(program: &Collocation, solution: &nlp::Solution) -> Vec<Ma
     margins
 }
 
-/// Whether it is the scene that asks for it: a contact comes to rest in the last interval, and goals hold it at rest at the end.
+/// Whether it is the scene that asks for it: a contact comes to rest in the last interval and stays until the end, where goals hold it
+/// at rest.
 fn is_asked_for(program: &Collocation, x: &[f64], kept: &Kept) -> bool {
     let (Kept::Settling { row, contact, .. }, Some(last)) = (kept, program.phases.last()) else {
         return false;
     };
     let settles = |phase: &Phase| phase.settling.contains(&(*contact, *row));
-    let Some(phase) = program.phases.iter().find(|phase| settles(phase)) else {
+    let Some(landed) = program.phases.iter().position(settles) else {
         return false;
     };
-    if phase.interval != last.interval || !last.closed.contains(contact) {
+    let mut rest = program.phases[landed..].iter();
+    if !rest.all(|phase| phase.interval == last.interval && phase.closed.contains(contact)) {
         return false;
     }
     let Some(stage) = last.stages.last() else {
@@ -82,9 +84,10 @@ fn is_asked_for(program: &Collocation, x: &[f64], kept: &Kept) -> bool {
         .model
         .contact_jacobian(*contact, &input, &mut slopes);
     let mut gradient = vec![0.0; stage.state.len()];
-    for (&(row, column), slope) in pattern.iter().zip(&slopes) {
-        if row as usize == contact_point::NORMAL_VELOCITY && (column as usize) < gradient.len() {
-            gradient[column as usize] = *slope;
+    for (&(output, column), slope) in pattern.iter().zip(&slopes) {
+        let (output, column) = (output as usize, column as usize);
+        if output == contact_point::NORMAL_VELOCITY && column < gradient.len() {
+            gradient[column] = *slope;
         }
     }
     let mut end: Vec<f64> = stage.state.iter().map(|&i| x[i]).collect();

@@ -13,6 +13,14 @@ const BEFORE: usize = 4;
 
 /// The other way of each elastic contact.
 pub(super) fn settling(pressure: &Pressure) -> Vec<Sequence> {
+    let model = pressure.program.model;
+    let contacts = 0..pressure.sequence.initially.len();
+    if !contacts
+        .into_iter()
+        .any(|contact| model.restitution(contact) > 0.0)
+    {
+        return Vec::new();
+    }
     let mut found = landing_last(pressure);
     for phase in &pressure.program.phases {
         let settling = phase.settling.iter();
