@@ -95,6 +95,7 @@ pub use problem::{Horizon, Problem};
 pub use settings::{Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{
-    Counts, Excess, Margin, Optimum, RelaxedReport, Solution, Status, TimeFreezingReport,
+    Counts, Excess, Margin, Miss, Nearest, Optimum, RelaxedReport, Solution, Status,
+    TimeFreezingReport,
 };
 pub use solve::solve;

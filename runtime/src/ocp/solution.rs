@@ -160,6 +160,30 @@ pub struct Excess {
     pub time: f64,
 }
 
+/// A condition that a motion does not meet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Miss {
+    /// The goal or path constraint, by its name or as written, or the coordinate that leaves its bounds.
+    pub name: String,
+    /// By how much, in its unit.
+    pub amount: f64,
+    /// That unit.
+    pub unit: String,
+}
+
+/// The simulated motion, under random controls within their bounds, that comes nearest to goals that no plan reaches. A better one
+/// may exist.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Nearest {
+    /// How many were simulated.
+    pub motions: usize,
+    /// What it does not meet, the hardest first; by less than a thousandth of what most motions miss counts as met.
+    pub misses: Vec<Miss>,
+    /// How many impacts it has.
+    pub impacts: usize,
+}
+
 /// A distance that a plan keeps for the sake of the method, and that costs it something.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Margin {
@@ -246,6 +270,8 @@ pub struct Solution {
     pub motion: Option<Simulation>,
     /// Worst violated rows, if a program failed.
     pub violations: Vec<Violation>,
+    /// What the nearest of many simulated motions misses, where no plan was found.
+    pub nearest: Option<Nearest>,
     /// Size of a program.
     pub size: ProblemSize,
     /// Work done.
@@ -268,6 +294,38 @@ const EXPLAINED: f64 = 1e-8;
 /// between plan and re-simulation, and that in a second.
 const TOUCHES: f64 = 1e-6;
 const STRIKES: f64 = 1e-6;
+
+/// Most conditions that are named.
+const NAMED: usize = 3;
+/// Impacts from which on it is said that there are many.
+const MANY: usize = 6;
+
+impl Nearest {
+    /// It in words.
+    fn words(&self) -> String {
+        let named = self.misses.iter().take(NAMED);
+        let named =
+            named.map(|miss| format!("`{}` by {:.3} {}", miss.name, miss.amount, miss.unit));
+        let named: Vec<String> = named.map(|words| words.trim_end().to_owned()).collect();
+        let many = if self.impacts >= MANY {
+            format!(
+                "; it has {} impacts, and a plan states every one: where bounces are small, `inelastic` leaves them out",
+                self.impacts
+            )
+        } else {
+            String::new()
+        };
+        let nearest = format!(
+            "the nearest of {} motions simulated under random controls",
+            self.motions
+        );
+        if named.is_empty() {
+            format!("{nearest} comes as near to all goals as can be seen, but no plan does{many}")
+        } else {
+            format!("{nearest} misses {}{many}", named.join(" and "))
+        }
+    }
+}
 
 impl Solution {
     /// By how much another objective may differ from this one within a relative tolerance: of an objective that vanishes by no less than what the
@@ -303,6 +361,7 @@ impl Solution {
             elements: Vec::new(),
             motion: None,
             violations,
+            nearest: None,
             size: ProblemSize::default(),
             counts,
             seconds: Seconds::default(),
@@ -372,10 +431,7 @@ impl Solution {
     /// Why the run did not end with a certified motion, in one line; `None` if it did.
     #[must_use]
     pub fn diagnosis(&self) -> Option<String> {
-        let worst = self.violations.first().map_or_else(
-            || "no row is violated".to_owned(),
-            |row| format!("worst row: {}, violated by {:.1e}", row.name, row.amount),
-        );
+        let worst = self.hardest();
         match self.status {
             Status::Solved => None,
             Status::Uncertified if self.margins.iter().any(|margin| !margin.chosen) => {
@@ -420,6 +476,17 @@ impl Solution {
             )),
             Status::Failed(status) => Some(format!("{status}; {worst}")),
         }
+    }
+
+    /// What is hardest to meet: for the nearest of simulated motions, or else for the program that came nearest.
+    fn hardest(&self) -> String {
+        if let Some(nearest) = &self.nearest {
+            return nearest.words();
+        }
+        self.violations.first().map_or_else(
+            || "no row is violated".to_owned(),
+            |row| format!("worst row: {}, violated by {:.1e}", row.name, row.amount),
+        )
     }
 
     /// The final times among which a motion was looked for, in words.

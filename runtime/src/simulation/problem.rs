@@ -8,6 +8,9 @@ use crate::refusal;
 /// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface"; so do those above minus [`ROUNDINGS`]
 /// rounding errors, of terms that cancel inside of the model.
 const GAP_TOLERANCE: f64 = 1e-9;
+/// So do those above minus this share of what the free motion covers within the horizon: a body at 0 in front of a bump that
+/// fades like `exp(-w^2)` is inside of it by what no motion could tell from nothing.
+const MOTION_TOLERANCE: f64 = 1e-13;
 /// Share of the horizon that is short beside any motion.
 pub(in crate::simulation) const MOMENT: f64 = 1e-7;
 
@@ -254,6 +257,15 @@ impl InitialValueProblem {
         error.max(0.0)
     }
 
+    /// Size of what a gap with this `normal` covers within the horizon without contacts, `sum_k |n_k| (|v_k| T + |a_k| T^2)`.
+    fn way(&self, model: &dyn Model, x: &[f64], normal: &[f64]) -> f64 {
+        let mut a = vec![0.0; self.q.len()];
+        model.free_acceleration(x, &mut a);
+        let terms = normal.iter().zip(self.v.iter().zip(&a));
+        let way = terms.map(|(n, (v, a))| n.abs() * (v.abs() + a.abs() * self.horizon));
+        self.horizon * way.sum::<f64>()
+    }
+
     /// Checks gaps and coefficients at the start `x`.
     fn check_contacts(&self, model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
         let declaration = model.declaration();
@@ -270,11 +282,13 @@ impl InitialValueProblem {
                 .iter()
                 .map(|&other| model.gap(other, x));
             let largest = others.all(|other| other <= gap);
-            let inside = largest && gap < -GAP_TOLERANCE * terms.sum::<f64>();
+            let way = MOTION_TOLERANCE * self.way(model, x, normal);
+            let inside = largest && gap < -(GAP_TOLERANCE * terms.sum::<f64>()).max(way);
             if inside && gap < -ROUNDINGS * self.gap_rounding(model, i, x) {
                 return Err(InputError::new(format!(
-                    "start inside the ground (E08): gap `{}` = {gap:e} {} < 0; start at gap >= 0, or write the surface \
-                     with the other sign if the free side is meant to be there",
+                    "start inside the ground (E08): gap `{}` = {gap:e} {} < 0; start at gap >= 0, which the formula of the \
+                     surface gives where it is meant to be touched, or write the surface with the other sign if the free \
+                     side is meant to be there",
                     contact.name, contact.unit
                 )));
             }

@@ -260,3 +260,100 @@ fn impact_that_raises_the_kinetic_energy_is_noted_with_its_figures() {
         }
     }
 }
+
+hangtime::model! {
+    /// A box on two rough corners that is shaken.
+    ShakenBox {
+        parameters { m: kg = 4, b: m = 0.2, h: m = 0.4, g: m/s^2 = 9.81, mu = 0.6, f: N = 8, w: rad/s = 10, up: m = 0 }
+        coordinates { y: m, z: m, phi: rad }
+        let left = (y, z) + rotation(phi)*(-b, -h)
+        let right = (y, z) + rotation(phi)*(b, -h)
+        lagrangian m/2*|dot((y, z))|^2 + m*(b^2 + h^2)/6*dot(phi)^2 - m*g*z
+        forces { y: f*sin(w*t) }
+        surface near: left.z >= 0
+        surface far: right.z >= 0
+        impact near: inelastic, friction mu, sliding dot(left.y)
+        impact far: inelastic, friction mu, sliding dot(right.y)
+        start { z: h + up }
+        horizon 1.5 [s]
+    }
+}
+
+#[test]
+fn box_on_two_rough_corners_rests_whatever_its_corners_share() {
+    // No force at all, forces far below the limit that change their sign, and a fall that ends on both corners at once: the friction of
+    // neither corner is determined, and that of both together is far below what they can bear.
+    for (f, up) in [
+        (0.0, 0.0),
+        (2.0, 0.0),
+        (8.0, 0.0),
+        (15.0, 0.0),
+        (0.0, 0.1),
+        (0.0, 0.3),
+    ] {
+        let model = ShakenBox {
+            f,
+            up,
+            ..ShakenBox::default()
+        };
+        let problem = InitialValueProblem::of(&model, None).unwrap();
+        for simulator in [
+            &Fesd::default() as &dyn Simulator,
+            &accurate(),
+            &EventDriven::default(),
+        ] {
+            let simulation = run(simulator, &model, &problem);
+            let case = format!("{f} N from {up} m");
+            assert_eq!(simulation.status, SimulationStatus::Solved, "{case}");
+            let falls = up > 0.0;
+            let struck = [(EventKind::Impact, 0), (EventKind::Impact, 1)];
+            let expected = if falls { &struck[..] } else { &[] };
+            assert_eq!(sequence(&simulation), expected, "{case}");
+            assert!(
+                simulation
+                    .notes
+                    .iter()
+                    .all(|note| !note.contains("flights")),
+                "{case}"
+            );
+            let (q, v) = last(&simulation.trajectory);
+            assert!(distance(q, &[0.0, 0.4, 0.0]) < 1e-13, "{case}: {q:?}");
+            assert!(distance(v, &[0.0; 3]) < 1e-13, "{case}: {v:?}");
+        }
+    }
+}
+
+#[test]
+fn box_that_is_shaken_beyond_its_friction_slips_and_sticks_with_both_corners_at_once() {
+    let model = ShakenBox {
+        mu: 0.2,
+        f: 12.0,
+        ..ShakenBox::default()
+    };
+    let problem = InitialValueProblem::of(&model, None).unwrap();
+    // It slips once the force exceeds mu m g, and sticks where the integral of what is left over vanishes.
+    let (f, w, m): (f64, f64, f64) = (12.0, 10.0, 4.0);
+    let limit = 0.2 * m * GRAVITY;
+    let slips = (limit / f).asin() / w;
+    let gained = |t: f64| f / w * ((w * slips).cos() - (w * t).cos()) - limit * (t - slips);
+    let (mut low, mut high) = (0.25, 0.4);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if gained(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    for simulator in [&controlled(5, 1e-9) as &dyn Simulator, &accurate()] {
+        let simulation = run(simulator, &model, &problem);
+        assert_eq!(simulation.status, SimulationStatus::Solved);
+        let first: Vec<_> = sequence(&simulation).into_iter().take(4).collect();
+        let (slip, stick) = (EventKind::Slip, EventKind::Stick);
+        assert_eq!(first, [(slip, 0), (slip, 1), (stick, 0), (stick, 1)]);
+        let times = simulation.events.iter().map(|event| event.time).take(4);
+        for (time, expected) in times.zip([slips, slips, low, low]) {
+            assert!((time - expected).abs() < 1e-9, "{time} {expected}");
+        }
+    }
+}

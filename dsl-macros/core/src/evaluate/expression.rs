@@ -378,7 +378,8 @@ fn call(
             "E15",
             whole.place,
             "`integral` is the running cost and stands in `minimize` only, as a term by itself, \
-             possibly times a constant",
+             possibly times a constant; for an integral elsewhere add a coordinate whose force is what is integrated, which \
+             is its velocity then",
         ));
     }
     if words::NONSMOOTH.contains(&text) {

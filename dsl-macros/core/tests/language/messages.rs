@@ -261,7 +261,7 @@ texts! {
     integral_times_a_velocity: cart "minimize dot(y)*integral(u^2)" =>
         "E15: an integral times `dot(y)`, which depends on the velocity `dot(y)`: a weight may depend on parameters only; move it into the integral";
     integral_outside_of_an_objective: cart "finally { integral(u^2) <= 3 [N^2 s] }" =>
-        "E15: `integral` is the running cost and stands in `minimize` only, as a term by itself, possibly times a constant";
+        "E15: `integral` is the running cost and stands in `minimize` only, as a term by itself, possibly times a constant; for an integral elsewhere add a coordinate whose force is what is integrated, which is its velocity then";
     constant_cost: cart "minimize 3*m" =>
         "E15: `3*m` is the same for every motion, so it cannot be minimized; leave it out";
     condition_on_nothing: cart "finally { m >= 0 } constraint c: 2*m == 3 [kg]" =>

@@ -331,6 +331,7 @@ fn confirm(
         previous: Some(Previous::new(trajectory.clone(), sequence.clone())),
         motion: Some(replay),
         violations: solution.violations.clone(),
+        nearest: None,
         size: ProblemSize::of(&program.program, 0),
         counts: runner.counts,
         seconds: runner.seconds,

@@ -1,12 +1,16 @@
 //! The final times that programs look at: a trust region around the guess, which is moved where a plan presses against
 //! one of its ends.
 
+use super::targets::goal_values;
+use crate::model::Model;
 use crate::ocp::problem::{Horizon, Problem};
 
 /// Shortest and longest final time of a program where it is free, relative to the guess.
 const RANGE: (f64, f64) = (0.05, 20.0);
 /// Share of an end within which a final time lies at it: one that is nearer by chance costs a second look.
 const AT_THE_END: f64 = 0.02;
+/// Halvings of a range by which the end of the times that a goal allows is found.
+const HALVINGS: usize = 60;
 
 /// A range of final times \[s\]; a point where the final time is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +47,46 @@ impl FinalTimes {
         }
     }
 
+    /// What goals that read nothing but the final time leave of the range; all of it where they leave nothing.
+    pub(in crate::ocp) fn allowed(self, model: &dyn Model) -> Self {
+        let time = 2 * model.declaration().coordinates.len();
+        let Some(declared) = model.declaration().optimal_control else {
+            return self;
+        };
+        let first = usize::from(declared.final_cost);
+        let entries = declared.terminal_jacobian.entries;
+        let reads_time_alone = |goal: usize| {
+            let own = || entries.iter().filter(|e| e.0 as usize == first + goal);
+            own().count() == 1 && own().all(|e| e.1 as usize == time)
+        };
+        // Values at other states are the same.
+        let value = |goal: usize, t: f64| {
+            let mut z = vec![0.0; time + 1];
+            z[time] = t;
+            goal_values(model, &z)[goal]
+        };
+        let goals = (0..declared.goals.len()).filter(|&goal| reads_time_alone(goal));
+        goals.fold(self, |range, goal| {
+            let missing = |t: f64| value(goal, t);
+            let (first, last) = (missing(range.shortest), missing(range.longest));
+            if first * last < 0.0 {
+                let root = change(range.shortest, range.longest, |t| missing(t) * first > 0.0);
+                Self {
+                    shortest: root,
+                    longest: root,
+                }
+            } else if first == 0.0 && last < 0.0 {
+                let longest = change(range.shortest, range.longest, |t| missing(t) == 0.0);
+                Self { longest, ..range }
+            } else if first < 0.0 && last == 0.0 {
+                let shortest = change(range.longest, range.shortest, |t| missing(t) == 0.0);
+                Self { shortest, ..range }
+            } else {
+                range
+            }
+        })
+    }
+
     /// The range from the shorter to the longer times of both.
     pub(in crate::ocp) fn with(self, other: Self) -> Self {
         Self {
@@ -50,6 +94,19 @@ impl FinalTimes {
             longest: self.longest.max(other.longest),
         }
     }
+}
+
+/// Where what is true at `inside` ends on the way to `outside`.
+fn change(mut inside: f64, mut outside: f64, is_true: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (inside + outside);
+        if is_true(middle) {
+            inside = middle;
+        } else {
+            outside = middle;
+        }
+    }
+    inside
 }
 
 #[cfg(test)]

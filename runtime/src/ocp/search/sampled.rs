@@ -21,8 +21,8 @@ use crate::ocp::settings::Guess;
 use crate::simulation::{Event, EventDriven, EventKind, InputError, simulate_once};
 
 /// Motions that are drawn, and those that are made of the best ones.
-const DRAWN: u64 = 256;
-const CHANGED: usize = 768;
+pub(super) const DRAWN: u64 = 256;
+pub(super) const CHANGED: usize = 768;
 /// How much longer than its random length, or than the one that it is made of, a motion with a free final time is followed.
 const LONGER: f64 = 2.0;
 const LONGER_THAN_BEFORE: f64 = 1.5;
@@ -42,7 +42,7 @@ const ALIKE: f64 = 0.05;
 /// The best motions, one of which is changed in turn with any one.
 const BEST: usize = 8;
 /// By how much of their range values are changed at most, in turn.
-const CHANGES: [f64; 4] = [0.5, 0.2, 0.07, 0.02];
+pub(super) const CHANGES: [f64; 4] = [0.5, 0.2, 0.07, 0.02];
 /// Ends of the random numbers, from -1 to 1, by which all controls are changed, those of one interval, or those of one that is moved.
 const OF_EACH_KIND: f64 = 1.0 / 3.0;
 /// By how much further than the nearest one a motion may be that is tried.
@@ -51,30 +51,32 @@ const FAR: f64 = 1.0;
 const TRIED: usize = 12;
 
 /// What happens, one after the other: contacts, and whether they are struck.
-type Order = Vec<(usize, bool)>;
+pub(super) type Order = Vec<(usize, bool)>;
 
 /// What a motion is made of.
 #[derive(Clone)]
-struct Throw {
+pub(super) struct Throw {
     /// `(q, v)`.
     start: Vec<f64>,
     controls: ControlGrid,
     /// Length \[s\].
-    horizon: f64,
+    pub(super) horizon: f64,
 }
 
 /// A place where a motion may end.
 #[derive(Clone)]
-struct End {
-    throw: Throw,
+pub(super) struct End {
+    pub(super) throw: Throw,
     order: Order,
     /// What is missing from each goal, and by how much bounds and path constraints are violated on the way.
-    missing: Vec<f64>,
+    pub(super) missing: Vec<f64>,
+    /// Number of impacts, one by one.
+    pub(super) impacts: usize,
     cost: f64,
 }
 
 /// How good an end is: distance, cost, and distance among those that are alike; smaller is better.
-type Rank = (u64, f64, f64);
+pub(super) type Rank = (u64, f64, f64);
 
 /// The best motion of each order, the best ones first.
 pub(in crate::ocp) fn sampled(
@@ -90,7 +92,7 @@ pub(in crate::ocp) fn sampled(
     {
         return Ok(Vec::new());
     }
-    let mut archive = drawn(setting)?;
+    let mut archive = drawn(setting, EVENTS)?;
     let mut random = uniform(DRAWN);
     for k in 0..CHANGED {
         if archive.best.is_empty() || !runner.goes_on("random motions") {
@@ -102,7 +104,7 @@ pub(in crate::ocp) fn sampled(
             Horizon::Fixed(horizon) => horizon,
             Horizon::Free { .. } => LONGER_THAN_BEFORE * child.horizon,
         };
-        for end in ends(setting, &child, longest) {
+        for end in ends(setting, &child, longest, EVENTS) {
             archive.add(end);
         }
     }
@@ -132,17 +134,17 @@ pub(in crate::ocp) fn sampled(
 }
 
 /// The best end of each order.
-struct Archive {
+pub(super) struct Archive {
     best: BTreeMap<Order, (Rank, End)>,
     /// Units of what is missing.
-    units: Vec<f64>,
+    pub(super) units: Vec<f64>,
     /// Ranges of the values that were drawn: of starts, and of controls.
     starts: Vec<(f64, f64)>,
     controls: Vec<(f64, f64)>,
 }
 
-/// The archive of random motions.
-fn drawn(setting: Setting) -> Result<Archive, InputError> {
+/// The archive of random motions, as far as they have no more than `most_events`.
+pub(super) fn drawn(setting: Setting, most_events: usize) -> Result<Archive, InputError> {
     let Setting {
         model,
         problem,
@@ -163,7 +165,7 @@ fn drawn(setting: Setting) -> Result<Archive, InputError> {
             Horizon::Fixed(horizon) => horizon,
             Horizon::Free { .. } => LONGER * throw.horizon,
         };
-        all.extend(ends(setting, &throw, longest));
+        all.extend(ends(setting, &throw, longest, most_events));
         throws.push(throw);
     }
     let starts = throws.iter().map(|throw| &throw.start);
@@ -217,7 +219,12 @@ fn units(setting: Setting, ends: &[End]) -> Vec<f64> {
 }
 
 impl Archive {
-    fn rank(&self, end: &End) -> Rank {
+    /// The best end of each order.
+    pub(super) fn ends(&self) -> impl Iterator<Item = &End> {
+        self.best.values().map(|(_, end)| end)
+    }
+
+    pub(super) fn rank(&self, end: &End) -> Rank {
         let terms = end.missing.iter().zip(&self.units);
         let terms = terms.filter(|(_, unit)| **unit > 0.0);
         let squares: f64 = terms.map(|(value, unit)| (value / unit).powi(2)).sum();
@@ -259,7 +266,7 @@ impl Archive {
 
     /// A motion with its values changed by up to that share of their ranges: all controls, those of one interval, or those of one that
     /// is taken out and put in elsewhere, which moves what is between in time.
-    fn changed(
+    pub(super) fn changed(
         &self,
         setting: Setting,
         mut throw: Throw,
@@ -313,8 +320,8 @@ fn compare(a: &Rank, b: &Rank) -> std::cmp::Ordering {
     a.0.cmp(&b.0).then(costs).then(a.2.total_cmp(&b.2))
 }
 
-/// Where a motion may end that is followed so long; its last controls last.
-fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
+/// Where a motion may end that is followed so long, and as far as it has no more than `most_events`; its last controls last.
+pub(super) fn ends(setting: Setting, throw: &Throw, longest: f64, most_events: usize) -> Vec<End> {
     let Setting { model, problem, .. } = setting;
     let declaration = model.declaration();
     let Some(declared) = declaration.optimal_control else {
@@ -343,7 +350,7 @@ fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
         let state = [&trajectory.q[i][..], &trajectory.v[i]].concat();
         way.pass(setting, &declared, (&state, &trajectory.u[i], time));
         let order = order(model, events, (time, longest / parts(setting) as f64));
-        if order.len() > EVENTS {
+        if order.len() > most_events {
             break;
         }
         let last = time >= longest * (1.0 - TOLERANCE);
@@ -351,6 +358,7 @@ fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
             let z = [&state[..], &[time]].concat();
             let mut missing = goal_values(model, &z);
             missing.extend(&way.violations);
+            let before = events.iter().take_while(|event| event.time <= time);
             ends.push(End {
                 throw: Throw {
                     start: throw.start.clone(),
@@ -359,6 +367,7 @@ fn ends(setting: Setting, throw: &Throw, longest: f64) -> Vec<End> {
                 },
                 order,
                 missing,
+                impacts: before.filter(|e| e.kind == EventKind::Impact).count(),
                 cost: way.cost + final_cost(setting, &declared, &z),
             });
         }
@@ -537,6 +546,7 @@ mod tests {
             },
             order: order.to_vec(),
             missing: vec![missing],
+            impacts: 0,
             cost,
         };
         let (once, twice) = ([(0, true)], [(0, true), (0, true)]);

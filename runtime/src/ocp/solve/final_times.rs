@@ -64,7 +64,8 @@ pub(super) fn solve_grid<'s>(
         } = round;
         let all = range.with(looked_at.unwrap_or(range));
         looked_at = Some(all);
-        solution.final_times = (all.shortest, all.longest);
+        let allowed = all.allowed(model);
+        solution.final_times = (allowed.shortest, allowed.longest);
         let off_centre = centre.is_some_and(|centre| {
             let factor = solution.horizon / centre;
             solution.motion.is_some() && !(1.0 / NEAR..=NEAR).contains(&factor)

@@ -2,6 +2,7 @@
 //! a guess, a search and the judge. The top of the layers; nothing else knows it.
 
 mod final_times;
+mod nearest;
 mod nested;
 mod one_grid;
 mod optima;
@@ -13,7 +14,7 @@ mod undriven;
 
 use super::problem::Problem;
 use super::settings::{Formulation, Guess, Settings};
-use super::solution::Solution;
+use super::solution::{Solution, Status};
 use crate::Observer;
 use crate::model::Model;
 use crate::simulation::InputError;
@@ -35,11 +36,18 @@ pub fn solve(
     problem.check(model)?;
     let search = matches!(settings.formulation, Formulation::Phases)
         && !matches!(settings.guess, Guess::Previous(_));
-    if search && problem.intervals > 1 && model.declaration().controls.is_empty() {
+    let mut solution = if search && problem.intervals > 1 && model.declaration().controls.is_empty()
+    {
         undriven::solve(model, problem, settings, observer)
     } else if search {
         nested::solve(model, problem, settings, observer)
     } else {
         starts::solve(model, problem, settings, observer)
+    }?;
+    if matches!(solution.status, Status::Infeasible | Status::Failed(_))
+        && solution.motion.is_none()
+    {
+        solution.nearest = nearest::nearest(model, problem, settings)?;
     }
+    Ok(solution)
 }

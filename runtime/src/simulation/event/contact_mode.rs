@@ -341,6 +341,8 @@ fn combinations(undecided: &[&Candidate]) -> Option<Vec<Vec<ContactState>>> {
 /// Sets the mode, in which contacts that others keep from sliding are held.
 fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) {
     dynamics.set_mode(mode);
+    hold_dependent(dynamics, t, y);
+    let mode = dynamics.mode().to_vec();
     if !mode
         .iter()
         .any(|state| matches!(state, ContactState::Slip(_)))
@@ -350,7 +352,7 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
     let n = dynamics.n;
     let mut slope = vec![0.0; y.len()];
     dynamics.derivative(t, y, &mut slope);
-    let mut held = mode.to_vec();
+    let mut held = mode;
     for (i, state) in held.iter_mut().enumerate() {
         let ContactState::Slip(direction) = *state else {
             continue;
@@ -359,10 +361,36 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
         let rests = dynamics.sliding_velocity(i).abs() <= dynamics.zero_sliding_velocity(i)
             && acceleration.abs() <= BIACTIVE * dynamics.sliding_acceleration_scale(i);
         if rests && motion::holds(dynamics, i) {
-            *state = ContactState::Held(direction);
+            *state = ContactState::Held(Some(direction));
         }
     }
     dynamics.set_mode(&held);
+}
+
+/// Of contacts that stick, those that the ones before them keep from sliding are held without a tangential force of their
+/// own: two feet of a rigid body cannot both have one.
+fn hold_dependent(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64]) {
+    let mut mode = dynamics.mode().to_vec();
+    let sticks = |(i, state): (usize, &ContactState)| (*state == ContactState::Stick).then_some(i);
+    let sticking: Vec<usize> = mode.iter().enumerate().filter_map(sticks).collect();
+    let Some((_, others)) = sticking.split_first() else {
+        return;
+    };
+    if others.is_empty() {
+        return;
+    }
+    for &i in others {
+        mode[i] = ContactState::Held(None);
+    }
+    dynamics.set_mode(&mode);
+    let mut slope = vec![0.0; y.len()];
+    dynamics.derivative(t, y, &mut slope);
+    for &i in others {
+        if !motion::holds(dynamics, i) {
+            mode[i] = ContactState::Stick;
+            dynamics.set_mode(&mode);
+        }
+    }
 }
 
 /// Sign of the smallest of the forces (of held contacts) and accelerations (of released ones).

@@ -14,9 +14,10 @@ pub(in crate::simulation) enum ContactState {
     Stick,
     /// Slides, and carries the tangential force `s = -mu r` or `+mu r` against it.
     Slip(Direction),
-    /// Carries the tangential force of sliding, but other contacts keep its sliding velocity zero: how they
-    /// share the load is not determined, and does not matter for the motion.
-    Held(Direction),
+    /// Other contacts keep its sliding velocity zero; it carries the tangential force of sliding in a direction, or none:
+    /// how they share the load is not determined, and does not matter for the motion. With none the others may take it
+    /// either way, with that of sliding they are helped up to the sum of what all of them can carry.
+    Held(Option<Direction>),
 }
 
 impl From<ContactState> for ContactMode {
@@ -56,8 +57,8 @@ impl ContactState {
     /// `s / r` of a contact whose tangential force follows from the normal one; 0 for the others.
     pub(in crate::simulation) fn force_ratio(self, mu: f64) -> f64 {
         match self {
-            Self::Slip(direction) | Self::Held(direction) => -direction.sign() * mu,
-            Self::Open | Self::Frictionless | Self::Stick => 0.0,
+            Self::Slip(direction) | Self::Held(Some(direction)) => -direction.sign() * mu,
+            Self::Open | Self::Frictionless | Self::Stick | Self::Held(None) => 0.0,
         }
     }
 }

@@ -8,6 +8,10 @@ use crate::model::Declaration;
 /// an angle that only rounding error turns has no size of its own.
 const IDLE: f64 = 1e-3;
 
+/// Share of the acceleration without contact forces that rounding leaves of it where these balance it. A body that
+/// rests while its forces change moves by no more than that, and no step makes it smooth.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// Sizes of velocities, one for all coordinates of the same unit.
 #[derive(Debug, Clone)]
 pub(super) struct ErrorScale {
@@ -19,6 +23,8 @@ pub(super) struct ErrorScale {
     acceleration: Vec<f64>,
     /// Size of the velocities of each group at the end of the step tried.
     end: Vec<f64>,
+    /// Size of the accelerations of each group without contact forces in the step tried.
+    free: Vec<f64>,
 }
 
 impl ErrorScale {
@@ -40,6 +46,7 @@ impl ErrorScale {
             fastest: vec![0.0; units.len()],
             acceleration: vec![0.0; units.len()],
             end: vec![0.0; units.len()],
+            free: vec![0.0; units.len()],
         }
     }
 
@@ -52,10 +59,12 @@ impl ErrorScale {
         }
     }
 
-    /// Takes note of the velocities at the end of a step that is only tried.
-    pub(super) fn try_end(&mut self, mass: &[f64], v: &[f64]) {
+    /// Takes note of the velocities at the end of a step that is only tried, and of the accelerations `free` that there
+    /// would be without contact forces.
+    pub(super) fn try_end(&mut self, mass: &[f64], v: &[f64], free: &[f64]) {
         for group in 0..self.end.len() {
             self.end[group] = self.size(group, mass, v);
+            self.free[group] = self.size(group, mass, free);
         }
     }
 
@@ -76,13 +85,14 @@ impl ErrorScale {
         f64::max(square.sqrt(), others)
     }
 
-    /// Size with which the error of a component of the state `(q, v)` is compared after a step of length `h`: the
-    /// fastest velocity, and the way covered with it in the step.
-    pub(super) fn of(&self, component: usize, h: f64) -> f64 {
+    /// The error of a component of the state `(q, v)` that a step of length `h` may have: the `tolerance` times the
+    /// fastest velocity, or what rounding makes of accelerations, and the way covered with that in the step.
+    pub(super) fn allowed(&self, component: usize, h: f64, tolerance: f64) -> f64 {
         let n = self.group.len();
         let group = self.group[component % n];
         let speed = self.fastest[group].max(self.end[group]);
-        if component < n { h * speed } else { speed }
+        let error = f64::max(tolerance * speed, ROUNDING * h * self.free[group]);
+        if component < n { h * error } else { error }
     }
 
     /// The shortest time in which the velocities `v` of a group change by as much as they are, with accelerations `a`,

@@ -337,14 +337,14 @@ impl<'a> Integration<'a> {
         self.dynamics.sample_from(&self.step.start_values);
         self.method.step(&mut self.dynamics, self.t, &self.y, h);
         let n = self.dynamics.n;
+        let free = self.dynamics.free_acceleration().to_vec();
         let mass = self.dynamics.mass(self.t, &self.y);
         self.step
             .error_scale
-            .try_end(mass, &self.method.end()[n..2 * n]);
+            .try_end(mass, &self.method.end()[n..2 * n], &free);
         let (tolerance, scale) = (self.settings.tolerance, &self.step.error_scale);
-        let mut error = self
-            .method
-            .error(h, |component, _| tolerance * scale.of(component, h));
+        let allowed = |component, _| scale.allowed(component, h, tolerance);
+        let mut error = self.method.error(h, allowed);
         if error <= 1.0 {
             if motion::project(&mut self.dynamics, self.t + h, self.method.end_mut()) {
                 self.method.finish(&mut self.dynamics, self.t, h);

@@ -71,12 +71,13 @@ pub(super) fn note_cascades(driver: &mut Driver<'_>) {
     }
 }
 
-/// Says whether contacts are held that leave with a velocity others could feel.
+/// Says whether contacts are held that leave with a velocity others could feel: more than rounding leaves of one that rests.
 pub(super) fn note_held_flights(driver: &mut Driver<'_>) {
     let now = &driver.now;
     let leaves = |held: &ActiveContact| {
-        let i = held.contact;
-        now.contacts.normal_velocity(i) > FELT * now.size(i).speed()
+        let (i, size) = (held.contact, now.size(held.contact));
+        let felt = (FELT * size.speed()).max(size.touching_velocity());
+        now.contacts.normal_velocity(i) > felt
     };
     if now.active.iter().any(leaves) {
         driver.note(LOW_FLIGHTS);

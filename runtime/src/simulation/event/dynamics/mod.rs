@@ -498,14 +498,15 @@ impl<'a> Dynamics<'a> {
         let n = self.n;
         for i in 0..self.contacts {
             self.evaluate_sides(i);
-            let tangent = self.has_friction(i).then(|| {
+            let friction = self.has_friction(i).then(|| {
                 let length = tangent_point::length(n);
-                &self.evaluated.tangents[i * length..(i + 1) * length]
+                let tangent = &self.evaluated.tangents[i * length..(i + 1) * length];
+                (tangent, self.laws.friction[i])
             });
             let length = contact_point::length(n);
             let point = &self.evaluated.points[i * length..(i + 1) * length];
             let instant = Instant::new(&y[..2 * n], &self.evaluated.acceleration, moment);
-            self.scales[i].observe(point, tangent, instant);
+            self.scales[i].observe(point, friction, instant);
         }
     }
 

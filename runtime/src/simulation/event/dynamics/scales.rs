@@ -58,6 +58,12 @@ impl<'a> Instant<'a> {
             .sum()
     }
 
+    /// `sum_k |covector_k a_k|`: size of the terms of an acceleration.
+    fn acceleration_terms(&self, covector: &[f64]) -> f64 {
+        let terms = covector.iter().zip(self.a);
+        terms.map(|(c, a)| (c * a).abs()).sum()
+    }
+
     /// The coordinate `k` after a share of what it moves in the moment.
     pub(super) fn moved(&self, k: usize, share: f64) -> f64 {
         let speed = self.v[k] + self.moment * self.a[k];
@@ -81,8 +87,13 @@ impl Default for ContactScale {
 
 impl ContactScale {
     /// Takes note of a contact, laid out as in [`contact_point`], and of its tangential side, laid out as in
-    /// [`tangent_point`], if it has friction.
-    pub(super) fn observe(&mut self, point: &[f64], tangent: Option<&[f64]>, instant: Instant<'_>) {
+    /// [`tangent_point`], with the coefficient of friction, if it has friction.
+    pub(super) fn observe(
+        &mut self,
+        point: &[f64],
+        friction: Option<(&[f64], f64)>,
+        instant: Instant<'_>,
+    ) {
         let gap = point[contact_point::GAP];
         self.longest = self.longest.max(instant.moment);
         self.lowest = self.lowest.min(gap);
@@ -91,11 +102,16 @@ impl ContactScale {
         let curvature = point[contact_point::CURVATURE].abs();
         let terms = instant.velocity_terms(normal) + instant.moment * curvature;
         self.normal_velocity = self.normal_velocity.max(terms);
-        if let Some(tangent) = tangent {
+        if let Some((tangent, mu)) = friction {
             let along = &tangent[tangent_point::TANGENT..][..instant.q.len()];
             // Ground that moves is a term of its own.
             let sliding = tangent[tangent_point::SLIDING_VELOCITY].abs();
-            let terms = instant.velocity_terms(along).max(sliding);
+            // Where nothing pulls along the surface, what friction could do there is the measure.
+            let force = mu * (instant.acceleration_terms(normal) + curvature);
+            let terms = instant
+                .velocity_terms(along)
+                .max(sliding)
+                .max(instant.moment * force);
             self.sliding_velocity = self.sliding_velocity.max(terms);
         }
         let position: f64 = normal
