@@ -38,3 +38,38 @@ fn impact_at_the_end_of_an_interval_is_found() {
         assert!((events[0].time - 1.0).abs() < 1e-6, "{}", events[0].time);
     }
 }
+
+hangtime::model! {
+    /// A pawl on a spring drives a carriage along a dry rail: it is drawn back, strikes the carriage, pushes it, and lets it glide.
+    Pawl {
+        parameters { pawl: kg = 0.2, carriage: kg = 0.5, k: N/m = 20, rub: N = 1, way: m = 0.3 }
+        coordinates { p: m in -0.08..=0.08, c: m }
+        controls { u: N in -12..=12 }
+        lagrangian pawl/2*dot(p)^2 + carriage/2*dot(c)^2 - k/2*p^2
+        forces { p: u }
+        dry friction rail: bound rub, sliding dot(c)
+        surface push: c >= p
+        impact push: inelastic
+        minimize integral(u^2)
+        finally { c == way, dot(c) == 0 }
+        start { c: 0.02 [m] }
+        horizon 1.2 [s]
+    }
+}
+
+#[test]
+fn stroke_that_is_better_an_interval_later_or_earlier_is_found_there() {
+    // With each order of strokes and bounds between the nodes, a transcription by Runge-Kutta steps comes to 5.60102 and 4.42099: with the
+    // stroke where a coarse search puts it, and an interval later. Earlier and longer swings are better than both. What a motion costs is the
+    // sum of squares of its controls, whoever finds it.
+    let pawl = Pawl::default();
+    for (intervals, known) in [(10, 5.60102), (20, 4.42099)] {
+        let solution = attempt(&pawl, intervals, &Settings::default());
+        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+        assert!(solution.resimulation_error < 1e-6);
+        let squares: f64 = solution.controls.iter().map(|u| u[0] * u[0]).sum();
+        let effort = squares * 1.2 / intervals as f64;
+        assert!((solution.objective - effort).abs() < 1e-9 * effort);
+        assert!(effort < 0.995 * known, "{intervals}: {effort}");
+    }
+}

@@ -5,7 +5,8 @@
 //! inside an interval, which presses against nothing, is a local optimum that another one a fraction of an interval away betters. Such a
 //! motion is tried with the switch at both ends of its interval, and one with a switch at the end of an interval with it at the next
 //! ends. Between these a better one may lie as well, inside the next intervals, with a barrier at the end: there it is tried in the
-//! middle. The other switches keep their places in the time before it and after it: of two impacts that follow each other, the
+//! middle; and with all switches an interval earlier or later, since a motion that does all of it sooner, or later, is no neighbour either.
+//! The other switches keep their places in the time before it and after it: of two impacts that follow each other, the
 //! first one alone often cannot move.
 
 use super::pressure::Pressure;
@@ -14,7 +15,7 @@ use crate::ocp::motion::sequence::{Place, Sequence, Signature, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 
 /// Sequences with one switch, and what accompanies it, moved to the nearest ends of intervals on both sides, and into the middle of the
-/// next intervals, each once.
+/// next intervals, and those with all switches an interval earlier or later, each once.
 pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
     let mut known: Vec<Signature> = Vec::new();
     let mut found = Vec::new();
@@ -25,16 +26,18 @@ pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
             continue;
         }
         for to in targets(switch, pressure.intervals) {
-            let Some(moved) = moved(pressure.sequence, index, to, pressure.intervals) else {
-                continue;
-            };
-            let signature = moved.signature();
-            if !known.contains(&signature) {
-                known.push(signature);
-                found.push(moved);
-            }
+            found.extend(moved(pressure.sequence, index, to, pressure.intervals));
         }
     }
+    if pressure.sequence.switches.len() > 1 {
+        found.extend(shifted(pressure.sequence, pressure.intervals));
+    }
+    found.retain(|sequence| {
+        let signature = sequence.signature();
+        let is_new = !known.contains(&signature);
+        known.push(signature);
+        is_new
+    });
     found
 }
 
@@ -70,17 +73,68 @@ fn in_the_middle(interval: usize) -> Target {
     (interval, Place::Inside, interval as f64 + 0.5)
 }
 
-/// With a switch moved to a place, and those inside intervals before and after it in proportion; `None` where the order of
-/// the switches is none.
-fn moved(
-    given: &Sequence,
+/// With a switch moved to a place, and those inside intervals before and after it in proportion; where it comes to or beyond switches at
+/// the ends of intervals, these by as many intervals as it has moved. `None` where the order of the switches is none.
+fn moved(given: &Sequence, index: usize, to: Target, intervals: usize) -> Option<Sequence> {
+    let alone = moved_among(given.clone(), index, to, intervals);
+    // Of one contact no two happen at one instant.
+    let alone = alone.filter(|sequence| {
+        let switches = &sequence.switches;
+        let at_once = |(i, j): &(usize, usize)| switches[*i].time == switches[*j].time;
+        !sequence.neighbours().any(|pair| at_once(&pair))
+    });
+    alone.or_else(|| moved_among(made_way(given, index, to), index, to, intervals))
+}
+
+/// With all switches an interval earlier and later: what leads to them is done that much sooner, or later.
+fn shifted(given: &Sequence, intervals: usize) -> Vec<Sequence> {
+    let shift = |earlier: bool| {
+        let mut sequence = given.clone();
+        for switch in &mut sequence.switches {
+            let interval = if earlier {
+                switch.interval.checked_sub(1)
+            } else {
+                Some(switch.interval + 1)
+            };
+            switch.time += if earlier { -1.0 } else { 1.0 };
+            switch.interval = interval.filter(|_| switch.time < intervals as f64)?;
+        }
+        sequence.ordered(intervals)
+    };
+    [true, false].into_iter().filter_map(shift).collect()
+}
+
+/// With the switches at the ends of intervals that one comes to, or beyond, by as many intervals further.
+fn made_way(given: &Sequence, index: usize, (interval, _, to): Target) -> Sequence {
+    let mut sequence = given.clone();
+    let own = &given.switches[index];
+    let companions = Sequence::companions(&given.switches, index).len();
+    let way = interval.abs_diff(own.interval).max(1);
+    for (place, switch) in sequence.switches.iter_mut().enumerate() {
+        if switch.place != Place::Start {
+            continue;
+        }
+        if place > index + companions && switch.time <= to {
+            switch.interval += way;
+        } else if place < index && switch.time >= to && switch.interval > way {
+            switch.interval -= way;
+        }
+        switch.time = switch.interval as f64;
+    }
+    sequence
+}
+
+/// With a switch moved to a place, and those inside intervals before and after it in proportion.
+fn moved_among(
+    given: Sequence,
     index: usize,
     (interval, at, to): Target,
     intervals: usize,
 ) -> Option<Sequence> {
-    let mut sequence = given.clone();
     let (from, last) = (given.switches[index].time, intervals as f64);
-    let moves = index..=index + Sequence::companions(&given.switches, index).len();
+    let companions = Sequence::companions(&given.switches, index).len();
+    let mut sequence = given;
+    let moves = index..=index + companions;
     for (place, switch) in sequence.switches.iter_mut().enumerate() {
         if moves.contains(&place) {
             (switch.interval, switch.place, switch.time) = (interval, at, to);
@@ -194,6 +248,40 @@ mod tests {
         let moved = moved(&ending, 1, at_node(9), 10).expect("ordered");
         assert!((moved.switches[0].time - 4.05).abs() < 1e-12);
         assert_eq!(moved.switches[1].interval, 9);
+    }
+
+    #[test]
+    fn switch_that_comes_to_where_its_contact_opens_takes_the_opening_along() {
+        let opening = Switch {
+            place: Place::Start,
+            ..Switch::inside(0, false, ContactMode::Open, 5.0)
+        };
+        let landing = Switch::inside(0, true, ContactMode::Frictionless, 4.5);
+        let given = Sequence {
+            switches: vec![landing, opening],
+            ..struck()
+        };
+        let times = |to: Target| -> Vec<f64> {
+            let moved = moved(&given, 0, to, 10).expect("ordered");
+            moved.switches.iter().map(|switch| switch.time).collect()
+        };
+        assert_eq!(times(at_node(5)), [5.0, 6.0]);
+        assert_eq!(times(in_the_middle(5)), [5.5, 6.0]);
+        // Away from it the opening stays.
+        assert_eq!(times(in_the_middle(3)), [3.5, 5.0]);
+    }
+
+    #[test]
+    fn all_switches_are_shifted_by_an_interval_where_there_is_room_for_them() {
+        let times = |sequence: &Sequence| -> Vec<f64> {
+            sequence.switches.iter().map(|switch| switch.time).collect()
+        };
+        let found = shifted(&struck(), 10);
+        assert_eq!(times(&found[0]), [3.5, 6.8, 6.8]);
+        assert_eq!(times(&found[1]), [5.5, 8.8, 8.8]);
+        assert_eq!(found[1].switches[1].interval, 8);
+        // The second impact is in the last of eight intervals.
+        assert_eq!(shifted(&struck(), 8).len(), 1);
     }
 
     #[test]

@@ -124,11 +124,10 @@ pub(in crate::ocp) fn sampled(
             time: vec![0.0],
             states: vec![start],
         };
-        found.extend(simulated(
-            setting,
-            &motion,
-            runner.settings.replay_tolerance,
-        )?);
+        // One that is refused, as in no time, is none.
+        let tolerance = runner.settings.replay_tolerance;
+        let candidate = simulated(setting, &motion, tolerance).ok().flatten();
+        found.extend(candidate);
     }
     Ok(found)
 }

@@ -65,23 +65,59 @@ pub(super) fn solve(
     let mut tried = settings.clone();
     let mut asks = true;
     let mut seen = Vec::new();
+    // Least objective of the motions among plans most of which were none, and what finer elements have led to.
+    let mut left = f64::INFINITY;
+    let mut finer: Option<Solution> = None;
     loop {
         let asks_for_finer = asks && FINER * tried.elements <= FINEST;
         let with = (&tried, asks_for_finer);
-        let Some(solution) = solve_in_elements(scene, with, &observer, &mut seen)? else {
-            tried.elements *= FINER;
-            continue;
+        let solution = match solve_in_elements(scene, with, &observer, &mut seen)? {
+            Ended::AtAResult(solution) => *solution,
+            Ended::TooCoarse { least } => {
+                left = left.min(least);
+                tried.elements *= FINER;
+                continue;
+            }
         };
-        let coarse = tried.elements == settings.elements;
-        if coarse || rank(&solution).0 <= 1 || observer.stopped() {
+        if let Some(finer) = finer {
+            return Ok(better_of(finer, solution));
+        }
+        let poorer = solution.objective > left + solution.tolerated(IMPROVED);
+        let found = rank(&solution).0 <= 1 && !poorer;
+        if found || tried.elements == settings.elements || observer.stopped() {
             return Ok(solution);
         }
-        // Finer elements have led to no motion, and coarse ones may still.
-        let mut failed = Found { start: 0, solution };
+        // Finer elements have led to no motion, or to a poorer one than coarse ones, which may still lead to more.
+        let mut failed = Found {
+            start: 0,
+            solution: solution.clone(),
+        };
         leave_its_work(&mut failed);
         seen.push(failed);
+        finer = Some(solution);
         (tried, asks) = (settings.clone(), false);
     }
+}
+
+/// What finer elements have led to, or coarse ones, with the work of all, which the last has done.
+fn better_of(finer: Solution, last: Solution) -> Solution {
+    if is_as_good(&last, &finer) {
+        return last;
+    }
+    Solution {
+        counts: last.counts,
+        seconds: last.seconds,
+        ..finer
+    }
+}
+
+/// Where the search with some number of elements ends.
+enum Ended {
+    AtAResult(Box<Solution>),
+    /// The plans of most starts are no motions; with the least objective of those that are.
+    TooCoarse {
+        least: f64,
+    },
 }
 
 /// The same with the elements of the settings. What is run is added to `seen`; without a result if these are too coarse, where that is
@@ -91,7 +127,7 @@ fn solve_in_elements<'o>(
     (settings, asks): (&Settings, bool),
     observer: &SharedObserver<'o, 'o>,
     seen: &mut Vec<Found>,
-) -> Result<Option<Solution>, InputError> {
+) -> Result<Ended, InputError> {
     let most = if settings.starts() == 1 {
         settings.maximum_programs
     } else {
@@ -130,8 +166,11 @@ fn solve_in_elements<'o>(
             let found = look(&task, (starts, single), seen)?;
             let asks = asks && starts == settings.starts() && !observer.stopped();
             if asks && is_too_coarse(settings, &found) {
+                let motions = found.iter().filter(|found| rank(&found.solution).0 == 0);
+                let objectives = motions.map(|found| found.solution.objective);
+                let least = objectives.fold(f64::INFINITY, f64::min);
                 seen.iter_mut().for_each(leave_its_work);
-                return Ok(None);
+                return Ok(Ended::TooCoarse { least });
             }
             found
         } else if from.iter().any(|found| found.solution.motion.is_some()) {
@@ -141,7 +180,8 @@ fn solve_in_elements<'o>(
         };
         if let Some(endless) = endless(&task, &found, problem.intervals) {
             let seen = std::mem::take(seen);
-            return Ok(Some(result(vec![endless], seen, observer.stopped())));
+            let result = result(vec![endless], seen, observer.stopped());
+            return Ok(Ended::AtAResult(Box::new(result)));
         }
         let mut found = best_of(found, tried);
         if intervals < problem.intervals {
@@ -164,7 +204,8 @@ fn solve_in_elements<'o>(
         conclude(&task, &mut found, seen)?;
     }
     let seen = std::mem::take(seen);
-    Ok(Some(result(found, seen, observer.stopped())))
+    let result = result(found, seen, observer.stopped());
+    Ok(Ended::AtAResult(Box::new(result)))
 }
 
 /// Whether more plans that starts led to are none than are motions: an element holds more of the motion than its polynomials follow.
