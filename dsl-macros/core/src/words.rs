@@ -38,6 +38,31 @@ pub(crate) const FOREIGN: [(&str, &str); 10] = [
     ("norm", "the length of a vector is `|v|`"),
 ];
 
+/// Statements that there are not, and what is written instead.
+const OTHERWISE: [(&str, &str); 4] = [
+    (
+        "maximize",
+        "what is to be large is minimized with its sign changed, as in `minimize -(...)`",
+    ),
+    (
+        "maximise",
+        "what is to be large is minimized with its sign changed, as in `minimize -(...)`",
+    ),
+    (
+        "subject",
+        "conditions at the end stand in `finally { ... }`, others in `constraint`",
+    ),
+    ("objective", "an objective begins with `minimize`"),
+];
+
+/// What is said of a word where a statement begins that there is not, if it is near to one or known otherwise.
+pub(crate) fn unknown_statement(text: &str, near: Option<&str>) -> Option<String> {
+    if let Some((_, instead)) = OTHERWISE.iter().find(|(word, _)| *word == text) {
+        return Some(format!("there is no statement `{text}`; {instead}"));
+    }
+    near.map(|near| format!("unknown statement `{text}`; did you mean `{near}`?"))
+}
+
 /// Words that begin a part of an impact law.
 pub(crate) const LAW_PARTS: [&str; 6] = [
     "inelastic",

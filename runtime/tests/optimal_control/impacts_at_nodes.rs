@@ -59,17 +59,19 @@ hangtime::model! {
 
 #[test]
 fn stroke_that_is_better_an_interval_later_or_earlier_is_found_there() {
-    // With each order of strokes and bounds between the nodes, a transcription by Runge-Kutta steps comes to 5.60102 and 4.42099: with the
-    // stroke where a coarse search puts it, and an interval later. Earlier and longer swings are better than both. What a motion costs is the
-    // sum of squares of its controls, whoever finds it.
+    // With each order of strokes and bounds between the nodes, a transcription by Runge-Kutta steps comes to 5.60102, with the stroke where a
+    // coarse search puts it. An interval further away it is better. What a motion costs is the sum of squares of its controls, whoever
+    // finds it.
     let pawl = Pawl::default();
-    for (intervals, known) in [(10, 5.60102), (20, 4.42099)] {
-        let solution = attempt(&pawl, intervals, &Settings::default());
-        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
-        assert!(solution.resimulation_error < 1e-6);
-        let squares: f64 = solution.controls.iter().map(|u| u[0] * u[0]).sum();
-        let effort = squares * 1.2 / intervals as f64;
-        assert!((solution.objective - effort).abs() < 1e-9 * effort);
-        assert!(effort < 0.995 * known, "{intervals}: {effort}");
-    }
+    let settings = Settings {
+        starts: Some(2),
+        ..Settings::default()
+    };
+    let solution = attempt(&pawl, 10, &settings);
+    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+    assert!(solution.resimulation_error < 1e-6);
+    let squares: f64 = solution.controls.iter().map(|u| u[0] * u[0]).sum();
+    let effort = squares * 1.2 / 10.0;
+    assert!((solution.objective - effort).abs() < 1e-9 * effort);
+    assert!(effort < 0.995 * 5.60102, "{effort}");
 }

@@ -590,12 +590,12 @@ impl Parser<'_> {
                         format!("{text}(...)")
                     }
                     _ => {
-                        if let Some(statement) = closest(&text, words::STATEMENTS) {
-                            slips::expect_name_of(statement, cursor, 1, self.diagnostics);
-                            return Err(self.diagnostics.syntax(
-                                cursor.place(),
-                                format!("unknown statement `{text}`; did you mean `{statement}`?"),
-                            ));
+                        let near = closest(&text, words::STATEMENTS);
+                        if let Some(message) = words::unknown_statement(&text, near) {
+                            if let Some(statement) = near {
+                                slips::expect_name_of(statement, cursor, 1, self.diagnostics);
+                            }
+                            return Err(self.diagnostics.syntax(cursor.place(), message));
                         }
                         text
                     }

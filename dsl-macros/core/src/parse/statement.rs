@@ -131,14 +131,17 @@ fn unknown_statement(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnos
             "`{text}` is part of an impact law; write `impact name: ..., {text} ...`, with commas \
              between the parts"
         ),
-        Some(near) => {
-            slips::expect_name_of(near, cursor, 0, diagnostics);
-            format!("unknown statement `{text}`; did you mean `{near}`?")
+        near => {
+            if let Some(near) = near {
+                slips::expect_name_of(near, cursor, 0, diagnostics);
+            }
+            words::unknown_statement(text, near).unwrap_or_else(|| {
+                format!(
+                    "unknown statement `{text}`; a statement begins with {}",
+                    list(words::STATEMENTS)
+                )
+            })
         }
-        None => format!(
-            "unknown statement `{text}`; a statement begins with {}",
-            list(words::STATEMENTS)
-        ),
     };
     // What a misspelt block declares is known by name, so that its uses give no messages.
     if let Some(group) = cursor.eat_group(Delimiter::Brace) {

@@ -59,6 +59,8 @@ texts! {
         "E01: `m` is not a coordinate (coordinates: `y`, `z`)";
     misspelt_block_gives_one_message: messages "S { parametres { a = 3 } coordinates { y } lagrangian a*dot(y)^2 }" =>
         "unknown statement `parametres`; did you mean `parameters`?";
+    objective_that_is_to_be_large: messages "S { parameters { m = 3 } coordinates { y } lagrangian m*dot(y)^2 maximize y }" =>
+        "there is no statement `maximize`; what is to be large is minimized with its sign changed, as in `minimize -(...)`";
 
     // E02
     product_of_vectors: with "lagrangian m/2*dot((y, z))*dot((y, z))" =>

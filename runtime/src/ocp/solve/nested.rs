@@ -120,6 +120,20 @@ enum Ended {
     },
 }
 
+impl Ended {
+    fn of(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Self {
+        Self::AtAResult(Box::new(result(found, seen, stopped)))
+    }
+
+    fn of_too_coarse(found: &[Found]) -> Self {
+        let motions = found.iter().filter(|found| rank(&found.solution).0 == 0);
+        let objectives = motions.map(|found| found.solution.objective);
+        Self::TooCoarse {
+            least: objectives.fold(f64::INFINITY, f64::min),
+        }
+    }
+}
+
 /// The same with the elements of the settings. What is run is added to `seen`; without a result if these are too coarse, where that is
 /// asked.
 fn solve_in_elements<'o>(
@@ -166,11 +180,8 @@ fn solve_in_elements<'o>(
             let found = look(&task, (starts, single), seen)?;
             let asks = asks && starts == settings.starts() && !observer.stopped();
             if asks && is_too_coarse(settings, &found) {
-                let motions = found.iter().filter(|found| rank(&found.solution).0 == 0);
-                let objectives = motions.map(|found| found.solution.objective);
-                let least = objectives.fold(f64::INFINITY, f64::min);
                 seen.iter_mut().for_each(leave_its_work);
-                return Ok(Ended::TooCoarse { least });
+                return Ok(Ended::of_too_coarse(&found));
             }
             found
         } else if from.iter().any(|found| found.solution.motion.is_some()) {
@@ -180,8 +191,7 @@ fn solve_in_elements<'o>(
         };
         if let Some(endless) = endless(&task, &found, problem.intervals) {
             let seen = std::mem::take(seen);
-            let result = result(vec![endless], seen, observer.stopped());
-            return Ok(Ended::AtAResult(Box::new(result)));
+            return Ok(Ended::of(vec![endless], seen, observer.stopped()));
         }
         let mut found = best_of(found, tried);
         if intervals < problem.intervals {
@@ -204,8 +214,7 @@ fn solve_in_elements<'o>(
         conclude(&task, &mut found, seen)?;
     }
     let seen = std::mem::take(seen);
-    let result = result(found, seen, observer.stopped());
-    Ok(Ended::AtAResult(Box::new(result)))
+    Ok(Ended::of(found, seen, observer.stopped()))
 }
 
 /// Whether more plans that starts led to are none than are motions: an element holds more of the motion than its polynomials follow.
