@@ -63,10 +63,8 @@ fn stroke_that_is_better_an_interval_later_or_earlier_is_found_there() {
     // coarse search puts it. An interval further away it is better. What a motion costs is the sum of squares of its controls, whoever
     // finds it.
     let pawl = Pawl::default();
-    let settings = Settings {
-        starts: Some(2),
-        ..Settings::default()
-    };
+    let mut settings = Settings::default();
+    settings.starts = Some(2);
     let solution = attempt(&pawl, 10, &settings);
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
     assert!(solution.resimulation_error < 1e-6);

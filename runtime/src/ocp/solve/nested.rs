@@ -80,7 +80,14 @@ pub(super) fn solve(
             }
         };
         if let Some(finer) = finer {
-            return Ok(better_of(finer, solution));
+            let best = better_of(finer, solution);
+            return Ok(match observer.stopped() {
+                true => Solution {
+                    status: Status::Interrupted,
+                    ..best
+                },
+                false => best,
+            });
         }
         let poorer = solution.objective > left + solution.tolerated(IMPROVED);
         let found = rank(&solution).0 <= 1 && !poorer;

@@ -91,8 +91,12 @@ impl ErrorScale {
         let n = self.group.len();
         let group = self.group[component % n];
         let speed = self.fastest[group].max(self.end[group]);
-        let error = f64::max(tolerance * speed, ROUNDING * h * self.free[group]);
-        if component < n { h * error } else { error }
+        let rounding = ROUNDING * h * self.free[group];
+        if component < n {
+            f64::max(tolerance * (h * speed), h * rounding)
+        } else {
+            f64::max(tolerance * speed, rounding)
+        }
     }
 
     /// The shortest time in which the velocities `v` of a group change by as much as they are, with accelerations `a`,
