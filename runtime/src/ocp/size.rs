@@ -1,6 +1,6 @@
 //! How large the programs of a problem are, before any is solved.
 
-use super::collocation::discretization::{Lengths, Places, Setting, parabolas};
+use super::collocation::discretization::{Setting, parabolas};
 use super::collocation::transcribe::transcribe;
 use super::global::coarse_to_fine::refined_elements;
 use super::global::contact_implicit::ContactImplicit;
@@ -105,21 +105,9 @@ fn phases(
     let Some(tableau) = ButcherTableau::new(Scheme::RadauIia, settings.stages) else {
         return Err(settings.refuse_stages());
     };
-    let setting = Setting {
-        model,
-        problem,
-        tableau: &tableau,
-        units: &units,
-        bounds,
-        parabolas: &parabolas(model, &problem.start()),
-        places: Places {
-            bounds_at_nodes: settings.bounds_at_nodes,
-            path: settings.path_points,
-        },
-        shape: settings.controls,
-        lengths: Lengths::Equal,
-        kept: 1.0,
-    };
+    let parabolas = parabolas(model, &problem.start());
+    let scene = (model, problem);
+    let setting = Setting::new(scene, settings, (&tableau, &units), (bounds, &parabolas));
     let declaration = model.declaration();
     let per_interval = refined_elements(settings, problem.intervals);
     let coarse = ContactImplicit::new(setting, per_interval, &guessed, settings.step);

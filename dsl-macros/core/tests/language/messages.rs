@@ -62,6 +62,9 @@ texts! {
     objective_that_is_to_be_large: messages "S { parameters { m = 3 } coordinates { y } lagrangian m*dot(y)^2 maximize y }" =>
         "there is no statement `maximize`; what is to be large is minimized with its sign changed, as in `minimize -(...)`";
 
+    conditions_of_other_languages: messages "S { parameters { m = 3 } coordinates { y } lagrangian m*dot(y)^2 subject { y == 1 } }" =>
+        "there is no statement `subject`; conditions at the end stand in `finally { ... }`, others in `constraint`";
+
     // E02
     product_of_vectors: with "lagrangian m/2*dot((y, z))*dot((y, z))" =>
         "E02: `m/2*dot((y, z))*dot((y, z))` multiplies two vectors; write `dot(m/2*dot((y, z)), dot((y, z)))`";

@@ -6,7 +6,7 @@ use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::problem::Problem;
 use crate::ocp::program::units::Units;
-use crate::ocp::settings::PathPoints;
+use crate::ocp::settings::{PathPoints, Settings};
 use crate::rk::ButcherTableau;
 
 /// Everything that stays the same over all sequences.
@@ -26,7 +26,31 @@ pub(in crate::ocp) struct Setting<'a> {
     pub(in crate::ocp) kept: f64,
 }
 
-impl Setting<'_> {
+impl<'a> Setting<'a> {
+    /// A grid as the settings ask for it, with intervals of equal length and all distances that the method keeps.
+    pub(in crate::ocp) fn new(
+        (model, problem): (&'a dyn Model, &'a Problem),
+        settings: &Settings,
+        (tableau, units): (&'a ButcherTableau, &'a Units),
+        (bounds, parabolas): ((&'a [f64], &'a [f64]), &'a [bool]),
+    ) -> Self {
+        Self {
+            model,
+            problem,
+            tableau,
+            units,
+            bounds,
+            parabolas,
+            places: Places {
+                bounds_at_nodes: settings.bounds_at_nodes,
+                path: settings.path_points,
+            },
+            shape: settings.controls,
+            lengths: Lengths::Equal,
+            kept: 1.0,
+        }
+    }
+
     /// The final times that its programs look at.
     pub(in crate::ocp) fn final_times(&self) -> FinalTimes {
         FinalTimes::around(self.problem, self.units.time)

@@ -80,8 +80,8 @@ fn moved(given: &Sequence, index: usize, to: Target, intervals: usize) -> Option
     // Of one contact no two happen at one instant.
     let alone = alone.filter(|sequence| {
         let switches = &sequence.switches;
-        let at_once = |(i, j): &(usize, usize)| switches[*i].time == switches[*j].time;
-        !sequence.neighbours().any(|pair| at_once(&pair))
+        let mut pairs = sequence.neighbours();
+        pairs.all(|(i, j)| switches[i].time < switches[j].time)
     });
     alone.or_else(|| moved_among(made_way(given, index, to), index, to, intervals))
 }

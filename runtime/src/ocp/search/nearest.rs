@@ -1,17 +1,14 @@
 //! What a problem without a motion asks for too much: of simulated motions under random controls within their bounds the one that comes
 //! nearest to the goals, changed at random to come nearer. It says nothing of what is possible at all, but names what is hard.
 
-use super::sampled::{CHANGED, CHANGES, DRAWN, End, drawn, ends};
+use super::sampled::{CHANGED, CHANGES, DRAWN, End, drawn, ends_of_changed};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::uniform;
-use crate::ocp::problem::Horizon;
 use crate::ocp::solution::{Miss, Nearest};
 use crate::simulation::InputError;
 
 /// Share of the unit of a condition up to which it is met.
 const MET: f64 = 1e-3;
-/// How much longer than the motion that it is made of one with a free final time is followed.
-const LONGER: f64 = 1.5;
 
 /// The simulated motion that comes nearest to the goals; none where no simulation ends.
 pub(in crate::ocp) fn nearest(setting: Setting) -> Result<Option<Nearest>, InputError> {
@@ -26,11 +23,7 @@ pub(in crate::ocp) fn nearest(setting: Setting) -> Result<Option<Nearest>, Input
     for k in 0..CHANGED {
         let share = CHANGES[k % CHANGES.len()];
         let child = archive.changed(setting, best.throw.clone(), share, &mut random);
-        let longest = match setting.problem.horizon {
-            Horizon::Fixed(horizon) => horizon,
-            Horizon::Free { .. } => LONGER * child.horizon,
-        };
-        for end in ends(setting, &child, longest, usize::MAX) {
+        for end in ends_of_changed(setting, &child, usize::MAX) {
             if nearer(&end, &best) {
                 best = end;
             }

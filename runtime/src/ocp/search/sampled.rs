@@ -60,7 +60,7 @@ pub(super) struct Throw {
     start: Vec<f64>,
     controls: ControlGrid,
     /// Length \[s\].
-    pub(super) horizon: f64,
+    horizon: f64,
 }
 
 /// A place where a motion may end.
@@ -83,7 +83,7 @@ pub(in crate::ocp) fn sampled(
     runner: &mut Runner,
     setting: Setting,
 ) -> Result<Vec<Candidate>, InputError> {
-    let Setting { model, problem, .. } = setting;
+    let model = setting.model;
     if model
         .declaration()
         .contacts
@@ -100,11 +100,7 @@ pub(in crate::ocp) fn sampled(
         }
         let parent = archive.parent(k, &mut random);
         let child = archive.changed(setting, parent, CHANGES[k % CHANGES.len()], &mut random);
-        let longest = match problem.horizon {
-            Horizon::Fixed(horizon) => horizon,
-            Horizon::Free { .. } => LONGER_THAN_BEFORE * child.horizon,
-        };
-        for end in ends(setting, &child, longest, EVENTS) {
+        for end in ends_of_changed(setting, &child, EVENTS) {
             archive.add(end);
         }
     }
@@ -319,8 +315,17 @@ fn compare(a: &Rank, b: &Rank) -> std::cmp::Ordering {
     a.0.cmp(&b.0).then(costs).then(a.2.total_cmp(&b.2))
 }
 
+/// Where a motion that another one was changed into may end.
+pub(super) fn ends_of_changed(setting: Setting, throw: &Throw, most_events: usize) -> Vec<End> {
+    let longest = match setting.problem.horizon {
+        Horizon::Fixed(horizon) => horizon,
+        Horizon::Free { .. } => LONGER_THAN_BEFORE * throw.horizon,
+    };
+    ends(setting, throw, longest, most_events)
+}
+
 /// Where a motion may end that is followed so long, and as far as it has no more than `most_events`; its last controls last.
-pub(super) fn ends(setting: Setting, throw: &Throw, longest: f64, most_events: usize) -> Vec<End> {
+fn ends(setting: Setting, throw: &Throw, longest: f64, most_events: usize) -> Vec<End> {
     let Setting { model, problem, .. } = setting;
     let declaration = model.declaration();
     let Some(declared) = declaration.optimal_control else {

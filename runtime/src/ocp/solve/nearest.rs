@@ -1,7 +1,7 @@
 //! What is hardest to meet in a problem without a motion, as simulated motions tell it.
 
 use crate::model::Model;
-use crate::ocp::collocation::discretization::{Lengths, Places, Setting, parabolas};
+use crate::ocp::collocation::discretization::{Setting, parabolas};
 use crate::ocp::global::guess::guess;
 use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::units::Units;
@@ -21,19 +21,14 @@ pub(super) fn nearest(
     let bounds = (&lower[..], &upper[..]);
     let guessed = guess(model, problem, &Guess::Straight, bounds)?;
     let tableau = ButcherTableau::new(Scheme::RadauIia, settings.stages);
-    nearest::nearest(Setting {
-        model,
-        problem,
-        tableau: &tableau.ok_or_else(|| settings.refuse_stages())?,
-        units: &Units::new(model, &guessed, bounds),
-        bounds,
-        parabolas: &parabolas(model, &problem.start()),
-        places: Places {
-            bounds_at_nodes: settings.bounds_at_nodes,
-            path: settings.path_points,
-        },
-        shape: settings.controls,
-        lengths: Lengths::Equal,
-        kept: 1.0,
-    })
+    let tableau = tableau.ok_or_else(|| settings.refuse_stages())?;
+    let units = Units::new(model, &guessed, bounds);
+    let parabolas = parabolas(model, &problem.start());
+    let scene = (model, problem);
+    nearest::nearest(Setting::new(
+        scene,
+        settings,
+        (&tableau, &units),
+        (bounds, &parabolas),
+    ))
 }

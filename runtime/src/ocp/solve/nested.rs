@@ -80,14 +80,7 @@ pub(super) fn solve(
             }
         };
         if let Some(finer) = finer {
-            let best = better_of(finer, solution);
-            return Ok(match observer.stopped() {
-                true => Solution {
-                    status: Status::Interrupted,
-                    ..best
-                },
-                false => best,
-            });
+            return Ok(better_of(finer, solution));
         }
         let poorer = solution.objective > left + solution.tolerated(IMPROVED);
         let found = rank(&solution).0 <= 1 && !poorer;
@@ -111,7 +104,12 @@ fn better_of(finer: Solution, last: Solution) -> Solution {
     if is_as_good(&last, &finer) {
         return last;
     }
+    let status = match last.status {
+        Status::Interrupted => Status::Interrupted,
+        _ => finer.status,
+    };
     Solution {
+        status,
         counts: last.counts,
         seconds: last.seconds,
         ..finer

@@ -5,7 +5,7 @@ use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp;
 
 use crate::model::Model;
-use crate::ocp::collocation::discretization::{Lengths, Places, Setting, parabolas};
+use crate::ocp::collocation::discretization::{Setting, parabolas};
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{self, RelaxedMotions};
 use crate::ocp::global::guess::{bent, guess};
@@ -177,21 +177,9 @@ pub(super) fn solve_round<'s>(
     let tableaus = tableaus(settings.stages);
     let first = tableaus.split_first();
     let (tableau, finer) = first.ok_or_else(|| settings.refuse_stages())?;
-    let setting = Setting {
-        model,
-        problem,
-        tableau,
-        units: &units,
-        bounds,
-        parabolas: &parabolas(model, &problem.start()),
-        places: Places {
-            bounds_at_nodes: settings.bounds_at_nodes,
-            path: settings.path_points,
-        },
-        shape: settings.controls,
-        lengths: Lengths::Equal,
-        kept: 1.0,
-    };
+    let parabolas = parabolas(model, &problem.start());
+    let scene = (model, problem);
+    let setting = Setting::new(scene, settings, (tableau, &units), (bounds, &parabolas));
     let mut runner = Runner::new(
         settings,
         start.watch,

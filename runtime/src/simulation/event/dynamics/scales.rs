@@ -107,11 +107,11 @@ impl ContactScale {
             // Ground that moves is a term of its own.
             let sliding = tangent[tangent_point::SLIDING_VELOCITY].abs();
             // Where nothing pulls along the surface, what friction could do there is the measure.
-            let force = mu * (instant.acceleration_terms(normal) + curvature);
+            let slowed = mu * (instant.acceleration_terms(normal) + curvature);
             let terms = instant
                 .velocity_terms(along)
                 .max(sliding)
-                .max(instant.moment * force);
+                .max(instant.moment * slowed);
             self.sliding_velocity = self.sliding_velocity.max(terms);
         }
         let position: f64 = normal
