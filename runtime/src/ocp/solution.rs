@@ -442,8 +442,8 @@ impl Solution {
                 ))
             }
             Status::Uncertified => Some(format!(
-                "not all neighbouring contact sequences were decided in {} programs; try more starts, another \
-                 number of intervals, or a larger `maximum_programs` of the settings in Rust",
+                "not all neighbouring contact sequences were decided in {} programs; try more starts or another \
+                 number of intervals",
                 self.counts.programs
             )),
             Status::Unconfirmed => {

@@ -303,7 +303,12 @@ fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diag
         .as_ref()
         .and_then(|friction| friction.sliding.as_ref());
     let given = sliding.map_or(surface.pieces, Vec::len);
-    let message = if given != surface.pieces {
+    let message = if given != surface.pieces && surface.pieces == 1 {
+        Some(format!(
+            "surface `{name}` has no edges, and `sliding` gives {given} velocities; give one, as in `sliding dot(y)`, in an \
+             `impact` of its own where another surface takes several"
+        ))
+    } else if given != surface.pieces {
         Some(format!(
             "surface `{name}` has {} smooth pieces, and `sliding` gives {given}; give one velocity for each, as in \
              `sliding (dot(y), dot(z))`",

@@ -4,7 +4,7 @@ use super::kink::Kink;
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::Expr;
-use crate::diagnostics::{Checked, Diagnostics, Place};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::graph::{self, Compose, Function, Node, Sym, Variable};
 use crate::words;
 
@@ -22,13 +22,7 @@ pub(super) fn admit(
 ) -> Checked<()> {
     let known = words::EDGES.contains(&text);
     if !known || !admitted(scope.role) {
-        let remedy = if known {
-            "; declare a `surface`, which may contain it, where the motion switches"
-        } else {
-            "; declare a `surface` where the motion switches"
-        };
-        let message =
-            format!("`{text}` has a kink or a jump, which smooth dynamics must not have{remedy}");
+        let message = format!("`{text}` has a kink or a jump, {}", remedy(scope.role, known));
         return Err(diagnostics.report("E12", whole.place, message));
     }
     let (wanted, fits) = match text {
@@ -40,6 +34,36 @@ pub(super) fn admit(
     }
     let message = format!("`{text}` takes {wanted}, found {arguments}");
     Err(diagnostics.report("E02", whole.place, message))
+}
+
+/// Why there must be no kink or jump, and what to write instead of one, or of one that a surface may have.
+fn remedy(role: Role, surface: bool) -> &'static str {
+    match role {
+        Role::Running | Role::Impact => {
+            "which an objective must not have; for the size of a control declare two that are at least 0, and add up \
+             their sum, or square it"
+        }
+        Role::Constraint | Role::End => {
+            "which objectives, constraints and goals must not have; write a condition for each side, as `x <= c` and \
+             `x >= -c`, or square it"
+        }
+        _ if surface => {
+            "which smooth dynamics must not have; declare a `surface`, which may contain it, where the motion switches"
+        }
+        _ => "which smooth dynamics must not have; declare a `surface` where the motion switches",
+    }
+}
+
+/// E12: a bar around a number that is neither in a surface nor in what is shown.
+pub(super) fn refuse_size(scope: &Scope, inner: &Expr, diagnostics: &mut Diagnostics) -> Reported {
+    let why = match scope.role {
+        Role::Running | Role::Impact | Role::Constraint | Role::End => {
+            format!("a kink at 0, {}", remedy(scope.role, false))
+        }
+        _ => "a kink at 0; square it, or declare a `surface` where the motion switches".to_owned(),
+    };
+    let message = format!("`|{inner}|` of a number has {why}");
+    diagnostics.report("E12", inner.place, message)
 }
 
 /// What `max`, `min` or `abs` of some parts is: in a surface a variable, the same one for the same parts.

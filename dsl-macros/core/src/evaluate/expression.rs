@@ -305,14 +305,7 @@ fn norm(scope: &mut Scope, inner: &Expr, diagnostics: &mut Diagnostics) -> Check
         Value::Scalar(part) if edges::admitted(scope.role) => {
             Ok(edges::call(scope, "abs", vec![part]))
         }
-        Value::Scalar(_) => Err(diagnostics.report(
-            "E12",
-            inner.place,
-            format!(
-                "`|{inner}|` of a number has a kink at 0; square it, or declare a `surface` where \
-                 the motion switches"
-            ),
-        )),
+        Value::Scalar(_) => Err(edges::refuse_size(scope, inner, diagnostics)),
         Value::Vector(components) => {
             let square: Sym = components.iter().map(|component| component.square()).sum();
             Ok(Value::Scalar(square.power(1)))

@@ -27,14 +27,15 @@ pub(super) fn constraint(
     documentation: Documentation,
     diagnostics: &mut Diagnostics,
 ) -> Checked<Statement> {
-    let name = name(cursor, "the name of the constraint", diagnostics)?;
-    if !cursor.eat_symbol(":") {
-        return Err(unexpected(
-            cursor,
-            diagnostics,
-            "`:` after the constraint's name",
-        ));
-    }
+    let begin = cursor.place();
+    let name = match cursor.ident() {
+        Some(_) => Some(name(cursor, "a name", diagnostics)?),
+        None => None,
+    };
+    let Some(name) = name.filter(|_| cursor.eat_symbol(":")) else {
+        let message = "a constraint has a name, as in `constraint speed: dot(y) <= 3 [m/s]`";
+        return Err(diagnostics.syntax(begin, message));
+    };
     let condition = condition(cursor, documentation, diagnostics)?;
     Ok(Statement::Constraint { name, condition })
 }

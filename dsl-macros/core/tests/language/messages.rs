@@ -228,7 +228,7 @@ texts! {
     edge_with_its_sliding_velocities: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding (dot(z), -dot(z))" =>
         "accepted";
     two_sliding_velocities_of_a_plane: beside "surface s: y >= 0 impact s: inelastic, friction 0.1, sliding (dot(z), -dot(z))" =>
-        "E20: surface `s` has 1 smooth pieces, and `sliding` gives 2; give one velocity for each, as in `sliding (dot(y), dot(z))`";
+        "E20: surface `s` has no edges, and `sliding` gives 2 velocities; give one, as in `sliding dot(y)`, in an `impact` of its own where another surface takes several";
     sliding_velocity_in_other_units: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding (dot(z), m*dot(z))" =>
         "E03: units differ: `m*dot(z)` is in N s, where m/s is needed (the sliding velocity of `s` has the unit of its gap over s)";
     edge_with_one_direction: beside "surface s: |y| <= 1 [m] impact s: inelastic, along (1, 0)" =>
@@ -247,6 +247,18 @@ texts! {
         "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
 
     // E15 and what else optimal control knows
+    size_of_a_control: cart "minimize integral(abs(u))" =>
+        "E12: `abs` has a kink or a jump, which an objective must not have; for the size of a control declare two that are at least 0, and add up their sum, or square it";
+    size_of_a_control_in_bars: cart "minimize integral(|u|)" =>
+        "E12: `|u|` of a number has a kink at 0, which an objective must not have; for the size of a control declare two that are at least 0, and add up their sum, or square it";
+    larger_of_two_at_the_end: cart "minimize integral(u^2) finally { max(y, 2*y) <= 1 [m] }" =>
+        "E12: `max` has a kink or a jump, which objectives, constraints and goals must not have; write a condition for each side, as `x <= c` and `x >= -c`, or square it";
+    size_in_a_constraint: cart "minimize integral(u^2) constraint slow: |dot(y)| <= 1 [m/s]" =>
+        "E12: `|dot(y)|` of a number has a kink at 0, which objectives, constraints and goals must not have; write a condition for each side, as `x <= c` and `x >= -c`, or square it";
+    constraint_without_a_name: cart "minimize integral(u^2) constraint dot(y) <= 1 [m/s]" =>
+        "a constraint has a name, as in `constraint speed: dot(y) <= 3 [m/s]`";
+    constraint_without_a_name_from_a_number_on: cart "minimize integral(u^2) constraint -1 [m/s] <= dot(y)" =>
+        "a constraint has a name, as in `constraint speed: dot(y) <= 3 [m/s]`";
     task_is_accepted: cart "minimize 1 [1/s]*time + integral(u^2)/1 [N^2 s] finally { y == 1 [m], dot(y) >= 0 } constraint power: u*dot(y) <= 3 [W] free { dot(y) in 0..=3 }" =>
         "accepted";
     control_in_a_final_cost: cart "minimize u^2" =>
