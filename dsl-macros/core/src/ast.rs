@@ -338,6 +338,20 @@ impl fmt::Display for Expr {
     }
 }
 
+impl Expr {
+    /// The expression as it stands before the sign of a power.
+    pub(crate) fn as_base(&self) -> String {
+        let mut text = String::new();
+        match write_expr(&mut text, self, AS_BASE) {
+            Ok(()) => shortened(text),
+            Err(fmt::Error) => self.to_string(),
+        }
+    }
+}
+
+/// How strongly what stands before the sign of a power must bind.
+const AS_BASE: u8 = 5;
+
 /// What stands on the left of an operator of a chain.
 pub(crate) struct Prefix<'a> {
     pub(crate) first: &'a Expr,
@@ -424,9 +438,9 @@ fn write_expr(f: &mut String, expr: &Expr, outer: u8) -> fmt::Result {
         }
         Kind::Chain(first, rest) => write_chain(f, first, rest)?,
         Kind::Power { base, exponent, .. } => {
-            write_expr(f, base, 5)?;
+            write_expr(f, base, AS_BASE)?;
             f.write_str("^")?;
-            write_expr(f, exponent, 5)?;
+            write_expr(f, exponent, AS_BASE)?;
         }
         Kind::Call {
             function,

@@ -206,8 +206,8 @@ fn derived(
                 "E06",
                 name.place(),
                 format!(
-                    "the mass matrix is singular whatever the parameters: `{}` carries no inertia of its \
-                     own; add its kinetic energy or leave the coordinate out",
+                    "the mass matrix is not positive definite whatever the parameters: `{}` carries no \
+                     inertia of its own; add its kinetic energy or leave the coordinate out",
                     name.text
                 ),
             )

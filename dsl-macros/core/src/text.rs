@@ -60,10 +60,9 @@ impl TextMistake {
 /// called after `stem`, the name of its file.
 pub(crate) fn tokens(text: &str, stem: &str) -> Result<TokenStream, Vec<TextMistake>> {
     if text.len() > LONGEST {
-        let message = format!(
-            "the text has {} bytes, more than {LONGEST}; declare one scene in a file",
-            text.len()
-        );
+        // Of a longer file only a part has been read.
+        let message =
+            format!("the text has more than {LONGEST} bytes; declare one scene in a file");
         return Err(vec![TextMistake::new(0..0, message)]);
     }
     let mistakes = characters(text);

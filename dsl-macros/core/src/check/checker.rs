@@ -255,11 +255,14 @@ impl Checker<'_> {
         Err(self.diagnostics.report("E01", name.place(), message))
     }
 
-    /// The number that a value is for the defaults of the parameters.
+    /// The number that a value is for the defaults of the parameters; none where a default is missing or wrong.
     pub(super) fn at_default(&self, value: Sym) -> Option<f64> {
         let defaults: Vec<f64> = self.parameters.iter().map(|known| known.default).collect();
         graph::substitute(&[value], |variable| match variable {
-            Variable::Parameter(i) => defaults.get(usize::from(i)).map(|&v| Sym::number(v)),
+            Variable::Parameter(i) => {
+                let default = defaults.get(usize::from(i)).filter(|value| !value.is_nan());
+                default.map(|&value| Sym::number(value))
+            }
             _ => None,
         })[0]
             .as_number()

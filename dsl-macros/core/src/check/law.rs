@@ -407,6 +407,7 @@ fn complete(
     let sliding = match declared.and_then(|list| list.get(surface.piece)) {
         Some(&sliding) => {
             braked(sliding, &friction, surface, held, checker)?;
+            along_surface(sliding, &friction, surface, checker)?;
             sliding
         }
         // Of a kinetic energy with mistakes nothing follows.
@@ -458,6 +459,40 @@ fn braked(
             surface.name.text
         ),
     ))
+}
+
+/// E20: the sliding velocity is not the velocity into the surface. A multiple of that is known by its row of velocities. Of
+/// a gap of one coordinate every velocity of this coordinate is one, and may be right where the coordinate leads along
+/// and into the surface at once; there the factor has to be a number.
+fn along_surface(
+    sliding: Sym,
+    friction: &CheckedFriction,
+    surface: &Surface,
+    checker: &mut Checker<'_>,
+) -> Checked<()> {
+    let n = checker.coordinates.len();
+    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let normal: Vec<Sym> = normal(surface.gap, n).into_iter().map(simplify).collect();
+    let row = graph::gradient(sliding, &velocities).into_iter();
+    let row: Vec<Sym> = row.map(simplify).collect();
+    let mut entries = (0..n).filter(|&i| !normal[i].is_structural_zero());
+    let Some(first) = entries.next() else {
+        return Ok(());
+    };
+    let apart = |i: usize| simplify(row[i] * normal[first] - row[first] * normal[i]);
+    if !(0..n).all(|i| apart(i).is_structural_zero()) {
+        return Ok(());
+    }
+    let factor = simplify(row[first] * normal[first].power(-2));
+    if entries.next().is_none() && factor.as_number().is_none() {
+        return Ok(());
+    }
+    let name = &surface.name.text;
+    let message = format!(
+        "the sliding velocity of `{name}` is the velocity into the surface, the rate of its gap, or a multiple of it; friction \
+         brakes the motion along the surface, so write the velocity of the touching point along it behind `sliding`"
+    );
+    Err(checker.diagnostics.report("E20", friction.place, message))
 }
 
 /// Whether a surface does not move: of one that moves, the gap does not tell how it moves along itself.

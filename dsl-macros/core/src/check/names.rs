@@ -15,6 +15,12 @@ const MOST: usize = 500;
 /// abbreviations and functions that come later.
 pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
     for statement in statements {
+        if let Statement::Parameters(quantities) = statement {
+            let names = quantities.iter().map(|quantity| quantity.name.text.clone());
+            checker.scope.later.extend(names);
+        }
+    }
+    for statement in statements {
         match statement {
             Statement::Parameters(quantities) => {
                 declare(checker, quantities, |checker, quantity| {
@@ -59,6 +65,7 @@ fn declare(
 
 fn parameter(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
     let name = &quantity.name;
+    checker.scope.later.remove(&name.text);
     checker.new_name(name, "parameter")?;
     room(checker, name, checker.parameters.len())?;
     // Declared even if its value is missing or wrong, so that its uses give no second message.

@@ -2,6 +2,7 @@
 
 use super::checker::Checker;
 use crate::ast::{Assignment, Expr, Kind, Name, Quantity, WrittenUnit};
+use crate::derive::simplify;
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::expression;
 use crate::evaluate::unrepresentable;
@@ -16,17 +17,27 @@ pub(super) fn default_value(
     value: &Expr,
     unit: Option<&WrittenUnit>,
 ) -> Checked<f64> {
-    let sym = in_declared_unit(checker, value, unit)?;
-    match sym.as_number() {
-        Some(value) => Ok(value),
-        None => Err(checker.diagnostics.syntax(
-            value.place,
-            format!(
-                "the default of parameter `{}` must be a number; abbreviations of other \
-                 parameters belong to `let`",
-                name.text
-            ),
-        )),
+    let sym = match names_a_later_one(checker, value) {
+        true => None,
+        false => Some(in_declared_unit(checker, value, unit)?),
+    };
+    sym.and_then(Sym::as_number).ok_or_else(|| {
+        let message = format!(
+            "the default of parameter `{}` must be a number; abbreviations of other parameters belong to `let`",
+            name.text
+        );
+        checker.diagnostics.syntax(value.place, message)
+    })
+}
+
+/// Whether an expression contains the name of a parameter that is declared behind it.
+fn names_a_later_one(checker: &Checker<'_>, expr: &Expr) -> bool {
+    match &expr.kind {
+        Kind::Name(name) => checker.scope.later.contains(&name.text),
+        _ => {
+            let mut parts = expr.children().into_iter();
+            parts.any(|part| names_a_later_one(checker, part))
+        }
     }
 }
 
@@ -155,8 +166,31 @@ pub(super) fn dissipation(checker: &mut Checker<'_>, keyword: Place, expr: &Expr
         ));
     }
     super::rules::smooth(value, expr, checker)?;
+    damping_grows(checker, value, expr)?;
     damping_is_not_negative(checker, value, expr)?;
     checker.dissipation = Some(value);
+    Ok(())
+}
+
+/// E10: no velocity enters linearly only. A power like that has no smallest value, so in one direction it is fed in, by a
+/// force that no velocity changes.
+fn damping_grows(checker: &mut Checker<'_>, dissipation: Sym, expr: &Expr) -> Checked<()> {
+    let velocities = (0..checker.coordinates.len()).map(|i| Variable::Velocity(i as u16));
+    let velocities: Vec<Variable> = velocities.collect();
+    for (coordinate, &velocity) in checker.coordinates.iter().zip(&velocities) {
+        let slope = simplify(graph::partial(&[dissipation], velocity)[0]);
+        let grows = graph::gradient(slope, &velocities);
+        let constant = |&part: &Sym| simplify(part).is_structural_zero();
+        if !slope.is_structural_zero() && grows.iter().all(constant) {
+            let name = &coordinate.name.text;
+            let message = format!(
+                "the dissipation is linear in `dot({name})`: its force is the same at any velocity, so it feeds in \
+                 energy one way; a damper is quadratic or of higher degree, as in `c/2*dot({name})^2`, and friction of \
+                 constant size is `dry friction`, as in `dry friction rail: bound f, sliding dot({name})`"
+            );
+            return Err(checker.diagnostics.report("E10", expr.place, message));
+        }
+    }
     Ok(())
 }
 

@@ -117,6 +117,7 @@ impl Parser<'_> {
         // The exponent may carry a sign: x^-2.
         let exponent = self.climb(cursor, SIGN)?;
         if stacked_power(&exponent) {
+            let base = base.as_base();
             return Err(self.diagnostics.syntax(
                 place,
                 format!(

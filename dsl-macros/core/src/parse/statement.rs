@@ -21,18 +21,30 @@ pub(super) fn statements(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> 
         }
         match statement(cursor, documentation, diagnostics) {
             Ok(statement) => statements.push(statement),
-            Err(Reported) => {
-                cursor.skip_until(|cursor| {
-                    cursor.ident().is_some_and(|ident| {
-                        let word = ident.to_string();
-                        begins_statement(&word) || is_misspelt_block(cursor, &word)
-                    })
-                });
-            }
+            Err(Reported) => skip_to_statement(cursor),
         }
         while cursor.eat_symbol(";") || cursor.eat_symbol(",") {}
     }
     statements
+}
+
+fn skip_to_statement(cursor: &mut Cursor) {
+    cursor.skip_until(|cursor| {
+        cursor.ident().is_some_and(|ident| {
+            let word = ident.to_string();
+            begins_statement(&word) || is_misspelt_block(cursor, &word)
+        })
+    });
+}
+
+/// Whether a comma is there, and behind it something that begins no statement.
+fn another_one_follows(cursor: &Cursor) -> bool {
+    let mut next = cursor.clone();
+    if !next.eat_symbol(",") || next.is_empty() || next.at_symbol("#") {
+        return false;
+    }
+    let word = next.ident().map(ToString::to_string);
+    word.is_none_or(|word| !begins_statement(&word) && !is_misspelt_block(&next, &word))
 }
 
 /// Whether a name with a block behind it was meant to begin a statement.
@@ -317,6 +329,15 @@ fn surface_after_name(
             cursor.place(),
             format!("a surface compares two sides; declare two surfaces, the second one with `{right}` on its left"),
         ));
+    }
+    if another_one_follows(cursor) {
+        let message = format!(
+            "a surface is one inequality; declare one more for what follows, as in `surface {0}_2: ...`, and name both in \
+             the law, as in `impact {0}, {0}_2: inelastic`",
+            name.text
+        );
+        diagnostics.syntax(cursor.place(), message);
+        skip_to_statement(cursor);
     }
     Ok(Statement::Surface {
         documentation,

@@ -48,6 +48,18 @@ texts! {
         "S { coordinates { y } lagrangian dot(y)^2/2 - 9.81*y surface s: y >= 3 impact s: inelastic start { y: 4 } }"
         => "accepted";
 
+    surface_of_two_inequalities: beside "surface corner: z >= 0, y >= 0 impact corner: inelastic" =>
+        "a surface is one inequality; declare one more for what follows, as in `surface corner_2: ...`, and name both in the law, as in `impact corner, corner_2: inelastic`";
+    surface_before_a_comma: beside "surface floor: z >= 0, impact floor: inelastic" => "accepted";
+    parameter_without_a_value_is_one_mistake: messages
+        "S { parameters { m: kg = 1, e } coordinates { y: m in 0..=e*1 [m] } lagrangian m/2*dot(y)^2 surface s: y >= 0 impact s: restitution e start { y: 0.5 } }" =>
+        "parameter `e` needs a default value, as in `e = 1`";
+    parameter_of_one_further_down: messages
+        "S { parameters { m: kg = 1, h: m = 2*k, k: m = 3 } coordinates { y: m } lagrangian m/2*dot(y)^2 + m*y*h*k/1 [m s^2] }" =>
+        "the default of parameter `h` must be a number; abbreviations of other parameters belong to `let`";
+    two_powers_with_a_base_in_parentheses: beside "dissipation 1 [N s/m]*|dot((y, z))|^2*(z/1 [m])^2^3" =>
+        "two powers in a row are easily misread; put the inner one in parentheses, as in `(z/1 [m])^(2^3)`";
+
     // E01
     misspelt_names_are_all_reported: with "lagrangian m/2*dot(y)^2 + m/2*dott(z)^2 - mm*g*z" =>
         "E01: function `dott` is not declared; did you mean `dot`?",
@@ -138,7 +150,7 @@ texts! {
     coordinate_without_inertia: with "lagrangian m/2*dot(y)^2 - m*g*z" =>
         "E05: coordinate `z` carries no inertia: the Lagrangian is not quadratic in `dot(z)`; add its kinetic energy, or make it a parameter or a control";
     inertia_in_one_direction_only: with "lagrangian m/2*(dot(y) + dot(z))^2 - m*g*z" =>
-        "E06: the mass matrix is singular whatever the parameters: `z` carries no inertia of its own; add its kinetic energy or leave the coordinate out";
+        "E06: the mass matrix is not positive definite whatever the parameters: `z` carries no inertia of its own; add its kinetic energy or leave the coordinate out";
 
     // E07, E09
     surface_with_two_relations: beside "surface wall: 0 [m] <= y <= 2 [m] impact wall: inelastic" =>
@@ -165,6 +177,16 @@ texts! {
     restitution_above_one_by_its_default: messages
         "S { parameters { m: kg = 1, e = 1.2 } coordinates { y: m } lagrangian m/2*dot(y)^2 surface wall: y >= 0 impact wall: restitution 1 - e/10, friction -e, sliding dot(y) }" =>
         "E10: coefficient of friction -e = -1.2 is below 0: the force would drive the sliding instead of braking it; change its sign";
+    inertia_of_products_only: with "lagrangian m*dot(y)*dot(z) - m*g*z" =>
+        "E06: the mass matrix is not positive definite whatever the parameters: `y` carries no inertia of its own; add its kinetic energy or leave the coordinate out";
+    dissipation_linear_in_a_velocity: beside "dissipation 3 [N]*dot(y) + 2 [N s/m]*dot(z)^2" =>
+        "E10: the dissipation is linear in `dot(y)`: its force is the same at any velocity, so it feeds in energy one way; a damper is quadratic or of higher degree, as in `c/2*dot(y)^2`, and friction of constant size is `dry friction`, as in `dry friction rail: bound f, sliding dot(y)`";
+    dissipation_linear_after_simplification: beside "let w = 1 [m/s] dissipation 1 [N s/m]/2*((dot(z) - w)^2 - (dot(z) + w)^2)" =>
+        "E10: the dissipation is linear in `dot(z)`: its force is the same at any velocity, so it feeds in energy one way; a damper is quadratic or of higher degree, as in `c/2*dot(z)^2`, and friction of constant size is `dry friction`, as in `dry friction rail: bound f, sliding dot(z)`";
+    dissipation_of_any_other_kind: messages
+        "S { parameters { m: kg = 1, c: N s/m = 1, d: N s^2/m^2 = 1, e: m/s = 0.1, w: m/s = 1 } coordinates { y: m, z: m } lagrangian m/2*|dot((y, z))|^2
+         dissipation c/2*dot(y)^2 + c/2*(dot(y) - w*sin(t/1[s]))^2 + d/3*(dot(z)^2 + e^2)^(3/2) + c/2*(1 + y^2/1[m^2])*|dot((y, z))|^2 + c/2*(dot(y) - dot(z) - w)^2 }"
+        => "accepted";
     restitution_that_changes: beside "surface wall: y >= 0 impact wall: restitution z/y" =>
         "the coefficient of restitution depends on the coordinate `y`; it may depend on parameters only";
     coefficients_with_units: beside "surface wall: y >= 0 impact wall: restitution 0.5 [m], friction m/80 [s]" =>
@@ -175,6 +197,13 @@ texts! {
     sliding_velocity_that_is_none: beside "surface wall: y >= 0 surface top: z <= 1 [m] impact wall: inelastic, friction 0.3, sliding dot(z)*dot(y)/1 [m/s] impact top: inelastic, friction 0.3, sliding z/1 [s]" =>
         "E07: `dot(z)*dot(y)/1 [m/s]` is no sliding velocity: that is a sum of velocities times functions of positions, such as `dot(y)`, less the speed of a ground that moves",
         "E07: the sliding velocity `z/1 [s]` contains no velocity; write e.g. `dot(y)`";
+    sliding_velocity_into_the_surface: beside "surface floor: z >= 0 impact floor: inelastic, friction 0.3, sliding dot(z) - 2 [m/s]" =>
+        "E20: the sliding velocity of `floor` is the velocity into the surface, the rate of its gap, or a multiple of it; friction brakes the motion along the surface, so write the velocity of the touching point along it behind `sliding`";
+    sliding_velocity_into_a_slope: beside "let a = m/2 [kg] surface slope: 2*(z*cos(a) + y*sin(a)) >= 0 impact slope: inelastic, friction 0.3, sliding dot(z)*cos(a) + dot(y)*sin(a)" =>
+        "E20: the sliding velocity of `slope` is the velocity into the surface, the rate of its gap, or a multiple of it; friction brakes the motion along the surface, so write the velocity of the touching point along it behind `sliding`";
+    sliding_velocity_on_a_guide_that_leads_into_the_surface: messages
+        "S { parameters { m: kg = 1, a: rad = 0.5 } coordinates { s: m, y: m } lagrangian m/2*|dot((s, y))|^2 surface wall: s*cos(a) >= 0 impact wall: inelastic, friction 0.3, sliding dot(s)*sin(a) surface floor: y >= 0 impact floor: inelastic, friction 0.1, sliding dot(s) + dot(y) }"
+        => "accepted";
     friction_beyond_a_point_mass: messages
         "S { parameters { m: kg = 1, mu = 0.3 } coordinates { y: m, z: m, s: m } lagrangian m/2*|dot((y, z, s))|^2 surface wall: y >= 0 impact wall: inelastic, friction mu }" =>
         "E20: `friction` of `wall` needs the sliding velocity, which follows by itself for one point mass in two Cartesian coordinates on a surface at rest only; add that of the touching point along the surface, scaled like the gap, as in `impact wall: ..., friction mu, sliding dot(y)`";
