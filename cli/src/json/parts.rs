@@ -159,7 +159,7 @@ pub(super) struct TrajectoryEntry<'a> {
 }
 
 impl<'a> TrajectoryEntry<'a> {
-    /// At most `most` of the rows before the first number that is not finite.
+    /// At most `most` of the rows before the first state that is not finite; other such numbers are null.
     pub(super) fn new(model: &dyn Model, trajectory: &'a Trajectory, most: usize) -> Self {
         let rows = finite_instants(trajectory);
         let kept = thinning::kept(&trajectory.time[..rows], most);
@@ -200,22 +200,16 @@ impl<'a> TrajectoryEntry<'a> {
     }
 }
 
-/// Instants before the first number that is not finite.
+/// Instants before the first whose state is not finite. Forces may be infinite where the motion goes on.
 fn finite_instants(trajectory: &Trajectory) -> usize {
     let finite = |row: &[f64]| row.iter().all(|value| value.is_finite());
     (0..trajectory.time.len())
         .take_while(|&k| {
             trajectory.time[k].is_finite()
                 && trajectory.numerical_time[k].is_finite()
-                && [
-                    &trajectory.q[k],
-                    &trajectory.v[k],
-                    &trajectory.u[k],
-                    &trajectory.contact_force[k],
-                ]
-                .into_iter()
-                .chain(trajectory.friction_force.get(k))
-                .all(|row| finite(row))
+                && [&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]]
+                    .into_iter()
+                    .all(|row| finite(row))
         })
         .count()
 }

@@ -101,25 +101,20 @@ mod tests {
     use crate::method::MethodSettings;
     use crate::settings::{ChosenScene, find};
 
-    #[test]
-    fn document_of_a_run_that_became_infinite_ends_before_the_first_infinite_row() {
+    /// The document of a run of three instants.
+    fn document(status: SimulationStatus, speeds: [f64; 3], forces: [f64; 3]) -> serde_json::Value {
         let chosen = ChosenScene::new(find(crate::testing::SCENES, "slide").unwrap(), &[]).unwrap();
         let mut trajectory = Trajectory::default();
         trajectory.time = vec![0.0, 0.5, 1.0];
         trajectory.numerical_time = trajectory.time.clone();
         trajectory.q = vec![vec![1.0, 0.1], vec![2.0, 0.2], vec![3.0, 0.3]];
-        trajectory.v = vec![vec![0.0, 0.0], vec![1e300, 0.0], vec![f64::INFINITY, 0.0]];
+        trajectory.v = speeds.map(|speed| vec![speed, 0.0]).into();
         trajectory.u = vec![Vec::new(); 3];
-        trajectory.contact_force = vec![vec![0.0, 0.0]; 3];
+        trajectory.contact_force = forces.map(|force| vec![force, 0.0]).into();
         let simulation = Simulation {
             declaration: chosen.model.declaration(),
             initial_modes: Vec::new(),
-            status: SimulationStatus::NotFinite(Diagnosis {
-                time: 1.0,
-                step: 2,
-                contact: Some(1),
-                message: "velocity is infinite".into(),
-            }),
+            status,
             events: Vec::new(),
             trajectory,
             error_estimate: None,
@@ -135,7 +130,28 @@ mod tests {
         let settings = MethodSettings::default();
         let ending = Ending::of_whole(&simulation);
         let text = Document::new(&chosen, 5.0, &settings, &simulation, &ending, 100).text();
-        let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+        serde_json::from_str(&text).unwrap()
+    }
+
+    #[test]
+    fn document_of_a_run_with_an_infinite_force_is_whole() {
+        let forces = [f64::NAN, f64::INFINITY, 3.0];
+        let document = document(SimulationStatus::Solved, [0.0; 3], forces);
+        assert_eq!(document["trajectory"]["time"][2], 1.0);
+        assert_eq!(document["final"]["time"], 1.0);
+        let rows = document["trajectory"]["contact_force"].to_string();
+        assert_eq!(rows, "[[null,0.0],[null,0.0],[3.0,0.0]]");
+    }
+
+    #[test]
+    fn document_of_a_run_that_became_infinite_ends_before_the_first_infinite_row() {
+        let status = SimulationStatus::NotFinite(Diagnosis {
+            time: 1.0,
+            step: 2,
+            contact: Some(1),
+            message: "velocity is infinite".into(),
+        });
+        let document = document(status, [0.0, 1e300, f64::INFINITY], [0.0; 3]);
         assert_eq!(document["status"], "not_finite");
         assert_eq!(document["diagnosis"]["contact"], "slope");
         assert_eq!(document["trajectory"]["time"].as_array().unwrap().len(), 2);

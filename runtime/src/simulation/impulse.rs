@@ -302,3 +302,11 @@ fn smallest(matrix: &[f64], rows: &[f64]) -> Option<Vec<f64>> {
     }
     x.iter().all(|value| value.is_finite()).then_some(x)
 }
+
+/// How many impacts raise something, as the beginning of a note.
+pub(super) fn that_raise(count: usize) -> String {
+    match count {
+        1 => "1 impact raises".to_owned(),
+        _ => format!("{count} impacts raise"),
+    }
+}

@@ -360,6 +360,45 @@ pub(crate) fn negative_bound(name: &str) -> String {
     )
 }
 
+/// What of the model has a value at the input `x` that is infinite or not a number.
+pub(in crate::simulation) fn not_finite_at(model: &dyn Model, x: &[f64]) -> Option<String> {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let mut acceleration = vec![0.0; n];
+    model.free_acceleration(x, &mut acceleration);
+    let pairs = declaration.coordinates.iter().zip(&acceleration);
+    for (coordinate, value) in pairs {
+        if !value.is_finite() {
+            return Some(format!("the acceleration of `{}`", coordinate.name));
+        }
+    }
+    let mut point = vec![0.0; contact_point::length(n)];
+    let mut contacts = declaration.contacts.iter().enumerate();
+    contacts.find_map(|(i, contact)| {
+        model.contact(i, x, &mut point);
+        let gap = model.gap(i, x);
+        let what = match contact.dry {
+            _ if point.iter().all(|value| value.is_finite()) && gap.is_finite() => return None,
+            true => "the friction",
+            false if gap.is_finite() => "the gradient of the gap",
+            false => "the gap",
+        };
+        Some(format!("{what} of `{}`", contact.name))
+    })
+}
+
+/// The parameters that are zero, as the end of a sentence about a division.
+pub(in crate::simulation) fn zero_parameters(model: &dyn Model) -> String {
+    let parameters = model.declaration().parameters.iter().enumerate();
+    let zero = parameters.filter(|&(index, _)| model.parameter(index) == 0.0);
+    let names: Vec<String> = zero.map(|(_, known)| format!("`{}`", known.name)).collect();
+    match names.len() {
+        0 => String::new(),
+        1 => format!(" (the parameter {} is 0)", names[0]),
+        _ => format!(" (the parameters {} are 0)", names.join(", ")),
+    }
+}
+
 fn finite(what: &str, value: f64) -> Result<(), InputError> {
     if value.is_finite() {
         Ok(())

@@ -48,7 +48,7 @@ pub struct State {
     pub v: Vec<f64>,
     /// Controls.
     pub u: Vec<f64>,
-    /// Normal contact forces, 0 for open contacts.
+    /// Contact forces, 0 for open contacts: the normal forces where gaps are distances.
     pub contact_force: Vec<f64>,
     /// Tangential contact forces; empty if no contact declares friction.
     pub friction_force: Vec<f64>,

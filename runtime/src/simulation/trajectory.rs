@@ -39,7 +39,8 @@ pub struct Trajectory {
     pub v: Vec<Vec<f64>>,
     /// Controls, one vector an instant.
     pub u: Vec<Vec<f64>>,
-    /// Normal contact forces [N for a gap in metres], one vector an instant, 0 for open contacts; of dry friction its bound.
+    /// Contact forces `lambda` [N for a gap in metres], one vector an instant, 0 for open contacts; of dry friction its bound.
+    /// Each acts as `lambda` times the gradient of the gap: it is the normal force where the gap is a distance.
     pub contact_force: Vec<Vec<f64>>,
     /// Tangential contact forces, one vector an instant, 0 for contacts that carry none; no vector at
     /// all if no contact declares friction.

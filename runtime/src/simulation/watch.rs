@@ -5,7 +5,9 @@ use hangtime_solver::clock::Instant;
 use crate::model::Model;
 
 use super::recorder::Recorder;
-use super::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus, Trajectory};
+use super::{
+    ControlSignal, Diagnosis, InitialValueProblem, Simulation, SimulationStatus, Trajectory,
+};
 use crate::{Observer, Progress};
 
 /// The observer of a run and the length of its trajectory.
@@ -25,6 +27,8 @@ pub(super) struct Watch<'o> {
     thinned: usize,
     /// Points after these before the next one that is kept.
     skip: usize,
+    /// Whether no controls are given.
+    uncontrolled: bool,
 }
 
 impl<'o> Watch<'o> {
@@ -39,6 +43,7 @@ impl<'o> Watch<'o> {
             stride: 1,
             thinned: 0,
             skip: 0,
+            uncontrolled: matches!(problem.controls, ControlSignal::Zero),
         }
     }
 
@@ -110,6 +115,9 @@ impl<'o> Watch<'o> {
                     .into(),
             );
         }
+        if self.uncontrolled {
+            result.notes.extend(excluded_zero(model));
+        }
         if self.stride > 1 {
             result.notes.push(format!(
                 "the trajectory keeps one of {} points between events, to stay below {} points; raise `points` of \
@@ -118,6 +126,42 @@ impl<'o> Watch<'o> {
             ));
         }
     }
+}
+
+/// What controls are without any given, where their declared bounds exclude that.
+fn excluded_zero(model: &dyn Model) -> Option<String> {
+    let declaration = model.declaration();
+    let first = declaration.coordinates.len();
+    let length = first + declaration.controls.len();
+    let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; length], vec![f64::INFINITY; length]);
+    model.bounds(&mut lower, &mut upper);
+    let bounds = lower.iter().zip(&upper).skip(first);
+    let excluded = declaration.controls.iter().zip(bounds);
+    let excluded = excluded.filter(|(_, (low, high))| !(**low..=**high).contains(&0.0));
+    let shown = |bound: f64| {
+        if bound.is_finite() {
+            bound.to_string()
+        } else {
+            String::new()
+        }
+    };
+    let excluded: Vec<String> = excluded
+        .map(|(control, (&low, &high))| {
+            let range = format!("{}..={} {}", shown(low), shown(high), control.unit);
+            format!("`{}` in {}", control.name, range.trim_end())
+        })
+        .collect();
+    let verb = if excluded.len() == 1 {
+        "excludes"
+    } else {
+        "exclude"
+    };
+    (!excluded.is_empty()).then(|| {
+        format!(
+            "controls are zero in a simulation; {} {verb} that",
+            excluded.join(", ")
+        )
+    })
 }
 
 /// The status of a run that its observer stopped in the `step`-th step.

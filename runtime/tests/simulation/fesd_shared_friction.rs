@@ -254,7 +254,7 @@ fn impact_that_raises_the_kinetic_energy_is_noted_with_its_figures() {
             assert!((after - before - gain).abs() < 1e-14);
             let figures = format!("`tip` at 0.000000 s from {before:.6e} to {after:.6e}");
             let noted = simulation.notes.iter().any(|note| {
-                note.contains("1 impacts raise the kinetic energy") && note.contains(&figures)
+                note.contains("1 impact raises the kinetic energy") && note.contains(&figures)
             });
             assert_eq!(noted, gains, "{figures}: {:?}", simulation.notes);
         }

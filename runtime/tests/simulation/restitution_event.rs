@@ -286,7 +286,7 @@ fn impact_that_gains_energy_by_newtons_law_with_friction_is_noted() {
     assert!(gain > 0.05);
     assert!((energies[1] - energies[0] - gain).abs() < 1e-14 * energies[0]);
     assert!(
-        simulation.notes[0].contains("raise the kinetic energy"),
+        simulation.notes[0].contains("raises the kinetic energy"),
         "{:?}",
         simulation.notes
     );

@@ -3,6 +3,7 @@
 use super::contact_problem;
 use super::dynamics::{Dynamics, Switch};
 use super::impact::Undetermined;
+use crate::simulation::problem::zero_parameters;
 use crate::simulation::{Diagnosis, Event, SimulationStatus};
 
 /// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
@@ -92,7 +93,8 @@ impl Place<'_, '_> {
             },
         };
         let message = format!(
-            "{what} is not a finite number; check roots, divisions and parameters of the scene"
+            "{what} is not a finite number; check roots, divisions and parameters of the scene{}",
+            zero_parameters(self.dynamics.model)
         );
         SimulationStatus::NotFinite(self.diagnosis(contact, message))
     }

@@ -2,6 +2,7 @@
 
 use super::impact::{EndOfBounces, Impact};
 use crate::model::Declaration;
+use crate::simulation::impulse;
 
 /// Collected remarks; they do not grow with the number of events.
 #[derive(Debug, Clone, Default)]
@@ -99,10 +100,10 @@ impl Remarks {
         }
         if let Some((time, i, (before, after))) = self.gain {
             notes.push(format!(
-                "{} impacts raise the kinetic energy, the first of `{}` at {time:.6} s from {before:.6e} to \
+                "{} the kinetic energy, the first of `{}` at {time:.6} s from {before:.6e} to \
                  {after:.6e}: restitution in the normal direction alone does so where friction or several \
                  contacts couple; lower the restitution",
-                self.gains,
+                impulse::that_raise(self.gains),
                 contact(i).name
             ));
         }

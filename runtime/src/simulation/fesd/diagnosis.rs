@@ -6,7 +6,7 @@ use super::stop::Stop;
 use crate::fesd::active_contact::find;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
-use crate::simulation::problem::negative_bound;
+use crate::simulation::problem::{negative_bound, not_finite_at, zero_parameters};
 use crate::simulation::watch::interrupted;
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
 
@@ -49,13 +49,19 @@ pub(super) fn too_short(driver: &Driver<'_>, step: usize, end: f64) -> Simulatio
     if driver.record.not_finite {
         return stopped(driver, step, &Stop::Mode(ModeError::NotFinite));
     }
+    let settings = driver.setup.settings;
+    let why = if settings.stage_count() == 1 && settings.promise().is_some() {
+        "an element of one stage has an order too low for the tolerance; error control needs 2 stages or more, or name \
+         the steps"
+    } else {
+        "forces grow without bound here, or the tolerance is below what the model's functions resolve; raise the tolerance"
+    };
     SimulationStatus::StepLimit(diagnosis(
         driver,
         step,
         driver.now.active.first().map(|held| held.contact),
         format!(
-            "too many elements, the last of {:.1e} s: forces grow without bound here, or the tolerance \
-             is below what the model's functions resolve; raise the tolerance",
+            "too many elements, the last of {:.1e} s: {why}",
             end - driver.now.state.time
         ),
     ))
@@ -108,6 +114,16 @@ pub(super) fn unsettled(driver: &Driver<'_>, step: usize) -> SimulationStatus {
             0.01 * driver.setup.horizon
         ),
     ))
+}
+
+/// What of the model is infinite or not a number at the present state, and where to look.
+fn not_finite(driver: &Driver<'_>) -> String {
+    let model = driver.setup.model;
+    let what = not_finite_at(model, driver.now.input()).unwrap_or_else(|| "the model".to_owned());
+    format!(
+        "{what} is infinite or not a number here; look for a division by zero or a root of a negative number{}",
+        zero_parameters(model)
+    )
 }
 
 /// Contacts that touch at the present state.
@@ -191,10 +207,7 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
                 driver,
                 step,
                 contact,
-                describe(
-                    "the model is infinite or not a number here; look for a division by zero \
-                     or a root of a negative number",
-                ),
+                describe(&not_finite(driver)),
             ))
         }
         Stop::Mode(ModeError::Jammed) => {

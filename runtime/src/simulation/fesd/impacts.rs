@@ -6,6 +6,7 @@ use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::contacts::{ModeError, dot};
 use crate::fesd::impact;
 use crate::simulation::impact_cluster::{self, NearContact};
+use crate::simulation::impulse;
 use crate::time_freezing::clock;
 
 /// Share of the largest velocity of a contact with which it closes at the end of many bounces.
@@ -205,10 +206,10 @@ pub(super) fn note_energy_gains(driver: &mut Driver<'_>) {
     };
     let ((time, contact), (before, after)) = (gains.first, gains.energies);
     driver.note(&format!(
-        "{} impacts raise the kinetic energy, the first of `{}` at {time:.6} s from {before:.6e} to \
+        "{} the kinetic energy, the first of `{}` at {time:.6} s from {before:.6e} to \
          {after:.6e}: restitution in the normal direction alone does so where friction or several \
          contacts couple; lower the restitution",
-        gains.count,
+        impulse::that_raise(gains.count),
         driver.setup.name(contact)
     ));
 }

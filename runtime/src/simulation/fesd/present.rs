@@ -72,6 +72,11 @@ impl<'a> Present<'a> {
         self.contacts.set_control_slopes(self.piece.slopes());
     }
 
+    /// The input vector of the last evaluation.
+    pub(super) fn input(&self) -> &[f64] {
+        &self.x
+    }
+
     /// Writes the input vector.
     pub(super) fn write_input(&mut self) {
         let (n, m) = (self.state.q.len(), self.u.len());
