@@ -433,6 +433,8 @@ const ROWS: usize = 20_000;
 const MOST_ROWS: usize = 200_000;
 /// Most finite elements of a step, of an interval or of a phase.
 const MOST_ELEMENTS: usize = 1_000;
+/// Most stages of a scheme.
+const MOST_STAGES: usize = 9;
 /// Most control intervals: one program holds the variables of all of them.
 const MOST_INTERVALS: usize = 10_000;
 /// Most starts; they are solved side by side.
@@ -471,8 +473,11 @@ fn starts(text: &str) -> Result<usize, String> {
 }
 
 fn stages(text: &str) -> Result<usize, String> {
-    // Each method has bounds of its own, which its refusal names.
-    count(text, 1_000, "methods have 9 stages at most")
+    // A method that needs more than one says so in its refusal.
+    match text.parse() {
+        Ok(number) if (1..=MOST_STAGES).contains(&number) => Ok(number),
+        _ => Err(format!("give a whole number from 1 to {MOST_STAGES}")),
+    }
 }
 
 fn rows(text: &str) -> Result<usize, String> {

@@ -10,7 +10,7 @@ use clap::{CommandFactory as _, FromArgMatches as _};
 use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
 use crate::chart::Listed;
 use crate::failure::{BadInput, visible};
-use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, refuse};
+use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, printed, refuse};
 use crate::scene_file::is_path;
 use crate::{ControlScene, HardOptimum, HardScene, PlayPage, Scene};
 use crate::{
@@ -147,9 +147,8 @@ impl CommandLine {
                 self.dispatch(command, arguments.command)
             })),
             Err(error) if !error.use_stderr() => {
-                // Help and version; a reader that went away needs neither.
-                let _ = error.print();
-                return ExitCode::SUCCESS;
+                // Help and version, in the colours of the terminal.
+                return printed(error.print());
             }
             Err(error) => Ok(Err(BadInput::from(error))),
         };

@@ -113,9 +113,9 @@ pub enum Quantity {
     Velocity(usize),
     /// A control.
     Control(usize),
-    /// Normal force of a contact.
+    /// Force of a contact, the multiplier of its gap.
     ContactForce(usize),
-    /// Tangential force of a contact.
+    /// Friction force of a contact, the multiplier of its sliding velocity.
     FrictionForce(usize),
     /// A quantity that the scene declares in `outputs`.
     Output(usize),

@@ -100,10 +100,10 @@ pub(crate) fn title(model: &dyn Model, quantity: Quantity) -> String {
             return format!("Friction of {}", declaration.contacts[i].name);
         }
         Quantity::ContactForce(i) => {
-            return format!("Normal force of {}", declaration.contacts[i].name);
+            return format!("Contact force of {}", declaration.contacts[i].name);
         }
         Quantity::FrictionForce(i) => {
-            return format!("Tangential force of {}", declaration.contacts[i].name);
+            return format!("Friction force of {}", declaration.contacts[i].name);
         }
     };
     let sentence = documentation.split('.').next().unwrap_or_default();

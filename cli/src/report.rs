@@ -73,16 +73,24 @@ impl Report {
         for line in self.diagnoses.iter().chain(&self.refusals) {
             complain(line);
         }
-        match written {
-            // Whoever reads the other end of a pipe may stop whenever they like.
-            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-                complain(&format!("standard output: {error}; check where it leads"));
-                ExitCode::from(BAD_INPUT)
-            }
+        match printed(written) {
+            failed if failed != ExitCode::SUCCESS => failed,
             _ if !self.refusals.is_empty() => ExitCode::from(BAD_INPUT),
             _ if self.diagnoses.is_empty() => ExitCode::SUCCESS,
             _ => ExitCode::from(NOT_CONVERGED),
         }
+    }
+}
+
+/// The exit status of what has been `written` to the standard output stream.
+pub(crate) fn printed(written: io::Result<()>) -> ExitCode {
+    match written {
+        // Whoever reads the other end of a pipe may stop whenever they like.
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            complain(&format!("standard output: {error}; check where it leads"));
+            ExitCode::from(BAD_INPUT)
+        }
+        _ => ExitCode::SUCCESS,
     }
 }
 

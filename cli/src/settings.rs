@@ -44,7 +44,36 @@ impl ChosenScene {
             }
         }
         chosen.check_bounds()?;
+        chosen.check_coefficients()?;
         Ok(chosen)
+    }
+
+    /// The same for coefficients of impact laws.
+    fn check_coefficients(&self) -> Result<(), BadInput> {
+        for (index, contact) in self.model.declaration().contacts.iter().enumerate() {
+            let laws = [
+                ("restitution", self.model.restitution(index), 1.0),
+                (
+                    "coefficient of friction",
+                    self.model.friction(index),
+                    f64::MAX,
+                ),
+            ];
+            for (what, value, most) in laws {
+                if !(0.0..=most).contains(&value) {
+                    let range = if most == 1.0 {
+                        "in 0..=1"
+                    } else {
+                        "at least 0"
+                    };
+                    return Err(BadInput::new(format!(
+                        "scene `{}`: {what} of `{}` (E10) = {value}: must be {range}, for these parameters",
+                        self.scene.name, contact.name
+                    )));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// What the language checks for the defaults of the parameters: bounds that leave something, and a start within them.

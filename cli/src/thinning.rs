@@ -8,6 +8,9 @@ pub(crate) fn kept(times: &[f64], most: usize) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();
     }
+    if most == 1 {
+        return vec![count - 1];
+    }
     let mut jumps: Vec<usize> = (1..count)
         .filter(|&k| times[k] == times[k - 1])
         .flat_map(|k| [k - 1, k])
@@ -43,6 +46,7 @@ mod tests {
     fn short_trajectory_is_kept_whole() {
         assert_eq!(kept(&[0.0, 1.0, 2.0], 3), [0, 1, 2]);
         assert!(kept(&[], 1).is_empty());
+        assert_eq!(kept(&[0.0, 1.0, 2.0], 1), [2]);
     }
 
     #[test]

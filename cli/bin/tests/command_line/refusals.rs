@@ -75,6 +75,15 @@ const REFUSED: &[(&str, &[&str])] = &[
     ("from 1 to", &["simulate", "ski-jump", "--steps", "-3"]),
     ("from 1 to", &["simulate", "ski-jump", "--elements", "0"]),
     ("from 1 to 9", &["simulate", "ski-jump", "--stages", "10"]),
+    ("from 1 to 9", &["simulate", "ski-jump", "--stages", "0"]),
+    (
+        "restitution of `floor` (E10) = 7: must be in 0..=1",
+        &["explain", "bouncing-ball", "--set", "e=7"],
+    ),
+    (
+        "coefficient of friction of `floor` (E10) = -1: must be at least 0",
+        &["explain", "rough-ball", "--set", "mu=-1"],
+    ),
     ("above 0", &["simulate", "ski-jump", "--horizon", "-1"]),
     (
         "give a finite time",

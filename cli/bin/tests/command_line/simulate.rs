@@ -119,6 +119,76 @@ fn simulate_that_does_not_converge_prints_what_there_is_and_says_why() {
     assert_eq!(document["final"]["time"], 0.0);
 }
 
+/// Standard output, standard error stream and status of a scene that is simulated with further `arguments`.
+fn simulated(name: &str, text: &str, arguments: &[&str]) -> (String, String, Option<i32>) {
+    let scratch = Scratch::new(name);
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("scene.hang");
+    std::fs::write(&file, text).unwrap();
+    let all: Vec<&str> = ["simulate", file.to_str().unwrap()]
+        .into_iter()
+        .chain(arguments.iter().copied())
+        .collect();
+    let output = hangtime(&all);
+    let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    (out, err, output.status.code())
+}
+
+#[test]
+fn simulate_with_controls_that_cannot_be_zero_says_so() {
+    let text = "coordinates { y: m } controls { u: N in 1..=2, w: N in -1..=1 } lagrangian 1 [kg]/2*dot(y)^2
+        forces { y: u + w } horizon 1 [s]";
+    for method in ["fesd", "event", "moreau", "smooth", "fixed"] {
+        let (out, err, status) = simulated("controls", text, &["--method", method]);
+        assert_eq!(status, Some(0), "{err}");
+        let note = "note        controls are zero in a simulation; `u` in 1..=2 N excludes that\n";
+        assert!(out.contains(note), "{out}");
+    }
+}
+
+#[test]
+fn simulate_with_one_stage_says_that_its_order_is_low() {
+    let arguments = ["simulate", "bouncing-ball", "--stages", "1"];
+    let output = hangtime(&arguments);
+    assert_eq!(output.status.code(), Some(3));
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(stderr.contains("needs 2 stages or more"), "{stderr}");
+}
+
+#[test]
+fn simulate_names_what_is_not_finite() {
+    let ball = |lagrangian: &str, surface: &str| {
+        format!(
+            "parameters {{ m: kg = 1, g: m/s^2 = 9.81, q = 0 }} coordinates {{ y: m, z: m }}
+             lagrangian m/2*|dot((y, z))|^2 - m*g*{lagrangian} surface floor: {surface} impact floor: inelastic
+             start {{ z: 1, dot(y): 1 }} outputs {{ half = q/2 }} horizon 1 [s]"
+        )
+    };
+    for (text, words) in [
+        (
+            ball("z/q", "z >= 0"),
+            "the acceleration of `z` is infinite or not a number here; look for a division by zero or a root of a \
+             negative number (the parameter `q` is 0)",
+        ),
+        (
+            ball("z", "z >= sqrt(y^2)"),
+            "the gradient of the gap of `floor` is infinite or not a number here",
+        ),
+    ] {
+        let (_, err, status) = simulated("finite", &text, &[]);
+        assert_eq!(status, Some(3), "{err}");
+        assert!(err.contains(words), "{err}");
+    }
+}
+
+#[test]
+fn simulate_with_one_row_writes_the_last() {
+    let arguments = ["simulate", "ski-jump", "--rows", "1", "--json"];
+    let document = json(&arguments);
+    assert_eq!(document["trajectory"]["time"].as_array().unwrap().len(), 1);
+    assert_eq!(document["final"]["time"], document["trajectory"]["time"][0]);
+}
+
 #[test]
 fn simulate_with_a_tolerance_says_so_in_place_of_the_elements() {
     let arguments = [
@@ -491,6 +561,24 @@ fn explain_prints_the_page_of_a_mistake() {
 fn help_goes_to_the_standard_output() {
     assert!(solved(&["--help"]).contains("Usage: hangtime"));
     assert!(solved(&["simulate", "--help"]).contains("--scheme"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn help_that_cannot_be_written_is_told() {
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full");
+    for arguments in [["--help"], ["--version"], ["list"]] {
+        let program = env!("CARGO_BIN_EXE_hangtime");
+        let mut command = std::process::Command::new(program);
+        let output = command.args(arguments).stdout(full().unwrap()).output();
+        let output = output.unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(
+            String::from_utf8(output.stderr)
+                .unwrap()
+                .contains("standard output")
+        );
+    }
 }
 
 #[test]
