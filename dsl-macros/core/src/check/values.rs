@@ -177,11 +177,17 @@ pub(super) fn dissipation(checker: &mut Checker<'_>, keyword: Place, expr: &Expr
 fn damping_grows(checker: &mut Checker<'_>, dissipation: Sym, expr: &Expr) -> Checked<()> {
     let velocities = (0..checker.coordinates.len()).map(|i| Variable::Velocity(i as u16));
     let velocities: Vec<Variable> = velocities.collect();
-    for (coordinate, &velocity) in checker.coordinates.iter().zip(&velocities) {
-        let slope = simplify(graph::partial(&[dissipation], velocity)[0]);
+    let slopes = graph::gradient(dissipation, &velocities);
+    for (coordinate, slope) in checker.coordinates.iter().zip(slopes) {
+        let slope = simplify(slope);
+        if slope.is_structural_zero() {
+            continue;
+        }
         let grows = graph::gradient(slope, &velocities);
-        let constant = |&part: &Sym| simplify(part).is_structural_zero();
-        if !slope.is_structural_zero() && grows.iter().all(constant) {
+        if grows
+            .into_iter()
+            .all(|part| simplify(part).is_structural_zero())
+        {
             let name = &coordinate.name.text;
             let message = format!(
                 "the dissipation is linear in `dot({name})`: its force is the same at any velocity, so it feeds in \
