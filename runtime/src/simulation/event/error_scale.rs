@@ -1,7 +1,7 @@
 //! What errors of a step are compared with: the fastest motion so far, so that a tolerance means the same wherever a
 //! scene is and whatever units it is written in.
 
-use super::dynamics::dot;
+use super::dynamics::{dot, largest};
 use crate::model::Declaration;
 
 /// Coordinates whose kinetic energy is below the square of this share of the whole one are measured by this share:
@@ -11,6 +11,9 @@ const IDLE: f64 = 1e-3;
 /// Share of the acceleration without contact forces that rounding leaves of it where these balance it. A body that
 /// rests while its forces change moves by no more than that, and no step makes it smooth.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// Numbers below have squares without all digits.
+const TINY: f64 = 1e-140;
 
 /// Sizes of velocities, one for all coordinates of the same unit.
 #[derive(Debug, Clone)]
@@ -72,6 +75,11 @@ impl ErrorScale {
     /// in the heaviest of the group.
     fn size(&self, group: usize, mass: &[f64], vector: &[f64]) -> f64 {
         let n = vector.len();
+        let largest = largest(vector);
+        if largest > 0.0 && largest < TINY {
+            let scaled: Vec<f64> = vector.iter().map(|x| x / largest).collect();
+            return largest * self.size(group, mass, &scaled);
+        }
         let (mut square, mut heaviest) = (0.0, 0.0_f64);
         for (k, component) in vector.iter().enumerate() {
             if self.group[k] == group {
@@ -92,10 +100,11 @@ impl ErrorScale {
         let group = self.group[component % n];
         let speed = self.fastest[group].max(self.end[group]);
         let rounding = ROUNDING * h * self.free[group];
+        // Numbers below have no digits: those of a pulse that has hardly begun are an error of their own size.
         if component < n {
-            f64::max(tolerance * (h * speed), h * rounding)
+            f64::max(tolerance * (h * speed), h * rounding).max(f64::MIN_POSITIVE)
         } else {
-            f64::max(tolerance * speed, rounding)
+            f64::max(tolerance * speed, rounding).max(f64::MIN_POSITIVE)
         }
     }
 
