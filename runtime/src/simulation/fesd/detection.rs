@@ -8,7 +8,7 @@
 use super::detector::Detector;
 use super::stop::Stop;
 use super::switch::{ElementStart, Switch};
-use super::{between_samples, friction_switch, gap_switch};
+use super::{between_samples, force_dips, friction_switch, gap_switch};
 use crate::fesd::active_contact::find;
 use crate::fesd::contacts::Contacts;
 use crate::fesd::finite_element::FiniteElement;
@@ -37,8 +37,8 @@ pub(super) fn first_violation(
     for (i, size) in detector.sizes.iter_mut().enumerate() {
         *size = contacts.size(i, start.time);
     }
-    detector.previous_forces[..start.forces.len()].copy_from_slice(start.forces);
     friction_switch::start_frictions(detector, active, contacts, start);
+    force_dips::start(detector, active, start.forces);
     detector.begin(start.x);
     for k in 0..detector.thetas.len() {
         detector.interpolate(element, k);
@@ -47,6 +47,8 @@ pub(super) fn first_violation(
         gap_switch::first_exit(detector, element, contacts, (start.motion, k), &mut first)
             .map_err(gap_switch::beyond)?;
         friction_switch::first_friction(detector, element, contacts, start, k, &mut first)?;
+        force_dips::first(detector, element, contacts, k, &mut first)
+            .map_err(gap_switch::beyond)?;
         if first.is_some() {
             return Ok(first);
         }

@@ -21,7 +21,8 @@ pub(super) struct Detector<'a> {
     /// Input vectors at the last two samples.
     samples: [Vec<f64>; 2],
     pub(super) forces: Vec<f64>,
-    pub(super) previous_forces: Vec<f64>,
+    /// Normal forces of held contacts at the start and at all samples, a row for each contact.
+    pub(super) normal_forces: Vec<f64>,
     /// Gaps at the start and all samples, one row a contact.
     pub(super) gaps: Vec<f64>,
     pub(super) open: Vec<usize>,
@@ -56,7 +57,7 @@ impl<'a> Detector<'a> {
             x: vec![0.0; declaration.inputs()],
             samples: [(); 2].map(|()| vec![0.0; declaration.inputs()]),
             forces: vec![0.0; 2 * contacts],
-            previous_forces: vec![0.0; 2 * contacts],
+            normal_forces: vec![0.0; contacts * (samples + 1)],
             gaps: vec![0.0; contacts * (samples + 1)],
             open: Vec::with_capacity(contacts),
             sizes: vec![ContactSize::default(); contacts],

@@ -269,19 +269,17 @@ pub(super) fn first_exit(
     }
     for (slot, held) in active.iter().enumerate() {
         let i = held.contact;
+        let at = i * (detector.thetas.len() + 1) + k;
+        let (before, after) = (detector.normal_forces[at].max(0.0), detector.forces[slot]);
+        detector.normal_forces[at + 1] = after;
         if contacts.is_dry(i) {
             continue;
         }
-        let (before, after) = (
-            detector.previous_forces[slot].max(0.0),
-            detector.forces[slot],
-        );
         if after < -FORCE_TOLERANCE * contacts.phi_scale(i) {
             let switch = detector.between(SwitchKind::Exit, i, element, k, before, after);
             keep_first(first, switch);
         }
     }
-    detector.previous_forces.copy_from_slice(&detector.forces);
     Ok(())
 }
 

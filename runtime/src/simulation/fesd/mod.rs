@@ -11,7 +11,7 @@
 //! - a contact that slides comes to rest: `v_t,i = 0`.
 //!
 //! `driver` is the state of a run (`present`: where it is) and `stepping` its loop, with lengths by `error_control`;
-//! `detection` looks for switches (`gap_switch`, `between_samples`, `friction_switch`), `location` finds where they are, `mode_change` carries them
+//! `detection` looks for switches (`gap_switch`, `between_samples`, `friction_switch`, `force_dips`), `location` finds where they are, `mode_change` carries them
 //! out (`edge`, `impacts`, `bounces`), `program` solves a step as a whole.
 //!
 //! Without a named number of steps the run promises an accuracy and checks it (`accuracy`).
@@ -33,6 +33,7 @@ mod driver;
 mod edge;
 mod error_control;
 mod estimate;
+mod force_dips;
 mod friction_switch;
 mod gap_switch;
 mod impacts;
