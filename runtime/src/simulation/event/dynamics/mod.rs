@@ -252,6 +252,11 @@ impl<'a> Dynamics<'a> {
         }
     }
 
+    /// Input vector of the model at the state loaded.
+    pub(in crate::simulation) fn input(&self) -> &[f64] {
+        &self.evaluated.x
+    }
+
     /// Evaluates one contact at the state loaded.
     pub(in crate::simulation) fn evaluate_contact(&mut self, contact: usize) {
         let length = contact_point::length(self.n);
@@ -506,7 +511,8 @@ impl<'a> Dynamics<'a> {
             let length = contact_point::length(n);
             let point = &self.evaluated.points[i * length..(i + 1) * length];
             let instant = Instant::new(&y[..2 * n], &self.evaluated.acceleration, moment);
-            self.scales[i].observe(point, friction, instant);
+            let time = if self.explicit_time { t } else { 0.0 };
+            self.scales[i].observe(point, friction, instant.at(time));
         }
     }
 

@@ -39,13 +39,36 @@ pub(super) struct Instant<'a> {
     v: &'a [f64],
     a: &'a [f64],
     moment: f64,
+    /// Time \[s\], 0 where nothing depends on it.
+    time: f64,
 }
 
 impl<'a> Instant<'a> {
     /// The state `(q, v)` with the acceleration `a`.
     pub(super) fn new(state: &'a [f64], a: &'a [f64], moment: f64) -> Self {
         let (q, v) = state.split_at(a.len());
-        Self { q, v, a, moment }
+        Self {
+            q,
+            v,
+            a,
+            moment,
+            time: 0.0,
+        }
+    }
+
+    /// The same at a time on which gaps depend.
+    pub(super) fn at(self, time: f64) -> Self {
+        Self { time, ..self }
+    }
+
+    /// What the ground of a contact with this `normal` and normal velocity has moved by now, by its present velocity: rounding of
+    /// the time is a share of it.
+    fn way_of_ground(&self, normal: &[f64], velocity: f64) -> f64 {
+        if self.time == 0.0 {
+            return 0.0;
+        }
+        let own: f64 = normal.iter().zip(self.v).map(|(n, v)| n * v).sum();
+        (velocity - own).abs() * self.time
     }
 
     /// `sum_k |covector_k| (|v_k| + moment |a_k|)`: size of the terms of a velocity.
@@ -120,7 +143,8 @@ impl ContactScale {
             .map(|(n, q)| (n * q).abs())
             .sum();
         let way = instant.moment * self.normal_velocity;
-        self.rounding = f64::EPSILON * (position + way);
+        let ground = instant.way_of_ground(normal, point[contact_point::NORMAL_VELOCITY]);
+        self.rounding = f64::EPSILON * (position + way + ground);
         // The normal turns while the motion covers the rounding error of the coordinates.
         self.turn = if terms > 0.0 {
             curvature * f64::EPSILON * position / terms
