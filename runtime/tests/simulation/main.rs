@@ -30,4 +30,5 @@ mod modes_after_events;
 mod moving_ground;
 mod promises;
 mod restitution_event;
+mod starts;
 mod time_stepping;

@@ -96,6 +96,7 @@ fn steps(driver: &mut Driver<'_>, watch: &mut Watch<'_>) -> Result<(), Simulatio
     now.contacts.shortest = shortest;
     now.contacts
         .remember_rounding_at_start(&now.x, MOMENT * driver.setup.horizon);
+    leave_the_ground(driver);
     if let Err(error) = mode_change::settle(driver, &[]) {
         driver.record_state();
         return Err(diagnosis::stopped(driver, 0, &Stop::Mode(error)));
@@ -121,6 +122,25 @@ fn steps(driver: &mut Driver<'_>, watch: &mut Watch<'_>) -> Result<(), Simulatio
         )?;
     }
     Ok(())
+}
+
+/// Moves a start that is inside the ground, by less than is refused but more than its rounding error, onto the surface; the
+/// contacts are evaluated there.
+fn leave_the_ground(driver: &mut Driver<'_>) {
+    let now = &mut driver.now;
+    now.contacts.remember_sizes(&now.x);
+    let surfaces = 0..now.contacts.surfaces;
+    let sinks = |&i: &usize| {
+        !now.contacts.pieces.is_idle(i) && now.contacts.gap(i) < -now.size(i).gap_rounding()
+    };
+    let inside: Vec<usize> = surfaces.filter(sinks).collect();
+    if inside.is_empty() {
+        return;
+    }
+    let start = now.state.q.clone();
+    if impacts::project(driver, &inside).is_err() {
+        driver.now.state.q = start;
+    }
 }
 
 /// A step of the grid, and how it goes.
