@@ -322,7 +322,8 @@ fn difference_step(
     } else {
         1e-3
     };
-    let time_scale = own.clamp(shortest, 1.0);
+    // Nor does it where forces or the ground change faster by themselves.
+    let time_scale = own.clamp(shortest, 1.0).min(contacts.moment);
     let share = (rounding / (speed * time_scale)).cbrt().clamp(1e-5, 1e-2);
     (share * time_scale, time_scale)
 }

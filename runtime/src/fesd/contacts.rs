@@ -82,6 +82,8 @@ pub(crate) struct Contacts<'a> {
     sizes: Vec<ContactSize>,
     /// The shortest time that the motion is told apart in [s]; 0 where no motion is followed.
     pub(crate) shortest: f64,
+    /// A time over which what acts is smooth [s]; infinite where no motion is followed.
+    pub(crate) moment: f64,
     lines: Vec<Line>,
     matrix: Vec<f64>,
     pivots: Vec<usize>,
@@ -112,6 +114,7 @@ impl<'a> Contacts<'a> {
             tangent_scales: vec![0.0; tangents],
             sizes: vec![ContactSize::default(); contacts],
             shortest: 0.0,
+            moment: f64::INFINITY,
             lines: Vec::new(),
             matrix: Vec::new(),
             pivots: Vec::new(),

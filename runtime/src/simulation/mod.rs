@@ -9,6 +9,7 @@ mod agreement;
 mod along;
 mod contact_mode;
 mod event;
+mod explicit_time;
 mod fesd;
 mod fixed;
 mod impact_cluster;

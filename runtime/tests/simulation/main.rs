@@ -8,6 +8,7 @@ mod event_contact_modes;
 mod event_driven;
 mod event_properties;
 mod event_scales;
+mod explicit_time;
 mod fesd_accuracy;
 mod fesd_against_event_driven;
 mod fesd_complementarity;

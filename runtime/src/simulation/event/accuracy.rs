@@ -7,6 +7,7 @@ use super::integration::Integration;
 use super::settings::EventDriven;
 use crate::model::Model;
 use crate::simulation::agreement::{Comparison, Spent};
+use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::watch::Watch;
 use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus};
 
@@ -42,7 +43,8 @@ pub(super) fn promised(
             output_times: if shown { settings.output_times } else { 0 },
             ..settings.clone()
         };
-        Integration::new(&settings, model, problem).run(watch, None)
+        let explicit_time = ExplicitTime::of(model, problem);
+        Integration::new(&settings, model, problem, explicit_time).run(watch, None)
     };
     let mut longest = settings.max_step.unwrap_or(LONGEST * problem.horizon);
     let mut tolerance = settings.tolerance;

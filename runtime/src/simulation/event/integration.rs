@@ -9,13 +9,15 @@ use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::ending::Ending;
 use super::error_scale::ErrorScale;
+use super::forces::Forces;
 use super::impact::{Impact, LowestBounce};
 use super::instant::Instant;
 use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
-use crate::model::{Model, contact_point};
+use crate::model::Model;
+use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::watch::Watch;
 use crate::simulation::{InitialValueProblem, Residuals, Simulation, SimulationStatus};
 
@@ -51,7 +53,7 @@ pub(super) struct Integration<'a> {
     forces: Forces,
     dense: DenseState,
     counts: Attempts,
-    checks: Checks,
+    checks: Checks<'a>,
     result: Simulation,
 }
 
@@ -66,12 +68,6 @@ struct StepEnds {
     at_end: Residuals,
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
-}
-
-/// Forces of all contacts.
-struct Forces {
-    normal: Vec<f64>,
-    tangential: Vec<f64>,
 }
 
 /// A state inside a step.
@@ -91,9 +87,11 @@ struct Attempts {
 }
 
 /// What is looked at during the run, and said after it.
-struct Checks {
+struct Checks<'a> {
     remarks: Remarks,
     audit: Audit,
+    /// How fast what acts depends on time, where it does.
+    explicit_time: Option<ExplicitTime<'a>>,
 }
 
 impl<'a> Integration<'a> {
@@ -101,6 +99,7 @@ impl<'a> Integration<'a> {
         settings: &'a EventDriven,
         model: &'a dyn Model,
         problem: &'a InitialValueProblem,
+        explicit_time: Option<ExplicitTime<'a>>,
     ) -> Self {
         let dynamics = Dynamics::new(model, settings.auxiliary_acceleration);
         let (n, contacts, functions) = (dynamics.n, dynamics.contacts, dynamics.functions());
@@ -124,10 +123,7 @@ impl<'a> Integration<'a> {
                 at_end: Residuals::default(),
                 orientation: 1.0,
             },
-            forces: Forces {
-                normal: vec![0.0; contacts],
-                tangential: vec![0.0; contacts],
-            },
+            forces: Forces::new(contacts),
             dense: DenseState {
                 state: vec![0.0; dimension],
                 slope: vec![0.0; dimension],
@@ -137,6 +133,7 @@ impl<'a> Integration<'a> {
             checks: Checks {
                 remarks: Remarks::default(),
                 audit: Audit::new(settings.tolerance),
+                explicit_time,
             },
             result: dynamics.empty_result(),
             dynamics,
@@ -156,6 +153,12 @@ impl<'a> Integration<'a> {
             self.result.status = status;
         }
         self.result.notes = self.checks.remarks.notes(self.dynamics.model.declaration());
+        let note = self
+            .checks
+            .explicit_time
+            .as_ref()
+            .and_then(ExplicitTime::note);
+        self.result.notes.extend(note);
         self.result.counts.evaluations = self.dynamics.evaluations;
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             self.result.seconds.total = elapsed.as_secs_f64();
@@ -187,7 +190,7 @@ impl<'a> Integration<'a> {
                 .next_break(self.t)
                 .map_or(horizon, |next| next.min(horizon));
             let remaining = limit - self.t;
-            let wanted = self.h.min(longest);
+            let wanted = self.foreseen(self.h.min(longest).min(remaining));
             // A step that would leave a sliver behind takes it along.
             let lands = wanted >= remaining * (1.0 - 1e-6);
             let h = if lands { remaining } else { wanted };
@@ -260,7 +263,7 @@ impl<'a> Integration<'a> {
         // What is rounding error of a gap here, steps that ended elsewhere do not tell.
         self.dynamics.observe(self.t, &self.y, self.h);
         self.method.finish(&mut self.dynamics, self.t, 0.0);
-        let measured = self.measure();
+        let measured = self.forces.measure(&self.dynamics);
         self.audit_now();
         self.keep(measured);
         self.record();
@@ -328,6 +331,19 @@ impl<'a> Integration<'a> {
             .observe(mass, &self.y[n..2 * n], &slope[n..2 * n]);
     }
 
+    /// Length of a step of at most `wanted` that tells what depends on time.
+    fn foreseen(&mut self, wanted: f64) -> f64 {
+        let Some(explicit_time) = &mut self.checks.explicit_time else {
+            return wanted;
+        };
+        self.dynamics.load(self.t, &self.y);
+        let longest = explicit_time.longest(self.dynamics.input(), wanted);
+        if longest < wanted {
+            self.h = longest;
+        }
+        longest
+    }
+
     /// Tries a step of length `h`; `false` if it was rejected and `self.h` reduced.
     fn try_step(&mut self, h: f64) -> Result<bool, SimulationStatus> {
         if self.counts.steps >= self.settings.max_steps {
@@ -376,7 +392,7 @@ impl<'a> Integration<'a> {
         self.step
             .end_values
             .copy_from_slice(&self.dynamics.switching.values);
-        self.step.at_end = self.measure();
+        self.step.at_end = self.forces.measure(&self.dynamics);
         // A step that was cut short says nothing against longer ones.
         let next = self.method.next_size(h, error);
         self.h = if h < self.h { next.max(self.h) } else { next };
@@ -534,7 +550,7 @@ impl<'a> Integration<'a> {
         self.step
             .start_values
             .copy_from_slice(&self.dynamics.switching.values);
-        let measured = self.measure();
+        let measured = self.forces.measure(&self.dynamics);
         self.audit_now();
         self.keep(measured);
         if self.method.slope().iter().all(|slope| slope.is_finite()) {
@@ -543,28 +559,6 @@ impl<'a> Integration<'a> {
         } else {
             Err(self.place().not_finite(self.method.slope()))
         }
-    }
-
-    /// Forces at the last evaluation, and the residuals there.
-    fn measure(&mut self) -> Residuals {
-        let dynamics = &self.dynamics;
-        dynamics.forces(&mut self.forces.normal);
-        dynamics.friction_forces(&mut self.forces.tangential);
-        let mut residuals = Residuals::default();
-        for &i in &dynamics.mode.active {
-            let point = dynamics.point(i);
-            let gap = point[contact_point::GAP].abs();
-            residuals.primal = residuals
-                .primal
-                .max(gap)
-                .max(point[contact_point::NORMAL_VELOCITY].abs());
-            if dynamics.state(i).is_stuck() {
-                residuals.primal = residuals.primal.max(dynamics.sliding_velocity(i).abs());
-            }
-            let product = gap * dynamics.normal_force(i).abs();
-            residuals.complementarity = residuals.complementarity.max(product);
-        }
-        residuals
     }
 
     /// Looks at the signs of the functions last evaluated.

@@ -1,9 +1,10 @@
 //! Event-driven simulation; see [`EventDriven`].
 //!
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
-//! mode, `dop853` integrates it (`error_scale` says how accurately), `search` and `locate` find where the mode ends,
-//! `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `instant` lists it, `audit` measures the signs,
-//! `diagnosis` says why a run ends early, `ending` which impacts belong to its end. `accuracy` compares two runs.
+//! mode, `dop853` integrates it (`error_scale` says how accurately, `forces` what acts), `search` and `locate` find where the
+//! mode ends, `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `instant` lists it, `audit`
+//! measures the signs, `diagnosis` says why a run ends early, `ending` which impacts belong to its end. `accuracy` compares two
+//! runs.
 
 mod accuracy;
 mod audit;
@@ -17,6 +18,7 @@ pub(super) mod dop853;
 pub(super) mod dynamics;
 mod ending;
 mod error_scale;
+mod forces;
 pub(super) mod impact;
 mod instant;
 mod integration;
@@ -33,6 +35,7 @@ pub use settings::EventDriven;
 
 use integration::Integration;
 
+use super::explicit_time::ExplicitTime;
 use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse};
 use crate::model::Model;
@@ -89,7 +92,8 @@ pub(crate) fn simulate_to(
     check(settings, model, problem)?;
     let mut unseen = |_: &Progress| true;
     let mut watch = Watch::new(problem, &mut unseen);
-    let mut result = Integration::new(settings, model, problem).run(&mut watch, ending);
+    let hasty = ExplicitTime::hasty(model, problem);
+    let mut result = Integration::new(settings, model, problem, hasty).run(&mut watch, ending);
     impulse::record(model, &mut result);
     watch.finish(model, &mut result);
     Ok(result)
@@ -106,7 +110,8 @@ pub(super) fn simulate_to_check(
         tolerance,
         ..EventDriven::default()
     };
-    Integration::new(&settings, model, problem).run(watch, None)
+    let explicit_time = ExplicitTime::of(model, problem);
+    Integration::new(&settings, model, problem, explicit_time).run(watch, None)
 }
 
 fn check(

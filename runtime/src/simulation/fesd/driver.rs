@@ -9,6 +9,7 @@ use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{FiniteElement, State};
 use crate::model::{ImpactLaw, Model};
 use crate::rk::ButcherTableau;
+use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, Event, EventKind, InitialValueProblem, ProblemSize,
     Residuals, Trajectory,
@@ -111,6 +112,8 @@ pub(super) struct Driver<'a> {
     pub(super) now: Present<'a>,
     pub(super) start: SegmentStart,
     pub(super) control: ErrorControl,
+    /// How fast what acts depends on time, where it does.
+    pub(super) explicit_time: Option<ExplicitTime<'a>>,
     pub(super) element: FiniteElement<'a>,
     /// Element used to look at the one after a take-off.
     pub(super) next_element: FiniteElement<'a>,
@@ -148,6 +151,7 @@ impl<'a> Driver<'a> {
             },
             now,
             control: ErrorControl::new(problem, tableau.stages()),
+            explicit_time: ExplicitTime::of(model, problem),
             element: settings.element(model, tableau),
             next_element: settings.element(model, tableau),
             detector: Detector::new(model, tableau),

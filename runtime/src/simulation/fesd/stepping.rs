@@ -12,6 +12,7 @@ use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::model::edge;
 use crate::simulation::agreement;
+use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::MOMENT;
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
@@ -41,6 +42,9 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
         driver.record_state();
     }
     let controlled = driver.control.tolerance.is_some();
+    if let Some(note) = driver.explicit_time.as_ref().and_then(ExplicitTime::note) {
+        driver.note(&note);
+    }
     bounces::note_cascades(&mut driver);
     impacts::note_energy_gains(&mut driver);
     let newton = driver.element.counts;
@@ -94,6 +98,11 @@ fn steps(driver: &mut Driver<'_>, watch: &mut Watch<'_>) -> Result<(), Simulatio
     let shortest = driver.setup.shortest();
     let now = &mut driver.now;
     now.contacts.shortest = shortest;
+    now.contacts.moment = driver.setup.horizon;
+    if let Some(explicit_time) = &mut driver.explicit_time {
+        explicit_time.longest(&now.x, driver.setup.horizon);
+        now.contacts.moment = explicit_time.moment();
+    }
     now.contacts
         .remember_rounding_at_start(&now.x, MOMENT * driver.setup.horizon);
     leave_the_ground(driver);
@@ -231,6 +240,7 @@ fn attempt(
     let share = (piece_end - time) / (step.end - step.begin);
     let share = driver.setup.settings.elements as f64 * share;
     let (end, elements) = driver.control.plan(time, piece_end, share, step.halvings);
+    let end = foreseen(driver, end, elements);
     if time - step.counted_from > 0.01 * driver.setup.horizon {
         (step.switches, step.attempts) = (0, 0);
         step.counted_from = time;
@@ -263,6 +273,29 @@ fn attempt(
         Err(stop) => recover(driver, step, (end, stop), watch)?,
     }
     Ok(())
+}
+
+/// The end of the next segment of this many elements, planned at `end`, up to which it tells what depends on time. A grid that was
+/// asked for stays.
+fn foreseen(driver: &mut Driver<'_>, end: f64, elements: usize) -> f64 {
+    let Some(explicit_time) = &mut driver.explicit_time else {
+        return end;
+    };
+    driver.now.write_input();
+    let (time, x) = (driver.now.state.time, &driver.now.x);
+    if driver.control.tolerance.is_none() {
+        let length = (end - time) / elements as f64;
+        driver.now.contacts.moment = length;
+        explicit_time.watch(x, length, elements);
+        return end;
+    }
+    let longest = explicit_time.longest(x, end - time);
+    driver.now.contacts.moment = explicit_time.moment();
+    if longest < end - time {
+        time + longest
+    } else {
+        end
+    }
 }
 
 /// Goes on after a segment up to `end` that failed: with shorter elements, or with the step as a program.

@@ -1,0 +1,286 @@
+//! How fast what acts depends on time itself, looked at before a step is made.
+//!
+//! Errors of a step are estimated from what its stages see of a motion. A body that rests or sticks does not move, whatever its
+//! forces do between the stages, and a pulse between them leaves no trace of itself; another run with other steps agrees. So
+//! accelerations, gaps and slips are looked at as functions of time alone beforehand, the state being the present one: a step may be
+//! as long as the cubic through four places of it tells what is at all others, up to a share of their range. A sinusoid gets about
+//! six steps a period by that, a pulse as many.
+//!
+//! Places are a ten thousandth of the horizon apart, or an eighth of the step, and not equally spaced, so that what is faster
+//! than they are looks like noise, not like something slow.
+
+use crate::model::{Model, contact_point, friction_coefficients, tangent_point};
+use crate::simulation::InitialValueProblem;
+
+/// Places in the whole horizon at which functions of time are looked at, and the fewest in a step.
+const PLACES: f64 = 1e4;
+const LEAST_PLACES: f64 = 8.0;
+/// Share of them that tells the range of functions before the run.
+const FIRST_PLACES: f64 = 0.1;
+/// Share of them in runs that are judged otherwise.
+const HASTY: f64 = 0.1;
+/// Share of the range of a function that the cubic may miss.
+const MISSED: f64 = 1e-3;
+/// The same as a share of its largest value, which is rounding.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Longest step relative to the last one, and in places where that was short: looking far ahead of a motion that is stopped by
+/// events is in vain.
+const GROWTH: f64 = 4.0;
+const SHORT: f64 = 16.0;
+/// Places between the ends of the shortest step that is asked for.
+const SHORTEST: f64 = 0.125;
+/// Part of the distance of places by which they are moved.
+const UNEVEN: f64 = 0.6;
+/// The golden section, whose multiples are nowhere periodic.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// What a model with explicit time does in the steps to come.
+pub(super) struct ExplicitTime<'a> {
+    functions: Functions<'a>,
+    /// Distance of places in long steps \[s\].
+    apart: f64,
+    /// Least and largest value of each function so far.
+    ranges: Vec<(f64, f64)>,
+    /// Values of all functions at all places of a step, and its places as shares of it.
+    values: Vec<f64>,
+    places: Vec<f64>,
+    /// Length of the last step that was looked at \[s\].
+    last: f64,
+    /// Whether it was shortened, so that its length is a time of the functions themselves.
+    limited: bool,
+    /// Time and length of the first step that does not resolve them \[s\], and what helps.
+    too_fast: Option<(f64, f64, &'static str)>,
+}
+
+/// The functions that read the time: accelerations without contacts; gap, normal velocity and curvature of contacts; sliding
+/// velocity and curvature of friction.
+struct Functions<'a> {
+    model: &'a dyn Model,
+    accelerations: bool,
+    contacts: Vec<usize>,
+    tangents: Vec<usize>,
+    /// Input vector of the model.
+    x: Vec<f64>,
+    acceleration: Vec<f64>,
+    point: Vec<f64>,
+    tangent: Vec<f64>,
+}
+
+impl<'a> Functions<'a> {
+    /// Those of a model; none if it does not read the time.
+    fn of(model: &'a dyn Model) -> Option<Self> {
+        let declaration = model.declaration();
+        if !declaration.explicit_time {
+            return None;
+        }
+        let n = declaration.coordinates.len();
+        let time = declaration.inputs() - 1;
+        let contacts = declaration.contacts;
+        let friction = friction_coefficients(model);
+        let reads = |i: &usize| {
+            (0..contacts[*i].jacobian.rows).any(|row| contacts[*i].jacobian.reads(row, time))
+        };
+        let slides = |i: &usize| {
+            let pattern = contacts[*i].friction.map(|friction| friction.jacobian);
+            friction[*i] > 0.0 && pattern.is_some_and(|p| (0..p.rows).any(|row| p.reads(row, time)))
+        };
+        let free = declaration.free_jacobian;
+        Some(Self {
+            model,
+            accelerations: (0..n).any(|row| free.reads(row, time)),
+            contacts: (0..contacts.len()).filter(reads).collect(),
+            tangents: (0..contacts.len()).filter(slides).collect(),
+            x: vec![0.0; declaration.inputs()],
+            acceleration: vec![0.0; n],
+            point: vec![0.0; contact_point::length(n)],
+            tangent: vec![0.0; tangent_point::length(n)],
+        })
+    }
+
+    fn count(&self) -> usize {
+        let accelerations = if self.accelerations {
+            self.acceleration.len()
+        } else {
+            0
+        };
+        accelerations + 3 * self.contacts.len() + 2 * self.tangents.len()
+    }
+
+    /// Appends their values at `time` and the state of the input vector to `values`.
+    fn append(&mut self, time: f64, values: &mut Vec<f64>) {
+        if let Some(last) = self.x.last_mut() {
+            *last = time;
+        }
+        if self.accelerations {
+            self.model
+                .free_acceleration(&self.x, &mut self.acceleration);
+            values.extend_from_slice(&self.acceleration);
+        }
+        for &contact in &self.contacts {
+            self.model.contact(contact, &self.x, &mut self.point);
+            values.extend_from_slice(&self.point[..=contact_point::CURVATURE]);
+        }
+        for &contact in &self.tangents {
+            self.model.tangent(contact, &self.x, &mut self.tangent);
+            values.extend_from_slice(&self.tangent[..=tangent_point::CURVATURE]);
+        }
+    }
+}
+
+impl<'a> ExplicitTime<'a> {
+    /// That of a model along a problem; none if the model does not read the time.
+    pub(super) fn of(model: &'a dyn Model, problem: &InitialValueProblem) -> Option<Self> {
+        Self::with_places(PLACES, model, problem)
+    }
+
+    /// The same for a run of many that is judged otherwise: what is thinner than a thousandth of the horizon is not seen.
+    pub(super) fn hasty(model: &'a dyn Model, problem: &InitialValueProblem) -> Option<Self> {
+        Self::with_places(HASTY * PLACES, model, problem)
+    }
+
+    fn with_places(
+        places: f64,
+        model: &'a dyn Model,
+        problem: &InitialValueProblem,
+    ) -> Option<Self> {
+        let functions = Functions::of(model)?;
+        let mut time = Self {
+            ranges: vec![(f64::INFINITY, f64::NEG_INFINITY); functions.count()],
+            functions,
+            apart: problem.horizon / places,
+            values: Vec::new(),
+            places: Vec::new(),
+            last: 0.0,
+            limited: false,
+            too_fast: None,
+        };
+        time.functions.x.copy_from_slice(&problem.input(model));
+        time.look(0.0, problem.horizon, (FIRST_PLACES * places) as usize);
+        Some(time)
+    }
+
+    /// The longest step of at most `wanted` from the input vector `x` that resolves what depends on time.
+    pub(super) fn longest(&mut self, x: &[f64], wanted: f64) -> f64 {
+        let apart = self.apart;
+        self.functions.x.copy_from_slice(x);
+        let from = x.last().copied().unwrap_or_default();
+        let mut length = wanted.min((GROWTH * self.last).max(SHORT * apart));
+        self.limited = false;
+        let shortest = SHORTEST * apart;
+        while length >= shortest {
+            let places = (length / apart).ceil().max(LEAST_PLACES);
+            self.look(from, length, places as usize);
+            if self.resolved() {
+                break;
+            }
+            self.limited = true;
+            if length < 2.0 * shortest {
+                let first = (from, length, "shorten the horizon");
+                self.too_fast.get_or_insert(first);
+                break;
+            }
+            length *= 0.5;
+        }
+        self.last = length;
+        length
+    }
+
+    /// A time over which what acts is smooth \[s\].
+    pub(super) fn moment(&self) -> f64 {
+        if self.limited {
+            self.last
+        } else {
+            self.last.max(SHORT * self.apart)
+        }
+    }
+
+    /// Evaluates all functions at the places of a step, and includes them in their ranges.
+    fn look(&mut self, from: f64, length: f64, places: usize) {
+        self.values.clear();
+        self.places.clear();
+        for k in 0..=places {
+            let moved = if k == 0 || k == places {
+                0.0
+            } else {
+                UNEVEN * ((k as f64 * GOLDEN).fract() - 0.5)
+            };
+            let place = (k as f64 + moved) / places as f64;
+            self.places.push(place);
+            self.functions
+                .append(from + place * length, &mut self.values);
+        }
+        if self.ranges.is_empty() {
+            return;
+        }
+        for row in self.values.chunks_exact(self.ranges.len()) {
+            for (range, &value) in self.ranges.iter_mut().zip(row) {
+                if value.is_finite() {
+                    *range = (range.0.min(value), range.1.max(value));
+                }
+            }
+        }
+    }
+
+    /// Whether the cubics through four places tell the values at all others.
+    fn resolved(&self) -> bool {
+        let (count, last) = (self.ranges.len(), self.places.len() - 1);
+        let nodes = [0, (last + 2) / 4, last - (last + 2) / 4, last];
+        let at = nodes.map(|node| self.places[node]);
+        let row = |k: usize| &self.values[k * count..(k + 1) * count];
+        let through = nodes.map(row);
+        (0..=last).all(|k| {
+            let weights = cubic_weights(at, self.places[k]);
+            row(k).iter().enumerate().all(|(j, value)| {
+                let terms = weights.iter().zip(&through);
+                let told: f64 = terms.map(|(weight, row)| weight * row[j]).sum();
+                let (least, largest) = self.ranges[j];
+                let allowed =
+                    (MISSED * (largest - least)).max(ROUNDING * largest.abs().max(least.abs()));
+                let missed = (value - told).abs();
+                missed <= allowed || !missed.is_finite()
+            })
+        })
+    }
+
+    /// Takes note of the first of `count` elements of a grid from the input vector `x`, of this `length`, that does not even resolve
+    /// with its halves what depends on time.
+    pub(super) fn watch(&mut self, x: &[f64], length: f64, count: usize) {
+        self.functions.x.copy_from_slice(x);
+        let from = x.last().copied().unwrap_or_default();
+        let half = 0.5 * length;
+        for k in 0..2 * count {
+            if self.too_fast.is_some() {
+                return;
+            }
+            let time = from + k as f64 * half;
+            let places = (half / self.apart).ceil().max(LEAST_PLACES);
+            self.look(time, half, places as usize);
+            if !self.resolved() {
+                self.too_fast = Some((time, length, "take more steps"));
+            }
+        }
+    }
+
+    /// What has to be said of a run.
+    pub(super) fn note(&self) -> Option<String> {
+        self.too_fast.map(|(time, length, help)| {
+            format!(
+                "what acts depends on time faster than steps of {length:.1e} s tell, first at t = {time} s, so that lift-offs, \
+                 slips and impacts may be missed where nothing else moves; {help}"
+            )
+        })
+    }
+}
+
+/// Weights of the values at four places in the cubic through them, at `place`.
+fn cubic_weights(at: [f64; 4], place: f64) -> [f64; 4] {
+    let mut weights = [1.0; 4];
+    for (i, weight) in weights.iter_mut().enumerate() {
+        for (j, other) in at.iter().enumerate() {
+            if i != j {
+                *weight *= (place - other) / (at[i] - other);
+            }
+        }
+    }
+    weights
+}
