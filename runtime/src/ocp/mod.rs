@@ -24,8 +24,9 @@
 //! A scene may be written in any units. The solver sees every control, time and contact force divided by its own size,
 //! and every coordinate, gap and objective divided by the power of a thousand (of a million for the objective) nearest
 //! to its size, so that its tolerance means the same for a scene in millimetres and kilonewtons as in metres and
-//! newtons. Path constraints and terminal conditions are not measured: state those in numbers of the order of one. What
-//! stays in the units of the scene is what belongs to it: [`Settings::gap_margin`] and [`Settings::largest_distance`].
+//! newtons. Path constraints are not measured, terminal conditions only where they are far smaller: state those in numbers of the order of one. What
+//! stays in the units of the scene is what belongs to it: [`Settings::gap_margin`] and [`Settings::largest_distance`], but in motions that
+//! are far smaller than those units.
 //!
 //! # Time
 //! A model may depend on the time itself (`t` in forces, surfaces or costs). Where the final time is free, the time of

@@ -221,7 +221,8 @@ pub struct Settings {
     /// where rounding allows that.
     pub tolerance: f64,
     /// Gap that a flight keeps where it would otherwise graze the surface \[unit of the gap\]; default
-    /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land.
+    /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land. Of gaps that are measured in a smaller unit
+    /// than that of the scene, as they are all far smaller, it is that share.
     pub gap_margin: f64,
     /// Step of the contact-implicit programs.
     pub(crate) step: EulerStep,
@@ -242,7 +243,7 @@ pub struct Settings {
     /// Tolerance of the re-simulation that judges the result; default 1e-12.
     pub(crate) resimulation_tolerance: f64,
     /// Largest distance between planned and re-simulated final coordinates of a confirmed result;
-    /// default 1e-6 \[unit of the coordinates\], > 0.
+    /// default 1e-6 \[unit of the coordinates\], > 0. Where a coordinate is measured in less than a thousandth of that unit, as much less.
     pub largest_distance: f64,
 }
 

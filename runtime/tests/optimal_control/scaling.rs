@@ -135,6 +135,47 @@ hangtime::model! {
     }
 }
 
+hangtime::model! {
+    /// A switch that is pulled to its far stop and rests there, against a spring that drives it apart.
+    Switch {
+        parameters { m: kg = 23, k: N/m = 0.9, gap: m = 1.4, push: N = 1, e = 0.2 }
+        coordinates { x: m }
+        controls { u in -1..=3 }
+        lagrangian m/2*dot(x)^2 - k/2*x^2
+        forces { x: push*u }
+        surface open: x >= 0
+        surface closed: x <= gap
+        impact open, closed: restitution e
+        minimize time
+        finally { x == gap, dot(x) == 0 }
+        horizon 10 [s]
+    }
+}
+
+/// Lengths and forces that are a million times smaller leave the time as it is, though the scene is written in metres: the distances that
+/// the method keeps by itself are no longer than those of the scene allow.
+#[test]
+fn switch_of_micrometres_closes_as_fast_as_one_of_metres() {
+    let time = |size: f64| {
+        let switch = Switch {
+            gap: 1.4 * size,
+            push: size,
+            ..Switch::default()
+        };
+        let solution = ocp::solve(
+            &switch,
+            &Problem::of(&switch, 10),
+            &one_start(),
+            &mut |_| true,
+        )
+        .unwrap();
+        assert_eq!(solution.status, Status::Solved, "{size}");
+        solution.objective
+    };
+    let [usual, small] = [1.0, 1e-6].map(time);
+    assert!((small / usual - 1.0).abs() < 1e-6, "{small} {usual}");
+}
+
 /// What is drawn for a control without a range comes from the scene, not from the unit that it is stated in.
 #[test]
 fn random_guesses_of_unbounded_controls_lead_to_the_same_optimum_in_any_unit() {

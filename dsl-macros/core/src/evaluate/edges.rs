@@ -22,7 +22,10 @@ pub(super) fn admit(
 ) -> Checked<()> {
     let known = words::EDGES.contains(&text);
     if !known || !admitted(scope.role) {
-        let message = format!("`{text}` has a kink or a jump, {}", remedy(scope.role, known));
+        let message = format!(
+            "`{text}` has a kink or a jump, {}",
+            remedy(scope.role, known)
+        );
         return Err(diagnostics.report("E12", whole.place, message));
     }
     let (wanted, fits) = match text {

@@ -90,8 +90,8 @@ fn gaps(motion: &DenseMotion, limits: Limits) -> Vec<Cut> {
             let until = until.map_or(program.phases.len(), |last| last + 1);
             let flight: Vec<usize> = (next..until).take_while(open).collect();
             next += flight.len().max(1);
-            let depth = DEPTH * limits.margin;
-            for low in lows(&flight, &mut gap, limits.gap, depth) {
+            let depth = DEPTH * limits.margin_of(contact);
+            for low in lows(&flight, &mut gap, limits.gap_of(contact), depth) {
                 let phase = low.0;
                 let ends = (phase == flight[0], lands(&phase));
                 found.extend(gap_cut(motion, limits, acting(phase), low, ends));
@@ -112,10 +112,14 @@ fn gap_cut(
 ) -> Option<Cut> {
     let program = motion.program;
     let (model, tableau) = (program.model, program.tableau);
-    let depth = DEPTH * limits.margin;
+    let depth = DEPTH * limits.margin_of(contact);
     let mut smooth = vec![0.0; model.declaration().inputs()];
     motion.write_smooth(phase, theta, &mut smooth);
-    let low = if between { limits.gap } else { -depth };
+    let low = if between {
+        limits.gap_of(contact)
+    } else {
+        -depth
+    };
     if model.gap(contact, &smooth) >= low {
         return None;
     }
@@ -134,7 +138,7 @@ fn gap_cut(
     }
     // Elsewhere there is no room for the whole margin.
     let share = if between { 1.0 } else { DEPTH };
-    let kind = CutKind::Gap(contact, share * limits.margin);
+    let kind = CutKind::Gap(contact, share * limits.margin_of(contact));
     Some(cut(program, phase, theta, kind))
 }
 
@@ -220,8 +224,8 @@ fn departures(program: &Collocation, solved: &[SolvedPhase], limits: Limits) -> 
                 continue;
             }
             let acceleration = moves(model, solved, contact, &slopes);
-            if model.gap(contact, &solved.inputs[0]) < limits.gap
-                && acceleration < -DEPTH * limits.margin
+            if model.gap(contact, &solved.inputs[0]) < limits.gap_of(contact)
+                && acceleration < -DEPTH * limits.margin_of(contact)
             {
                 found.push(cut(program, index, 0.0, CutKind::Departure(contact)));
             }

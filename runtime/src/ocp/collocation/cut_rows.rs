@@ -11,7 +11,7 @@ use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
 use crate::simulation::{ContactMode, Direction};
 
-pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
+pub(in crate::ocp) fn add(builder: &mut Builder, phase: &mut Phase) {
     let Setting {
         model,
         bounds,
@@ -68,6 +68,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder, phase: &Phase) {
                     unit: declaration.contacts[contact].unit.to_owned(),
                     chosen: true,
                 });
+                phase.passed.push((contact, cut.theta, row));
                 let uses = vec![(row, 0, 1.0)];
                 let kernel = Kernel::Contact(contact);
                 program.block(&kernel, [&state, &[], &drive, &[]], None, uses);

@@ -51,6 +51,11 @@ impl<'a> Setting<'a> {
         }
     }
 
+    /// Largest distance between a plan and its re-simulation that is let pass.
+    pub(in crate::ocp) fn largest_distance(&self, settings: &Settings) -> f64 {
+        settings.largest_distance * self.units.share_of_distance()
+    }
+
     /// The final times that its programs look at.
     pub(in crate::ocp) fn final_times(&self) -> FinalTimes {
         FinalTimes::around(self.problem, self.units.time)

@@ -133,6 +133,8 @@ pub(in crate::ocp) struct Phase {
     pub(in crate::ocp) cones: Vec<(usize, Direction, usize)>,
     /// (contact, row) of the time that contacts need to come to rest which bounce from the start on.
     pub(in crate::ocp) settling: Vec<(usize, usize)>,
+    /// (contact, share of the length, row) of the gaps that are kept between the stages.
+    pub(in crate::ocp) passed: Vec<(usize, f64, usize)>,
     /// Contacts that begin to slip at the start with no acceleration.
     pub(in crate::ocp) yielded: Vec<usize>,
     /// The switch at the end inside the interval, as an index into the sequence.

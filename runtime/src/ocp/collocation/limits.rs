@@ -9,10 +9,10 @@ const TOUCHING: f64 = 0.1;
 /// What to look for between the stages.
 #[derive(Clone, Copy)]
 pub(in crate::ocp) struct Limits<'a> {
-    /// Gaps below this are grazing or penetrating.
+    /// Gaps below this are grazing or penetrating, by their shares.
     pub(super) gap: f64,
-    /// Gap that a cut asks for.
-    pub(super) margin: f64,
+    /// Gap that a cut asks for, by its share.
+    margin: f64,
     /// Largest violation of a bound of a coordinate, in its unit, that is let pass.
     pub(super) bound: f64,
     pub(super) setting: Setting<'a>,
@@ -27,9 +27,19 @@ impl<'a> Limits<'a> {
             setting,
         }
     }
+
+    /// Gap of a contact below which it is grazing or penetrating.
+    pub(super) fn gap_of(&self, contact: usize) -> f64 {
+        self.gap * self.setting.units.share_of_gap(contact)
+    }
+
+    /// Gap of a contact that a cut asks for.
+    pub(super) fn margin_of(&self, contact: usize) -> f64 {
+        self.margin * self.setting.units.share_of_gap(contact)
+    }
 }
 
-/// Gap below which a flight counts as touching \[unit of the gap\].
+/// Gap below which a flight counts as touching \[unit of the gap, by its share\].
 pub(in crate::ocp) fn touching_gap(settings: &Settings) -> f64 {
     TOUCHING * settings.gap_margin
 }

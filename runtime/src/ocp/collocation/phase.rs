@@ -82,7 +82,7 @@ pub(super) fn add(builder: &mut Builder, element: &Element) {
     opening_rows(builder, element, &mut phase);
     let (program, label) = (&mut builder.program, element.label());
     friction_rows::at_start(program, builder.setting, &mut phase, element.turns, &label);
-    cut_rows::add(builder, &phase);
+    cut_rows::add(builder, &mut phase);
     phase.rows.end = builder.program.extent().1;
     let last = &phase.stages[stages - 1];
     builder.state.clone_from(&last.state);
@@ -124,6 +124,7 @@ fn without_stages(builder: &Builder, element: &Element, closed: &[usize]) -> Pha
         pulled: Vec::new(),
         cones: Vec::new(),
         settling: Vec::new(),
+        passed: Vec::new(),
         yielded: element.turns.yielded.clone(),
         ends_with: element.ends_with,
         closing: [element.closing, element.taking].concat(),

@@ -263,7 +263,7 @@ pub(super) fn in_impact(
         let function = terms.sums + i;
         if acts(function) {
             let place = format!("in the impact that ends {label}");
-            uses.push((condition(program, declared, &place), function, 1.0));
+            uses.push((condition(program, declared, 1.0, &place), function, 1.0));
         }
     }
     if !uses.is_empty() {

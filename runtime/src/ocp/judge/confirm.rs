@@ -60,7 +60,7 @@ pub(in crate::ocp) fn judge<'a>(
     for _ in 0..ROUNDS {
         let unconfirmed = !runner.stopped() && solution.status == Status::Unconfirmed;
         let distance = solution.resimulation_error;
-        read_otherwise += usize::from(distance <= runner.settings.largest_distance);
+        read_otherwise += usize::from(distance <= setting.largest_distance(runner.settings));
         // Nor do they where they bring them together far more slowly than the order of the scheme promises.
         let slow = distance > before / SLOW;
         if unconfirmed
@@ -208,7 +208,7 @@ impl Plan {
     /// The plan with the contact sequence of its re-simulation, where that is another one of the same motion.
     fn as_simulated(&self, setting: Setting, solution: &Solution) -> Option<Self> {
         let motion = solution.motion.as_ref()?;
-        if solution.resimulation_error > SAME_MOTION {
+        if solution.resimulation_error > SAME_MOTION * setting.units.share_of_distance() {
             return None;
         }
         let read = read_replay(setting, motion, &self.trajectory);
@@ -278,7 +278,7 @@ fn confirm(
         ..
     } = plan;
     let tolerance = settings.resimulation_tolerance;
-    let plan = Some((sequence, settings.largest_distance));
+    let plan = Some((sequence, setting.largest_distance(settings)));
     let replay = simulate(setting, trajectory, plan, tolerance)?;
     let n = setting.problem.q.len();
     let planned = trajectory.at(trajectory.horizon, true);
@@ -296,7 +296,7 @@ fn confirm(
     } else {
         Stationarity::None
     };
-    let agrees = distance <= settings.largest_distance && disagreement.is_none();
+    let agrees = distance <= setting.largest_distance(settings) && disagreement.is_none();
     let status = if runner.stopped() {
         Status::Interrupted
     } else if !agrees {

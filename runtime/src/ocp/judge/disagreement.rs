@@ -26,7 +26,7 @@ pub(super) fn compare(
         trajectory.controls.clone(),
     );
     // A slip over less than the distance that is let pass is none.
-    let slowest = settings.largest_distance / trajectory.horizon;
+    let slowest = setting.largest_distance(settings) / trajectory.horizon;
     let read = landed_as(plan, read_replay(setting, replay, trajectory), model);
     let plan = seen(plan, model, trajectory, slowest);
     let mut read = seen(&read, model, &simulated, slowest);
@@ -43,12 +43,13 @@ pub(super) fn compare(
 /// Leaves out what contacts that are open in the plan do from the start, if they open before the plan is further from them than
 /// is let pass.
 fn leave_at_once(
-    Setting { model, problem, .. }: Setting,
+    setting: Setting,
     plan: &Sequence,
     trajectory: &Trajectory,
     settings: &Settings,
     read: &mut Sequence,
 ) {
+    let Setting { model, problem, .. } = setting;
     let interval = trajectory.horizon / problem.intervals as f64;
     let distance = |contact: usize, time: f64| {
         let mut point = vec![0.0; contact_point::length(problem.q.len())];
@@ -65,7 +66,7 @@ fn leave_at_once(
         if let Some(opening) = first.filter(Switch::opens)
             && !read.initially[contact].is_open()
             && plan.initially[contact].is_open()
-            && distance(contact, opening.time * interval) <= settings.largest_distance
+            && distance(contact, opening.time * interval) <= setting.largest_distance(settings)
         {
             read.initially[contact] = ContactMode::Open;
             read.switches.retain(|switch| *switch != opening);

@@ -44,7 +44,7 @@ pub(in crate::ocp) fn refine(
     } else {
         1.0
     };
-    let allowed = AIM * runner.settings.largest_distance / (growth * intervals as f64);
+    let allowed = AIM * setting.largest_distance(runner.settings) / (growth * intervals as f64);
     let order = (2 * setting.tableau.stages() - 1) as f64;
     let mut refined = false;
     for (elements, error) in elements.iter_mut().zip(errors) {

@@ -2,7 +2,7 @@
 
 use super::kernel::Kernel;
 use super::sparse_program::{OBJECTIVE, Program};
-use super::units::Units;
+use super::units::{THOUSAND, Units, nearest_power};
 use crate::model::{ConstraintDeclaration, ContactDeclaration, Model};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
@@ -151,7 +151,7 @@ impl<'a> Frame<'a> {
             .filter(known)
             .map(|&i| {
                 (
-                    condition(program, &declared.constraints[i], place),
+                    condition(program, &declared.constraints[i], 1.0, place),
                     first + i,
                     1.0,
                 )
@@ -174,9 +174,11 @@ impl<'a> Frame<'a> {
             uses.push((OBJECTIVE, 0, 1.0));
         }
         let pattern = declared.terminal_jacobian;
+        let units = self.goal_units(program, last);
         for (i, goal) in declared.goals.iter().enumerate() {
             if provided.is_known() || !pattern.reads(first + i, last.len() + 1) {
-                uses.push((condition(program, goal, "at the end"), first + i, 1.0));
+                let row = condition(program, goal, units[first + i], "at the end");
+                uses.push((row, first + i, 1.0));
             }
         }
         if !uses.is_empty() {
@@ -187,6 +189,30 @@ impl<'a> Frame<'a> {
             let inputs = [q, v, &[self.horizon]];
             program.block_behind(&Kernel::Terminal, inputs, &behind, None, uses);
         }
+    }
+
+    /// Units of the terminal functions at the guess of the final state: 1, or where they change by far less while what they read changes by its
+    /// unit, a power of a thousand near to that.
+    fn goal_units(&self, program: &Program, last: &[usize]) -> Vec<f64> {
+        let declaration = self.model.declaration();
+        let Some(declared) = declaration.optimal_control else {
+            return Vec::new();
+        };
+        let read: Vec<usize> = last.iter().copied().chain([self.horizon]).collect();
+        let mut z: Vec<f64> = read.iter().map(|&i| program.guessed(i)).collect();
+        z.resize(declaration.terminal_inputs(), 0.0);
+        let entries = declared.terminal_jacobian.entries;
+        let mut slopes = vec![0.0; entries.len()];
+        self.model.terminal_jacobian(&z, &mut slopes);
+        let mut sizes = vec![0.0_f64; declared.terminal_functions()];
+        for (&(row, column), slope) in entries.iter().zip(slopes) {
+            // Forces and impulses are left out: these are in units of their own.
+            let unit = read.get(column as usize).map_or(1.0, |&i| program.unit(i));
+            let size = &mut sizes[row as usize];
+            *size = size.max((slope * unit).abs());
+        }
+        let units = sizes.into_iter().map(|size| nearest_power(THOUSAND, size));
+        units.map(|unit| unit.min(1.0)).collect()
     }
 }
 
@@ -213,10 +239,11 @@ impl<'a> Provided<'a> {
     }
 }
 
-/// Adds the row of a declared constraint.
+/// Adds the row of a declared constraint in a unit.
 pub(in crate::ocp) fn condition(
     program: &mut Program,
     constraint: &ConstraintDeclaration,
+    unit: f64,
     place: &str,
 ) -> usize {
     let upper = if constraint.equality {
@@ -224,7 +251,8 @@ pub(in crate::ocp) fn condition(
     } else {
         f64::INFINITY
     };
-    program.row(format!("`{}` {place}", constraint.name), 0.0, upper)
+    let name = format!("`{}` {place}", constraint.name);
+    program.row_in(unit, name, 0.0, upper)
 }
 
 /// Name of the normal force of a contact; of dry friction it is the bound.

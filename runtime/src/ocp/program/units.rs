@@ -6,18 +6,22 @@
 //! *power of a thousand* nearest to their size, as a person would choose between millimetres, metres and kilometres:
 //! numbers between 0.03 and 30 stay as they are. The objective is measured in a power of a million while motions are looked
 //! for; where one is known and has to be exact, in one of ten if that is smaller: a large unit weighs feasibility more. So a scene in
-//! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons.
+//! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons. Goals keep the numbers that they are
+//! stated in, but for those of motions that are far smaller.
 
 use crate::model::{Model, contact_point, tangent_point};
 use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
 
-const THOUSAND: f64 = 1e3;
+/// Base of the units of lengths and of what is measured like them.
+pub(super) const THOUSAND: f64 = 1e3;
 const MILLION: f64 = 1e6;
 const TEN: f64 = 10.0;
 /// Share of what forces at hand can do below which a normal acceleration at the start, or the size of a coordinate, is an error of the guess.
 const ERROR: f64 = 1e-6;
+/// Unit of a coordinate, to one, below which distances between motions are measured by it.
+const FINE: f64 = 1e3;
 /// A control without bounds that is so many times its unit is measured anew: in the unit of the program its stationarity
 /// may be no more than a small number.
 const FAR: f64 = 1e3;
@@ -30,7 +34,7 @@ pub(in crate::ocp) struct Units {
     /// Each control: half of its range, or 1 where that is infinite.
     pub(in crate::ocp) controls: Vec<f64>,
     /// Normal acceleration of each contact at the start under no force, at least a tenth of the
-    /// largest.
+    /// largest; without any a power of a thousand near to what forces at hand can give.
     pub(in crate::ocp) force: Vec<f64>,
     /// Gap of each contact: how far that acceleration carries in a tenth of the time, times 10.
     pub(in crate::ocp) gap: Vec<f64>,
@@ -75,7 +79,7 @@ impl Units {
         let floor = if largest > ERROR * normal(model, &x, &at_hand) {
             0.1 * largest
         } else {
-            1.0
+            nearest_power(THOUSAND, normal(model, &x, &at_hand))
         };
         let force: Vec<f64> = accelerations.iter().map(|a| a.max(floor)).collect();
         // How far an acceleration carries in about a third of the time.
@@ -129,6 +133,17 @@ impl Units {
             self.controls[i] = nearest_power(THOUSAND, size);
         }
         self
+    }
+
+    /// Share of a length that belongs to the unit of the scene which a gap keeps: where motions are far smaller than that unit, as much less.
+    pub(in crate::ocp) fn share_of_gap(&self, contact: usize) -> f64 {
+        self.gap_rows[contact].min(1.0)
+    }
+
+    /// The same of distances between motions, by the smallest of the coordinates.
+    pub(in crate::ocp) fn share_of_distance(&self) -> f64 {
+        let coordinates = self.states[..self.states.len() / 2].iter();
+        coordinates.fold(1.0, |share, unit| (FINE * unit).min(share))
     }
 
     /// The same with the objective measured as exactly as it can be.

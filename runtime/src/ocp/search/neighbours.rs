@@ -317,10 +317,7 @@ pub(in crate::ocp) fn insertions(pressure: &Pressure) -> Vec<Sequence> {
                     continue;
                 };
                 let closes = last && phase.closing.contains(&contact);
-                if !closes
-                    && pressure.presses(row)
-                    && pressure.gap(contact, stage, &x) < pressure.touching
-                {
+                if !closes && pressure.presses(row) && pressure.touches(contact, stage, &x) {
                     let seconds = solved.start + c * solved.length;
                     let mode = pressure.mode_at(contact, stage, seconds, &x);
                     places.push((contact, true, mode, time(*c)));

@@ -6,6 +6,7 @@ use crate::ocp::collocation::layout::{Phase, Stage};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::program::units::Units;
 use crate::simulation::ContactMode;
 
 /// Distance from a switch of the same contact within which no other one is inserted, in intervals.
@@ -34,8 +35,9 @@ pub(in crate::ocp) struct Pressure<'a, 'm> {
     pub(in crate::ocp) intervals: usize,
     /// Half the length of an inserted contact or flight, in intervals.
     pub(in crate::ocp) inserted: f64,
-    /// Gap below which a flight counts as touching.
+    /// Gap below which a flight counts as touching, by its share of each contact.
     pub(in crate::ocp) touching: f64,
+    pub(in crate::ocp) units: &'a Units,
 }
 
 impl Pressure<'_, '_> {
@@ -70,6 +72,11 @@ impl Pressure<'_, '_> {
         self.program.model.gap(contact, &input)
     }
 
+    /// Whether a contact counts as touching at a stage.
+    pub(super) fn touches(&self, contact: usize, stage: &Stage, x: &[f64]) -> bool {
+        self.gap(contact, stage, x) < self.touching * self.units.share_of_gap(contact)
+    }
+
     /// The contacts that are open until the end and touch there, and how each would slide.
     pub(super) fn touching_at_the_end(&self) -> Vec<(usize, ContactMode)> {
         let last = self.program.phases.last();
@@ -84,7 +91,7 @@ impl Pressure<'_, '_> {
         };
         let touching = (0..stage.gap_rows.len())
             .filter(open)
-            .filter(|&contact| self.gap(contact, stage, &x) < self.touching);
+            .filter(|&contact| self.touches(contact, stage, &x));
         let modes = touching.map(|contact| (contact, self.mode_at(contact, stage, seconds, &x)));
         modes.collect()
     }

@@ -4,6 +4,7 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::at_nodes::{at_nodes, warped};
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
+use super::grazing::grazing;
 use super::neighbours::Neighbour;
 use super::pressure::{DISTANT, Pressure};
 use super::resting::{resting, resting_shortly};
@@ -126,6 +127,7 @@ impl Around {
             intervals: attempts.setting.problem.intervals,
             inserted: neighbours::INSERTED[0],
             touching: touching_gap(runner.settings),
+            units: attempts.setting.units,
         };
         let shifted = friction_neighbours::shifted(&pressure);
         let nearer = match runner.effort {
@@ -139,6 +141,7 @@ impl Around {
             .into_iter()
             .chain(shifted)
             .chain(settling(&pressure))
+            .chain(grazing(&pressure))
             .chain(resting_shortly(&pressure))
             .collect();
         if runner.effort.proves() {

@@ -135,8 +135,9 @@ pub(in crate::ocp) fn read_replay(
             Some(first) => (first.kind == EventKind::LiftOff) != (first.time < AT_ONCE * interval),
             None => !replay.initial_modes[contact].is_open(),
         };
+        let on_the_surface = ON_THE_SURFACE * setting.units.share_of_gap(contact);
         *closed |=
-            !pieces.is_idle(contact) && model.gap(contact, &input) <= ON_THE_SURFACE && is_closed;
+            !pieces.is_idle(contact) && model.gap(contact, &input) <= on_the_surface && is_closed;
     }
     let read = Replay {
         model,
