@@ -377,13 +377,15 @@ pub(in crate::simulation) fn not_finite_at(model: &dyn Model, x: &[f64]) -> Opti
     contacts.find_map(|(i, contact)| {
         model.contact(i, x, &mut point);
         let gap = model.gap(i, x);
-        let what = match contact.dry {
-            _ if point.iter().all(|value| value.is_finite()) && gap.is_finite() => return None,
-            true => "the friction",
-            false if gap.is_finite() => "the gradient of the gap",
-            false => "the gap",
+        if gap.is_finite() && point.iter().all(|value| value.is_finite()) {
+            return None;
+        }
+        let what = match (contact.dry, gap.is_finite()) {
+            (true, _) => "friction",
+            (false, true) => "gradient of the gap",
+            (false, false) => "gap",
         };
-        Some(format!("{what} of `{}`", contact.name))
+        Some(format!("the {what} of `{}`", contact.name))
     })
 }
 

@@ -3,7 +3,7 @@
 use crate::common::event::{accurate, check_consistency, run, sequence};
 use crate::common::gold::{self, SkiJumpGold};
 use crate::common::scenes::{self, GRAVITY};
-use crate::common::{distance, energies, index_at, last, start};
+use crate::common::{distance, energies, index_at, last, root, start};
 use hangtime::simulation::{EventDriven, EventKind, Simulation, SimulationStatus, Simulator};
 
 /// Distance of a run from the certified solution: take-off time, landing time, largest error of a state.
@@ -282,20 +282,10 @@ fn flight_over_short_waves_hits_the_crest_it_meets_first() {
     let event = &simulation.events[0];
     // First root of 1 - g t^2 / 2 - 0.05 cos(100 t), by scanning and bisecting.
     let gap = |t: f64| 1.0 - 0.5 * GRAVITY * t * t - 0.05 * (100.0 * t).cos();
-    let mut high = (0..)
-        .map(|k| f64::from(k) * 1e-4)
-        .find(|&t| gap(t) < 0.0)
-        .unwrap();
-    let mut low = high - 1e-4;
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if gap(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    assert!((event.time - high).abs() < 1e-14);
+    let mut times = (0..).map(|k| f64::from(k) * 1e-4);
+    let after = times.find(|&t| gap(t) < 0.0).unwrap();
+    let struck = root(gap, after - 1e-4, after);
+    assert!((event.time - struck).abs() < 1e-14);
 }
 
 #[test]

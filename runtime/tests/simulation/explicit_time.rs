@@ -3,6 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use crate::common::root;
 use hangtime::prelude::*;
 use hangtime::simulation::StepFormulation;
 use std::f64::consts::PI;
@@ -114,19 +115,6 @@ fn runs(scene: &impl Model) -> [(&'static str, Simulation); 3] {
                 .unwrap(),
         ),
     ]
-}
-
-/// Where a function that is positive at `low` and negative at `high` vanishes.
-fn root(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if f(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
 }
 
 /// Times of lift-offs and landings of [`Shaken`], one flight a period.
@@ -261,7 +249,7 @@ fn a_floor_that_jerks_throws_what_rests_on_it() {
         let first = scene.t0 + w * root(pressed, -3.0, 0.0);
         for (method, run) in runs(&scene) {
             // Pressed with 200 times its weight, the clock of the time-freezing system hardly moves.
-            if method == "time-freezing" && !run.status.is_solved() {
+            if method == "time-freezing" && w == 0.003 && !run.status.is_solved() {
                 assert!(matches!(run.status, SimulationStatus::StepLimit(_)));
                 continue;
             }
@@ -288,7 +276,7 @@ fn a_free_mass_takes_up_the_impulse_of_a_kick() {
             assert!(run.status.is_solved(), "{method}, {w}: {:?}", run.status);
             let v = *run.trajectory.v.last().unwrap().first().unwrap();
             assert!(
-                (v - expected).abs() < 1e-5 * expected,
+                (v - expected).abs() < 1e-8 * expected,
                 "{method}, {w}: {v} instead of {expected}"
             );
         }
@@ -317,7 +305,7 @@ fn a_dry_guide_slips_and_sticks_alike_in_any_unit_of_time() {
             ),
         ] {
             let times: Vec<f64> = expected.events.iter().map(|event| event.time / w).collect();
-            assert_times(&format!("{method}, {w}/s"), &run, &times, 1e-6 / w);
+            assert_times(&format!("{method}, {w}/s"), &run, &times, 1e-8 / w);
         }
     }
 }

@@ -5,7 +5,7 @@
 use crate::common::event::{accurate, sequence};
 use crate::common::laws::{Rod, Table, Wedge, rough_crate};
 use crate::common::scenes::GRAVITY;
-use crate::common::{distance, last, start};
+use crate::common::{distance, last, root, start};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
@@ -336,15 +336,7 @@ fn box_that_is_shaken_beyond_its_friction_slips_and_sticks_with_both_corners_at_
     let limit = 0.2 * m * GRAVITY;
     let slips = (limit / f).asin() / w;
     let gained = |t: f64| f / w * ((w * slips).cos() - (w * t).cos()) - limit * (t - slips);
-    let (mut low, mut high) = (0.25, 0.4);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if gained(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let sticks = root(gained, 0.25, 0.4);
     for simulator in [&controlled(5, 1e-9) as &dyn Simulator, &accurate()] {
         let simulation = run(simulator, &model, &problem);
         assert_eq!(simulation.status, SimulationStatus::Solved);
@@ -352,7 +344,7 @@ fn box_that_is_shaken_beyond_its_friction_slips_and_sticks_with_both_corners_at_
         let (slip, stick) = (EventKind::Slip, EventKind::Stick);
         assert_eq!(first, [(slip, 0), (slip, 1), (stick, 0), (stick, 1)]);
         let times = simulation.events.iter().map(|event| event.time).take(4);
-        for (time, expected) in times.zip([slips, slips, low, low]) {
+        for (time, expected) in times.zip([slips, slips, sticks, sticks]) {
             assert!((time - expected).abs() < 1e-9, "{time} {expected}");
         }
     }

@@ -43,7 +43,7 @@ fn a_start_inside_the_ground_by_what_is_not_refused_moves_as_on_the_ground() {
                 for run in [run, event] {
                     assert!(run.status.is_solved(), "{off}: {:?}", run.status);
                     let (y, z) = (run["y"].last().unwrap(), run["z"].last().unwrap());
-                    assert!((y - end).abs() < 1e-6, "{off}: {y} instead of {end}");
+                    assert!((y - end).abs() < 1e-9, "{off}: {y} instead of {end}");
                     assert!(z.abs() <= 1e-12, "{off}: {z}");
                 }
             }

@@ -11,27 +11,19 @@ use crate::simulation::ContactMode;
 /// more than the price of the margin.
 const WORTH: f64 = 1e-7;
 
-/// With a touch, and with a contact, where a gap presses against its margin.
+/// With a touch, and with a contact, where a gap between the stages presses against its margin; what presses at stages are insertions.
 pub(super) fn grazing(pressure: &Pressure) -> Vec<Sequence> {
     let x = pressure.program.program.physical(&pressure.solution.x);
     let horizon = pressure.program.horizon_at(&x);
     let solved = pressure.program.solved(&pressure.solution.x);
-    let c = pressure.program.tableau.c();
     let mut found = Vec::new();
     for (phase, solved) in pressure.program.phases.iter().zip(&solved) {
         let Some(last) = phase.stages.last() else {
             continue;
         };
-        let at_stages = phase.stages.iter().zip(c).flat_map(|(stage, &c)| {
-            let open = |contact: &usize| !phase.closed.contains(contact);
-            let rows = stage.gap_rows.iter().enumerate();
-            let rows = rows.filter(move |(contact, _)| open(contact) && c < 1.0);
-            rows.filter_map(move |(contact, row)| Some((contact, c, (*row)?)))
-        });
-        let rows = phase.passed.iter().copied().chain(at_stages);
-        for (contact, share, _) in
-            rows.filter(|&(contact, _, row)| holds_back(pressure, contact, row))
-        {
+        let passed = phase.passed.iter().copied();
+        let held = passed.filter(|&(contact, _, row)| holds_back(pressure, contact, row));
+        for (contact, share, _) in held {
             let seconds = solved.start + share * solved.length;
             let time = seconds / horizon * pressure.intervals as f64;
             let mode = pressure.mode_at(contact, last, seconds, &x);

@@ -71,7 +71,7 @@ pub(crate) fn energies(model: &dyn Model, simulation: &Simulation) -> Vec<f64> {
         .collect()
 }
 
-/// Normal velocity of a contact at point `k` of the trajectory.
+/// Gap of a contact at point `k` of the trajectory.
 pub(crate) fn gap_at(model: &dyn Model, trajectory: &Trajectory, contact: usize, k: usize) -> f64 {
     let mut x = trajectory.q[k].clone();
     x.extend_from_slice(&trajectory.v[k]);
@@ -91,4 +91,17 @@ pub(crate) fn check_energy(
         prop_assert!(pair[1] <= pair[0] + allowed, "{:?}", pair);
     }
     Ok(())
+}
+
+/// Where a function that is positive at `low` and negative at `high` vanishes.
+pub(crate) fn root(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if f(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
 }
