@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use crate::support::{attempt, solve};
-use hangtime::ocp::{Settings, Status};
+use hangtime::ocp::{Guess, Settings, Status};
 
 hangtime::model! {
     /// A ball on a lift: how high it is dropped is free, and it should rise as fast as can be where it is caught.
@@ -177,4 +177,63 @@ fn table_throws_a_ball_as_high_as_random_orders_of_impacts_do() {
     assert_eq!(solution.status, Status::Solved);
     let height = -solution.objective;
     assert!((5.5595..5.5692).contains(&height), "{height}");
+}
+
+hangtime::model! {
+    /// A hammer drives a nail into wood in least time, from which the guess of the time is far.
+    Nail {
+        parameters { hammer: kg = 0.5, nail: kg = 0.02, hold: N = 600, strength: N = 30, depth: m = 0.008 }
+        coordinates { h: m in 0..=0.3, n: m }
+        controls { u: N in -strength..=strength }
+        lagrangian hammer/2*dot(h)^2 + nail/2*dot(n)^2
+        forces { h: u }
+        dry friction wood: bound hold, sliding dot(n)
+        surface head: h >= n + 0.05[m]
+        impact head: inelastic
+        minimize time
+        finally { n <= -depth, dot(n) == 0 }
+        start { h: 0.1[m] }
+        horizon 0.8[s]
+    }
+}
+
+/// Least time of one blow: up with all force, with some on the interval in which the hammer has to be turned, and down with all of it.
+fn blow(model: &Nail, intervals: f64) -> f64 {
+    let both = model.hammer + model.nail;
+    let slows = (model.hold - model.strength) / both;
+    let after = (2.0 * slows * model.depth).sqrt();
+    let (before, stops) = (after * both / model.hammer, after / slows);
+    let most = model.strength / model.hammer;
+    // Excess of the energy above the nail, with two intervals of that length before the one in which the hammer is turned.
+    let excess = |length: f64| {
+        let turned = most * ((intervals - 3.0) * length - stops) - before;
+        let up = 2.0 * most * length;
+        let height = 0.1 + up * length + (up + turned) / 2.0 * length;
+        turned.powi(2) + 2.0 * most * (height - 0.05) - before.powi(2)
+    };
+    let (mut short, mut long) = (0.01, 0.02);
+    for _ in 0..100 {
+        let middle = f64::midpoint(short, long);
+        if excess(middle) < 0.0 {
+            short = middle;
+        } else {
+            long = middle;
+        }
+    }
+    intervals * short
+}
+
+#[test]
+fn nail_is_driven_by_one_blow_in_a_fifth_of_the_guessed_time() {
+    let model = Nail::default();
+    let mut settings = Settings::default();
+    settings.guess = Guess::Sampled;
+    settings.starts = Some(1);
+    let solution = solve(&model, 10, &settings);
+    let best = blow(&model, 10.0);
+    assert!(
+        (solution.objective - best).abs() < 1e-8 * best,
+        "{}: {best}",
+        solution.objective
+    );
 }

@@ -135,6 +135,21 @@ impl Units {
         self
     }
 
+    /// The same measured by another motion, but for controls and the objective: where that motion lasts another time, other sizes are
+    /// of the order of one.
+    pub(in crate::ocp) fn of_motion(
+        &self,
+        model: &dyn Model,
+        motion: &Trajectory,
+        bounds: (&[f64], &[f64]),
+    ) -> Self {
+        Self {
+            controls: self.controls.clone(),
+            is_exact: self.is_exact,
+            ..Self::new(model, motion, bounds)
+        }
+    }
+
     /// Share of a length that belongs to the unit of the scene which a gap keeps: where motions are far smaller than that unit, as much less.
     pub(in crate::ocp) fn share_of_gap(&self, contact: usize) -> f64 {
         self.gap_rows[contact].min(1.0)

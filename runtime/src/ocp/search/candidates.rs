@@ -7,7 +7,6 @@ use super::free_lengths::retimed;
 use super::reach::reachable;
 use super::repair::{Repaired, is_left, repair};
 use super::replay::{simulated, simulations};
-use super::sampled::sampled;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
@@ -22,6 +21,7 @@ use crate::ocp::motion::mode::{closed_mode, is_frictional};
 use crate::ocp::motion::sequence::{Sequence, Signature, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
+use crate::ocp::program::units::Units;
 use crate::ocp::settings::{Formulation, TimeFreezingSettings};
 use crate::ocp::solution::TimeFreezingReport;
 use crate::simulation::{ContactMode, InputError};
@@ -133,10 +133,15 @@ impl<'a> Search<'a, '_> {
         Ok(())
     }
 
-    /// The same of random motions with different orders of impacts.
-    pub(in crate::ocp) fn try_sampled(&mut self, runner: &mut Runner) -> Result<(), InputError> {
-        let candidates = sampled(runner, self.attempts.setting)?.into_iter();
-        for (index, candidate) in candidates.enumerate() {
+    /// The same of simulated motions, each in its units.
+    pub(in crate::ocp) fn try_simulated(
+        &mut self,
+        runner: &mut Runner,
+        motions: &'a [(Candidate, Units)],
+    ) -> Result<(), InputError> {
+        for (index, (candidate, units)) in motions.iter().enumerate() {
+            self.attempts.setting.units = units;
+            let candidate = candidate.clone();
             let readings = if self.found.optima.is_empty() && index < RETIMED {
                 Readings::Own
             } else {

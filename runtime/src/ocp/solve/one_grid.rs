@@ -10,6 +10,7 @@ use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{self, RelaxedMotions};
 use crate::ocp::global::guess::{bent, guess};
 use crate::ocp::judge::confirm::judge;
+use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::previous::Previous;
@@ -20,6 +21,7 @@ use crate::ocp::progress::Watch;
 use crate::ocp::search::attempt::{Attempts, Local, Visited};
 use crate::ocp::search::candidates::{Found, Proved, Readings, Search};
 use crate::ocp::search::ride::ride;
+use crate::ocp::search::sampled::sampled;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
 use crate::rk::{ButcherTableau, Scheme};
@@ -194,7 +196,9 @@ pub(super) fn solve_round<'s>(
         found: Found::default(),
         proved: start.known.proved,
     };
-    let feasible = find(&mut runner, &mut search, &guessed, coarser.as_ref())?;
+    let simulated = simulated(&mut runner, setting, coarser.as_ref())?;
+    let known = (coarser.as_ref(), &simulated[..]);
+    let feasible = find(&mut runner, &mut search, &guessed, known)?;
     let nearest = runner.nearest_horizon();
     let (trace, found) = Trace::of(origin, search);
     let known = start.known.confirmed;
@@ -224,13 +228,39 @@ fn tableaus(stages: usize) -> Vec<ButcherTableau> {
     tableaus.collect()
 }
 
+/// The simulated motions that the search begins with, if it does, each with units of its own: it may last a small part of the time that
+/// the guess does, and units that are off by powers of a thousand keep a program from the motion that it starts from.
+fn simulated(
+    runner: &mut Runner,
+    setting: Setting,
+    coarser: Option<&Previous>,
+) -> Result<Vec<(Candidate, Units)>, InputError> {
+    let settings = runner.settings;
+    let searches = settings.formulation == Formulation::Phases && coarser.is_none();
+    if !searches || settings.guess != Guess::Sampled {
+        return Ok(Vec::new());
+    }
+    let Setting {
+        model,
+        units,
+        bounds,
+        ..
+    } = setting;
+    let motions = sampled(runner, setting)?.into_iter();
+    let with_units = motions.map(|motion| {
+        let own = units.of_motion(model, &motion.trajectory, bounds);
+        (motion, own)
+    });
+    Ok(with_units.collect())
+}
+
 /// Looks for local optima from a known motion, or else from the guess, or else from the ride without controls. Whether
 /// that was asked for, and fulfils the goals within the bounds.
-fn find(
+fn find<'a>(
     runner: &mut Runner,
-    search: &mut Search,
+    search: &mut Search<'a, '_>,
     guessed: &Trajectory,
-    coarser: Option<&Previous>,
+    (coarser, simulated): (Option<&Previous>, &'a [(Candidate, Units)]),
 ) -> Result<bool, InputError> {
     let setting = search.attempts.setting;
     let settings = runner.settings;
@@ -261,7 +291,7 @@ fn find(
     if settings.formulation == Formulation::Phases && coarser.is_none() {
         match settings.guess {
             Guess::Reachable => search.try_reachable(runner)?,
-            Guess::Sampled => search.try_sampled(runner)?,
+            Guess::Sampled => search.try_simulated(runner, simulated)?,
             _ => {}
         }
         if matches!(settings.guess, Guess::Reachable | Guess::Sampled) {
