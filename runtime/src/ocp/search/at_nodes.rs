@@ -29,6 +29,7 @@ pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
             found.extend(moved(pressure.sequence, index, to, pressure.intervals));
         }
     }
+    found.extend(landed(pressure.sequence, pressure.intervals));
     if pressure.sequence.switches.len() > 1 {
         found.extend(shifted(pressure.sequence, pressure.intervals));
     }
@@ -102,6 +103,32 @@ fn shifted(given: &Sequence, intervals: usize) -> Vec<Sequence> {
         sequence.ordered(intervals)
     };
     [true, false].into_iter().filter_map(shift).collect()
+}
+
+/// With a touch and a landing of the same contact around the end of an interval, or after a touch there, as one landing at that end, each:
+/// where the controls before it would not let the contact stay and those after it do, two blows are made of one.
+fn landed(given: &Sequence, intervals: usize) -> Vec<Sequence> {
+    let switches = &given.switches;
+    let land = |(i, j): (usize, usize)| {
+        let (touch, landing) = (switches[i], switches[j]);
+        let node = touch.interval + usize::from(touch.place == Place::Inside);
+        let after = landing.interval == node && landing.place == Place::Inside;
+        let alone = [i, j].map(|index| Sequence::companions(switches, index).is_empty());
+        if !(touch.touches() && landing.stays() && after && alone == [true; 2]) {
+            return None;
+        }
+        let mut sequence = given.clone();
+        sequence.switches[i] = Switch {
+            interval: node,
+            place: Place::Start,
+            time: node as f64,
+            mode: landing.mode,
+            ..touch
+        };
+        sequence.switches.remove(j);
+        sequence.ordered(intervals)
+    };
+    given.neighbours().filter_map(land).collect()
 }
 
 /// With the switches at the ends of intervals that one comes to, or beyond, by as many intervals further.
@@ -269,6 +296,22 @@ mod tests {
         assert_eq!(times(in_the_middle(5)), [5.5, 6.0]);
         // Away from it the opening stays.
         assert_eq!(times(in_the_middle(3)), [3.5, 5.0]);
+    }
+
+    #[test]
+    fn touch_before_an_end_and_landing_after_it_are_a_landing_there() {
+        let landing = |time: f64| Switch::inside(0, true, ContactMode::Frictionless, time);
+        let at = |time: f64| -> Vec<(usize, f64)> {
+            let mut given = struck();
+            given.switches.insert(1, landing(time));
+            let found = landed(&given, 10);
+            let own = found.iter().flat_map(|sequence| &sequence.switches);
+            let own = own.filter(|switch| switch.contact == 0);
+            own.map(|switch| (switch.interval, switch.time)).collect()
+        };
+        assert_eq!(at(5.3), [(5, 5.0)]);
+        assert!(at(4.8).is_empty() && at(6.2).is_empty());
+        assert!(landed(&struck(), 10).is_empty());
     }
 
     #[test]
