@@ -59,6 +59,9 @@ pub enum Guess {
     Reachable,
     /// None: the search begins with random motions, simulated, the nearest to the goals of each order of impacts.
     Sampled,
+    /// None: the search begins with contact sequences in which surfaces are left and struck in turn, when a program with intervals of
+    /// free lengths says so: for goals that take steps.
+    Stepping,
     /// The motion of an earlier [`Solution`](super::Solution) of the same scene, for other parameters or another
     /// number of intervals. Its contact sequence is tried first; there is no global search unless that fails.
     Previous(Box<Previous>),

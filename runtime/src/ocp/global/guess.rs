@@ -24,7 +24,7 @@ pub(in crate::ocp) fn guess(
 ) -> Result<Trajectory, InputError> {
     let straight = straight(model, problem, bounds);
     match guess {
-        Guess::Straight | Guess::Reachable | Guess::Sampled => Ok(straight),
+        Guess::Straight | Guess::Reachable | Guess::Sampled | Guess::Stepping => Ok(straight),
         Guess::Rest => Ok(at_rest(straight, model, problem)),
         Guess::Ride => ride(straight, model, problem, &problem.start()),
         Guess::Perturbed(seed) => Ok(perturbed(straight, model, problem, *seed, bounds)),

@@ -7,6 +7,7 @@ use super::free_lengths::retimed;
 use super::reach::reachable;
 use super::repair::{Repaired, is_left, repair};
 use super::replay::{simulated, simulations};
+use super::stepping::stepping;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::effort::Effort;
 use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
@@ -18,7 +19,7 @@ use crate::ocp::motion::edit_sequence::{
     at_interval_ends, ending, opening_at_ends, tidied, touching, untouched, without_jumps,
 };
 use crate::ocp::motion::mode::{closed_mode, is_frictional};
-use crate::ocp::motion::sequence::{Place, Sequence, Signature, Switch};
+use crate::ocp::motion::sequence::{Sequence, Signature, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
@@ -44,7 +45,7 @@ const MOST_STRUCK: usize = 8;
 /// surface with edges, there are many, and few of them can follow one another.
 const FAILURES: usize = 24;
 
-/// Gaits in a row without a solution after which no more are made up.
+/// Gaits in a row without a solution after which no more are tried.
 const STUMBLES: usize = 6;
 
 /// Which of the sequences that a candidate suggests are tried.
@@ -115,7 +116,6 @@ impl<'a> Search<'a, '_> {
         }
         if first && runner.settings.formulation == Formulation::Phases {
             self.try_struck(runner, guess)?;
-            self.try_stepping(runner, guess)?;
         }
         match &runner.settings.formulation {
             Formulation::Phases => self.try_relaxed(runner, guess),
@@ -221,35 +221,25 @@ impl<'a> Search<'a, '_> {
         Ok(())
     }
 
-    /// The same of motions like the guess in which one of the contacts at the start, or two in turn, lift off and land again: random
-    /// motions seldom walk.
-    fn try_stepping(&mut self, runner: &mut Runner, guess: &Trajectory) -> Result<(), InputError> {
-        let setting = self.attempts.setting;
-        let declared = setting.model.declaration().contacts;
-        let modes = modes_at_start(setting, guess).into_iter().enumerate();
-        let standing = modes.filter(|&(contact, mode)| !mode.is_open() && !declared[contact].dry);
-        let standing: Vec<usize> = standing.map(|(contact, _)| contact).collect();
-        if standing.len() < 2 {
-            return Ok(());
-        }
-        let mut gaits: Vec<Vec<usize>> = standing.iter().map(|&foot| vec![foot]).collect();
-        for &one in &standing {
-            let others = standing.iter().filter(|&&other| other != one);
-            gaits.extend(others.map(|&other| vec![one, other]));
-        }
-        let mut failures = 0;
-        for gait in gaits {
-            if failures >= STUMBLES {
+    /// The same of motions like the guess in which surfaces are left and struck in turn, when a program with intervals of free lengths
+    /// says so; of no more of them after so many without a solution.
+    pub(in crate::ocp) fn try_stepping(
+        &mut self,
+        runner: &mut Runner,
+        guess: &Trajectory,
+    ) -> Result<(), InputError> {
+        let mut stumbles = 0;
+        for sequence in stepping(self.attempts.setting, guess) {
+            if stumbles >= STUMBLES {
                 break;
             }
             let before = self.found.optima.len();
-            let sequence = stepping(setting, guess, &gait);
             if let Some(mut timed) = retimed(runner, &self.attempts, &sequence, guess) {
                 timed.sequence = opening_at_ends(timed.sequence);
                 self.try_candidate(runner, timed, Readings::Own)?;
             }
             let found = self.found.optima.len() > before || self.found.repeats.is_some();
-            failures = if found { 0 } else { failures + 1 };
+            stumbles = if found { 0 } else { stumbles + 1 };
         }
         Ok(())
     }
@@ -411,27 +401,6 @@ fn struck_at(
         sequence,
         trajectory: guess.clone(),
     }
-}
-
-/// A motion like the guess in which contacts lift off and land again one after the other, each for half of its share of the time.
-fn stepping(setting: Setting, guess: &Trajectory, gait: &[usize]) -> Sequence {
-    let share = setting.problem.intervals as f64 / gait.len() as f64;
-    let mut sequence = Sequence::without_switches(modes_at_start(setting, guess));
-    for (step, &contact) in gait.iter().enumerate() {
-        let begins = step as f64 * share;
-        let lifts = (begins + 0.25 * share).round().max(1.0);
-        let mode = closed_mode(is_frictional(setting.model, contact), 0.0, 0.0);
-        let off = Switch {
-            place: Place::Start,
-            ..Switch::inside(contact, false, ContactMode::Open, lifts)
-        };
-        let lands = Switch {
-            impulse: mode,
-            ..Switch::inside(contact, true, mode, begins + 0.75 * share)
-        };
-        sequence.switches.extend([off, lands]);
-    }
-    sequence
 }
 
 /// The same where the first impact lifts off whatever is in contact at the start, if anything is: a ball that is kicked off the ground.

@@ -22,4 +22,5 @@ pub(in crate::ocp) mod sampled;
 mod settling;
 mod simultaneous;
 pub(in crate::ocp) mod stationary;
+mod stepping;
 mod together;

@@ -292,9 +292,13 @@ fn find<'a>(
         match settings.guess {
             Guess::Reachable => search.try_reachable(runner)?,
             Guess::Sampled => search.try_simulated(runner, simulated)?,
+            Guess::Stepping => search.try_stepping(runner, guessed)?,
             _ => {}
         }
-        if matches!(settings.guess, Guess::Reachable | Guess::Sampled) {
+        if matches!(
+            settings.guess,
+            Guess::Reachable | Guess::Sampled | Guess::Stepping
+        ) {
             return Ok(false);
         }
     }

@@ -62,7 +62,7 @@ pub(super) fn explore(
         return Ok(vec![task.solve_from(0, task.settings, single)?]);
     }
     let mut all: Vec<Found> = Vec::new();
-    let mut sampled: Option<Found> = None;
+    let mut beside: Vec<Found> = Vec::new();
     let mut known = Known::default();
     let mut refusals = Vec::new();
     while all.len() < starts {
@@ -74,7 +74,7 @@ pub(super) fn explore(
         let batch = all.len()..starts.min(end);
         let samples = batch.contains(&SAMPLES) && has_surfaces(task.model);
         let of_starts = best(all.iter());
-        let best = best(all.iter().chain(&sampled));
+        let best = best(all.iter().chain(&beside));
         let runs = batch.into_par_iter().map(|start| {
             let mut settings = member(task.settings, start, best.is_some());
             if start == FREEZES && can_freeze(task.model) {
@@ -94,9 +94,12 @@ pub(super) fn explore(
             };
             (start, task.solve_after(&settings, Effort::Explore, known))
         });
-        let beside = || samples.then(|| simulated(task, &known)).flatten();
-        let (runs, simulated) = rayon::join(|| runs.collect::<Vec<_>>(), beside);
-        sampled = simulated.or(sampled);
+        let guesses = [Guess::Sampled, Guess::Stepping];
+        let guesses = guesses.into_par_iter().filter(|_| samples);
+        let others = guesses.filter_map(|guess| with_guess(task, guess, &known));
+        let (runs, others) =
+            rayon::join(|| runs.collect::<Vec<_>>(), || others.collect::<Vec<_>>());
+        beside.extend(others);
         for (start, run) in runs {
             let (mut found, trace) = match run {
                 Ok(run) => run,
@@ -117,8 +120,7 @@ pub(super) fn explore(
         }
         // Where initial values are free as well, those of the first batch agree on what is nearest too often.
         let seen = all.len() > BATCH || !has_free_start(task.model);
-        let enough =
-            task.settings.starts.is_none() && seen && best_was_found_again(&all, sampled.as_ref());
+        let enough = task.settings.starts.is_none() && seen && best_was_found_again(&all, &beside);
         let endless = all
             .iter()
             .any(|found| ends_at_no_time(task.model, &found.solution));
@@ -129,14 +131,14 @@ pub(super) fn explore(
     let refused = refusals.len();
     match refusals.into_iter().next() {
         Some(refusal) if refused == all.len() => Err(refusal),
-        _ => Ok(all.into_iter().chain(sampled).collect()),
+        _ => Ok(all.into_iter().chain(beside).collect()),
     }
 }
 
-/// The best that simulated motions lead to, beside what is known.
-fn simulated(task: &Task, known: &Known) -> Option<Found> {
+/// The best that a guess which is none of the starts leads to, beside what is known.
+fn with_guess(task: &Task, guess: Guess, known: &Known) -> Option<Found> {
     let settings = Settings {
-        guess: Guess::Sampled,
+        guess,
         ..member(task.settings, SAMPLES, false)
     };
     let run = task.solve_after(&settings, Effort::Explore, known.from(SAMPLES));
@@ -173,8 +175,8 @@ fn best<'f>(all: impl Iterator<Item = &'f Found>) -> Option<&'f Found> {
 
 /// Whether enough starts lead to the best motion; those that began near it do not count, nor do simulated motions, of which the best
 /// of many is taken.
-fn best_was_found_again(all: &[Found], sampled: Option<&Found>) -> bool {
-    let Some(best) = best(all.iter().chain(sampled)) else {
+fn best_was_found_again(all: &[Found], beside: &[Found]) -> bool {
+    let Some(best) = best(all.iter().chain(beside)) else {
         return false;
     };
     let most = best.solution.objective + best.solution.tolerated(SAME);
@@ -255,18 +257,18 @@ mod tests {
         assert!(near.iter().all(|&start| looks_near_the_best(start)));
         let mut all: Vec<Found> = [0, 2, 4].map(|start| ended_at(start, 1.0)).into();
         all.extend(near.map(|start| ended_at(start, 1.0)));
-        assert!(!best_was_found_again(&all, None));
+        assert!(!best_was_found_again(&all, &[]));
         all.push(ended_at(6, 2.0));
-        assert!(!best_was_found_again(&all, None));
+        assert!(!best_was_found_again(&all, &[]));
         all.push(ended_at(8, 1.0));
-        assert!(best_was_found_again(&all, None));
+        assert!(best_was_found_again(&all, &[]));
     }
 
     #[test]
     fn better_motion_near_the_best_has_to_be_found_by_others_as_well() {
         let mut all: Vec<Found> = [0, 1, 2, 4].map(|start| ended_at(start, 2.0)).into();
-        assert!(best_was_found_again(&all, None));
+        assert!(best_was_found_again(&all, &[]));
         all.push(ended_at(5, 1.0));
-        assert!(!best_was_found_again(&all, None));
+        assert!(!best_was_found_again(&all, &[]));
     }
 }
