@@ -203,6 +203,42 @@ fn more_starts_never_end_at_a_worse_motion() {
     assert!(many <= few + NOT_WORSE * few.abs(), "{few} {many}");
 }
 
+hangtime::model! {
+    /// A ball with a thruster lands softly, on ground that returns half the speed, with least fuel.
+    Thrown {
+        parameters { g = 10, e = 0.5 }
+        coordinates { z }
+        controls { u in 0..=20 }
+        lagrangian dot(z)^2/2 - g*z
+        forces { z: u }
+        surface ground: z >= 0
+        impact ground: restitution e
+        minimize integral(u)
+        finally { z == 0, dot(z) == 0, time <= 3 }
+        start { z: 10 }
+        horizon 2.5
+    }
+}
+
+#[test]
+fn neighbours_of_a_single_start_are_not_lost_among_many() {
+    // Two starts and more went on with a motion whose neighbours end at 9.155.
+    let model = Thrown::default();
+    let with = |starts: usize| {
+        let mut settings = Settings::default();
+        settings.starts = Some(starts);
+        let problem = Problem::of(&model, 10);
+        let solution = ocp::solve(&model, &problem, &settings, &mut |_| true).unwrap();
+        assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+        solution.objective
+    };
+    let one = with(1);
+    for starts in [2, 6] {
+        let many = with(starts);
+        assert!(many <= one + NOT_WORSE * one, "{starts}: {one} {many}");
+    }
+}
+
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let mut seen: Vec<(u64, Vec<u64>)> = Vec::new();

@@ -12,7 +12,7 @@ use super::one_grid::Known;
 use super::optima::{
     Found, costs_the_same, ends_at_no_time, is_better, is_same, rank, result, sort,
 };
-use super::portfolio::explore;
+use super::portfolio::{Explored, explore};
 use super::run::{Task, is_as_good, on_grid};
 use super::shared_observer::SharedObserver;
 use crate::Observer;
@@ -182,7 +182,7 @@ fn solve_in_elements<'o>(
         let from = best_of(from, kept);
         let found = if explores {
             let starts = starts(&grids, intervals, settings);
-            let found = look(&task, (starts, single), seen)?;
+            let found = look(&task, (starts, single), settings, seen)?;
             let asks = asks && starts == settings.starts() && !observer.stopped();
             if asks && is_too_coarse(settings, &found) {
                 seen.iter_mut().for_each(leave_its_work);
@@ -292,6 +292,7 @@ fn starts(grids: &[usize], intervals: usize, settings: &Settings) -> usize {
 fn look(
     task: &Task,
     (starts, single): (usize, Effort),
+    settings: &Settings,
     seen: &mut Vec<Found>,
 ) -> Result<Vec<Found>, InputError> {
     let intervals = task.problem.intervals;
@@ -303,13 +304,39 @@ fn look(
     };
     let coarse = with_intervals(task.problem, intervals.div_ceil(factor));
     let problem = &coarse;
-    let found = explore(&Task { problem, ..*task }, starts, single)?;
+    let there = Task { problem, ..*task };
+    let Explored { mut found, enough } = explore(&there, starts, single)?;
     seen.extend(found.iter().cloned());
+    if starts > 1 && task.settings.starts.is_some() {
+        let enough = enough.unwrap_or(starts);
+        let fewer = fewer_end_at(&Task { settings, ..there }, (&found, starts, enough), seen)?;
+        found.extend(fewer);
+    }
     if on_this_grid {
         Ok(found)
     } else {
         carry(task, &best_of(found, KEPT), seen)
     }
+}
+
+/// What a single start ends at, and, where more are asked for than are `enough`, what these do, with the neighbours decided: of many
+/// starts the best motion may be one whose neighbours lead to a poorer one. What is run is added to `seen`.
+fn fewer_end_at(
+    task: &Task,
+    (found, starts, enough): (&[Found], usize, usize),
+    seen: &mut Vec<Found>,
+) -> Result<Vec<Found>, InputError> {
+    let single = task.solve_from(0, task.settings, Effort::Certify)?;
+    seen.push(single.clone());
+    let enough = enough.min(Settings::default().starts());
+    let mut all = vec![single];
+    if enough < starts && !task.observer.stopped() {
+        let (first, others) = found.split_at(starts.min(found.len()));
+        let beside = others.iter();
+        let first = first.iter().take(enough).chain(beside).cloned().collect();
+        all.extend(decided(task, best_of(first, TRIED), Effort::Certify, seen)?);
+    }
+    Ok(all)
 }
 
 /// The motions on this grid that those on coarser grids lead to, which are added to `seen`; one that comes to where another

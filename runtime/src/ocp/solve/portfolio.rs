@@ -10,10 +10,12 @@
 //! not end, as these are many; and of the starts near the best every second one is near the best of the others, so that these do not
 //! decide alone where is looked.
 
+use std::ops::Range;
+
 use hangtime_solver::nlp;
 use rayon::prelude::*;
 
-use super::one_grid::Known;
+use super::one_grid::{Known, Trace};
 use super::optima::{Found, ends_at_no_time, rank};
 use super::run::Task;
 use crate::model::Model;
@@ -51,36 +53,75 @@ const FROM_A_DISTANCE: f64 = 10.0;
 /// Relative difference of the objective within which two starts found the same motion.
 const SAME: f64 = 1e-3;
 
-/// What that many starts end at, in their order; fewer where the caller leaves their number open and the best motion is
+/// What an exploration ends at.
+pub(super) struct Explored {
+    /// What the starts end at, in their order, and then what simulated motions and gaits lead to.
+    pub(super) found: Vec<Found>,
+    /// The first starts that were enough, where more were asked for.
+    pub(super) enough: Option<usize>,
+}
+
+/// What that many starts end at; fewer where the caller leaves their number open and the best motion is
 /// found again. A `single` one is solved with all its programs.
-pub(super) fn explore(
-    task: &Task,
-    starts: usize,
-    single: Effort,
-) -> Result<Vec<Found>, InputError> {
+pub(super) fn explore(task: &Task, starts: usize, single: Effort) -> Result<Explored, InputError> {
     if starts == 1 {
-        return Ok(vec![task.solve_from(0, task.settings, single)?]);
+        let found = vec![task.solve_from(0, task.settings, single)?];
+        let enough = None;
+        return Ok(Explored { found, enough });
     }
-    let mut all: Vec<Found> = Vec::new();
-    let mut beside: Vec<Found> = Vec::new();
-    let mut known = Known::default();
-    let mut refusals = Vec::new();
-    while all.len() < starts {
+    let mut exploration = Exploration::of(task);
+    let mut enough = None;
+    loop {
+        let solved = exploration.all.len();
+        if solved >= starts {
+            break;
+        }
         // The first start alone: where it leads to is what others need not look for.
-        let end = match all.len() {
+        let end = match solved {
             0 => 1,
-            solved => (solved / BATCH + 1) * BATCH,
+            _ => (solved / BATCH + 1) * BATCH,
         };
-        let batch = all.len()..starts.min(end);
-        let samples = batch.contains(&SAMPLES) && has_surfaces(task.model);
-        let of_starts = best(all.iter());
-        let best = best(all.iter().chain(&beside));
+        exploration.solve(solved..starts.min(end));
+        if enough.is_none() && exploration.agrees() {
+            enough = Some(exploration.all.len());
+        }
+        let ends = enough.is_some() && task.settings.starts.is_none();
+        if task.observer.stopped() || ends || exploration.ends_at_no_time() {
+            break;
+        }
+    }
+    exploration.into_found(enough)
+}
+
+/// Starts that are solved batch by batch.
+struct Exploration<'t, 'a, 's> {
+    task: &'t Task<'a, 's>,
+    /// What the starts so far ended at, in their order.
+    all: Vec<Found>,
+    /// What simulated motions and gaits lead to.
+    beside: Vec<Found>,
+    known: Known,
+    /// Why starts could not be solved.
+    refusals: Vec<InputError>,
+}
+
+impl<'t, 'a, 's> Exploration<'t, 'a, 's> {
+    fn of(task: &'t Task<'a, 's>) -> Self {
+        Self {
+            task,
+            all: Vec::new(),
+            beside: Vec::new(),
+            known: Known::default(),
+            refusals: Vec::new(),
+        }
+    }
+
+    /// Solves starts side by side, each by itself.
+    fn solve(&mut self, batch: Range<usize>) {
+        let samples = batch.contains(&SAMPLES) && has_surfaces(self.task.model);
+        let of_starts = best(self.all.iter());
+        let best = best(self.all.iter().chain(&self.beside));
         let runs = batch.into_par_iter().map(|start| {
-            let mut settings = member(task.settings, start, best.is_some());
-            if start == FREEZES && can_freeze(task.model) {
-                settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-                settings.guess = Guess::Straight;
-            }
             let near = if start % (2 * NEAR_THE_BEST) == 1 {
                 best
             } else {
@@ -90,48 +131,70 @@ pub(super) fn explore(
             let near = near.and_then(|best| best.solution.previous.clone());
             let known = Known {
                 near: near.map(|near| (near, BENDS[start / 2 % BENDS.len()])),
-                ..known.from(start)
+                ..self.known.from(start)
             };
-            (start, task.solve_after(&settings, Effort::Explore, known))
+            let mut settings = member(self.task.settings, start, best.is_some());
+            if start == FREEZES && can_freeze(self.task.model) {
+                settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
+                settings.guess = Guess::Straight;
+            }
+            let run = self.task.solve_after(&settings, Effort::Explore, known);
+            (start, run)
         });
         let guesses = [Guess::Sampled, Guess::Stepping];
         let guesses = guesses.into_par_iter().filter(|_| samples);
-        let others = guesses.filter_map(|guess| with_guess(task, guess, &known));
+        let others = guesses.filter_map(|guess| with_guess(self.task, guess, &self.known));
         let (runs, others) =
             rayon::join(|| runs.collect::<Vec<_>>(), || others.collect::<Vec<_>>());
-        beside.extend(others);
+        self.beside.extend(others);
         for (start, run) in runs {
-            let (mut found, trace) = match run {
-                Ok(run) => run,
-                Err(refusal) => {
-                    refusals.push(refusal);
-                    all.push(refused(start));
-                    continue;
-                }
-            };
-            // What is asked for is the motion.
-            found.solution.time_freezing = None;
-            if let Some(start) = trace.repeats {
-                found = again(found, &all[start]);
-            }
-            known.extend(trace.known);
-            known.ended_at(&found.solution);
-            all.push(found);
-        }
-        // Where initial values are free as well, those of the first batch agree on what is nearest too often.
-        let seen = all.len() > BATCH || !has_free_start(task.model);
-        let enough = task.settings.starts.is_none() && seen && best_was_found_again(&all, &beside);
-        let endless = all
-            .iter()
-            .any(|found| ends_at_no_time(task.model, &found.solution));
-        if task.observer.stopped() || enough || endless {
-            break;
+            self.add(start, run);
         }
     }
-    let refused = refusals.len();
-    match refusals.into_iter().next() {
-        Some(refusal) if refused == all.len() => Err(refusal),
-        _ => Ok(all.into_iter().chain(beside).collect()),
+
+    /// Adds what a start ended at.
+    fn add(&mut self, start: usize, run: Result<(Found, Trace), InputError>) {
+        let (mut found, trace) = match run {
+            Ok(run) => run,
+            Err(refusal) => {
+                self.refusals.push(refusal);
+                self.all.push(refused(start));
+                return;
+            }
+        };
+        // What is asked for is the motion.
+        found.solution.time_freezing = None;
+        if let Some(start) = trace.repeats {
+            found = again(found, &self.all[start]);
+        }
+        self.known.extend(trace.known);
+        self.known.ended_at(&found.solution);
+        self.all.push(found);
+    }
+
+    /// Whether enough starts lead to the best motion. Where initial values are free as well, those of the first batch agree on what is
+    /// nearest too often.
+    fn agrees(&self) -> bool {
+        let seen = self.all.len() > BATCH || !has_free_start(self.task.model);
+        seen && best_was_found_again(&self.all, &self.beside)
+    }
+
+    /// Whether a motion in no time was found, which no other start betters.
+    fn ends_at_no_time(&self) -> bool {
+        let mut all = self.all.iter();
+        all.any(|found| ends_at_no_time(self.task.model, &found.solution))
+    }
+
+    /// What all of it ends at; an error where no start could be solved.
+    fn into_found(self, enough: Option<usize>) -> Result<Explored, InputError> {
+        let refused = self.refusals.len();
+        match self.refusals.into_iter().next() {
+            Some(refusal) if refused == self.all.len() => Err(refusal),
+            _ => Ok(Explored {
+                enough: enough.filter(|&enough| enough < self.all.len()),
+                found: self.all.into_iter().chain(self.beside).collect(),
+            }),
+        }
     }
 }
 
