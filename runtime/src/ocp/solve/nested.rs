@@ -40,6 +40,8 @@ const TRIED: usize = 6;
 const STARTS_OF_ONE_TRIED: usize = 3;
 /// Relative decrease of the objective by which neighbours lead to a better motion.
 const IMPROVED: f64 = 1e-3;
+/// Relative excess of the objective up to which the next motion is decided as well.
+const CLOSE: f64 = 2e-2;
 /// Most programs on a grid before the neighbours of the best motion are decided.
 const PROGRAMS: usize = 12;
 /// Relative excess of the objective that residuals before a polish explain; beyond it the motion before is kept.
@@ -401,9 +403,9 @@ fn looked_again(
     Ok(found)
 }
 
-/// The best motion with its neighbours decided, and the next one where it is not confirmed, or not proved and the next one costs the
-/// same, or where neighbours have led to a better motion: then those that starts came to are not optima yet, and a poorer one may lead
-/// further.
+/// The best motion with its neighbours decided, and the next one where it costs hardly more, as its neighbours may lead further; those
+/// after it where it is not confirmed, or not proved and the next one costs the same, or where neighbours have led to a better motion:
+/// then those that starts came to are not optima yet, and a poorer one may lead further.
 fn decided(
     task: &Task,
     found: Vec<Found>,
@@ -412,13 +414,16 @@ fn decided(
 ) -> Result<Option<Found>, InputError> {
     let mut best: Option<Found> = None;
     let mut improved = false;
-    for one in found {
+    let first = found.first().map(|first| &first.solution);
+    let close = first.map_or(f64::NAN, |best| best.objective + best.tolerated(CLOSE));
+    for (index, one) in found.into_iter().enumerate() {
+        let next = index == 1 && one.solution.motion.is_some() && one.solution.objective <= close;
         let enough = |best: &Found| {
             let unproved = best.solution.status == Status::Uncertified;
             is_as_good(&best.solution, &one.solution)
                 && !(unproved && costs_the_same(&best.solution, &one.solution))
         };
-        if !improved && best.as_ref().is_some_and(enough) {
+        if !improved && !next && best.as_ref().is_some_and(enough) {
             break;
         }
         let before = one.solution.objective;

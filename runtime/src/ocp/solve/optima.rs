@@ -10,7 +10,7 @@ use crate::ocp::solution::{Counts, Optimum, Solution, Status};
 const SAME: f64 = 1e-6;
 
 /// The same within which one of them does not cost less: what refining their elements by different paths changes.
-const COSTS_THE_SAME: f64 = 1e-8;
+const COSTS_THE_SAME: f64 = 1e-7;
 
 /// Relative difference of the objective from the final time within which it is that.
 const SAME_TIME: f64 = 1e-9;
