@@ -15,7 +15,7 @@ use crate::simulation::ContactMode;
 const BEGINS: f64 = 0.25;
 const ENDS: f64 = 0.75;
 
-/// The sequences of all gaits, those of fewer steps first.
+/// The sequences of all gaits for which there are intervals enough, those of fewer steps first.
 pub(super) fn stepping(setting: Setting, guess: &Trajectory) -> Vec<Sequence> {
     let model = setting.model;
     let contacts = model.declaration().contacts.iter().enumerate();
@@ -26,7 +26,8 @@ pub(super) fn stepping(setting: Setting, guess: &Trajectory) -> Vec<Sequence> {
     let intervals = setting.problem.intervals;
     let gaits = gaits(&surfaces).into_iter();
     let sequences = gaits.map(|gait| with_steps(&standing, &gait, closed, intervals));
-    sequences.collect()
+    let ordered = sequences.filter_map(|sequence| sequence.ordered(intervals));
+    ordered.collect()
 }
 
 /// A sequence with steps of these surfaces, one after the other, each in its part of the time: off and on again, or the other way round
@@ -116,5 +117,8 @@ mod tests {
         ];
         assert_eq!(steps, expected);
         assert!(walk.ordered(10).is_some());
+        // The first end of an interval is that of the motion.
+        let hop = with_steps(&standing, &[0], |_| ContactMode::Stick, 1);
+        assert!(hop.ordered(1).is_none());
     }
 }

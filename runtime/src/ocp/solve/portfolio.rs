@@ -6,8 +6,8 @@
 //! batch every second one begins at the best motion so far, bent out of shape, which finds what random motions seldom do. Where that
 //! batch has no motion at all, the next one begins with those that simulated controls lead nearest to the goals. One start of the second
 //! batch takes its contact sequence from the program of the time-freezing system, which ends at other motions than the contact-implicit ones.
-//! Beside the first batch simulated motions are tried, one of each order of impacts. Where others come through their sequences they do
-//! not end, as these are many; and of the starts near the best every second one is near the best of the others, so that these do not
+//! Beside the first batch simulated motions are tried, one of each order of impacts, and gaits. Where others come through their sequences
+//! they do not end, as these are many; and of the starts near the best every second one is near the best of the others, so that these do not
 //! decide alone where is looked.
 
 use std::ops::Range;
