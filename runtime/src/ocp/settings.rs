@@ -58,9 +58,10 @@ pub enum Guess {
     /// goals: for goals that take several swings. [`Straight`](Self::Straight) for the time-freezing formulation.
     Reachable,
     /// None: the search begins with random motions, simulated, the nearest to the goals of each order of impacts.
+    /// [`Straight`](Self::Straight) where these lead to no motion, and for the time-freezing formulation.
     Sampled,
     /// None: the search begins with contact sequences in which surfaces are left and struck in turn, when a program with intervals of
-    /// free lengths says so: for goals that take steps.
+    /// free lengths says so: for goals that take steps. [`Straight`](Self::Straight) as with [`Sampled`](Self::Sampled).
     Stepping,
     /// The motion of an earlier [`Solution`](super::Solution) of the same scene, for other parameters or another
     /// number of intervals. Its contact sequence is tried first; there is no global search unless that fails.
@@ -204,6 +205,7 @@ pub struct Settings {
     /// relaxations, or discretizations of the time-freezing formulation; at least 1. Default: up to 16, fewer where
     /// several agree on the best; 1 with a previous motion; with time-freezing two, of which one is on a grid of
     /// about ten intervals and is carried to the one asked for, and up to four others one after the other until a motion is certified.
+    /// Where several are asked for in phases, what a single one ends at is among the candidates.
     /// The best result is returned, with the distinct local optima; it does not depend
     /// on the number of threads.
     pub starts: Option<usize>,

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::root::root;
 use crate::support::{assert_program, linear, one_start, solve, time_freezing};
 use hangtime::ocp::ControlShape;
 use hangtime::simulation::EventKind;
@@ -25,21 +26,13 @@ hangtime::model! {
 #[test]
 fn least_time_in_a_growing_wind_is_that_of_the_closed_form() {
     // T^2 / 2 + T^3 / 6 = 1
-    let (mut lower, mut upper) = (0.0_f64, 2.0_f64);
-    for _ in 0..60 {
-        let middle = 0.5 * (lower + upper);
-        if middle * middle / 2.0 + middle.powi(3) / 6.0 < 1.0 {
-            lower = middle;
-        } else {
-            upper = middle;
-        }
-    }
+    let fastest = root(|t| 1.0 - t * t / 2.0 - t.powi(3) / 6.0, 0.0, 2.0);
     let sail = Sail::default();
     for settings in [one_start(), linear(), time_freezing()] {
         let solution = solve(&sail, 3, &settings);
         assert!(
-            (solution.horizon - lower).abs() < DIGITS,
-            "{} against {lower}",
+            (solution.horizon - fastest).abs() < DIGITS,
+            "{} against {fastest}",
             solution.horizon
         );
         if solution.time_freezing.is_some() {
@@ -116,23 +109,16 @@ fn lift_off_and_landing_on_a_moving_platform_are_those_of_the_ballistic_flight()
     let (z, v) = (a * (w * lift_off).sin(), a * w * (w * lift_off).cos());
     let gap =
         |t: f64| z + v * (t - lift_off) - g / 2.0 * (t - lift_off).powi(2) - a * (w * t).sin();
-    let (mut lower, mut upper) = (lift_off + 0.1, 2.0);
-    assert!(gap(lower) > 0.0 && gap(upper) < 0.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (lower + upper);
-        if gap(middle) > 0.0 {
-            lower = middle;
-        } else {
-            upper = middle;
-        }
-    }
+    let soon = lift_off + 0.1;
+    assert!(gap(soon) > 0.0 && gap(2.0) < 0.0);
+    let landing = root(gap, soon, 2.0);
     for controls in [ControlShape::Constant, ControlShape::Linear] {
         let mut settings = one_start();
         settings.controls = controls;
         // Order 15: the platform moves like no polynomial.
         settings.stages = 8;
         let solution = solve(&Platform::default(), 4, &settings);
-        let expected = [(lift_off, EventKind::LiftOff), (lower, EventKind::Impact)];
+        let expected = [(lift_off, EventKind::LiftOff), (landing, EventKind::Impact)];
         assert_eq!(solution.planned_events.len(), 2);
         for (&(time, kind, _), expected) in solution.planned_events.iter().zip(expected) {
             assert_eq!(kind, expected.1);

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::root::root;
 use crate::support::{one_start, solve as certified};
 use hangtime::model::Model;
 use hangtime::ocp::{self, ControlShape, Guess, Horizon, Problem, Settings, Solution, Status};
@@ -94,17 +95,8 @@ fn bounce_at_the_final_time_gives_the_speed_after_it() {
     let g = 9.81;
     let length = |u: f64| 4.4 / (4.0 * g + 1.0 - u);
     let fall = |u: f64| length(u).powi(2) * (8.0 * g + 5.5 - 1.5 * u);
-    let (mut lower, mut upper) = (-1.0, 1.0);
-    assert!(fall(lower) < 1.0 && fall(upper) > 1.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (lower + upper);
-        if fall(middle) < 1.0 {
-            lower = middle;
-        } else {
-            upper = middle;
-        }
-    }
-    let time = 4.0 * length(lower);
+    assert!(fall(-1.0) < 1.0 && fall(1.0) > 1.0);
+    let time = 4.0 * length(root(|u| 1.0 - fall(u), -1.0, 1.0));
     assert!(
         (solution.horizon - time).abs() < 1e-8,
         "{} against {time}",

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::root::root;
 use crate::support::{DIGITS, one_start, solve};
 use hangtime::ocp::{Problem, Settings, Status, solve as solve_with};
 use hangtime::simulation::EventKind;
@@ -504,16 +505,9 @@ fn puck_on_ground_that_is_level_but_for_rounding_may_start_at_any_speed() {
     };
     let solution = solve(&putt, 20, &Settings::default());
     // braked all the way, and just over the hump in the 4 s that it has
-    let (u, mut least, mut most) = (1e-3, 1e-6, 1e-2);
-    for _ in 0..50 {
-        let middle = 0.5 * (least + most);
-        if duration(&putt, u, middle) > 4.0 {
-            least = middle;
-        } else {
-            most = middle;
-        }
-    }
-    let slowest = most + 2.0 * putt.g * putt.a - 2.0 * u * 2.0;
+    let u = 1e-3;
+    let energy = root(|w| duration(&putt, u, w) - 4.0, 1e-6, 1e-2);
+    let slowest = energy + 2.0 * putt.g * putt.a - 2.0 * u * 2.0;
     let apart = (solution.objective - slowest).abs();
     assert!(
         apart < 1e-8 * slowest,

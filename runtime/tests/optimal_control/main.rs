@@ -20,6 +20,8 @@ mod linear_controls;
 mod not_finite;
 mod polish;
 mod refinement;
+#[path = "../shared/root.rs"]
+mod root;
 mod scaling;
 mod sizes;
 mod support;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use crate::root::root;
 use crate::support::{attempt, solve};
 use hangtime::ocp::{Guess, Settings, Status};
 
@@ -211,16 +212,7 @@ fn blow(model: &Nail, intervals: f64) -> f64 {
         let height = 0.1 + up * length + (up + turned) / 2.0 * length;
         turned.powi(2) + 2.0 * most * (height - 0.05) - before.powi(2)
     };
-    let (mut short, mut long) = (0.01, 0.02);
-    for _ in 0..100 {
-        let middle = f64::midpoint(short, long);
-        if excess(middle) < 0.0 {
-            short = middle;
-        } else {
-            long = middle;
-        }
-    }
-    intervals * short
+    intervals * root(|length| -excess(length), 0.01, 0.02)
 }
 
 #[test]

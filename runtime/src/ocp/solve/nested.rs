@@ -5,7 +5,8 @@
 //! where a finer grid ends at a worse one. On each of them the neighbours of the best motion are decided, as a call for that
 //! grid alone would do it. So the result is not worse than that of such a call, unless that one looks from more starts: the grid with all
 //! starts is the finest of the coarsest ones, which differs between 10 and 30 intervals, but not between 10, 20 and 40. A single start,
-//! which is asked for to be quick, decides neighbours on the grid asked for only; it solves the coarsest grids with all programs.
+//! which is asked for to be quick, decides neighbours on the grid asked for only; it solves the coarsest grids with all programs. Where
+//! several are asked for, what it ends at is among the candidates, and so is what as many as are usually enough do.
 //! The motion that is returned is polished at last; the search goes on from those that are not.
 
 use super::one_grid::Known;

@@ -295,10 +295,13 @@ fn find<'a>(
             Guess::Stepping => search.try_stepping(runner, guessed)?,
             _ => {}
         }
-        if matches!(
-            settings.guess,
-            Guess::Reachable | Guess::Sampled | Guess::Stepping
-        ) {
+        // One of several searches leaves the rest to the others.
+        let beside = match settings.guess {
+            Guess::Reachable => true,
+            Guess::Sampled | Guess::Stepping => runner.effort == Effort::Explore,
+            _ => false,
+        };
+        if beside {
             return Ok(false);
         }
     }

@@ -71,11 +71,8 @@ pub(super) fn explore(task: &Task, starts: usize, single: Effort) -> Result<Expl
     }
     let mut exploration = Exploration::of(task);
     let mut enough = None;
-    loop {
+    while exploration.all.len() < starts {
         let solved = exploration.all.len();
-        if solved >= starts {
-            break;
-        }
         // The first start alone: where it leads to is what others need not look for.
         let end = match solved {
             0 => 1,

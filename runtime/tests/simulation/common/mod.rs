@@ -4,7 +4,11 @@ pub(crate) mod assembled;
 pub(crate) mod event;
 pub(crate) mod gold;
 pub(crate) mod laws;
+#[path = "../../shared/root.rs"]
+mod root;
 pub(crate) mod scenes;
+
+pub(crate) use root::root;
 
 use hangtime::model::Model;
 use hangtime::simulation::{ControlSignal, InitialValueProblem, Simulation, Trajectory};
@@ -91,17 +95,4 @@ pub(crate) fn check_energy(
         prop_assert!(pair[1] <= pair[0] + allowed, "{:?}", pair);
     }
     Ok(())
-}
-
-/// Where a function that is positive at `low` and negative at `high` vanishes.
-pub(crate) fn root(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if f(middle) > 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
 }
