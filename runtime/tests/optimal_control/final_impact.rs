@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
+use std::cmp::Ordering;
+
 use crate::root::root;
 use crate::support::{one_start, solve as certified};
 use hangtime::model::Model;
@@ -150,6 +152,63 @@ fn goal_at_a_surface_is_reached_with_an_impact_where_that_is_cheaper_than_to_bra
             "{intervals}: {} instead of {least}",
             solution.objective
         );
+    }
+}
+
+hangtime::model! {
+    /// A freighter that is to lie at a dock which bears no hard blow: it brakes until it gets there.
+    Freighter {
+        parameters { m: kg = 5000, way: m = 12 [km], bear: kN s = 50 }
+        coordinates { y: m }
+        controls { u: kN in -2..=2 }
+        lagrangian m/2*dot(y)^2
+        forces { y: u }
+        surface dock: y <= way
+        impact dock: inelastic
+        minimize time
+        constraint soft: impulse(dock) <= bear
+        finally { y == way, dot(y) == 0 }
+        horizon 300 [s]
+    }
+}
+
+/// Least time of the freighter on `n` intervals: full force in the first `k`, `u` in the next one, and braking after it, with 10 m/s left
+/// for the dock. With the step `h` and `a = 0.4 m/s^2` that is `a h (2 k + 1 - n + u) = 10`; distance in `h` has one root.
+fn docking(n: usize, k: usize) -> f64 {
+    let distance = |h: f64| {
+        let mixed = 10.0 / (0.4 * h) + n as f64 - (2 * k + 1) as f64;
+        let (mut y, mut v) = (0.0, 0.0);
+        for interval in 0..n {
+            let a = 0.4
+                * match interval.cmp(&k) {
+                    Ordering::Less => 1.0,
+                    Ordering::Equal => mixed,
+                    Ordering::Greater => -1.0,
+                };
+            y += h * (v + 0.5 * h * a);
+            v += h * a;
+        }
+        y
+    };
+    let h = root(
+        |h| 12_000.0 - distance(h),
+        100.0 / n as f64,
+        500.0 / n as f64,
+    );
+    h * n as f64
+}
+
+#[test]
+fn nothing_lands_before_the_end_where_what_brakes_it_would_pull_it_off_again() {
+    for (intervals, mixed) in [(8, 4), (10, 5), (12, 6)] {
+        let solution = certified(&Freighter::default(), intervals, &one_start());
+        let time = docking(intervals, mixed);
+        assert!(
+            (solution.horizon - time).abs() < 1e-8 * time,
+            "{intervals}: {} instead of {time}",
+            solution.horizon
+        );
+        assert_eq!(solution.planned_events.len(), 1);
     }
 }
 

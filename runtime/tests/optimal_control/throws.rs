@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use crate::root::root;
-use crate::support::{attempt, solve};
+use crate::support::{attempt, one_start, solve};
 use hangtime::ocp::{Guess, Settings, Status};
 
 hangtime::model! {
@@ -228,4 +228,51 @@ fn nail_is_driven_by_one_blow_in_a_fifth_of_the_guessed_time() {
         "{}: {best}",
         solution.objective
     );
+}
+
+hangtime::model! {
+    /// A small ball falls behind a big one, which throws it up from the floor.
+    Stack {
+        parameters { big: kg = 0.6, small: kg = 0.06, g: m/s^2 = 9.81, e = 0.9 }
+        coordinates { a: m, b: m }
+        lagrangian big/2*dot(a)^2 + small/2*dot(b)^2 - g*(big*a + small*b)
+        surface floor: a >= 0
+        surface touch: b >= a
+        impact floor: restitution e
+        impact touch: restitution e
+        minimize -b
+        finally { time <= 2 [s] }
+        start { a: 1 [m], b: 1.2 [m] }
+        horizon 1.2 [s]
+    }
+}
+
+/// Height to which the small ball rises: the big one strikes the floor, and comes towards the small one with 1.9 times that speed.
+fn thrown(model: &Stack) -> f64 {
+    let (g, e) = (model.g, model.e);
+    let struck = (2.0 * g).sqrt();
+    let closing = (1.0 + e) * struck;
+    let later = 0.2 / closing;
+    let height = e * struck * later - 0.5 * g * later * later;
+    let (up, down) = (e * struck - g * later, -struck - g * later);
+    let mass = model.big / (model.big + model.small);
+    let speed = down + mass * (1.0 + e) * (up - down);
+    height + speed * speed / (2.0 * g)
+}
+
+/// The big ball strikes the floor twice more on the way: what ends right before such a blow, and would rise on after it, is no optimum.
+#[test]
+fn motion_goes_on_after_blows_that_do_not_concern_what_is_thrown() {
+    let model = Stack::default();
+    let best = thrown(&model);
+    for intervals in [4, 10] {
+        let solution = solve(&model, intervals, &one_start());
+        assert!(
+            (solution.objective + best).abs() < 1e-8 * best,
+            "{intervals}: {} instead of {}",
+            solution.objective,
+            -best
+        );
+        assert_eq!(solution.planned_events.len(), 4);
+    }
 }

@@ -15,6 +15,8 @@ pub(in crate::ocp) struct Collocation<'a> {
     pub(in crate::ocp) model: &'a dyn Model,
     pub(in crate::ocp) sequence: Sequence,
     pub(in crate::ocp) phases: Vec<Phase>,
+    /// Variables of the state `(q, v)` at the end, after any impact there.
+    pub(in crate::ocp) end: Vec<usize>,
     /// Contacts with friction in the impacts, by the index of the switch.
     pub(in crate::ocp) impacts: Vec<(usize, Tangential)>,
     /// Touches, and the row of the least impact velocity of each.

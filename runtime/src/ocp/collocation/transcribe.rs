@@ -74,6 +74,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         model,
         sequence: sequence.clone(),
         phases: builder.phases,
+        end: builder.state,
         impacts: builder.impacts,
         touches: builder.touches,
         distances: builder.distances,

@@ -88,7 +88,30 @@ pub(super) fn directed(pressure: &Pressure) -> Vec<Neighbour> {
     found.extend(touches_and_contacts(pressure));
     found.extend(moved(pressure).into_iter().map(Neighbour::adjoining));
     found.extend(ended(pressure).into_iter().map(Neighbour::adjoining));
+    found.extend(struck_last(pressure).into_iter().map(Neighbour::adjoining));
     found
+}
+
+/// With a touch a little before the end of a contact that bounces and presses for being struck there: it is open again, and the motion goes
+/// on.
+fn struck_last(pressure: &Pressure) -> Vec<Sequence> {
+    let last = pressure.program.phases.last();
+    let Some(stage) = last.and_then(|phase| phase.stages.last()) else {
+        return Vec::new();
+    };
+    let end = pressure.intervals as f64;
+    let before = pressure.sequence.switches.last();
+    let flight = end - before.map_or(0.0, |switch| switch.time);
+    let time = end - pressure.inserted.min(0.5 * flight);
+    let presses = |contact: usize| stage.gap_rows[contact].is_some_and(|row| pressure.presses(row));
+    let touching = pressure.touching_at_the_end().into_iter();
+    let struck = touching.filter(|&(contact, _)| presses(contact) && bounces(pressure, contact));
+    let struck = struck.filter_map(|(contact, mode)| {
+        let mut sequence = pressure.sequence.clone();
+        sequence.switches.push(touch(contact, mode, time));
+        sequence.ordered(pressure.intervals)
+    });
+    struck.collect()
 }
 
 /// With an impact at the final time of a contact that is open until there and touches then: goals may hold it there without any
@@ -148,8 +171,11 @@ fn moved(pressure: &Pressure) -> Vec<Sequence> {
             || pressure.program.shape == ControlShape::Linear
         {
             let time = k as f64 - ENTRY;
-            if switch.stays() && is_pulled_off(pressure, k, switch.contact) {
-                found.extend(touched_before(pressure, index));
+            let ends = k == pressure.intervals;
+            if ends && bounces(pressure, switch.contact) {
+                found.extend(touched_at(pressure, index, time));
+            } else if switch.stays() && is_pulled_off(pressure, k, switch.contact) {
+                found.extend(touched_before(pressure, index).filter(|_| !ends));
             } else {
                 found.extend(pressure.moved(index, k.checked_sub(1), Place::Inside, time));
             }
@@ -197,30 +223,62 @@ fn touched_before(pressure: &Pressure, index: usize) -> Option<Sequence> {
     sequence.ordered(pressure.intervals)
 }
 
-/// Whether a contact that lands alone where an interval begins would be pulled off by what drives the motion right before: no motion in which
-/// it lands a little earlier, and stays, is near; one in which it is touched then is.
+/// With the impact that ends the motion as a touch at a time before it, from which the contact bounces.
+fn touched_at(pressure: &Pressure, index: usize, time: f64) -> Option<Sequence> {
+    let mut sequence = pressure.sequence.clone();
+    let last = sequence.switches[index];
+    let alone = Sequence::companions(&sequence.switches, index).is_empty();
+    sequence.switches[index] = touch(last.contact, last.mode, time);
+    sequence.ordered(pressure.intervals).filter(|_| alone)
+}
+
+/// A touch with an impulse of that mode.
+fn touch(contact: usize, impulse: ContactMode, time: f64) -> Switch {
+    Switch {
+        impulse,
+        ..Switch::inside(contact, true, ContactMode::Open, time)
+    }
+}
+
+/// Whether a contact that is struck is open again right after it.
+fn bounces(pressure: &Pressure, contact: usize) -> bool {
+    pressure.program.model.restitution(contact) > 0.0
+}
+
+/// Whether a contact that lands alone where an interval begins, or at the end of the motion, would be pulled off by what drives the motion
+/// right before: no motion in which it lands a little earlier, and stays, is near; one in which it is touched then may be.
 fn is_pulled_off(pressure: &Pressure, interval: usize, contact: usize) -> bool {
-    let phases = &pressure.program.phases;
-    let Some(after) = phases.iter().position(|phase| phase.interval == interval) else {
+    let program = pressure.program;
+    let phases = &program.phases;
+    let next = phases.iter().position(|phase| phase.interval == interval);
+    let after = next.map(|next| &phases[next]);
+    let alone = match after {
+        Some(after) => after.closed == [contact],
+        None => is_alone_at_the_end(pressure.sequence, contact),
+    };
+    let before = phases[..next.unwrap_or(phases.len())].last();
+    let before = before.and_then(|before| before.stages.last());
+    let Some(before) = before.filter(|_| alone) else {
         return false;
     };
-    let before = after
-        .checked_sub(1)
-        .and_then(|before| phases[before].stages.last());
-    let Some(before) = before.filter(|_| phases[after].closed == [contact]) else {
-        return false;
-    };
-    let x = pressure.program.program.physical(&pressure.solution.x);
+    let x = program.program.physical(&pressure.solution.x);
+    let landed = after.map_or(&program.end, |after| &after.start);
     let acceleration = |drive: &[usize]| {
-        let input = phases[after].start.iter().chain(drive);
+        let input = landed.iter().chain(drive);
         let input: Vec<f64> = input.map(|&i| x[i]).collect();
-        free_normal_acceleration(pressure.program.model, contact, &input)
+        free_normal_acceleration(program.model, contact, &input)
     };
-    let then = phases[after]
-        .stages
-        .first()
-        .map_or(0.0, |stage| acceleration(&stage.drive));
+    let then = after.and_then(|after| after.stages.first());
+    let then = then.map_or(0.0, |stage| acceleration(&stage.drive));
     acceleration(&before.drive) > PULLED * then.abs()
+}
+
+/// Whether a contact is the only one that is closed at the end of the motion.
+fn is_alone_at_the_end(sequence: &Sequence, contact: usize) -> bool {
+    let end = sequence.switches.len();
+    let contacts = 0..sequence.initially.len();
+    let mut closed = contacts.filter(|&contact| !sequence.mode_before(end, contact).is_open());
+    closed.next() == Some(contact) && closed.next().is_none()
 }
 
 /// Sequences with a touch in the place of a short contact, and with a short contact in the

@@ -23,7 +23,7 @@ const NEAR: f64 = 1.5;
 /// A plan that another round looks beyond.
 struct Before {
     plan: Solution,
-    /// Whether it lies at an end of its range, or far from the time that it was measured in; else its controls are of
+    /// Whether it lies at an end of its range; else it is far from the time that it was measured in, or its controls are of
     /// another size than their units.
     at_an_end: bool,
 }
@@ -86,7 +86,7 @@ pub(super) fn solve_grid<'s>(
             };
             if is_found(&solution) {
                 before = Some(Before {
-                    at_an_end: at_an_end || off_centre,
+                    at_an_end,
                     plan: solution,
                 });
             } else {
@@ -98,12 +98,18 @@ pub(super) fn solve_grid<'s>(
         }
         let (counts, seconds) = (solution.counts, solution.seconds);
         let final_times = solution.final_times;
-        let inside = !off_units && range.end_at(solution.horizon).is_none();
+        let lies = if range.end_at(solution.horizon).is_some() {
+            Lies::AtAnEnd
+        } else if off_units {
+            Lies::OffUnits
+        } else {
+            Lies::Inside
+        };
         let solution = Solution {
             counts,
             seconds,
             final_times,
-            ..conclusion(solution, inside, before, failed)
+            ..conclusion(solution, lies, before, failed)
         };
         trace.known = known;
         return Ok((solution, trace));
@@ -121,10 +127,19 @@ fn around(problem: &Problem, centre: Option<f64>) -> Problem {
     }
 }
 
-/// What the last round, whose plan lies inside its range or not, the last plan before it, and the first failure come to.
+/// Where the plan of a round lies in the final times that it looked at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Lies {
+    Inside,
+    /// Inside, but it is of another size than the units that it was measured in.
+    OffUnits,
+    AtAnEnd,
+}
+
+/// What the last round, whose plan lies there, the last plan before it, and the first failure come to.
 fn conclusion(
     last: Solution,
-    inside: bool,
+    lies: Lies,
     before: Option<Before>,
     failed: Option<Solution>,
 ) -> Solution {
@@ -134,7 +149,10 @@ fn conclusion(
         Some(before) if before.at_an_end => unbounded(before.plan, status),
         // In units of its own size it was not confirmed.
         Some(before) => demoted(before.plan, status, Status::Uncertified),
-        None if is_found(&last) && !inside => unbounded(last, status),
+        None if is_found(&last) && lies == Lies::AtAnEnd => unbounded(last, status),
+        None if is_found(&last) && lies == Lies::OffUnits => {
+            demoted(last, status, Status::Uncertified)
+        }
         None if is_found(&last) || status == Status::Interrupted => last,
         None => failed.unwrap_or(last),
     }

@@ -2,10 +2,10 @@
 //! search has put it. A ball that comes back from an elastic wall half-way strikes it at a node, on whichever side of it the program is.
 //!
 //! So such a scene is solved on one interval as well, in which switches may be at any time, and that motion is taken where it is
-//! clearly better.
+//! clearly better, or costs the same and is proved where the other one is not.
 
 use super::nested;
-use super::optima::rank;
+use super::optima::{costs_the_same, rank};
 use crate::Observer;
 use crate::model::Model;
 use crate::ocp::problem::Problem;
@@ -42,7 +42,10 @@ pub(super) fn solve(
     };
     let mut other = nested::solve(model, &whole, &settings, observer)?;
     let (own, least) = (rank(&other), rank(&solution));
-    let better = own.0 < least.0 || own.1 < least.1 - solution.tolerated(BETTER);
+    let proves = costs_the_same(&other, &solution)
+        && other.status == Status::Solved
+        && solution.status == Status::Uncertified;
+    let better = own.0 < least.0 || own.1 < least.1 - solution.tolerated(BETTER) || proves;
     if better && own.0 <= least.0 && other.status != Status::Interrupted {
         std::mem::swap(&mut solution, &mut other);
         state_on(&mut solution, problem.intervals);
