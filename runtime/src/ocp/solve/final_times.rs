@@ -9,6 +9,7 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::one_grid::{Round, Start, Trace, solve_round};
 use crate::model::Model;
+use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
@@ -98,13 +99,7 @@ pub(super) fn solve_grid<'s>(
         }
         let (counts, seconds) = (solution.counts, solution.seconds);
         let final_times = solution.final_times;
-        let lies = if range.end_at(solution.horizon).is_some() {
-            Lies::AtAnEnd
-        } else if off_units {
-            Lies::OffUnits
-        } else {
-            Lies::Inside
-        };
+        let lies = Lies::of(range, solution.horizon, off_units);
         let solution = Solution {
             counts,
             seconds,
@@ -134,6 +129,16 @@ enum Lies {
     /// Inside, but it is of another size than the units that it was measured in.
     OffUnits,
     AtAnEnd,
+}
+
+impl Lies {
+    fn of(range: FinalTimes, time: f64, off_units: bool) -> Self {
+        match range.end_at(time) {
+            Some(_) => Self::AtAnEnd,
+            None if off_units => Self::OffUnits,
+            None => Self::Inside,
+        }
+    }
 }
 
 /// What the last round, whose plan lies there, the last plan before it, and the first failure come to.
