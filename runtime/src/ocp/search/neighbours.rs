@@ -172,7 +172,8 @@ fn moved(pressure: &Pressure) -> Vec<Sequence> {
         {
             let time = k as f64 - ENTRY;
             let ends = k == pressure.intervals;
-            if ends && bounces(pressure, switch.contact) {
+            let alone = Sequence::companions(switches, index).is_empty();
+            if ends && alone && bounces(pressure, switch.contact) {
                 found.extend(touched_at(pressure, index, time));
             } else if switch.stays() && is_pulled_off(pressure, k, switch.contact) {
                 found.extend(touched_before(pressure, index).filter(|_| !ends));
@@ -227,9 +228,8 @@ fn touched_before(pressure: &Pressure, index: usize) -> Option<Sequence> {
 fn touched_at(pressure: &Pressure, index: usize, time: f64) -> Option<Sequence> {
     let mut sequence = pressure.sequence.clone();
     let last = sequence.switches[index];
-    let alone = Sequence::companions(&sequence.switches, index).is_empty();
-    sequence.switches[index] = touch(last.contact, last.mode, time);
-    sequence.ordered(pressure.intervals).filter(|_| alone)
+    sequence.switches[index] = touch(last.contact, last.impulse, time);
+    sequence.ordered(pressure.intervals)
 }
 
 /// A touch with an impulse of that mode.

@@ -99,12 +99,12 @@ pub(super) fn solve_grid<'s>(
         }
         let (counts, seconds) = (solution.counts, solution.seconds);
         let final_times = solution.final_times;
-        let lies = Lies::of(range, solution.horizon, off_units);
+        let position = Position::of(range, solution.horizon, off_units);
         let solution = Solution {
             counts,
             seconds,
             final_times,
-            ..conclusion(solution, lies, before, failed)
+            ..conclusion(solution, position, before, failed)
         };
         trace.known = known;
         return Ok((solution, trace));
@@ -124,14 +124,14 @@ fn around(problem: &Problem, centre: Option<f64>) -> Problem {
 
 /// Where the plan of a round lies in the final times that it looked at.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Lies {
+enum Position {
     Inside,
     /// Inside, but it is of another size than the units that it was measured in.
     OffUnits,
     AtAnEnd,
 }
 
-impl Lies {
+impl Position {
     fn of(range: FinalTimes, time: f64, off_units: bool) -> Self {
         match range.end_at(time) {
             Some(_) => Self::AtAnEnd,
@@ -144,7 +144,7 @@ impl Lies {
 /// What the last round, whose plan lies there, the last plan before it, and the first failure come to.
 fn conclusion(
     last: Solution,
-    lies: Lies,
+    position: Position,
     before: Option<Before>,
     failed: Option<Solution>,
 ) -> Solution {
@@ -154,8 +154,8 @@ fn conclusion(
         Some(before) if before.at_an_end => unbounded(before.plan, status),
         // In units of its own size it was not confirmed.
         Some(before) => demoted(before.plan, status, Status::Uncertified),
-        None if is_found(&last) && lies == Lies::AtAnEnd => unbounded(last, status),
-        None if is_found(&last) && lies == Lies::OffUnits => {
+        None if is_found(&last) && position == Position::AtAnEnd => unbounded(last, status),
+        None if is_found(&last) && position == Position::OffUnits => {
             demoted(last, status, Status::Uncertified)
         }
         None if is_found(&last) || status == Status::Interrupted => last,
