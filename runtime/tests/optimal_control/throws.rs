@@ -276,3 +276,47 @@ fn motion_goes_on_after_blows_that_do_not_concern_what_is_thrown() {
         assert_eq!(solution.planned_events.len(), 4);
     }
 }
+
+hangtime::model! {
+    /// A puck in a round rink with a post in the middle, to be on the other side of the post in least time.
+    Rink {
+        parameters { m: kg = 0.17, e = 0.8, r: m = 1, post: m = 0.2 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*|dot((y, z))|^2
+        surface board: r >= |(y, z)|
+        surface post: |(y, z)| >= post
+        impact board: restitution e
+        impact post: restitution e
+        minimize time
+        finally { y == 0.5 [m], z == 0 }
+        constraint fast: |dot((y, z))|^2 <= 1 [m^2/s^2]
+        free { dot(y) in -1..=1, dot(z) in -1..=1 }
+        start { y: -0.5 [m], dot(y): 0.4, dot(z): 0.7 }
+        horizon 2.5 [s]
+    }
+}
+
+/// By how much a puck at 1 m/s in this direction misses the goal after the board, and when it is nearest.
+fn off_the_board(direction: f64) -> (f64, f64) {
+    let (sin, cos) = direction.sin_cos();
+    let until = 0.5 * cos + (0.25 * cos * cos + 0.75).sqrt();
+    let (y, z) = (until * cos - 0.5, until * sin);
+    let outwards = 1.8 * (cos * y + sin * z);
+    let (u, w) = (cos - outwards * y, sin - outwards * z);
+    let speed = u.hypot(w);
+    let along = ((0.5 - y) * u - z * w) / speed;
+    (((0.5 - y) * w + z * u) / speed, until + along / speed)
+}
+
+/// On ten intervals some neighbours are not decided; on one, which is enough as nothing is controlled, all are.
+#[test]
+fn puck_without_controls_is_certified_by_what_one_interval_proves() {
+    let solution = solve(&Rink::default(), 10, &Settings::default());
+    let direction = root(|direction| -off_the_board(direction).0, 0.8, 1.1);
+    let (_, time) = off_the_board(direction);
+    assert!(
+        (solution.objective - time).abs() < 1e-8,
+        "{} instead of {time}",
+        solution.objective
+    );
+}

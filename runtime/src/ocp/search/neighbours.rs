@@ -215,12 +215,11 @@ fn touched_before(pressure: &Pressure, index: usize) -> Option<Sequence> {
     let mut sequence = pressure.sequence.clone();
     let landing = sequence.switches[index];
     let node = landing.interval as f64;
-    let struck = |mode: ContactMode, time: f64| Switch {
-        impulse: landing.impulse,
-        ..Switch::inside(landing.contact, true, mode, time)
-    };
-    sequence.switches[index] = struck(ContactMode::Open, node - ENTRY);
-    sequence.switches.push(struck(landing.mode, node + ENTRY));
+    sequence.switches[index] = touch(landing.contact, landing.impulse, node - ENTRY);
+    sequence.switches.push(Switch {
+        mode: landing.mode,
+        ..touch(landing.contact, landing.impulse, node + ENTRY)
+    });
     sequence.ordered(pressure.intervals)
 }
 
