@@ -9,7 +9,6 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::one_grid::{Round, Start, Trace, solve_round};
 use crate::model::Model;
-use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
@@ -24,7 +23,7 @@ const NEAR: f64 = 1.5;
 /// A plan that another round looks beyond.
 struct Before {
     plan: Solution,
-    /// Whether it lies at an end of its range; else it is far from the time that it was measured in, or its controls are of
+    /// Whether it lies at an end of its range, or far from the time that it was measured in; else its controls are of
     /// another size than their units.
     at_an_end: bool,
 }
@@ -87,7 +86,7 @@ pub(super) fn solve_grid<'s>(
             };
             if is_found(&solution) {
                 before = Some(Before {
-                    at_an_end,
+                    at_an_end: at_an_end || off_centre,
                     plan: solution,
                 });
             } else {
@@ -99,12 +98,12 @@ pub(super) fn solve_grid<'s>(
         }
         let (counts, seconds) = (solution.counts, solution.seconds);
         let final_times = solution.final_times;
-        let position = Position::of(range, solution.horizon, off_units);
+        let inside = !off_units && range.end_at(solution.horizon).is_none();
         let solution = Solution {
             counts,
             seconds,
             final_times,
-            ..conclusion(solution, position, before, failed)
+            ..conclusion(solution, inside, before, failed)
         };
         trace.known = known;
         return Ok((solution, trace));
@@ -122,29 +121,10 @@ fn around(problem: &Problem, centre: Option<f64>) -> Problem {
     }
 }
 
-/// Where the plan of a round lies in the final times that it looked at.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Position {
-    Inside,
-    /// Inside, but it is of another size than the units that it was measured in.
-    OffUnits,
-    AtAnEnd,
-}
-
-impl Position {
-    fn of(range: FinalTimes, time: f64, off_units: bool) -> Self {
-        match range.end_at(time) {
-            Some(_) => Self::AtAnEnd,
-            None if off_units => Self::OffUnits,
-            None => Self::Inside,
-        }
-    }
-}
-
-/// What the last round, whose plan lies there, the last plan before it, and the first failure come to.
+/// What the last round, whose plan lies inside its range or not, the last plan before it, and the first failure come to.
 fn conclusion(
     last: Solution,
-    position: Position,
+    inside: bool,
     before: Option<Before>,
     failed: Option<Solution>,
 ) -> Solution {
@@ -154,10 +134,7 @@ fn conclusion(
         Some(before) if before.at_an_end => unbounded(before.plan, status),
         // In units of its own size it was not confirmed.
         Some(before) => demoted(before.plan, status, Status::Uncertified),
-        None if is_found(&last) && position == Position::AtAnEnd => unbounded(last, status),
-        None if is_found(&last) && position == Position::OffUnits => {
-            demoted(last, status, Status::Uncertified)
-        }
+        None if is_found(&last) && !inside => unbounded(last, status),
         None if is_found(&last) || status == Status::Interrupted => last,
         None => failed.unwrap_or(last),
     }
