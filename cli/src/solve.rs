@@ -110,9 +110,10 @@ fn tables(
     };
     let _ = writeln!(text, "objective     {:.10}", solution.objective);
     let declared = chosen.model.declaration().optimal_control;
-    let fixed = match declared.is_some_and(|declared| declared.free_time) {
-        true => "",
-        false => ", fixed: `time` occurs neither in the objective nor in conditions",
+    let fixed = if declared.is_some_and(|declared| declared.free_time) {
+        ""
+    } else {
+        ", fixed: `time` occurs neither in the objective nor in conditions"
     };
     let _ = writeln!(text, "final time    {:.10} s{fixed}", solution.horizon);
     for gain in gains(chosen, &motion.trajectory) {

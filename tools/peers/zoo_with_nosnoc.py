@@ -1,13 +1,12 @@
 """Three scenes of the zoo by nosnoc (Python) and IPOPT, with its default homotopy, written down as it wants them.
 
-    python zoo_with_nosnoc.py HANGTIME [INTERVALS ...]
+    python zoo_with_nosnoc.py [INTERVALS ...]
 
-solves each scene on these numbers of control intervals (10, 20, 40) with nosnoc, and with the program HANGTIME by default, in the files
-`scenes/*.hang`, one thread each, and prints one table.
+solves each scene on these numbers of control intervals (10, 20, 40) with the benchmark of the zoo, by default, and with nosnoc, one thread
+each, and prints one table.
 """
 
 import itertools
-import json
 import os
 import subprocess
 import sys
@@ -46,8 +45,7 @@ def rough_block(intervals):
     fields = ca.horzcat(ca.vertcat(x[1], u - friction), ca.vertcat(x[1], u + friction))
     model = ns.NosnocModel(x=x, u=u, F=[fields], S=[np.array([[1], [-1]])], c=[x[1]], x0=np.zeros(2))
     ocp = ns.NosnocOcp(
-        lbu=np.array([-20.0]), ubu=np.array([20.0]), f_q=u**2,
-        g_terminal=x - ca.vertcat(3, 0),
+        lbu=np.array([-20.0]), ubu=np.array([20.0]), f_q=u**2, g_terminal=x - ca.vertcat(3, 0)
     )
     return options(intervals, 5.0, frozen=False), model, ocp
 
@@ -106,29 +104,25 @@ def by_nosnoc(build, intervals):
     return float(found["cost_val"]), left, "solved" if solved else "not solved", seconds
 
 
-def by_hangtime(program, scene, intervals):
-    """Objective, status, CPU seconds."""
-    call = [program, "solve", str(scene), "--intervals", str(intervals), "--json"]
-    found = json.loads(subprocess.run(call, capture_output=True, text=True).stdout)
-    return found["objective"], found["status"], found["seconds"]["total"]
+def by_hangtime(grids):
+    """Objective, status and CPU seconds of each scene on each grid, as the benchmark of the zoo prints them."""
+    chosen = ["--ways", "default", "--only", ",".join(SCENES), "--intervals", ",".join(map(str, grids))]
+    call = ["cargo", "bench", "--quiet", "-p", "hangtime-zoo", "--bench", "zoo", "--", *chosen]
+    printed = subprocess.run(call, capture_output=True, text=True, check=True, cwd=Path(__file__).parent).stdout
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in printed.splitlines()]
+    return {(row[0], int(row[1])): (row[3], row[5], row[7]) for row in rows if row[0] in SCENES}
 
 
 def main():
-    if len(sys.argv) < 2:
-        sys.exit(__doc__)
     warnings.filterwarnings("ignore")
-    grids = [int(argument) for argument in sys.argv[2:]] or [10, 20, 40]
+    grids = [int(argument) for argument in sys.argv[1:]] or [10, 20, 40]
+    own = by_hangtime(grids)
     print("| scene | N | nosnoc | largest product | status | CPU [s] | hangtime | status | CPU [s] |")
     print("|---|---|---|---|---|---|---|---|---|")
-    for name, build in SCENES.items():
-        for intervals in grids:
-            objective, left, status, seconds = by_nosnoc(build, intervals)
-            own = by_hangtime(sys.argv[1], Path(__file__).parent / "scenes" / f"{name}.hang", intervals)
-            print(
-                f"| `{name}` | {intervals} | {objective:.6g} | {left:.1e} | {status} | {seconds:.2f} "
-                f"| {own[0]:.6g} | {own[1]} | {own[2]:.2f} |",
-                flush=True,
-            )
+    for (name, build), intervals in itertools.product(SCENES.items(), grids):
+        objective, left, status, seconds = by_nosnoc(build, intervals)
+        other = " | ".join(own[name, intervals])
+        print(f"| `{name}` | {intervals} | {objective:.6g} | {left:.1e} | {status} | {seconds:.2f} | {other} |", flush=True)
 
 
 if __name__ == "__main__":

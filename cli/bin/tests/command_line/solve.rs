@@ -260,6 +260,28 @@ fn solve_with_out_writes_data_and_a_picture() {
     assert_page_shows_its_result(&scratch, "pump-track-optimal");
 }
 
+#[test]
+fn solve_says_that_a_final_time_is_fixed_where_time_does_not_occur() {
+    let scratch = Scratch::new("fixed");
+    std::fs::create_dir(&scratch.0).unwrap();
+    for (objective, fixed) in [("integral(u^2)", true), ("integral(u^2) + time", false)] {
+        let file = scratch.0.join("cart.hang");
+        let scene = format!(
+            "coordinates {{ x }}\ncontrols {{ u in -9..=9 }}\nlagrangian dot(x)^2/2\nforces {{ x: u }}\n\
+             minimize {objective}\nfinally {{ x == 1, dot(x) == 0 }}\nhorizon 2\n"
+        );
+        std::fs::write(&file, scene).unwrap();
+        let text = solved(&["solve", file.to_str().unwrap(), "--intervals", "2"]);
+        let line = text.lines().find(|line| line.starts_with("final time"));
+        let line = line.unwrap();
+        assert_eq!(
+            line.contains(", fixed: `time` occurs neither"),
+            fixed,
+            "{line}"
+        );
+    }
+}
+
 /// Waits for what another process does.
 fn wait_until(what: &str, condition: impl Fn() -> bool) {
     // Long enough for a machine with other work; only a broken program waits so long.

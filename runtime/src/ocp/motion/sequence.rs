@@ -85,6 +85,14 @@ impl Switch {
         }
     }
 
+    /// A touch by itself inside an interval; how the contact slides right after the impulse is for the caller to say.
+    pub(in crate::ocp) fn touch(contact: usize, impulse: ContactMode, time: f64) -> Self {
+        Self {
+            impulse,
+            ..Self::inside(contact, true, ContactMode::Open, time)
+        }
+    }
+
     /// The passage of an edge to a piece of it, inside an interval.
     pub(in crate::ocp) fn passage(contact: usize, time: f64) -> Self {
         Self {

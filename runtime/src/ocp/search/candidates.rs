@@ -391,9 +391,9 @@ fn struck_at(
     let intervals = setting.problem.intervals as f64;
     let mut sequence = Sequence::without_switches(modes_at_start(setting, guess));
     let touches = shares.iter().zip(contacts.iter().cycle());
-    let touches = touches.map(|(share, &contact)| Switch {
-        impulse: closed_mode(is_frictional(setting.model, contact), 0.0, 0.0),
-        ..Switch::inside(contact, true, ContactMode::Open, share * intervals)
+    let touches = touches.map(|(share, &contact)| {
+        let impulse = closed_mode(is_frictional(setting.model, contact), 0.0, 0.0);
+        Switch::touch(contact, impulse, share * intervals)
     });
     sequence.switches = touches.collect();
     Candidate {

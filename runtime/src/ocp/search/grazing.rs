@@ -53,10 +53,7 @@ fn striking(
     (time, half): (f64, f64),
     intervals: usize,
 ) -> impl Iterator<Item = Sequence> {
-    let touch = Switch {
-        impulse: mode,
-        ..Switch::inside(contact, true, ContactMode::Open, time)
-    };
+    let touch = Switch::touch(contact, mode, time);
     let landing = Switch::inside(contact, true, mode, (time - half).max(0.0));
     let opening = Switch::inside(contact, false, ContactMode::Open, time + half);
     let both = [vec![touch], vec![landing, opening]];

@@ -108,7 +108,7 @@ fn struck_last(pressure: &Pressure) -> Vec<Sequence> {
     let struck = touching.filter(|&(contact, _)| presses(contact) && bounces(pressure, contact));
     let struck = struck.filter_map(|(contact, mode)| {
         let mut sequence = pressure.sequence.clone();
-        sequence.switches.push(touch(contact, mode, time));
+        sequence.switches.push(Switch::touch(contact, mode, time));
         sequence.ordered(pressure.intervals)
     });
     struck.collect()
@@ -215,10 +215,10 @@ fn touched_before(pressure: &Pressure, index: usize) -> Option<Sequence> {
     let mut sequence = pressure.sequence.clone();
     let landing = sequence.switches[index];
     let node = landing.interval as f64;
-    sequence.switches[index] = touch(landing.contact, landing.impulse, node - ENTRY);
+    sequence.switches[index] = Switch::touch(landing.contact, landing.impulse, node - ENTRY);
     sequence.switches.push(Switch {
         mode: landing.mode,
-        ..touch(landing.contact, landing.impulse, node + ENTRY)
+        ..Switch::touch(landing.contact, landing.impulse, node + ENTRY)
     });
     sequence.ordered(pressure.intervals)
 }
@@ -227,16 +227,8 @@ fn touched_before(pressure: &Pressure, index: usize) -> Option<Sequence> {
 fn touched_at(pressure: &Pressure, index: usize, time: f64) -> Option<Sequence> {
     let mut sequence = pressure.sequence.clone();
     let last = sequence.switches[index];
-    sequence.switches[index] = touch(last.contact, last.impulse, time);
+    sequence.switches[index] = Switch::touch(last.contact, last.impulse, time);
     sequence.ordered(pressure.intervals)
-}
-
-/// A touch with an impulse of that mode.
-fn touch(contact: usize, impulse: ContactMode, time: f64) -> Switch {
-    Switch {
-        impulse,
-        ..Switch::inside(contact, true, ContactMode::Open, time)
-    }
 }
 
 /// Whether a contact that is struck is open again right after it.
