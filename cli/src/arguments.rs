@@ -248,6 +248,9 @@ pub(crate) struct SolveArguments {
     /// How the contact sequence is found.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) formulation: SolveFormulation,
+    /// Where contact sequences are looked for.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) search: SearchName,
     /// Runge-Kutta scheme (time-freezing) [default: radau-iia].
     #[arg(long, value_enum)]
     pub(crate) scheme: Option<SchemeName>,
@@ -278,6 +281,16 @@ pub(crate) enum ControlsName {
     Constant,
     /// Linear, and continuous over the ends of the intervals.
     Linear,
+}
+
+/// Where `solve` looks for contact sequences.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SearchName {
+    /// On control grids, from coarse to fine.
+    #[default]
+    Grids,
+    /// Over orders of contact modes with phases of free length, put on the grid at last.
+    Words,
 }
 
 /// How `solve` finds the contact sequence.

@@ -471,6 +471,7 @@ mod tests {
             model,
             shape,
             lengths: Lengths::Equal,
+            elastic: false,
             kept: 1.0,
             problem: &problem,
             tableau: &tableau,

@@ -47,6 +47,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         distances: Vec::new(),
         state,
         before: Vec::new(),
+        duration: None,
         n: problem.q.len(),
     };
     start_conditions::add(&mut builder);
@@ -68,7 +69,7 @@ pub(in crate::ocp) fn transcribe<'a>(
     // Right before an impact at the end.
     let forces = builder.phases.last().and_then(|phase| phase.stages.last());
     let known = Provided::Known(forces.map_or(&[], |stage| &stage.provided));
-    frame.finish(&mut program, &builder.state, known);
+    let missed = frame.finish(&mut program, &builder.state, known, setting.elastic);
     Collocation {
         program: program.finish(&frame.controls, setting.units),
         model,
@@ -83,6 +84,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         horizon: frame.horizon,
         controls: frame.controls,
         shape: setting.shape,
+        missed,
     }
 }
 
@@ -139,6 +141,7 @@ mod tests {
             },
             shape,
             lengths: Lengths::Equal,
+            elastic: false,
             kept: 1.0,
         };
         check(setting, &guessed);

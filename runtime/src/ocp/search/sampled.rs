@@ -83,6 +83,16 @@ pub(in crate::ocp) fn sampled(
     runner: &mut Runner,
     setting: Setting,
 ) -> Result<Vec<Candidate>, InputError> {
+    best_of_each_order(runner, setting, (DRAWN, CHANGED), TRIED)
+}
+
+/// The same of so many motions that are drawn and that are made of the best ones, and of at most so many orders.
+pub(in crate::ocp) fn best_of_each_order(
+    runner: &mut Runner,
+    setting: Setting,
+    (drawn_motions, changed): (u64, usize),
+    most: usize,
+) -> Result<Vec<Candidate>, InputError> {
     let model = setting.model;
     if model
         .declaration()
@@ -92,9 +102,9 @@ pub(in crate::ocp) fn sampled(
     {
         return Ok(Vec::new());
     }
-    let mut archive = drawn(setting, EVENTS)?;
-    let mut random = uniform(DRAWN);
-    for k in 0..CHANGED {
+    let mut archive = drawn(setting, drawn_motions, EVENTS)?;
+    let mut random = uniform(drawn_motions);
+    for k in 0..changed {
         if archive.best.is_empty() || !runner.goes_on("random motions") {
             break;
         }
@@ -108,7 +118,7 @@ pub(in crate::ocp) fn sampled(
     let ends = archive.sorted();
     let far = ends.first().map_or(0.0, |end| FAR + archive.rank(end).2);
     let near = ends.into_iter().filter(|end| archive.rank(end).2 <= far);
-    for end in near.take(TRIED) {
+    for end in near.take(most) {
         let Throw {
             start,
             controls,
@@ -139,7 +149,11 @@ pub(super) struct Archive {
 }
 
 /// The archive of random motions, as far as they have no more than `most_events`.
-pub(super) fn drawn(setting: Setting, most_events: usize) -> Result<Archive, InputError> {
+pub(super) fn drawn(
+    setting: Setting,
+    count: u64,
+    most_events: usize,
+) -> Result<Archive, InputError> {
     let Setting {
         model,
         problem,
@@ -149,7 +163,7 @@ pub(super) fn drawn(setting: Setting, most_events: usize) -> Result<Archive, Inp
     let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let mut throws = Vec::new();
     let mut all = Vec::new();
-    for seed in 0..DRAWN {
+    for seed in 0..count {
         let (motion, start) = random(straight.clone(), model, problem, seed, bounds);
         let throw = Throw {
             start: start.unwrap_or_else(|| problem.start()),
