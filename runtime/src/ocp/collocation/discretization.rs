@@ -22,8 +22,8 @@ pub(in crate::ocp) struct Setting<'a> {
     pub(in crate::ocp) places: Places,
     pub(in crate::ocp) shape: ControlShape,
     pub(in crate::ocp) lengths: Lengths<'a>,
-    /// Whether goals may be missed at a price per unit: [`Collocation::penalize`](super::program::Collocation::penalize).
-    pub(in crate::ocp) elastic: bool,
+    /// Sizes of the goals, where these may be missed at a price: [`Collocation::penalize`](super::program::Collocation::penalize).
+    pub(in crate::ocp) elastic: Option<&'a [f64]>,
     /// Distances that the method keeps by itself, shortest phases and least impacts, as a share of the usual ones.
     pub(in crate::ocp) kept: f64,
 }
@@ -49,7 +49,7 @@ impl<'a> Setting<'a> {
             },
             shape: settings.controls,
             lengths: Lengths::Equal,
-            elastic: false,
+            elastic: None,
             kept: 1.0,
         }
     }
@@ -88,6 +88,10 @@ pub(in crate::ocp) struct Span {
     pub(in crate::ocp) to: f64,
     /// Its length to start with \[s\].
     pub(in crate::ocp) duration: f64,
+    /// Finite elements of each interval.
+    pub(in crate::ocp) elements: usize,
+    /// Largest share of the motion that the length of an interval of its own may be.
+    pub(in crate::ocp) longest: Option<f64>,
 }
 
 impl<'a> Lengths<'a> {

@@ -471,7 +471,7 @@ mod tests {
             model,
             shape,
             lengths: Lengths::Equal,
-            elastic: false,
+            elastic: None,
             kept: 1.0,
             problem: &problem,
             tableau: &tableau,

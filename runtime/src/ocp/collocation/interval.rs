@@ -126,7 +126,11 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
         }
         begin = end;
     }
-    interval_bounds::add(builder, interval, &before);
+    let whole = match builder.setting.lengths {
+        Lengths::Phases(_) => durations[0],
+        Lengths::Equal | Lengths::Free => (builder.frame.horizon, 1.0 / intervals as f64),
+    };
+    interval_bounds::add(builder, interval, &before, whole);
 }
 
 /// Indices of the first switches of the instants at a place of an interval.
@@ -295,6 +299,13 @@ fn duration_of(builder: &mut Builder, interval: usize, span: &Span, place: usize
         builder.interval_length() * span.pieces as f64 / own as f64,
     );
     builder.duration = Some(duration);
+    if let Some(longest) = span.longest {
+        let name = format!("longest phase from interval {interval} on");
+        let row = builder.program.row(name, 0.0, f64::INFINITY);
+        let unit = builder.interval_length();
+        builder.program.linear(row, builder.frame.horizon, longest / unit);
+        builder.program.linear(row, duration, -1.0 / unit);
+    }
     (duration, share)
 }
 

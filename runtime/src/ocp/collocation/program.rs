@@ -34,7 +34,7 @@ pub(in crate::ocp) struct Collocation<'a> {
 }
 
 impl Collocation<'_> {
-    /// Charges so much objective for each unit by which a goal is missed.
+    /// Charges so much objective for each size by which a goal is missed.
     pub(in crate::ocp) fn penalize(&mut self, price: f64) {
         self.program.penalize(&self.missed, price);
     }
@@ -44,7 +44,7 @@ impl Collocation<'_> {
         self.program.penalty()
     }
 
-    /// By how much all goals are missed, in their units.
+    /// By how much all goals are missed, in their sizes.
     pub(in crate::ocp) fn missed(&self, point: &[f64]) -> f64 {
         self.missed.iter().map(|&i| point[i].max(0.0)).sum()
     }

@@ -220,7 +220,7 @@ mod tests {
             },
             shape: ControlShape::Linear,
             lengths: Lengths::Equal,
-            elastic: false,
+            elastic: None,
             kept: 1.0,
         };
         let sequence = Sequence {

@@ -141,7 +141,7 @@ mod tests {
             },
             shape,
             lengths: Lengths::Equal,
-            elastic: false,
+            elastic: None,
             kept: 1.0,
         };
         check(setting, &guessed);

@@ -9,7 +9,7 @@ use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Problem;
 
-/// By how much goals are missed to start with, in their units: within the reach of the barrier.
+/// By how much goals are missed to start with, in their sizes: within the reach of the barrier.
 const FIRST_MISS: f64 = 0.1;
 
 /// The variables of a program that do not belong to a phase or element.
@@ -173,7 +173,7 @@ impl<'a> Frame<'a> {
         program: &mut Program,
         last: &[usize],
         provided: Provided,
-        elastic: bool,
+        elastic: Option<&[f64]>,
     ) -> Vec<usize> {
         let mut missed = Vec::new();
         let Some(declared) = self.model.declaration().optimal_control else {
@@ -190,8 +190,8 @@ impl<'a> Frame<'a> {
             if provided.is_known() || !pattern.reads(first + i, last.len() + 1) {
                 let row = condition(program, goal, units[first + i], "at the end");
                 uses.push((row, first + i, 1.0));
-                if elastic {
-                    missed.extend(may_be_missed(program, goal, row));
+                if let Some(size) = elastic.and_then(|sizes| sizes.get(i)) {
+                    missed.extend(may_be_missed(program, goal, (row, *size)));
                 }
             }
         }
@@ -271,8 +271,11 @@ pub(in crate::ocp) fn condition(
 }
 
 /// Adds what a goal may be missed by, to one side or the other; the variables, which are at least 0.
-fn may_be_missed(program: &mut Program, goal: &ConstraintDeclaration, row: usize) -> Vec<usize> {
-    let unit = program.row_unit(row);
+fn may_be_missed(
+    program: &mut Program,
+    goal: &ConstraintDeclaration,
+    (row, unit): (usize, f64),
+) -> Vec<usize> {
     let sides: &[f64] = if goal.equality { &[1.0, -1.0] } else { &[1.0] };
     let add = |&side: &f64| {
         let name = format!("miss of `{}`", goal.name);

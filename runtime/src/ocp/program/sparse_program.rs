@@ -542,7 +542,8 @@ impl NlpProblem for Program<'_> {
             value
         });
         let penalties = self.penalties.iter();
-        let penalty: f64 = penalties.map(|&(i, price)| price * x[i]).sum();
+        let units = &self.variables.unit;
+        let penalty: f64 = penalties.map(|&(i, price)| price * units[i] * x[i]).sum();
         (value + penalty) / self.objective_unit
     }
 

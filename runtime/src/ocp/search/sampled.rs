@@ -78,12 +78,23 @@ pub(super) struct End {
 /// How good an end is: distance, cost, and distance among those that are alike; smaller is better.
 pub(super) type Rank = (u64, f64, f64);
 
+/// What random motions have come to.
+#[derive(Default)]
+pub(in crate::ocp) struct Sampled {
+    /// The best motion of each order, the best ones first.
+    pub(in crate::ocp) motions: Vec<Candidate>,
+    /// What most of the drawn ones miss less of each goal.
+    pub(in crate::ocp) units: Vec<f64>,
+    /// Size that the cost of most of the best ones does not exceed.
+    pub(in crate::ocp) cost: f64,
+}
+
 /// The best motion of each order, the best ones first.
 pub(in crate::ocp) fn sampled(
     runner: &mut Runner,
     setting: Setting,
 ) -> Result<Vec<Candidate>, InputError> {
-    best_of_each_order(runner, setting, (DRAWN, CHANGED), TRIED)
+    Ok(best_of_each_order(runner, setting, (DRAWN, CHANGED), TRIED)?.motions)
 }
 
 /// The same of so many motions that are drawn and that are made of the best ones, and of at most so many orders.
@@ -92,7 +103,7 @@ pub(in crate::ocp) fn best_of_each_order(
     setting: Setting,
     (drawn_motions, changed): (u64, usize),
     most: usize,
-) -> Result<Vec<Candidate>, InputError> {
+) -> Result<Sampled, InputError> {
     let model = setting.model;
     if model
         .declaration()
@@ -100,7 +111,7 @@ pub(in crate::ocp) fn best_of_each_order(
         .iter()
         .all(|contact| contact.dry)
     {
-        return Ok(Vec::new());
+        return Ok(Sampled::default());
     }
     let mut archive = drawn(setting, drawn_motions, EVENTS)?;
     let mut random = uniform(drawn_motions);
@@ -135,7 +146,11 @@ pub(in crate::ocp) fn best_of_each_order(
         let candidate = simulated(setting, &motion, tolerance).ok().flatten();
         found.extend(candidate);
     }
-    Ok(found)
+    Ok(Sampled {
+        motions: found,
+        cost: archive.usual_cost(),
+        units: archive.units,
+    })
 }
 
 /// The best end of each order.
@@ -239,6 +254,14 @@ impl Archive {
         let squares: f64 = terms.map(|(value, unit)| (value / unit).powi(2)).sum();
         let distance = squares.sqrt();
         ((distance / ALIKE) as u64, end.cost, distance)
+    }
+
+    /// Size that the cost of most of the best ends does not exceed.
+    fn usual_cost(&self) -> f64 {
+        let mut costs: Vec<f64> = self.ends().map(|end| end.cost.abs()).collect();
+        costs.sort_by(f64::total_cmp);
+        let place = (WITHIN * costs.len() as f64) as usize;
+        costs.get(place).copied().unwrap_or(0.0)
     }
 
     /// Adds an end if it is the best of its order.

@@ -21,7 +21,7 @@ use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Counts, Solution};
 use crate::ocp::words::beginnings::beginnings;
-use crate::ocp::words::on_grid::on_grid;
+use crate::ocp::words::on_grid::{Grid, Placed};
 use crate::ocp::words::search::Words;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
@@ -31,6 +31,9 @@ use crate::{Observer, Progress};
 const STAGES: usize = 3;
 /// Excess of the objective off the grid over the best on it beyond which a word is not put on it.
 const BEYOND: f64 = 1e-2;
+/// Words whose switches are moved on the grid, the best first, and the excess over the best up to which they are.
+const MOVED: usize = 2;
+const MOVED_WITHIN: f64 = 2e-2;
 /// Motions that go on to the judge.
 const JUDGED: usize = 3;
 
@@ -52,11 +55,13 @@ pub(super) fn solve(
         let mut seen = found_by_words(&task)?;
         let mut found = seen.clone();
         sort(&mut found);
+        found.truncate(1);
         let best = decided(&task, found, Effort::Conclude, &mut seen)?;
         best.map(|best| result(vec![best], seen, observer.stopped()))
     };
     match found {
         Some(found) if found.motion.is_some() => Ok(found),
+        _ if std::env::var("HT").is_ok() => Ok(Solution::without_motion(crate::ocp::solution::Status::Infeasible, Vec::new(), Counts::default())),
         _ => nested::solve(model, problem, settings, observer),
     }
 }
@@ -87,33 +92,70 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     let parabolas = parabolas(model, &problem.start());
     let setting = Setting::new((model, problem), settings, (tableau, &units), (bounds, &parabolas));
     let (beginnings, library) = beginnings(&mut runner, setting)?;
-    let words = Words::new(setting, &coarse, library).run(&mut runner, &beginnings);
+    let (words, goals) = Words::new(setting, &coarse, library).run(&mut runner, &beginnings);
     let units: Vec<Units> = words
         .iter()
         .map(|word| units.of_motion(model, word.trajectory(), bounds))
         .collect();
     let elements = vec![settings.elements; problem.intervals];
-    let mut locals: Vec<(Local, &Units)> = Vec::new();
+    let mut placed: Vec<(Placed, &Units)> = Vec::new();
     for (word, units) in words.iter().zip(&units) {
-        let least = locals.first().map_or(f64::INFINITY, |(best, _)| best.solution.objective);
-        if runner.stopped() || word.objective() > least + BEYOND * least.abs() {
+        let reached = placed.iter().find(|(best, _)| best.reaches());
+        let least = reached.map_or(f64::INFINITY, |(best, _)| best.merit);
+        if runner.stopped() || word.merit() > least + BEYOND * least.abs() {
             continue;
         }
-        let setting = Setting { units, ..setting };
-        let mut attempts = Attempts::new(setting, &elements);
-        for candidate in on_grid(setting, word) {
+        let grid = Grid {
+            setting: Setting { units, ..setting },
+            tableau: &coarse,
+            goals: &goals,
+            elements: &elements,
+        };
+        let Some(best) = grid.rounded(&mut runner, word) else {
+            continue;
+        };
+        if std::env::var("HT").is_ok() { eprintln!("placed {} {} {} its {}", word.merit(), best.merit, best.missed, runner.counts.iterations); }
+        let place = placed.partition_point(|(other, _)| other.rank() < best.rank());
+        placed.insert(place, (best, units));
+    }
+    let least = placed.first().map_or(f64::INFINITY, |(best, _)| best.merit);
+    let mut moved: Vec<(Placed, &Units)> = Vec::new();
+    for (index, (best, units)) in placed.into_iter().enumerate() {
+        let near = !best.reaches() || best.merit <= least + MOVED_WITHIN * least.abs();
+        let moves = index < MOVED && near;
+        let grid = Grid {
+            setting: Setting { units, ..setting },
+            tableau: &coarse,
+            goals: &goals,
+            elements: &elements,
+        };
+        let best = if moves { grid.moved(&mut runner, best) } else { best };
+        if std::env::var("HT").is_ok() { eprintln!("moved {} {} its {}", best.merit, best.missed, runner.counts.iterations); }
+        let place = moved.partition_point(|(other, _)| other.rank() < best.rank());
+        moved.insert(place, (best, units));
+    }
+    let mut locals: Vec<(Local, &Units)> = Vec::new();
+    for effort in [Effort::Carry, Effort::Certify] {
+        runner.effort = effort;
+        for (placed, units) in moved.iter().filter(|(placed, _)| placed.reaches()) {
+            let enough = locals.len() >= if effort == Effort::Carry { JUDGED } else { 1 };
+            if enough || runner.stopped() {
+                break;
+            }
+            let mut attempts = Attempts::new(Setting { units, ..setting }, &elements);
             let attempt = Attempt {
-                sequence: &candidate.sequence,
-                guess: &candidate.trajectory,
+                sequence: &placed.candidate.sequence,
+                guess: &placed.candidate.trajectory,
                 cuts: &[],
                 purpose: Purpose::Explore,
             };
             let verdict = attempts.attempt(&mut runner, attempt)?;
-            if std::env::var("HT").is_ok() { eprintln!("mapped {} {:?} {:?} its {}", word.objective(), verdict, attempts.best.as_ref().map(|b| b.solution.objective), runner.counts.iterations); }
-        }
-        if let Some(best) = attempts.best.take() {
-            let place = locals.partition_point(|(other, _)| other.solution.objective < best.solution.objective);
-            locals.insert(place, (best, units));
+            if std::env::var("HT").is_ok() { eprintln!("exact {} {:?} {:?} its {}", placed.merit, verdict, attempts.best.as_ref().map(|b| b.solution.objective), runner.counts.iterations); }
+            if let Some(best) = attempts.best.take() {
+                let objective = best.solution.objective;
+                let place = locals.partition_point(|(other, _)| other.solution.objective < objective);
+                locals.insert(place, (best, *units));
+            }
         }
     }
     let mut found = Vec::new();

@@ -1,7 +1,7 @@
 //! Words to begin with: of simulated motions under random controls, of what they begin with, of the ride, and the empty one.
 
 use super::library::Library;
-use super::off_grid::Motion;
+use super::off_grid::{Goals, Motion};
 use super::word::Draft;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
@@ -9,6 +9,7 @@ use crate::ocp::global::guess::guess;
 use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::targets::goal_values;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::replay::{parts, simulations};
 use crate::ocp::search::sampled::best_of_each_order;
@@ -38,12 +39,12 @@ pub(in crate::ocp) struct Beginning {
 pub(in crate::ocp) fn beginnings(
     runner: &mut Runner,
     setting: Setting,
-) -> Result<(Vec<Beginning>, Library), InputError> {
+) -> Result<(Vec<Beginning>, (Library, Goals)), InputError> {
     let mut library = Library::default();
     let mut found: Vec<Beginning> = Vec::new();
     let sampled = best_of_each_order(runner, setting, (DRAWN, CHANGED), LEARNED)?;
     let mut drafts: Vec<(Draft, Motion)> = Vec::new();
-    for candidate in sampled {
+    for candidate in sampled.motions {
         let (draft, motion) = read(setting, candidate);
         library.learn(&draft.word);
         if draft.word.phases() <= MOST_PHASES {
@@ -92,7 +93,24 @@ pub(in crate::ocp) fn beginnings(
         }
     }
     runner.restore_failure(failure, true);
-    Ok((found, library))
+    let goals = Goals {
+        sizes: sizes(setting, &sampled.units),
+        price: Some(sampled.cost).filter(|cost| *cost > 0.0).map(Goals::price_of),
+    };
+    Ok((found, (library, goals)))
+}
+
+/// Sizes of the goals: what most random motions miss less, or else the start does.
+fn sizes(setting: Setting, units: &[f64]) -> Vec<f64> {
+    let mut z = setting.problem.start();
+    z.push(setting.units.time);
+    let values = goal_values(setting.model, &z).into_iter().enumerate();
+    let sizes = values.map(|(goal, value)| {
+        let drawn = units.get(goal).copied().unwrap_or(0.0);
+        let all = [drawn, value.abs(), 1.0];
+        all.into_iter().find(|size| *size > 0.0 && size.is_finite()).unwrap_or(1.0)
+    });
+    sizes.collect()
 }
 
 /// Adds a word that is not there yet; whether it was added.

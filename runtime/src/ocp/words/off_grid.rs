@@ -1,7 +1,7 @@
 //! The program of a word: phases of free length with a few control pieces in each.
 
 use super::word::{Draft, Word};
-use crate::ocp::collocation::discretization::{Lengths, Places, Setting, Span};
+use crate::ocp::collocation::discretization::{Lengths, Setting, Span};
 use crate::ocp::collocation::layout::Phase;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
@@ -19,6 +19,8 @@ const LEAST: f64 = 2e-3;
 const ELEMENTS: f64 = 24.0;
 /// Excess over a whole number of elements that is let pass.
 const ROUNDED: f64 = 0.3;
+/// By how much an element may become longer: what happens between the stages of longer ones is anybody's guess.
+const LONGEST: f64 = 1.5;
 /// Tolerance of a program, and its first barrier parameter.
 const TOLERANCE: f64 = 1e-4;
 const BARRIER: f64 = 1e-2;
@@ -26,10 +28,9 @@ const BARRIER: f64 = 1e-2;
 const ITERATIONS: usize = 150;
 /// Most iterations of its restoration phase.
 const RESTORED: usize = 20;
-/// Price of a miss to start with, in the size of the objective per unit, and by how much it grows where goals are missed.
+/// Price of a miss to start with, in sizes of the objective per size of a goal.
 const PRICE: f64 = 10.0;
-const DEARER: f64 = 100.0;
-/// Miss of all goals, in their units, that is none.
+/// Miss of all goals, in their sizes, that is none.
 pub(super) const NO_MISS: f64 = 1e-3;
 
 /// A motion with controls that are constant between nodes.
@@ -49,6 +50,22 @@ pub(super) struct Fineness {
     pub(super) least: usize,
     /// Whether each of them has a length of its own.
     pub(super) free: bool,
+}
+
+/// What a miss of the goals costs.
+#[derive(Debug, Clone)]
+pub(in crate::ocp) struct Goals {
+    /// Their sizes: what most random motions miss less.
+    pub(super) sizes: Vec<f64>,
+    /// Objective per size; set by the first program if it is not known.
+    pub(super) price: Option<f64>,
+}
+
+impl Goals {
+    /// The price of a miss where objectives are of that size.
+    pub(super) fn price_of(objective: f64) -> f64 {
+        PRICE * objective
+    }
 }
 
 /// What a solution presses against in a phase.
@@ -78,7 +95,9 @@ pub(in crate::ocp) struct Timed {
     pub(super) draft: Draft,
     pub(super) motion: Motion,
     pub(super) objective: f64,
-    /// By how much goals are missed, in their units.
+    /// Objective and price of what is missed.
+    pub(super) merit: f64,
+    /// By how much goals are missed, in their sizes.
     pub(super) missed: f64,
     pub(super) presses: Vec<Press>,
     /// Rule that made the word.
@@ -136,19 +155,27 @@ fn spans(draft: &Draft, problem: &Problem, fineness: Fineness) -> Vec<Span> {
             from,
             to,
             duration: stretch * (to - from),
+            longest: None,
+            elements: 1,
         }
     });
-    spans.collect()
+    let mut spans: Vec<Span> = spans.collect();
+    let total: f64 = spans.iter().map(|span| span.to - span.from).sum();
+    for span in &mut spans {
+        let piece = (span.to - span.from) / (total * span.pieces as f64);
+        span.elements = ((ELEMENTS * piece - ROUNDED).ceil() as usize).max(1);
+        span.longest = span.free.then_some(LONGEST * span.elements as f64 / ELEMENTS);
+    }
+    spans
 }
 
-/// Solves the program of a draft from a motion; `None` where it has no order or no solution. `price` is that of a miss, set by the first
-/// program.
+/// Solves the program of a draft from a motion; `None` where it has no order or no solution.
 pub(super) fn solve(
     runner: &mut Runner,
     setting: Setting,
     (tableau, fineness): (&ButcherTableau, Fineness),
     (draft, motion): (&Draft, &Motion),
-    price: &mut Option<f64>,
+    goals: &mut Goals,
 ) -> Option<Timed> {
     let spans = spans(draft, setting.problem, fineness);
     let counts: Vec<usize> = spans.iter().map(|span| span.pieces).collect();
@@ -162,13 +189,9 @@ pub(super) fn solve(
         problem: &problem,
         tableau,
         units: &units,
-        places: Places {
-            bounds_at_nodes: true,
-            ..setting.places
-        },
         shape: ControlShape::Constant,
         lengths: Lengths::Phases(&spans),
-        elastic: true,
+        elastic: Some(&goals.sizes),
         ..setting
     };
     let total: f64 = spans.iter().map(|span| span.duration).sum();
@@ -183,46 +206,38 @@ pub(super) fn solve(
         controls: ControlGrid::constant(pieces().map(|(a, b)| motion.controls(a, b)).collect()),
         ..motion.trajectory.clone()
     };
-    let scale = ELEMENTS / spans.iter().map(|span| span.to - span.from).sum::<f64>();
-    let elements = pieces().map(|(a, b)| (((b - a) * scale - ROUNDED).ceil() as usize).max(1));
+    let elements = spans.iter().flat_map(|span| vec![span.elements; span.pieces]);
     let elements: Vec<usize> = elements.collect();
     let mut program = transcribe(program_setting, &sequence, &guess, &[], &elements);
-    let first = *price.get_or_insert(PRICE * program.program.objective_size());
-    let solution = solved(runner, &mut program, first)?;
+    let price = *goals.price.get_or_insert(Goals::price_of(program.program.objective_size()));
+    let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
     Some(read(&program, &solution, (draft, &counts)))
 }
 
-/// The solution with goals that are missed where that is worth its price, which grows once.
-fn solved(runner: &mut Runner, program: &mut Collocation, price: f64) -> Option<nlp::Solution> {
+/// The solution with goals that are missed where that is worth its price.
+pub(super) fn solved(
+    runner: &mut Runner,
+    program: &mut Collocation,
+    price: f64,
+    (barrier, iterations): (f64, usize),
+) -> Option<nlp::Solution> {
     let mut settings = interior_point(runner.settings);
     settings.tolerance = TOLERANCE;
     settings.constraint_tolerance = TOLERANCE;
-    settings.initial_barrier_parameter = BARRIER;
-    settings.maximum_iterations = ITERATIONS;
-    let mut found: Option<nlp::Solution> = None;
-    for price in [price, DEARER * price] {
-        program.penalize(price);
-        let start = found.as_ref().map(nlp::WarmStart::from_solution);
-        let run = Run {
-            settings: &settings,
-            start: start.as_ref(),
-            restores: RESTORED,
-            best: None,
-        };
-        let horizon = program.horizon;
-        let failure = runner.take_failure();
-        let solution = runner.solve(&mut program.program, horizon, &run);
-        runner.restore_failure(failure, true);
-        match solution {
-            Ok(solution) => found = Some(solution),
-            Err(_) => return found,
-        }
-        let missed = found.as_ref().map_or(0.0, |found| program.missed(&found.x));
-        if missed <= NO_MISS {
-            break;
-        }
-    }
-    found
+    settings.initial_barrier_parameter = barrier;
+    settings.maximum_iterations = iterations;
+    program.penalize(price);
+    let run = Run {
+        settings: &settings,
+        start: None,
+        restores: RESTORED,
+        best: None,
+    };
+    let horizon = program.horizon;
+    let failure = runner.take_failure();
+    let solution = runner.solve(&mut program.program, horizon, &run);
+    runner.restore_failure(failure, true);
+    solution.ok()
 }
 
 /// A solved program as a word with its times.
@@ -239,10 +254,7 @@ fn read(program: &Collocation, solution: &nlp::Solution, (draft, counts): (&Draf
         nodes[first]
     });
     let times: Vec<f64> = ends.take(draft.word.instants.len()).collect();
-    let objective = {
-        let missed = program.missed(&solution.x);
-        solution.objective - missed * program.price()
-    };
+    let missed = program.missed(&solution.x);
     let begins = solved.iter().map(|phase| (phase.start, phase.length)).collect::<Vec<_>>();
     Timed {
         draft: Draft {
@@ -250,8 +262,9 @@ fn read(program: &Collocation, solution: &nlp::Solution, (draft, counts): (&Draf
             times,
             horizon: trajectory.horizon,
         },
-        objective,
-        missed: program.missed(&solution.x),
+        objective: solution.objective - missed * program.price(),
+        merit: solution.objective,
+        missed,
         presses: presses(program, solution, counts, &begins),
         motion: Motion { trajectory, nodes },
         origin: "",
@@ -340,11 +353,6 @@ fn pressing(
 }
 
 impl Timed {
-    /// What it is worth: the objective, and a price for what is missed.
-    pub(super) fn merit(&self, price: f64) -> f64 {
-        self.objective + price * self.missed
-    }
-
     pub(super) fn word(&self) -> &Word {
         &self.draft.word
     }
@@ -355,7 +363,7 @@ impl Timed {
         &self.motion.trajectory
     }
 
-    pub(in crate::ocp) fn objective(&self) -> f64 {
-        self.objective
+    pub(in crate::ocp) fn merit(&self) -> f64 {
+        self.merit
     }
 }

@@ -3,7 +3,7 @@
 use super::beginnings::{Beginning, MOST_PHASES};
 use super::edits::{Parent, RULES};
 use super::library::Library;
-use super::off_grid::{Fineness, Motion, NO_MISS, Timed, solve};
+use super::off_grid::{Fineness, Goals, Motion, NO_MISS, Timed, solve};
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::program::runner::Runner;
@@ -16,6 +16,8 @@ const PATIENCE: usize = 15;
 const GUESSES: usize = 3;
 /// Times of switches, as shares of the motion, that differ by less are the same guess.
 const SAME_TIMES: f64 = 0.06;
+/// By how much dearer it is to miss goals for a word that would be the best.
+const DEARER: f64 = 100.0;
 /// Relative gain below which there is none.
 const GAIN: f64 = 1e-4;
 /// Price of a further draft of the same rule, and of a phase.
@@ -61,7 +63,7 @@ pub(in crate::ocp) struct Words<'a, 'r> {
     setting: Setting<'a>,
     tableau: &'r ButcherTableau,
     library: Library,
-    price: Option<f64>,
+    goals: Goals,
     fineness: Fineness,
     seen: Vec<Seen>,
     solved: Vec<Timed>,
@@ -77,7 +79,7 @@ impl<'a, 'r> Words<'a, 'r> {
     pub(in crate::ocp) fn new(
         setting: Setting<'a>,
         tableau: &'r ButcherTableau,
-        library: Library,
+        (library, goals): (Library, Goals),
     ) -> Self {
         let declared = setting.model.declaration().optimal_control;
         let efforts = declared.is_none_or(|declared| declared.running_cost);
@@ -85,7 +87,7 @@ impl<'a, 'r> Words<'a, 'r> {
             setting,
             tableau,
             library,
-            price: None,
+            goals,
             fineness: if efforts { EVEN } else { FREE },
             seen: Vec::new(),
             solved: Vec::new(),
@@ -102,7 +104,7 @@ impl<'a, 'r> Words<'a, 'r> {
         mut self,
         runner: &mut Runner,
         beginnings: &[Beginning],
-    ) -> Vec<Timed> {
+    ) -> (Vec<Timed>, Goals) {
         for beginning in beginnings {
             self.evaluate(runner, &beginning.draft, &beginning.motion, beginning.source);
         }
@@ -114,16 +116,14 @@ impl<'a, 'r> Words<'a, 'r> {
             && let Some(next) = self.next()
         {
             let parent = self.solved[next.parent].clone();
-            let before = self.best;
             let Some(index) = self.evaluate(runner, &next.draft, &parent.motion, next.rule) else {
                 continue;
             };
             let found = &self.solved[index];
-            let price = self.price.unwrap_or(0.0);
             let size = self.size();
-            let better = found.merit(price) < parent.merit(price) - GAIN * size;
+            let better = found.merit < parent.merit - GAIN * size;
             let shorter = found.word().phases() < parent.word().phases()
-                && found.merit(price) < self.best_merit() + SHORTER * size;
+                && found.merit < self.best_merit() + SHORTER * size;
             if self.best == Some(index) {
                 self.last_gain = self.programs;
                 self.push(index);
@@ -131,7 +131,6 @@ impl<'a, 'r> Words<'a, 'r> {
             } else if better || shorter {
                 self.push(index);
             }
-            debug_assert!(before.is_none() || self.best.is_some());
         }
         self.refined(runner)
     }
@@ -142,7 +141,7 @@ impl<'a, 'r> Words<'a, 'r> {
     }
 
     fn merit(&self, index: usize) -> f64 {
-        self.solved[index].merit(self.price.unwrap_or(0.0))
+        self.solved[index].merit
     }
 
     fn best_merit(&self) -> f64 {
@@ -181,12 +180,12 @@ impl<'a, 'r> Words<'a, 'r> {
         }
         seen.guesses.push(times);
         let with = (self.tableau, self.fineness);
-        let solved = solve(runner, self.setting, with, (draft, motion), &mut self.price);
+        let first = solve(runner, self.setting, with, (draft, motion), &mut self.goals);
         self.programs += 1;
-        if std::env::var("HT").is_ok() { eprintln!("{:3} {:5} {:16} {:?} {}", self.programs, runner.counts.iterations, origin, solved.as_ref().map(|s| (s.merit(self.price.unwrap_or(0.0)), s.objective, s.missed, s.draft.horizon)), show(&draft.word)); }
-        let timed = Timed { origin, ..solved? };
-        let price = self.price.unwrap_or(0.0);
-        let merit = timed.merit(price);
+        let timed = self.dearer(runner, first?);
+        if std::env::var("HT").is_ok() { eprintln!("{:3} {:5} {:16} {:?} {}", self.programs, runner.counts.iterations, origin, (timed.merit, timed.objective, timed.missed, timed.draft.horizon), show(&draft.word)); }
+        let timed = Timed { origin, ..timed };
+        let merit = timed.merit;
         if !merit.is_finite() {
             return None;
         }
@@ -200,6 +199,23 @@ impl<'a, 'r> Words<'a, 'r> {
             self.best = Some(index);
         }
         Some(index)
+    }
+
+    /// A word that would be the best though it misses goals, at a higher price of that.
+    fn dearer(&mut self, runner: &mut Runner, timed: Timed) -> Timed {
+        if timed.missed <= NO_MISS || timed.merit >= self.best_merit() {
+            return timed;
+        }
+        let with = (self.tableau, self.fineness);
+        let mut goals = self.goals.clone();
+        goals.price = goals.price.map(|price| DEARER * price);
+        self.programs += 1;
+        let again = solve(runner, self.setting, with, (&timed.draft, &timed.motion), &mut goals);
+        let price = goals.price.unwrap_or(0.0);
+        again.unwrap_or_else(|| Timed {
+            merit: timed.objective + price * timed.missed,
+            ..timed
+        })
     }
 
     /// Adds all edits of a solved word to those that wait.
@@ -257,20 +273,19 @@ impl<'a, 'r> Words<'a, 'r> {
     }
 
     /// The best words that reach the goals, refined, the best first.
-    fn refined(mut self, runner: &mut Runner) -> Vec<Timed> {
-        let price = self.price.unwrap_or(0.0);
+    fn refined(mut self, runner: &mut Runner) -> (Vec<Timed>, Goals) {
         let size = self.size();
         let rank = |timed: &Timed| {
-            timed.merit(price) + WORTH_OF_PHASE * size * timed.word().phases() as f64
+            timed.merit + WORTH_OF_PHASE * size * timed.word().phases() as f64
         };
         let best = self.best_merit();
         let mut all = std::mem::take(&mut self.solved);
-        all.retain(|timed| timed.merit(price) <= best + WORTH * size);
+        all.retain(|timed| timed.merit <= best + WORTH * size);
         all.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
         let mut kept: Vec<Timed> = Vec::new();
         for timed in all {
             let same = kept.iter().filter(|other| other.word() == timed.word());
-            let mut same = same.map(|other| (other.merit(price) - timed.merit(price)).abs());
+            let mut same = same.map(|other| (other.merit - timed.merit).abs());
             let count = kept.iter().filter(|other| other.word() == timed.word()).count();
             if count < 2 && !same.any(|difference| difference < 1e-3 * size) && kept.len() < MAPPED {
                 kept.push(timed);
@@ -283,16 +298,16 @@ impl<'a, 'r> Words<'a, 'r> {
             if runner.stopped() {
                 break;
             }
-            if let Some(refined) = solve(runner, self.setting, with, from, &mut self.price)
-                && refined.merit(price) < timed.merit(price) + 2e-3 * size
+            if let Some(refined) = solve(runner, self.setting, with, from, &mut self.goals)
+                && refined.merit < timed.merit + 2e-3 * size
             {
-                if std::env::var("HT").is_ok() { eprintln!("refined {} -> {}", timed.merit(price), refined.merit(price)); }
+                if std::env::var("HT2").is_ok() { for (k,(n,u)) in refined.motion.nodes.windows(2).zip(refined.motion.trajectory.controls.values()).enumerate() { eprintln!("piece {k} {:.5} {:.5} u {:?} state {:?}", n[0], n[1]-n[0], u, refined.motion.trajectory.at(n[0], true)); } eprintln!("times {:?}", refined.draft.times); }
+                if std::env::var("HT").is_ok() { eprintln!("refined {} -> {}", timed.merit, refined.merit); }
                 *timed = Timed { origin: timed.origin, ..refined };
             }
         }
         kept.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
-        let _ = NO_MISS;
-        kept
+        (kept, self.goals)
     }
 }
 
