@@ -303,7 +303,9 @@ fn duration_of(builder: &mut Builder, interval: usize, span: &Span, place: usize
         let name = format!("longest phase from interval {interval} on");
         let row = builder.program.row(name, 0.0, f64::INFINITY);
         let unit = builder.interval_length();
-        builder.program.linear(row, builder.frame.horizon, longest / unit);
+        builder
+            .program
+            .linear(row, builder.frame.horizon, longest / unit);
         builder.program.linear(row, duration, -1.0 / unit);
     }
     (duration, share)

@@ -66,7 +66,9 @@ pub(in crate::ocp) fn drive_at(
         terms.extend(&elapsed.terms);
         let time = match builder.setting.lengths {
             Lengths::Phases(_) => builder.guessed_time(interval, guess),
-            Lengths::Equal | Lengths::Free => builder.guess.horizon * (interval as f64 + guess) * share,
+            Lengths::Equal | Lengths::Free => {
+                builder.guess.horizon * (interval as f64 + guess) * share
+            }
         };
         let name = format!("time {place}");
         drive.push(builder.frame.time(&mut builder.program, name, &terms, time));

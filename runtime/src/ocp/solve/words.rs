@@ -31,6 +31,8 @@ use crate::{Observer, Progress};
 const STAGES: usize = 3;
 /// Excess of the objective off the grid over the best on it beyond which a word is not put on it.
 const BEYOND: f64 = 1e-2;
+/// Words that are put on the grid, where one of them has a motion there.
+const PLACED: usize = 6;
 /// Words whose switches are moved on the grid, the best first, and the excess over the best up to which they are.
 const MOVED: usize = 2;
 const MOVED_WITHIN: f64 = 2e-2;
@@ -61,7 +63,6 @@ pub(super) fn solve(
     };
     match found {
         Some(found) if found.motion.is_some() => Ok(found),
-        _ if std::env::var("HT").is_ok() => Ok(Solution::without_motion(crate::ocp::solution::Status::Infeasible, Vec::new(), Counts::default())),
         _ => nested::solve(model, problem, settings, observer),
     }
 }
@@ -87,10 +88,18 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let units = Units::new(model, &straight, bounds);
     let tableaus = tableaus(settings.stages);
-    let (tableau, finer) = tableaus.split_first().ok_or_else(|| settings.refuse_stages())?;
-    let coarse = ButcherTableau::new(Scheme::RadauIia, STAGES).ok_or_else(|| settings.refuse_stages())?;
+    let (tableau, finer) = tableaus
+        .split_first()
+        .ok_or_else(|| settings.refuse_stages())?;
+    let coarse =
+        ButcherTableau::new(Scheme::RadauIia, STAGES).ok_or_else(|| settings.refuse_stages())?;
     let parabolas = parabolas(model, &problem.start());
-    let setting = Setting::new((model, problem), settings, (tableau, &units), (bounds, &parabolas));
+    let setting = Setting::new(
+        (model, problem),
+        settings,
+        (tableau, &units),
+        (bounds, &parabolas),
+    );
     let (beginnings, library) = beginnings(&mut runner, setting)?;
     let (words, goals) = Words::new(setting, &coarse, library).run(&mut runner, &beginnings);
     let units: Vec<Units> = words
@@ -102,7 +111,8 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     for (word, units) in words.iter().zip(&units) {
         let reached = placed.iter().find(|(best, _)| best.reaches());
         let least = reached.map_or(f64::INFINITY, |(best, _)| best.merit);
-        if runner.stopped() || word.merit() > least + BEYOND * least.abs() {
+        let enough = placed.len() >= PLACED && least.is_finite();
+        if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
             continue;
         }
         let grid = Grid {
@@ -114,7 +124,6 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
         let Some(best) = grid.rounded(&mut runner, word) else {
             continue;
         };
-        if std::env::var("HT").is_ok() { eprintln!("placed {} {} {} its {}", word.merit(), best.merit, best.missed, runner.counts.iterations); }
         let place = placed.partition_point(|(other, _)| other.rank() < best.rank());
         placed.insert(place, (best, units));
     }
@@ -129,8 +138,11 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
             goals: &goals,
             elements: &elements,
         };
-        let best = if moves { grid.moved(&mut runner, best) } else { best };
-        if std::env::var("HT").is_ok() { eprintln!("moved {} {} its {}", best.merit, best.missed, runner.counts.iterations); }
+        let best = if moves {
+            grid.moved(&mut runner, best)
+        } else {
+            best
+        };
         let place = moved.partition_point(|(other, _)| other.rank() < best.rank());
         moved.insert(place, (best, units));
     }
@@ -149,11 +161,11 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
                 cuts: &[],
                 purpose: Purpose::Explore,
             };
-            let verdict = attempts.attempt(&mut runner, attempt)?;
-            if std::env::var("HT").is_ok() { eprintln!("exact {} {:?} {:?} its {}", placed.merit, verdict, attempts.best.as_ref().map(|b| b.solution.objective), runner.counts.iterations); }
+            attempts.attempt(&mut runner, attempt)?;
             if let Some(best) = attempts.best.take() {
                 let objective = best.solution.objective;
-                let place = locals.partition_point(|(other, _)| other.solution.objective < objective);
+                let place =
+                    locals.partition_point(|(other, _)| other.solution.objective < objective);
                 locals.insert(place, (best, *units));
             }
         }
@@ -162,7 +174,13 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     let mut known = f64::INFINITY;
     for (start, (local, units)) in locals.into_iter().enumerate().take(JUDGED) {
         let setting = Setting { units, ..setting };
-        let solution = judge(&mut runner, setting, finer, (local, Stationarity::None), known)?;
+        let solution = judge(
+            &mut runner,
+            setting,
+            finer,
+            (local, Stationarity::None),
+            known,
+        )?;
         known = known.min(solution.objective);
         found.push(Found { start, solution });
     }

@@ -10,9 +10,11 @@ use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::targets::goal_values;
+use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::replay::{parts, simulations};
 use crate::ocp::search::sampled::best_of_each_order;
+use crate::ocp::search::stepping::stepping;
 use crate::ocp::settings::Guess;
 use crate::simulation::InputError;
 
@@ -25,6 +27,8 @@ const LEARNED: usize = 24;
 /// Beginnings of motions that become words: of up to so many phases, so many of each length.
 const PHASES: usize = 3;
 const OF_EACH_LENGTH: usize = 2;
+/// Words of steps.
+const STEPS: usize = 8;
 /// Most phases of a word.
 pub(super) const MOST_PHASES: usize = 16;
 
@@ -75,13 +79,26 @@ pub(in crate::ocp) fn beginnings(
             }
         }
     }
-    let Setting { model, problem, bounds, .. } = setting;
+    let Setting {
+        model,
+        problem,
+        bounds,
+        ..
+    } = setting;
     let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let empty = Sequence::without_switches(modes_at_start(setting, &straight));
     let length = straight.horizon / problem.intervals as f64;
     let draft = Draft::read(&empty, length, straight.horizon);
     let motion = Motion::on_grid(straight.clone());
     add(&mut found, (draft, motion), "empty");
+    for sequence in steps(setting, &straight) {
+        let draft = Draft::read(&sequence, length, straight.horizon);
+        add(
+            &mut found,
+            (draft, Motion::on_grid(straight.clone())),
+            "steps",
+        );
+    }
     let mut relaxed = RelaxedMotions::default();
     let mut implicit = CoarseToFine::new(setting, &straight);
     let failure = runner.take_failure();
@@ -95,9 +112,24 @@ pub(in crate::ocp) fn beginnings(
     runner.restore_failure(failure, true);
     let goals = Goals {
         sizes: sizes(setting, &sampled.units),
-        price: Some(sampled.cost).filter(|cost| *cost > 0.0).map(Goals::price_of),
+        price: Some(sampled.cost)
+            .filter(|cost| *cost > 0.0)
+            .map(Goals::price_of),
     };
     Ok((found, (library, goals)))
+}
+
+/// Steps of feet that stand at first, as random controls never take them: of each, of two in turn, once and twice.
+fn steps(setting: Setting, straight: &Trajectory) -> Vec<Sequence> {
+    let modes = modes_at_start(setting, straight).into_iter().enumerate();
+    let declared = setting.model.declaration().contacts;
+    let standing = modes.filter(|(contact, mode)| !mode.is_open() && !declared[*contact].dry);
+    if standing.count() < 2 {
+        return Vec::new();
+    }
+    let mut steps = stepping(setting, straight);
+    steps.truncate(STEPS);
+    steps
 }
 
 /// Sizes of the goals: what most random motions miss less, or else the start does.
@@ -108,7 +140,9 @@ fn sizes(setting: Setting, units: &[f64]) -> Vec<f64> {
     let sizes = values.map(|(goal, value)| {
         let drawn = units.get(goal).copied().unwrap_or(0.0);
         let all = [drawn, value.abs(), 1.0];
-        all.into_iter().find(|size| *size > 0.0 && size.is_finite()).unwrap_or(1.0)
+        all.into_iter()
+            .find(|size| *size > 0.0 && size.is_finite())
+            .unwrap_or(1.0)
     });
     sizes.collect()
 }
@@ -139,7 +173,12 @@ fn rides(
     runner: &Runner,
     setting: Setting,
 ) -> Result<Vec<(&'static str, Vec<Candidate>)>, InputError> {
-    let Setting { model, problem, bounds, .. } = setting;
+    let Setting {
+        model,
+        problem,
+        bounds,
+        ..
+    } = setting;
     let n = problem.q.len();
     let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let middle: Vec<f64> = (n..bounds.0.len())
@@ -149,14 +188,20 @@ fn rides(
         })
         .collect();
     let mut driven = straight.clone();
-    driven.controls = crate::ocp::motion::control_grid::ControlGrid::constant(vec![
-        middle;
-        problem.intervals.max(parts(setting))
-    ]);
+    driven.controls =
+        crate::ocp::motion::control_grid::ControlGrid::constant(vec![
+            middle;
+            problem
+                .intervals
+                .max(parts(setting))
+        ]);
     let tolerance = runner.settings.replay_tolerance;
     let mut found = Vec::new();
     for (source, motion) in [("ride", straight), ("middle", driven)] {
-        found.push((source, simulations(setting, &motion, tolerance).unwrap_or_default()));
+        found.push((
+            source,
+            simulations(setting, &motion, tolerance).unwrap_or_default(),
+        ));
     }
     Ok(found)
 }

@@ -25,16 +25,56 @@ pub(super) struct Parent<'p> {
 
 /// All rules, the cheapest first.
 pub(super) const RULES: [Rule; 10] = [
-    Rule { name: "vanish", price: 0.0, drafts: vanish },
-    Rule { name: "press", price: 0.01, drafts: press },
-    Rule { name: "flip", price: 0.025, drafts: flip },
-    Rule { name: "drop", price: 0.03, drafts: drop_cycle },
-    Rule { name: "duplicate", price: 0.03, drafts: duplicate },
-    Rule { name: "touch", price: 0.03, drafts: touches },
-    Rule { name: "cut", price: 0.04, drafts: cut },
-    Rule { name: "move", price: 0.05, drafts: move_cycle },
-    Rule { name: "walk", price: 0.05, drafts: walk },
-    Rule { name: "append", price: 0.06, drafts: append },
+    Rule {
+        name: "vanish",
+        price: 0.0,
+        drafts: vanish,
+    },
+    Rule {
+        name: "press",
+        price: 0.01,
+        drafts: press,
+    },
+    Rule {
+        name: "flip",
+        price: 0.025,
+        drafts: flip,
+    },
+    Rule {
+        name: "drop",
+        price: 0.03,
+        drafts: drop_cycle,
+    },
+    Rule {
+        name: "duplicate",
+        price: 0.03,
+        drafts: duplicate,
+    },
+    Rule {
+        name: "touch",
+        price: 0.03,
+        drafts: touches,
+    },
+    Rule {
+        name: "cut",
+        price: 0.04,
+        drafts: cut,
+    },
+    Rule {
+        name: "move",
+        price: 0.05,
+        drafts: move_cycle,
+    },
+    Rule {
+        name: "walk",
+        price: 0.05,
+        drafts: walk,
+    },
+    Rule {
+        name: "append",
+        price: 0.06,
+        drafts: append,
+    },
 ];
 
 /// A phase shorter than this share of the motion has vanished.
@@ -85,7 +125,10 @@ impl Parent<'_> {
         times: Vec<f64>,
     ) -> Draft {
         let mut draft = self.draft().clone();
-        draft.word.instants.splice(first..last, instants.iter().cloned());
+        draft
+            .word
+            .instants
+            .splice(first..last, instants.iter().cloned());
         draft.times.splice(first..last, times);
         let mut before = 0.0;
         for time in &mut draft.times {
@@ -122,8 +165,13 @@ impl Parent<'_> {
             let cut = self.timed_splice((phase - 1, same), &[], Vec::new());
             return (!ends).then_some(cut);
         }
-        let next = modes.get(phase + 1).filter(|_| phase < word.instants.len())?;
-        let passes = word.instants[phase - 1..=phase].iter().flatten().any(|s| s.passes);
+        let next = modes
+            .get(phase + 1)
+            .filter(|_| phase < word.instants.len())?;
+        let passes = word.instants[phase - 1..=phase]
+            .iter()
+            .flatten()
+            .any(|s| s.passes);
         let straight = between(&modes[phase - 1], next);
         let time = self.draft().times[phase];
         (!passes).then(|| self.timed_splice((phase - 1, phase + 1), &[straight], vec![time]))
@@ -160,10 +208,14 @@ fn vanish(parent: &Parent) -> Vec<Draft> {
 fn as_touch(parent: &Parent, phase: usize) -> Option<Draft> {
     let modes = parent.word().modes();
     let before = phase.checked_sub(1)?;
-    let after = modes.get(phase + 1).filter(|after| **after == modes[before])?;
+    let after = modes
+        .get(phase + 1)
+        .filter(|after| **after == modes[before])?;
     let mut changed = (0..after.len()).filter(|&i| modes[phase][i] != after[i]);
     let contact = changed.next()?;
-    if changed.next().is_some() || !after[contact].is_open() || phase >= parent.word().instants.len()
+    if changed.next().is_some()
+        || !after[contact].is_open()
+        || phase >= parent.word().instants.len()
     {
         return None;
     }
@@ -177,12 +229,21 @@ fn press(parent: &Parent) -> Vec<Draft> {
     let modes = parent.word().modes();
     let length = INSERTED * parent.draft().horizon;
     let mut found: Vec<(f64, Draft)> = Vec::new();
-    for press in parent.timed.presses.iter().filter(|press| press.share > PRESSES) {
+    for press in parent
+        .timed
+        .presses
+        .iter()
+        .filter(|press| press.share > PRESSES)
+    {
         let now = &modes[press.phase];
         let (from, to) = parent.draft().phases()[press.phase];
         let length = length.min(0.5 * (to - from));
         let seen = parent.library.cycles(now).filter(|walk| {
-            let differs = walk.instants.iter().flatten().any(|s| s.contact == press.contact);
+            let differs = walk
+                .instants
+                .iter()
+                .flatten()
+                .any(|s| s.contact == press.contact);
             differs && walk.instants.len() <= SHORT_CYCLE
         });
         for walk in seen {
@@ -216,7 +277,11 @@ fn plain_cycles(model: &dyn Model, now: &[ContactMode], press: &Press) -> Vec<Ve
     let modes = closed_modes(model, press.contact).into_iter();
     let touched = modes.filter(|_| press.against == Pressed::Gap);
     let touched = touched.map(|mode| vec![touch(press.contact, mode)]);
-    wanted.filter(|_| !bounces).map(cycle).chain(touched).collect()
+    wanted
+        .filter(|_| !bounces)
+        .map(cycle)
+        .chain(touched)
+        .collect()
 }
 
 /// What else a contact may do where it does this now.
@@ -310,7 +375,9 @@ fn duplicate(parent: &Parent) -> Vec<Draft> {
         let begin = draft.times[first];
         // What follows has half of its time left.
         let scale = 0.5 * (to - from) / (draft.times[last - 1] - begin).max(f64::MIN_POSITIVE);
-        let again = draft.times[first..last].iter().map(|time| from + scale.min(1.0) * (time - begin));
+        let again = draft.times[first..last]
+            .iter()
+            .map(|time| from + scale.min(1.0) * (time - begin));
         parent.timed_splice((last, last), &instants, again.collect())
     };
     cycles.into_iter().map(twice).collect()
@@ -327,7 +394,10 @@ fn move_cycle(parent: &Parent) -> Vec<Draft> {
             draft: parent.timed_splice((first, last), &[], Vec::new()),
             ..parent.timed.clone()
         };
-        let rest = Parent { timed: &rest, ..*parent };
+        let rest = Parent {
+            timed: &rest,
+            ..*parent
+        };
         for (phase, (from, to)) in rest.draft().phases().into_iter().enumerate() {
             if phase != first && rest.word().modes()[phase] == modes[first] {
                 found.push(rest.inserted(phase, &instants, 0.5 * (from + to), length));
@@ -337,7 +407,8 @@ fn move_cycle(parent: &Parent) -> Vec<Draft> {
     let mut seen: Vec<(f64, Draft)> = Vec::new();
     for (phase, (from, to)) in parent.draft().phases().into_iter().enumerate() {
         for cycle in parent.library.cycles(&modes[phase]) {
-            let draft = parent.inserted(phase, &cycle.instants, 0.5 * (from + to), 0.5 * (to - from));
+            let draft =
+                parent.inserted(phase, &cycle.instants, 0.5 * (from + to), 0.5 * (to - from));
             seen.push((cycle.seen as f64 / cycle.instants.len() as f64, draft));
         }
     }
@@ -416,7 +487,11 @@ fn append(parent: &Parent) -> Vec<Draft> {
         return Vec::new();
     };
     let time = to - APPENDED * (to - from);
-    let next = parent.library.walks.iter().filter(|walk| walk.from == modes[count]);
+    let next = parent
+        .library
+        .walks
+        .iter()
+        .filter(|walk| walk.from == modes[count]);
     let mut next: Vec<_> = next.filter(|walk| walk.instants.len() == 1).collect();
     next.sort_by_key(|walk| std::cmp::Reverse(walk.seen));
     let mut found: Vec<Draft> = Vec::new();
@@ -440,7 +515,9 @@ fn cut(parent: &Parent) -> Vec<Draft> {
     let mut draft = parent.timed_splice((count - 1, count), &[], Vec::new());
     draft.word.ends_with_impact = false;
     let mut found = vec![draft];
-    let closes = parent.word().instants[count - 1].iter().any(|switch| switch.closes);
+    let closes = parent.word().instants[count - 1]
+        .iter()
+        .any(|switch| switch.closes);
     if closes && !parent.word().ends_with_impact {
         let mut ending = parent.draft().clone();
         ending.horizon = ending.times[count - 1];

@@ -39,9 +39,10 @@ impl Library {
         if instants.iter().flatten().any(passes) && from != to {
             return;
         }
-        let known = self.walks.iter_mut().find(|walk| {
-            walk.from == from && walk.to == to && walk.instants == instants
-        });
+        let known = self
+            .walks
+            .iter_mut()
+            .find(|walk| walk.from == from && walk.to == to && walk.instants == instants);
         match known {
             Some(walk) => walk.seen += 1,
             None => self.walks.push(Walk {
@@ -64,7 +65,9 @@ impl Library {
         from: &'l [ContactMode],
         to: &'l [ContactMode],
     ) -> impl Iterator<Item = &'l Walk> {
-        self.walks.iter().filter(move |walk| walk.from == from && walk.to == to)
+        self.walks
+            .iter()
+            .filter(move |walk| walk.from == from && walk.to == to)
     }
 
     /// How often anything was seen.
@@ -91,9 +94,16 @@ mod tests {
         };
         let mut library = Library::default();
         library.learn(&word);
-        let hops: Vec<&Walk> = library.cycles(&on).filter(|walk| walk.instants.len() == 2).collect();
+        let hops: Vec<&Walk> = library
+            .cycles(&on)
+            .filter(|walk| walk.instants.len() == 2)
+            .collect();
         assert_eq!(hops.len(), 1);
         assert_eq!((hops[0].seen, &hops[0].instants[..]), (2, &instants[..]));
-        assert!(library.between(&on, &off).any(|walk| walk.instants.len() == 1));
+        assert!(
+            library
+                .between(&on, &off)
+                .any(|walk| walk.instants.len() == 1)
+        );
     }
 }

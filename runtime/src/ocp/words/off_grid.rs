@@ -27,7 +27,7 @@ const BARRIER: f64 = 1e-2;
 /// Most iterations of a program.
 const ITERATIONS: usize = 150;
 /// Most iterations of its restoration phase.
-const RESTORED: usize = 20;
+const RESTORED: usize = 5;
 /// Price of a miss to start with, in sizes of the objective per size of a goal.
 const PRICE: f64 = 10.0;
 /// Miss of all goals, in their sizes, that is none.
@@ -150,7 +150,9 @@ fn spans(draft: &Draft, problem: &Problem, fineness: Fineness) -> Vec<Span> {
         begin = to;
         let share = (to - from) / total;
         Span {
-            pieces: fineness.least.max((fineness.pieces as f64 * share).round() as usize),
+            pieces: fineness
+                .least
+                .max((fineness.pieces as f64 * share).round() as usize),
             free: fineness.free,
             from,
             to,
@@ -164,7 +166,9 @@ fn spans(draft: &Draft, problem: &Problem, fineness: Fineness) -> Vec<Span> {
     for span in &mut spans {
         let piece = (span.to - span.from) / (total * span.pieces as f64);
         span.elements = ((ELEMENTS * piece - ROUNDED).ceil() as usize).max(1);
-        span.longest = span.free.then_some(LONGEST * span.elements as f64 / ELEMENTS);
+        span.longest = span
+            .free
+            .then_some(LONGEST * span.elements as f64 / ELEMENTS);
     }
     spans
 }
@@ -184,7 +188,9 @@ pub(super) fn solve(
         intervals: counts.iter().sum(),
         ..setting.problem.clone()
     };
-    let units = setting.units.of_motion(setting.model, &motion.trajectory, setting.bounds);
+    let units = setting
+        .units
+        .of_motion(setting.model, &motion.trajectory, setting.bounds);
     let program_setting = Setting {
         problem: &problem,
         tableau,
@@ -206,10 +212,14 @@ pub(super) fn solve(
         controls: ControlGrid::constant(pieces().map(|(a, b)| motion.controls(a, b)).collect()),
         ..motion.trajectory.clone()
     };
-    let elements = spans.iter().flat_map(|span| vec![span.elements; span.pieces]);
+    let elements = spans
+        .iter()
+        .flat_map(|span| vec![span.elements; span.pieces]);
     let elements: Vec<usize> = elements.collect();
     let mut program = transcribe(program_setting, &sequence, &guess, &[], &elements);
-    let price = *goals.price.get_or_insert(Goals::price_of(program.program.objective_size()));
+    let price = *goals
+        .price
+        .get_or_insert(Goals::price_of(program.program.objective_size()));
     let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
     Some(read(&program, &solution, (draft, &counts)))
 }
@@ -241,7 +251,11 @@ pub(super) fn solved(
 }
 
 /// A solved program as a word with its times.
-fn read(program: &Collocation, solution: &nlp::Solution, (draft, counts): (&Draft, &[usize])) -> Timed {
+fn read(
+    program: &Collocation,
+    solution: &nlp::Solution,
+    (draft, counts): (&Draft, &[usize]),
+) -> Timed {
     let (trajectory, _) = program.result(&solution.x);
     let solved = program.solved(&solution.x);
     let mut nodes = vec![trajectory.horizon; counts.iter().sum::<usize>() + 1];
@@ -255,7 +269,10 @@ fn read(program: &Collocation, solution: &nlp::Solution, (draft, counts): (&Draf
     });
     let times: Vec<f64> = ends.take(draft.word.instants.len()).collect();
     let missed = program.missed(&solution.x);
-    let begins = solved.iter().map(|phase| (phase.start, phase.length)).collect::<Vec<_>>();
+    let begins = solved
+        .iter()
+        .map(|phase| (phase.start, phase.length))
+        .collect::<Vec<_>>();
     Timed {
         draft: Draft {
             word: draft.word.clone(),

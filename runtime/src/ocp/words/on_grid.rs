@@ -101,7 +101,9 @@ impl Grid<'_, '_> {
             ..timed.motion.trajectory.clone()
         };
         let times = timed.draft.times.iter();
-        let times: Vec<f64> = times.map(|time| time / horizon * intervals as f64).collect();
+        let times: Vec<f64> = times
+            .map(|time| time / horizon * intervals as f64)
+            .collect();
         let mut tried: Vec<Vec<At>> = Vec::new();
         let mut best: Option<Placed> = None;
         for rounding in [Rounding::Inside, Rounding::AtJumps, Rounding::Over] {

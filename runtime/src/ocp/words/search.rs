@@ -28,13 +28,25 @@ const OF_PARENT: f64 = 0.5;
 /// Excess over the best up to which a shorter word is followed.
 const SHORTER: f64 = 0.1;
 /// Control pieces of a word for least time, with lengths of their own, and of others.
-const FREE: Fineness = Fineness { pieces: 10, least: 2, free: true };
-const EVEN: Fineness = Fineness { pieces: 20, least: 2, free: false };
+const FREE: Fineness = Fineness {
+    pieces: 10,
+    least: 2,
+    free: true,
+};
+const EVEN: Fineness = Fineness {
+    pieces: 20,
+    least: 2,
+    free: false,
+};
 /// The same of the best ones at last.
-const REFINED: Fineness = Fineness { pieces: 20, least: 2, free: true };
-/// Words that are refined, and those that go on to the grid.
+const REFINED: Fineness = Fineness {
+    pieces: 20,
+    least: 2,
+    free: true,
+};
+/// Words that are refined, and those that may go on to the grid.
 const REFINEMENTS: usize = 4;
-pub(super) const MAPPED: usize = 6;
+const KEPT: usize = 12;
 /// Excess over the best, with a price for each phase, up to which a word is refined.
 const WORTH: f64 = 0.3;
 const WORTH_OF_PHASE: f64 = 0.005;
@@ -106,7 +118,12 @@ impl<'a, 'r> Words<'a, 'r> {
         beginnings: &[Beginning],
     ) -> (Vec<Timed>, Goals) {
         for beginning in beginnings {
-            self.evaluate(runner, &beginning.draft, &beginning.motion, beginning.source);
+            self.evaluate(
+                runner,
+                &beginning.draft,
+                &beginning.motion,
+                beginning.source,
+            );
         }
         (0..self.solved.len()).for_each(|index| self.push(index));
         self.last_gain = self.programs;
@@ -159,7 +176,11 @@ impl<'a, 'r> Words<'a, 'r> {
         if draft.word.phases() > MOST_PHASES || runner.stopped() {
             return None;
         }
-        let times: Vec<f64> = draft.times.iter().map(|time| time / draft.horizon).collect();
+        let times: Vec<f64> = draft
+            .times
+            .iter()
+            .map(|time| time / draft.horizon)
+            .collect();
         let known = self.seen.iter().position(|seen| seen.word == draft.word);
         let place = known.unwrap_or_else(|| {
             self.seen.push(Seen {
@@ -183,7 +204,6 @@ impl<'a, 'r> Words<'a, 'r> {
         let first = solve(runner, self.setting, with, (draft, motion), &mut self.goals);
         self.programs += 1;
         let timed = self.dearer(runner, first?);
-        if std::env::var("HT").is_ok() { eprintln!("{:3} {:5} {:16} {:?} {}", self.programs, runner.counts.iterations, origin, (timed.merit, timed.objective, timed.missed, timed.draft.horizon), show(&draft.word)); }
         let timed = Timed { origin, ..timed };
         let merit = timed.merit;
         if !merit.is_finite() {
@@ -210,7 +230,13 @@ impl<'a, 'r> Words<'a, 'r> {
         let mut goals = self.goals.clone();
         goals.price = goals.price.map(|price| DEARER * price);
         self.programs += 1;
-        let again = solve(runner, self.setting, with, (&timed.draft, &timed.motion), &mut goals);
+        let again = solve(
+            runner,
+            self.setting,
+            with,
+            (&timed.draft, &timed.motion),
+            &mut goals,
+        );
         let price = goals.price.unwrap_or(0.0);
         again.unwrap_or_else(|| Timed {
             merit: timed.objective + price * timed.missed,
@@ -259,7 +285,9 @@ impl<'a, 'r> Words<'a, 'r> {
     fn next(&mut self) -> Option<Waiting> {
         loop {
             let cheapest = self.waiting.iter().enumerate().min_by(|(_, a), (_, b)| {
-                a.priority.total_cmp(&b.priority).then(a.order.cmp(&b.order))
+                a.priority
+                    .total_cmp(&b.priority)
+                    .then(a.order.cmp(&b.order))
             });
             let (index, _) = cheapest?;
             let next = self.waiting.swap_remove(index);
@@ -275,9 +303,8 @@ impl<'a, 'r> Words<'a, 'r> {
     /// The best words that reach the goals, refined, the best first.
     fn refined(mut self, runner: &mut Runner) -> (Vec<Timed>, Goals) {
         let size = self.size();
-        let rank = |timed: &Timed| {
-            timed.merit + WORTH_OF_PHASE * size * timed.word().phases() as f64
-        };
+        let rank =
+            |timed: &Timed| timed.merit + WORTH_OF_PHASE * size * timed.word().phases() as f64;
         let best = self.best_merit();
         let mut all = std::mem::take(&mut self.solved);
         all.retain(|timed| timed.merit <= best + WORTH * size);
@@ -286,8 +313,11 @@ impl<'a, 'r> Words<'a, 'r> {
         for timed in all {
             let same = kept.iter().filter(|other| other.word() == timed.word());
             let mut same = same.map(|other| (other.merit - timed.merit).abs());
-            let count = kept.iter().filter(|other| other.word() == timed.word()).count();
-            if count < 2 && !same.any(|difference| difference < 1e-3 * size) && kept.len() < MAPPED {
+            let count = kept
+                .iter()
+                .filter(|other| other.word() == timed.word())
+                .count();
+            if count < 2 && !same.any(|difference| difference < 1e-3 * size) && kept.len() < KEPT {
                 kept.push(timed);
             }
         }
@@ -301,24 +331,13 @@ impl<'a, 'r> Words<'a, 'r> {
             if let Some(refined) = solve(runner, self.setting, with, from, &mut self.goals)
                 && refined.merit < timed.merit + 2e-3 * size
             {
-                if std::env::var("HT2").is_ok() { for (k,(n,u)) in refined.motion.nodes.windows(2).zip(refined.motion.trajectory.controls.values()).enumerate() { eprintln!("piece {k} {:.5} {:.5} u {:?} state {:?}", n[0], n[1]-n[0], u, refined.motion.trajectory.at(n[0], true)); } eprintln!("times {:?}", refined.draft.times); }
-                if std::env::var("HT").is_ok() { eprintln!("refined {} -> {}", timed.merit, refined.merit); }
-                *timed = Timed { origin: timed.origin, ..refined };
+                *timed = Timed {
+                    origin: timed.origin,
+                    ..refined
+                };
             }
         }
         kept.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
         (kept, self.goals)
     }
-}
-
-fn show(word: &Word) -> String {
-    let letter = |m: &crate::simulation::ContactMode| match m.name() { "open" => 'o', "closed" => 'c', "stick" => 'k', "slip_forward" => '+', _ => '-' };
-    let mut text = String::new();
-    for (k, modes) in word.modes().iter().enumerate() {
-        text.extend(modes.iter().map(letter));
-        if let Some(i) = word.instants.get(k) { for s in i { if s.touches() { text += &format!("!{}", s.contact); } } }
-        text.push(' ');
-    }
-    if word.ends_with_impact { text += "END"; }
-    text
 }

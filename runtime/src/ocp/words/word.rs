@@ -151,7 +151,10 @@ impl Draft {
 
 /// Whether a switch of its own belongs to the instant of others: of another contact, and without an impact.
 fn may_join(instant: &Instant, switch: &Switch) -> bool {
-    !switch.closes && instant.iter().all(|other| other.contact != switch.contact && !other.closes)
+    !switch.closes
+        && instant
+            .iter()
+            .all(|other| other.contact != switch.contact && !other.closes)
 }
 
 /// How a contact that closes may slide.
@@ -236,18 +239,31 @@ mod tests {
     fn word_of_a_sequence_is_read_back_with_its_times() {
         let word = word(&[ON, OFF], &[&[OFF, OFF], &[ON, ON], &[OFF, ON]]);
         let sequence = word.sequence(&[2, 3, 2, 4]).expect("an order");
-        assert_eq!(sequence.switches.iter().map(|s| s.interval).collect::<Vec<_>>(), [2, 5, 5, 7]);
+        assert_eq!(
+            sequence
+                .switches
+                .iter()
+                .map(|s| s.interval)
+                .collect::<Vec<_>>(),
+            [2, 5, 5, 7]
+        );
         let draft = Draft::read(&sequence, 0.5, 5.5);
         assert_eq!(draft.word, word);
         assert_eq!(draft.times, [1.0, 2.5, 3.5]);
-        assert_eq!(draft.phases(), [(0.0, 1.0), (1.0, 2.5), (2.5, 3.5), (3.5, 5.5)]);
+        assert_eq!(
+            draft.phases(),
+            [(0.0, 1.0), (1.0, 2.5), (2.5, 3.5), (3.5, 5.5)]
+        );
         assert_eq!(draft.up_to(1).phases(), [(0.0, 1.0), (1.0, 2.5)]);
     }
 
     #[test]
     fn contacts_that_close_together_are_one_impact_and_those_that_open_are_not() {
         let impact = between(&[OFF, OFF, ON], &[ON, ON, OFF]);
-        assert_eq!(impact.iter().map(|s| s.accompanies).collect::<Vec<_>>(), [false, true, true]);
+        assert_eq!(
+            impact.iter().map(|s| s.accompanies).collect::<Vec<_>>(),
+            [false, true, true]
+        );
         let openings = between(&[ON, ON], &[OFF, OFF]);
         assert!(openings.iter().all(|s| !s.accompanies));
     }
