@@ -2,8 +2,8 @@
 
 use hangtime::Observer;
 use hangtime::ocp::{
-    self, ControlShape, Formulation, Horizon, Problem, SearchSpace, Settings, Solution, Stationarity,
-    TimeFreezingSettings,
+    self, ControlShape, Formulation, Horizon, Problem, SearchSpace, Settings, Solution,
+    Stationarity, TimeFreezingSettings,
 };
 use hangtime::rk::Scheme;
 

@@ -28,3 +28,4 @@ mod support;
 mod swings;
 mod throws;
 mod vanishing_objective;
+mod words;

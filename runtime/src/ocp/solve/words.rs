@@ -57,7 +57,6 @@ pub(super) fn solve(
         let mut seen = found_by_words(&task)?;
         let mut found = seen.clone();
         sort(&mut found);
-        found.truncate(1);
         let best = decided(&task, found, Effort::Conclude, &mut seen)?;
         best.map(|best| result(vec![best], seen, observer.stopped()))
     };

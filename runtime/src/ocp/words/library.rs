@@ -69,11 +69,6 @@ impl Library {
             .iter()
             .filter(move |walk| walk.from == from && walk.to == to)
     }
-
-    /// How often anything was seen.
-    pub(super) fn seen(&self) -> usize {
-        self.walks.iter().map(|walk| walk.seen).sum()
-    }
 }
 
 #[cfg(test)]

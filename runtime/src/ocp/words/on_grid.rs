@@ -82,11 +82,6 @@ impl Placed {
         let gain = other.merit - self.merit > GAIN * other.merit.abs();
         self.reaches() && !other.reaches() || self.reaches() == other.reaches() && gain
     }
-
-    /// Whether another one is of the same word.
-    pub(in crate::ocp) fn is_like(&self, other: &Self) -> bool {
-        self.word == other.word
-    }
 }
 
 impl Grid<'_, '_> {

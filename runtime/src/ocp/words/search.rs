@@ -238,7 +238,7 @@ impl<'a, 'r> Words<'a, 'r> {
             &mut goals,
         );
         let price = goals.price.unwrap_or(0.0);
-        again.unwrap_or_else(|| Timed {
+        again.unwrap_or(Timed {
             merit: timed.objective + price * timed.missed,
             ..timed
         })
