@@ -1,8 +1,9 @@
 //! What is meant by common slips, and what to write instead.
 
 use super::cursor::Cursor;
+use super::expression::expression;
 use super::unit;
-use crate::ast::{Expr, Kind};
+use crate::ast::{Expr, Kind, Name};
 use crate::diagnostics::Diagnostics;
 use crate::words;
 use proc_macro2::{Delimiter, Spacing, TokenTree};
@@ -102,6 +103,9 @@ pub(super) fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
              `{text}*{right}`"
         );
     }
+    if matches!(&factor.kind, Kind::Name(name) if name.text == words::INTEGRAL) {
+        return format!("what is integrated stands in parentheses; write `integral({right})`, with all of it between them");
+    }
     if let Kind::Power { base, exponent, .. } = &factor.kind
         && let Kind::Name(function) = &base.kind
         && words::is_function(&function.text)
@@ -195,3 +199,57 @@ pub(super) fn expect_name_of(
         diagnostics.poison(&name.to_string());
     }
 }
+
+/// What is written in place of bounds in brackets, `in [lower, upper]`.
+pub(super) fn interval(cursor: &Cursor) -> Option<String> {
+    let mut ahead = cursor.clone();
+    let group = ahead
+        .eat_group(Delimiter::Bracket)
+        .or_else(|| ahead.eat_group(Delimiter::Parenthesis))
+        .filter(|_| ahead.is_empty() || ahead.at_symbol(",") || ahead.at_symbol("="))?;
+    let mut silent = Diagnostics::default();
+    let mut inner = Cursor::inside(&group);
+    let lower = expression(&mut inner, &mut silent).ok()?;
+    let comma = inner.eat_symbol(",") || inner.eat_symbol(";");
+    let upper = expression(&mut inner, &mut silent).ok().filter(|_| comma)?;
+    Some(format!("bounds are written with dots between them, as in `in {lower}..={upper}`"))
+}
+
+/// A quantity between its bounds, `lower <= name <= upper`: the name, both bounds, and what to write; the cursor moves
+/// behind it.
+pub(super) fn between(cursor: &mut Cursor) -> Option<(Name, [Expr; 2], String)> {
+    let mut ahead = cursor.clone();
+    let mut silent = Diagnostics::default();
+    let mut bound = |ahead: &mut Cursor| expression(ahead, &mut silent).ok();
+    let at_most = |ahead: &mut Cursor| ahead.eat_symbol("<=") || ahead.eat_symbol("<");
+    let lower = bound(&mut ahead)?;
+    let name = at_most(&mut ahead).then(|| ahead.eat_name()).flatten()?;
+    let upper = at_most(&mut ahead).then(|| bound(&mut ahead)).flatten()?;
+    *cursor = ahead;
+    let message = format!("bounds stand behind the name; write `{} in {lower}..={upper}`", name.text);
+    Some((name, [lower, upper], message))
+}
+
+/// Most tokens of an equation that are looked at.
+const LOOKED_AT: usize = 60;
+
+/// Whether an equation of motion stands here, with an acceleration and an equals sign before the next statement.
+pub(super) fn is_equation_of_motion(cursor: &Cursor) -> bool {
+    let mut ahead = cursor.clone();
+    let (mut accelerates, mut equals) = (false, false);
+    for _ in 0..LOOKED_AT {
+        match ahead.peek() {
+            Some(TokenTree::Ident(word)) if words::is_keyword(&word.to_string()) => break,
+            Some(TokenTree::Ident(word)) => accelerates |= ["ddot", "acc"].contains(&word.to_string().as_str()),
+            Some(TokenTree::Punct(punct)) => equals |= punct.as_char() == '=',
+            Some(_) => {}
+            None => break,
+        }
+        ahead.advance();
+    }
+    accelerates && equals
+}
+
+/// What is written in place of equations of motion.
+pub(super) const EQUATIONS_FOLLOW: &str = "equations of motion are not written, they follow from the `lagrangian`, which is \
+     kinetic minus potential energy; what acts besides stands in `forces { x: ... }`";
