@@ -75,7 +75,11 @@ fn worst(
     let mut worst = (0.0, 0);
     for (k, x) in points.iter().enumerate() {
         let value = function(x);
-        let violation = if declared.equality { value.abs() } else { -value };
+        let violation = if declared.equality {
+            value.abs()
+        } else {
+            -value
+        };
         if violation > worst.0 && violation > effect(x, value, &function) {
             worst = (violation, k);
         }
@@ -114,10 +118,16 @@ fn constraint_note(
 }
 
 fn goal_note(declared: &ConstraintDeclaration, missed: Option<f64>) -> String {
-    let unused = format!("a simulation does not use `finally {{ {} }}`, which is for `solve`", declared.name);
+    let unused = format!(
+        "a simulation does not use `finally {{ {} }}`, which is for `solve`",
+        declared.name
+    );
     match missed {
         Some(missed) if missed > 0.0 => {
-            format!("{unused}: this motion misses it by {}", quantity(missed, declared.unit))
+            format!(
+                "{unused}: this motion misses it by {}",
+                quantity(missed, declared.unit)
+            )
         }
         Some(_) => format!("{unused}; this motion ends there by itself"),
         None => unused,

@@ -117,15 +117,19 @@ mod tests {
         assert!(
             is_path("a/b.hang") && !is_path("ski-jump") && !is_path("hang") && !is_path(".hang")
         );
-        for (file, wanted) in [
-            ("scenes/ski-jump.hang", "ski-jump"),
-            ("..hang", "scene"),
-        ] {
+        for (file, wanted) in [("scenes/ski-jump.hang", "ski-jump"), ("..hang", "scene")] {
             assert_eq!(name(file), wanted);
         }
         // Names that cannot be those of results are told apart all the same.
-        let files = ["a b.hang", "a&b.hang", "a-b.hang", "a\u{e4}b.hang", "-a-b.hang"];
-        let names: std::collections::HashSet<String> = files.iter().map(|file| name(file)).collect();
+        let files = [
+            "a b.hang",
+            "a&b.hang",
+            "a-b.hang",
+            "a\u{e4}b.hang",
+            "-a-b.hang",
+        ];
+        let names: std::collections::HashSet<String> =
+            files.iter().map(|file| name(file)).collect();
         assert_eq!(names.len(), files.len(), "{names:?}");
         assert!(names.iter().all(|name| name.starts_with("a-b")));
     }

@@ -322,7 +322,10 @@ mod tests {
         let long = "b".repeat(2_000);
         let cut = with_short_names(format!("`x_{long}` is not declared; write `{long}*y`"));
         assert!(cut.chars().count() < 200, "{cut}");
-        assert!(cut.starts_with("`x_bb") && cut.contains("b...b") && cut.ends_with("b*y`"), "{cut}");
+        assert!(
+            cut.starts_with("`x_bb") && cut.contains("b...b") && cut.ends_with("b*y`"),
+            "{cut}"
+        );
         let short = format!("`{}` is not declared", "c".repeat(LONGEST_NAME));
         assert_eq!(with_short_names(short.clone()), short);
     }

@@ -60,14 +60,8 @@ const OTHERWISE: [(&str, &str); 49] = [
         "subject",
         "conditions at the end stand in `finally { ... }`, others in `constraint`",
     ),
-    (
-        "objective",
-        "an objective begins with `minimize`",
-    ),
-    (
-        "cost",
-        "an objective begins with `minimize`",
-    ),
+    ("objective", "an objective begins with `minimize`"),
+    ("cost", "an objective begins with `minimize`"),
     (
         "initial",
         "values at the begin stand in `start { x: ..., dot(x): ... }`",
@@ -216,14 +210,8 @@ const OTHERWISE: [(&str, &str); 49] = [
         "bounds",
         "bounds stand behind a name where it is declared, as in `controls { u: N in -1..=1 }`",
     ),
-    (
-        "duration",
-        "the duration of a motion is `horizon 2 [s]`",
-    ),
-    (
-        "tend",
-        "the duration of a motion is `horizon 2 [s]`",
-    ),
+    ("duration", "the duration of a motion is `horizon 2 [s]`"),
+    ("tend", "the duration of a motion is `horizon 2 [s]`"),
     (
         "plot",
         "what is recorded stands in `outputs { name: unit = ... }`",

@@ -437,12 +437,12 @@ fn complete(
                 )
             } else {
                 format!(
-                "`friction` of `{0}` needs the sliding velocity, which follows by itself for one point mass \
+                    "`friction` of `{0}` needs the sliding velocity, which follows by itself for one point mass \
                  in two Cartesian coordinates on a surface at rest only; add that of the touching point along \
                  the surface, scaled like the gap, as in `impact {0}: ..., friction {1}, sliding dot({first})`",
-                surface.name.text,
-                shown_coefficient(checker, &friction)
-            )
+                    surface.name.text,
+                    shown_coefficient(checker, &friction)
+                )
             };
             return Err(checker.diagnostics.report("E20", friction.place, message));
         }
@@ -460,11 +460,16 @@ fn is_in_space(surface: &Surface, checker: &Checker<'_>) -> bool {
         let mut all = checker.coordinates.iter();
         all.position(|known| known.name.text == name)
     };
-    let Some(places) = ["x", "y", "z"].into_iter().map(place).collect::<Option<Vec<usize>>>() else {
+    let Some(places) = ["x", "y", "z"]
+        .into_iter()
+        .map(place)
+        .collect::<Option<Vec<usize>>>()
+    else {
         return false;
     };
     let unit = |i: &usize| checker.coordinates[*i].unit.as_ref().map(|unit| unit.unit);
-    let is_place = |variable| matches!(variable, Variable::Coordinate(i) if places.contains(&usize::from(i)));
+    let is_place =
+        |variable| matches!(variable, Variable::Coordinate(i) if places.contains(&usize::from(i)));
     places.iter().all(|i| unit(i) == unit(&places[0])) && graph::depends_on(surface.gap, is_place)
 }
 

@@ -52,7 +52,10 @@ pub(super) fn block(
         Some(group) => Ok(Cursor::inside(&group)),
         None => {
             let example = match cursor.ident() {
-                Some(first) => format!("`{{` after `{0}`, as in `{0} {{ {first}: ... }}`", word.text),
+                Some(first) => format!(
+                    "`{{` after `{0}`, as in `{0} {{ {first}: ... }}`",
+                    word.text
+                ),
                 None => format!("`{{` after `{}`", word.text),
             };
             Err(unexpected(cursor, diagnostics, &example))
@@ -103,7 +106,9 @@ pub(super) fn range(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Check
     let lower = expression(cursor, diagnostics)?;
     if !cursor.eat_symbol("..=") {
         if cursor.at_symbol("..") {
-            let message = format!("the upper bound belongs to the range; write `{lower}..=` and the upper bound");
+            let message = format!(
+                "the upper bound belongs to the range; write `{lower}..=` and the upper bound"
+            );
             return Err(diagnostics.syntax(cursor.place(), message));
         }
         return Err(unexpected(

@@ -104,7 +104,9 @@ pub(super) fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
         );
     }
     if matches!(&factor.kind, Kind::Name(name) if name.text == words::INTEGRAL) {
-        return format!("what is integrated stands in parentheses; write `integral({right})`, with all of it between them");
+        return format!(
+            "what is integrated stands in parentheses; write `integral({right})`, with all of it between them"
+        );
     }
     if let Kind::Power { base, exponent, .. } = &factor.kind
         && let Kind::Name(function) = &base.kind
@@ -212,7 +214,9 @@ pub(super) fn interval(cursor: &Cursor) -> Option<String> {
     let lower = expression(&mut inner, &mut silent).ok()?;
     let comma = inner.eat_symbol(",") || inner.eat_symbol(";");
     let upper = expression(&mut inner, &mut silent).ok().filter(|_| comma)?;
-    Some(format!("bounds are written with dots between them, as in `in {lower}..={upper}`"))
+    Some(format!(
+        "bounds are written with dots between them, as in `in {lower}..={upper}`"
+    ))
 }
 
 /// A quantity between its bounds, `lower <= name <= upper`: the name, both bounds, and what to write; the cursor moves
@@ -226,7 +230,10 @@ pub(super) fn between(cursor: &mut Cursor) -> Option<(Name, [Expr; 2], String)> 
     let name = at_most(&mut ahead).then(|| ahead.eat_name()).flatten()?;
     let upper = at_most(&mut ahead).then(|| bound(&mut ahead)).flatten()?;
     *cursor = ahead;
-    let message = format!("bounds stand behind the name; write `{} in {lower}..={upper}`", name.text);
+    let message = format!(
+        "bounds stand behind the name; write `{} in {lower}..={upper}`",
+        name.text
+    );
     Some((name, [lower, upper], message))
 }
 
@@ -240,7 +247,9 @@ pub(super) fn is_equation_of_motion(cursor: &Cursor) -> bool {
     for _ in 0..LOOKED_AT {
         match ahead.peek() {
             Some(TokenTree::Ident(word)) if words::is_keyword(&word.to_string()) => break,
-            Some(TokenTree::Ident(word)) => accelerates |= ["ddot", "acc"].contains(&word.to_string().as_str()),
+            Some(TokenTree::Ident(word)) => {
+                accelerates |= ["ddot", "acc"].contains(&word.to_string().as_str())
+            }
             Some(TokenTree::Punct(punct)) => equals |= punct.as_char() == '=',
             Some(_) => {}
             None => break,

@@ -154,7 +154,7 @@ texts! {
 
     // E07, E09
     surface_with_two_relations: beside "surface wall: 0 [m] <= y <= 2 [m] impact wall: inelastic" =>
-        "a surface compares two sides; declare two surfaces, the second one with `y` on its left";
+        "a surface compares two sides; declare two surfaces, the second one with `y` on its left; bounds of a control stand where it is declared, as in `u in -1..=1`";
     start_value_of_another_one: messages
         "S { coordinates { y, z } lagrangian dot(y)^2/2 + dot(z)^2/2 start { y: 2, z: y^2 + 1 } }" =>
         "the start value of `z` depends on the coordinate `y`; make the start value of `y` a parameter, and use that in both";
@@ -340,7 +340,7 @@ texts! {
     single_equals_sign: cart "finally { y = 1 [m], dot(y) > 0 }" =>
         "a condition is written with `==`, `>=` or `<=`; one of them is meant here";
     chain_of_inequalities: cart "constraint c: 0 <= y <= 1 [m]" =>
-        "a condition compares two sides; write two conditions, the second one with `y` on its left";
+        "a condition compares two sides; write two conditions, the second one with `y` on its left; bounds of a control stand where it is declared, as in `u in -1..=1`";
     norm_of_velocity_as_constraint: beside "constraint c: |dot((y, z))| <= 1 [m/s]" =>
         "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
     control_of_a_cost_is_used: beside "controls { u: N, slack: m, idle: N } forces { y: u } minimize integral(slack) constraint c: slack >= y" =>

@@ -55,9 +55,9 @@ fn pass(driver: &mut Driver<'_>, touching: &[usize]) -> Option<Impact> {
     let (edges, others): (Vec<usize>, Vec<usize>) =
         touching.iter().partition(|&&i| is_passed(driver, i));
     // Whether the piece that acts stands against a motion that another one sets free.
-    let blocked = edges.iter().any(|&i| {
-        driver.now.contacts.normal_velocity(i) < -driver.now.size(i).touching_velocity()
-    });
+    let blocked = edges
+        .iter()
+        .any(|&i| driver.now.contacts.normal_velocity(i) < -driver.now.size(i).touching_velocity());
     if edges.is_empty() || others.is_empty() && !blocked {
         return None;
     }

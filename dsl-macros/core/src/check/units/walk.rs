@@ -113,8 +113,11 @@ impl Walk<'_> {
         };
         let is_in = match &expr.kind {
             // Shown without its angle the written unit would be another one.
-            Kind::Number { unit: Some(unit), .. }
-                if ["rad", "deg", "rev"].iter().any(|angle| unit.text.contains(angle)) =>
+            Kind::Number {
+                unit: Some(unit), ..
+            } if ["rad", "deg", "rev"]
+                .iter()
+                .any(|angle| unit.text.contains(angle)) =>
             {
                 format!("is in {}", unit.text)
             }
