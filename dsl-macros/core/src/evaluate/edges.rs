@@ -3,7 +3,7 @@
 use super::kink::Kink;
 use super::scope::{Role, Scope};
 use super::value::Value;
-use crate::ast::Expr;
+use crate::ast::{Expr, Kind};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::graph::{self, Compose, Function, Node, Sym, Variable};
 use crate::words;
@@ -66,8 +66,12 @@ pub(super) fn refuse_size(
 ) -> Reported {
     let why = match scope.role {
         Role::Motion if is_velocity(part) => format!(
-            "a kink at 0; for a drag write `sqrt(({inner})^2 + v_0^2)` in its place, with a small speed `v_0`, and for dry \
-             friction `dry friction name: bound f, sliding {inner}`"
+            "a kink at 0; for a drag write `sqrt({}^2 + v_0^2)` in its place, with a small speed `v_0`, and for dry \
+             friction `dry friction name: bound f, sliding {inner}`",
+            match &inner.kind {
+                Kind::Name(_) | Kind::Call { .. } | Kind::Component { .. } => inner.to_string(),
+                _ => format!("({inner})"),
+            }
         ),
         Role::Running | Role::Impact | Role::Constraint | Role::End => {
             format!("a kink at 0, {}", remedy(scope.role, false))

@@ -209,11 +209,12 @@ pub(super) fn interval(cursor: &Cursor) -> Option<String> {
         .eat_group(Delimiter::Bracket)
         .or_else(|| ahead.eat_group(Delimiter::Parenthesis))
         .filter(|_| ahead.is_empty() || ahead.at_symbol(",") || ahead.at_symbol("="))?;
-    let mut silent = Diagnostics::default();
-    let mut inner = Cursor::inside(&group);
-    let lower = expression(&mut inner, &mut silent).ok()?;
-    let comma = inner.eat_symbol(",") || inner.eat_symbol(";");
-    let upper = expression(&mut inner, &mut silent).ok().filter(|_| comma)?;
+    let inside = group.stream().to_string();
+    let (lower, upper) = inside.split_once([',', ';'])?;
+    let [lower, upper] = [lower, upper].map(|bound| bound.trim().replace("- ", "-"));
+    if lower.is_empty() || upper.is_empty() || upper.contains(',') {
+        return None;
+    }
     Some(format!(
         "bounds are written with dots between them, as in `in {lower}..={upper}`"
     ))

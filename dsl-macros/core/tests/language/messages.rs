@@ -154,7 +154,7 @@ texts! {
 
     // E07, E09
     surface_with_two_relations: beside "surface wall: 0 [m] <= y <= 2 [m] impact wall: inelastic" =>
-        "a surface compares two sides; declare two surfaces, the second one with `y` on its left; bounds of a control stand where it is declared, as in `u in -1..=1`";
+        "a surface compares two sides; declare two surfaces, the second one with `y` on its left";
     start_value_of_another_one: messages
         "S { coordinates { y, z } lagrangian dot(y)^2/2 + dot(z)^2/2 start { y: 2, z: y^2 + 1 } }" =>
         "the start value of `z` depends on the coordinate `y`; make the start value of `y` a parameter, and use that in both";
