@@ -609,10 +609,7 @@ impl Parser<'_> {
             }
             _ => return Ok(()),
         };
-        let message = match slips::is_equation_of_motion(cursor) {
-            true => slips::EQUATIONS_FOLLOW.to_owned(),
-            false => slips::missing_operator(left, &right, list),
-        };
+        let message = slips::juxtaposed(cursor, left, &right, list);
         Err(self.diagnostics.syntax(cursor.place(), message))
     }
 

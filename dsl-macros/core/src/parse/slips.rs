@@ -80,8 +80,17 @@ pub(super) fn number(
     })
 }
 
+/// What is said where `right` stands at the cursor, behind an expression without an operator.
+pub(super) fn juxtaposed(cursor: &Cursor, left: &Expr, right: &str, list: bool) -> String {
+    if is_equation_of_motion(cursor) {
+        EQUATIONS_FOLLOW.to_owned()
+    } else {
+        missing_operator(left, right, list)
+    }
+}
+
 /// The remedy where `right` stands behind an expression without an operator; `list` tells whether a comma may be meant.
-pub(super) fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
+fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
     // The last term is what the missing operator would multiply.
     let last = match &left.kind {
         Kind::Chain(_, rest) if rest[0].operator.is_additive() => {
