@@ -19,6 +19,7 @@ mod ending;
 mod explain;
 mod failure;
 mod json;
+mod kept;
 mod markup;
 mod method;
 mod published;

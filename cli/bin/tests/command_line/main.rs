@@ -4,6 +4,7 @@
 
 mod book;
 mod browser;
+mod contact_scenes;
 mod nlp;
 mod play;
 mod player;
