@@ -9,6 +9,10 @@ use crate::nlp::program::scaling::GRADIENT;
 /// Multipliers of the scaled problem, whose gradients are at most 100, beyond which none seem to exist.
 pub(super) const LARGEST_MULTIPLIER: f64 = 1e8;
 
+/// Part of the gradient of the objective, or of 1 where that is less, that multipliers projected onto their cone may leave. Steps of
+/// different lengths for rows and bounds leave up to the tolerance, 1e-8, times the derivatives of the row, 1e2 at the start.
+const OFF_CONE: f64 = 1e-4;
+
 /// Size of a point beyond which the objective seems unbounded where this many steps in a row lower it below this value, and
 /// the size beyond which it seems so in any case. Rows of size 1 have no digits left where their terms are beyond 1e16.
 const FAR: f64 = 1e12;
@@ -79,9 +83,34 @@ fn has_meaning(state: &State<'_, '_, '_, '_>, error: &OptimalityError) -> bool {
     exist && error.dual <= absolute && error.complementarity <= absolute
 }
 
+/// Whether the gradient of the Lagrangian vanishes with the multipliers of rows projected onto their cone: with those of the bounds of
+/// their slacks, whose signs are right. The two differ by the residual of the slack, which is tiny beside a multiplier of size 1
+/// and as large as a multiplier that is tiny itself. Where a row has grown since the start, its derivatives make up for that.
+pub(super) fn is_in_cone(state: &State<'_, '_, '_, '_>) -> bool {
+    let (n, m) = (state.problem.n, state.problem.m);
+    let mut wrong = vec![0.0; m];
+    for (slack, left) in state
+        .problem
+        .slacks
+        .iter()
+        .zip(&state.point.lagrangian[n..])
+    {
+        if slack.row < m {
+            wrong[slack.row] += slack.sign * left;
+        }
+    }
+    let mut projected = state.point.lagrangian[..n].to_vec();
+    let values = state.core.kkt.jacobian_values.iter();
+    for ((row, column), a) in state.core.formulation.jacobian_entries().zip(values) {
+        projected[column] -= a * wrong[row];
+    }
+    let size = norm_inf(&state.point.gradient[..n]).max(1.0);
+    norm_inf(&projected) <= OFF_CONE * size
+}
+
 /// Whether the point is a solution by what is seen at it alone.
 pub(super) fn is_solution(state: &State<'_, '_, '_, '_>, error: &OptimalityError) -> bool {
-    passes(state, error) && has_meaning(state, error)
+    passes(state, error) && has_meaning(state, error) && is_in_cone(state)
 }
 
 /// Multiplier beyond which none seem to exist: gradients that have grown since the start call for larger ones.
@@ -95,10 +124,12 @@ pub(super) fn stop_test(
     error: &OptimalityError,
 ) -> Option<Status> {
     if passes(state, error) {
-        if state.is_restoration || has_meaning(state, error) {
+        if state.is_restoration || is_solution(state, error) {
             return Some(Status::Solved);
         }
-        state.progress.degenerate += 1;
+        if !has_meaning(state, error) {
+            state.progress.degenerate += 1;
+        }
         if state.progress.degenerate > 10 {
             return Some(Status::Degenerate);
         }
