@@ -175,12 +175,14 @@ fn solve_once(
     Ok(of_nonlinear(program, solution))
 }
 
-/// Range of the first barrier parameter of a warm start.
-const WARM_BARRIER: [f64; 2] = [1e-8, 1e-2];
+/// Range of the first barrier parameter of a warm start, and its part of the square of what the optimality conditions leave: what
+/// Newton's method leaves of that, with a margin for neighbours that have the same active bounds.
+const WARM_BARRIER: [f64; 2] = [1e-9, 1e-5];
+const WARM_SHARE: f64 = 1e-4;
 
 /// The multipliers of the file with its point, and the distance to keep from bounds; `None` where the file gives no multipliers.
-/// Those of bounds that are not given balance the gradient of the Lagrangian. The first barrier parameter is the square of what the
-/// optimality conditions leave, as Newton's method squares that.
+/// Those of bounds that are not given balance the gradient of the Lagrangian. The first barrier parameter follows from what the
+/// optimality conditions leave.
 fn warm_start(program: &mut Program, tolerance: f64) -> Option<(WarmStart, f64)> {
     let duals = program.duals.clone();
     let present = |of: &[(usize, f64)]| of.iter().any(|pair| pair.1 != 0.0);
@@ -237,7 +239,8 @@ fn warm_start(program: &mut Program, tolerance: f64) -> Option<(WarmStart, f64)>
         error = error.max(lower - c).max(c - upper);
     }
     let [least, most] = WARM_BARRIER;
-    let barrier_parameter = (error * error).clamp(least.max(tolerance), most);
+    let barrier_parameter =
+        (WARM_SHARE * error * error).clamp(least.max(0.1 * tolerance), most.max(tolerance));
     let start = WarmStart::of_point(x, y, (z_lower, z_upper), barrier_parameter);
     // a distance of this size times a multiplier of size 1
     Some((start, barrier_parameter))

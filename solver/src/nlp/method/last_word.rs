@@ -136,6 +136,10 @@ fn is_solved(state: &mut State<'_, '_, '_, '_>, absolute: f64) -> bool {
 /// violation within the tolerance changes the objective by a hundredth of its gradient, and with them the curvature of the rows
 /// drowns that of the objective. Multipliers that are large because a row has tiny derivatives bring no such curvature.
 fn grows_with_curvature(state: &mut State<'_, '_, '_, '_>) -> bool {
+    // runs for complementarity problems weigh their objectives, and judge multipliers themselves
+    if !state.core.settings.persistent {
+        return false;
+    }
     let size = norm_inf(&state.point.gradient).max(1.0);
     let large = SENSITIVE / state.core.settings.tolerance;
     if norm_inf(&state.point.iterate.y) <= large * size || !state.problem.products.is_empty() {

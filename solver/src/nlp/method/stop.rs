@@ -9,8 +9,9 @@ use crate::nlp::program::scaling::GRADIENT;
 /// Multipliers of the scaled problem, whose gradients are at most 100, beyond which none seem to exist.
 pub(super) const LARGEST_MULTIPLIER: f64 = 1e8;
 
-/// Part of the gradient of the objective, or of 1 where that is less, that multipliers projected onto their cone may leave. Steps of
-/// different lengths for rows and bounds leave up to the tolerance, 1e-8, times the derivatives of the row, 1e2 at the start.
+/// Product of a multiplier and its distance that belongs to no solution, in the scale of the program, and part of the gradient of the objective
+/// (or of 1 where that is less) that such multipliers may account for: far above what the tolerance, 1e-8, leaves of rows whose
+/// derivatives are 1e2 at the start, and far below what holds a point that is none.
 const OFF_CONE: f64 = 1e-4;
 
 /// Size of a point beyond which the objective seems unbounded where this many steps in a row lower it below this value, and
@@ -83,26 +84,33 @@ fn has_meaning(state: &State<'_, '_, '_, '_>, error: &OptimalityError) -> bool {
     exist && error.dual <= absolute && error.complementarity <= absolute
 }
 
-/// Whether the gradient of the Lagrangian vanishes with the multipliers of rows projected onto their cone: with those of the bounds of
-/// their slacks, whose signs are right. The two differ by the residual of the slack, which is tiny beside a multiplier of size 1
-/// and as large as a multiplier that is tiny itself. Where a row has grown since the start, its derivatives make up for that.
+/// Whether the gradient of the Lagrangian vanishes without the multipliers that have no business there: those of the wrong sign, and those
+/// of rows away from their bounds, by `|y|` times the distance. Such a multiplier may be tiny, so that neither it nor what it leaves of
+/// the residual of its slack is seen, while the derivatives of a row that has grown since the start make up for that.
 pub(super) fn is_in_cone(state: &State<'_, '_, '_, '_>) -> bool {
     let (n, m) = (state.problem.n, state.problem.m);
-    let mut wrong = vec![0.0; m];
-    for (slack, left) in state
-        .problem
-        .slacks
-        .iter()
-        .zip(&state.point.lagrangian[n..])
-    {
+    let mut astray = vec![0.0; m];
+    for (k, slack) in state.problem.slacks.iter().enumerate() {
         if slack.row < m {
-            wrong[slack.row] += slack.sign * left;
+            let y = state.point.iterate.y[slack.row];
+            let v = state.point.iterate.v[n + k];
+            let distance = if slack.sign * y > 0.0 {
+                v - state.problem.lower[n + k]
+            } else {
+                state.problem.upper[n + k] - v
+            };
+            if y.abs() * distance > OFF_CONE {
+                astray[slack.row] = y;
+            }
         }
+    }
+    if norm_inf(&astray) == 0.0 {
+        return true;
     }
     let mut projected = state.point.lagrangian[..n].to_vec();
     let values = state.core.kkt.jacobian_values.iter();
     for ((row, column), a) in state.core.formulation.jacobian_entries().zip(values) {
-        projected[column] -= a * wrong[row];
+        projected[column] -= a * astray[row];
     }
     let size = norm_inf(&state.point.gradient[..n]).max(1.0);
     norm_inf(&projected) <= OFF_CONE * size
