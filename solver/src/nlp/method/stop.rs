@@ -88,6 +88,10 @@ fn has_meaning(state: &State<'_, '_, '_, '_>, error: &OptimalityError) -> bool {
 /// of rows away from their bounds, by `|y|` times the distance. Such a multiplier may be tiny, so that neither it nor what it leaves of
 /// the residual of its slack is seen, while the derivatives of a row that has grown since the start make up for that.
 pub(super) fn is_in_cone(state: &State<'_, '_, '_, '_>) -> bool {
+    // runs for complementarity problems weigh their objectives, and judge multipliers themselves
+    if !state.core.settings.persistent {
+        return true;
+    }
     let (n, m) = (state.problem.n, state.problem.m);
     let mut astray = vec![0.0; m];
     for (k, slack) in state.problem.slacks.iter().enumerate() {
