@@ -126,7 +126,7 @@ impl ResultArguments {
 }
 
 /// Default of `--memory-limit` [GB].
-const MEMORY_LIMIT: f64 = 1.5;
+pub(crate) const MEMORY_LIMIT: f64 = 1.5;
 /// Default of `--out` for commands that always write.
 const OUT: &str = "out";
 

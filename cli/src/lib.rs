@@ -38,6 +38,8 @@ mod testing;
 mod thinning;
 
 #[cfg(feature = "terminal")]
+mod ampl;
+#[cfg(feature = "terminal")]
 mod authoring;
 #[cfg(feature = "terminal")]
 mod bounds;
