@@ -49,6 +49,8 @@ mod figure;
 #[cfg(feature = "terminal")]
 mod files;
 #[cfg(feature = "terminal")]
+mod host;
+#[cfg(feature = "terminal")]
 mod list;
 #[cfg(feature = "terminal")]
 mod motion;
@@ -75,6 +77,8 @@ mod solve;
 #[cfg(feature = "terminal")]
 mod spreadsheet;
 #[cfg(feature = "terminal")]
+mod sweep;
+#[cfg(feature = "terminal")]
 mod timing;
 #[cfg(feature = "terminal")]
 mod watch;
@@ -82,6 +86,8 @@ mod watch;
 pub use calls::Calls;
 #[cfg(feature = "terminal")]
 pub use command_line::CommandLine;
+#[cfg(feature = "terminal")]
+pub use host::{HostRun, HostScene, Refusal, options};
 #[cfg(feature = "terminal")]
 pub use play::PlayPage;
 pub use published::{
@@ -92,3 +98,5 @@ pub use scene::{
     Charted, ClosedForm, ControlScene, HardOptimum, HardScene, Right, RightOptimum, Scene, Variant,
     parameter,
 };
+#[cfg(feature = "terminal")]
+pub use sweep::SweepPlan;
