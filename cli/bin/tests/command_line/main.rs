@@ -14,3 +14,4 @@ mod simulate;
 mod solve;
 mod studies;
 mod support;
+mod sweep;
