@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import multiprocessing
 import os
 from concurrent.futures import Executor, ProcessPoolExecutor
 from functools import lru_cache
@@ -162,7 +163,7 @@ def sweep(
     ``record`` names numbers: ``objective``, ``final_time``, ``horizon``, ``stationarity``, ``resimulation_error``,
     ``events``, ``final.NAME`` and ``final.dot(NAME)`` of a coordinate. Other keywords are those of ``Scene.simulate`` or
     ``Scene.solve``. ``executor`` is any ``concurrent.futures.Executor``, such as Dask's ``client.get_executor()``; by
-    default processes. What a row holds depends neither on the workers nor on their order; a point that fails is a row
+    default fresh processes, for which a script needs the usual ``if __name__ == "__main__":``. What a row holds depends neither on the workers nor on their order; a point that fails is a row
     whose status says so.
 
     ``store`` is a path: rows are kept there and not computed again, also by ``hangtime sweep --resume``, whose table is
@@ -191,7 +192,10 @@ def sweep(
     try:
         if file is not None and not os.path.getsize(rows):
             file.write(plan.header + "\n")
-        own = ProcessPoolExecutor() if executor is None and len(lines) < len(plan) else None
+        missing = len(lines) < len(plan)
+        # Fresh processes: a forked one has no threads of those that the solver started before.
+        fresh = multiprocessing.get_context("spawn")
+        own = ProcessPoolExecutor(mp_context=fresh) if executor is None and missing else None
         try:
             for row in _computed(executor or own, spec, range(len(lines), len(plan))):
                 lines.append(row)

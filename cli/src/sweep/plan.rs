@@ -51,14 +51,15 @@ impl SweepPlan {
         words: &[String],
         record: &[String],
     ) -> Result<Self, BadInput> {
-        let settings = if solve {
-            scene
-                .arguments::<SolveArguments>("solve", words)?
-                .scene
-                .settings
+        // As they are understood, so that other spellings of the same words are the same sweep.
+        let (settings, understood) = if solve {
+            let arguments: SolveArguments = scene.arguments("solve", words)?;
+            let understood = format!("{arguments:?}");
+            (arguments.scene.settings, understood)
         } else {
             let arguments: SimulateArguments = scene.arguments("simulate", words)?;
-            arguments.scene.settings
+            let understood = format!("{arguments:?}");
+            (arguments.scene.settings, understood)
         };
         let chosen = scene.chosen(&settings)?;
         if solve && chosen.model.declaration().optimal_control.is_none() {
@@ -102,7 +103,7 @@ impl SweepPlan {
         let parts = parts
             .into_iter()
             .chain([if solve { "solve" } else { "simulate" }]);
-        let parts = parts.chain(words.iter().map(String::as_str));
+        let parts = parts.chain([understood.as_str()]);
         let axis_parts = axes.iter().flat_map(|axis| {
             let values = axis.values.iter().map(String::as_str);
             std::iter::once(axis.name.as_str()).chain(values)

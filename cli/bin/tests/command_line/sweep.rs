@@ -21,8 +21,20 @@ fn folder(name: &str) -> Scratch {
 fn words(scratch: &Scratch, table: &str, more: &[&str]) -> Vec<String> {
     let text = scratch.text();
     let (scene, out) = (format!("{text}/ball.hang"), format!("{text}/{table}"));
-    let fixed = ["sweep", &scene, "--over", "h=20:180:9cm", "--over", "e=0,0.5,1.5"];
-    let records = ["--record", "final.z,final.dot(z),final_time,events", "--out", &out];
+    let fixed = [
+        "sweep",
+        &scene,
+        "--over",
+        "h=20:180:9cm",
+        "--over",
+        "e=0,0.5,1.5",
+    ];
+    let records = [
+        "--record",
+        "final.z,final.dot(z),final_time,events",
+        "--out",
+        &out,
+    ];
     let words = fixed.iter().chain(&records).chain(more);
     words.map(|&word| word.to_owned()).collect()
 }
@@ -46,7 +58,9 @@ fn row_holds_the_digits_of_a_single_run_and_a_point_that_is_refused_says_why() {
     let cells: Vec<&str> = lines[14].split(',').collect();
     assert_eq!(&cells[..4], ["13", "1", "0.5", "solved"]);
     let scene = format!("{}/ball.hang", scratch.text());
-    let single = json(&["simulate", &scene, "--set", "h=1", "--set", "e=0.5", "--json"]);
+    let single = json(&[
+        "simulate", &scene, "--set", "h=1", "--set", "e=0.5", "--json",
+    ]);
     assert_eq!(cells[6], single["final"]["q"][0].to_string());
     assert_eq!(cells[7], single["final"]["v"][0].to_string());
     let (g, t) = (9.81_f64, 0.6_f64);
