@@ -4,7 +4,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -140,6 +140,8 @@ impl Scene {
     ) -> PyResult<Run> {
         let stop = Arc::new(AtomicBool::new(false));
         let (said, heard) = mpsc::channel();
+        // The wait for a word goes on without the interpreter's lock, which asks for shared access.
+        let heard = Mutex::new(heard);
         let (scene, asked) = (self.inner.clone(), Arc::clone(&stop));
         let work = move || {
             let mut told = Instant::now();
@@ -155,7 +157,10 @@ impl Scene {
         let worker = thread::Builder::new().stack_size(STACK).spawn(work)?;
         let mut raised = None;
         loop {
-            let word = py.detach(|| heard.recv_timeout(PATIENCE));
+            let word = py.detach(|| match heard.lock() {
+                Ok(heard) => heard.recv_timeout(PATIENCE),
+                Err(poisoned) => poisoned.into_inner().recv_timeout(PATIENCE),
+            });
             let told = match &word {
                 Ok(words) => interruption(py, progress.as_ref(), None, words),
                 Err(RecvTimeoutError::Timeout) => py.check_signals(),
