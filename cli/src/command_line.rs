@@ -15,7 +15,7 @@ use crate::scene_file::is_path;
 use crate::{ControlScene, HardOptimum, HardScene, PlayPage, Scene};
 use crate::{
     ampl, authoring, chart, explain, list, play, profile, program, reproduce, scene, shell,
-    simulate, solve, watch,
+    simulate, solve, sweep, watch,
 };
 
 /// The command line over a list of scenes.
@@ -207,6 +207,7 @@ impl CommandLine {
             Some(Command::Simulate(arguments)) => simulate::run(scenes, &arguments),
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
+            Some(Command::Sweep(arguments)) => sweep::run(scenes, &arguments),
             Some(Command::Chart(arguments)) => chart::run(&self.charted(), &arguments),
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments).map(Report::of),
             Some(Command::Check(arguments)) => authoring::check(&arguments),

@@ -52,6 +52,8 @@ mod figure;
 #[cfg(feature = "terminal")]
 mod files;
 #[cfg(feature = "terminal")]
+mod host;
+#[cfg(feature = "terminal")]
 mod list;
 #[cfg(feature = "terminal")]
 mod motion;
@@ -78,6 +80,8 @@ mod solve;
 #[cfg(feature = "terminal")]
 mod spreadsheet;
 #[cfg(feature = "terminal")]
+mod sweep;
+#[cfg(feature = "terminal")]
 mod timing;
 #[cfg(feature = "terminal")]
 mod watch;
@@ -85,6 +89,8 @@ mod watch;
 pub use calls::Calls;
 #[cfg(feature = "terminal")]
 pub use command_line::CommandLine;
+#[cfg(feature = "terminal")]
+pub use host::{HostRun, HostScene, Refusal, options};
 #[cfg(feature = "terminal")]
 pub use play::PlayPage;
 pub use published::{
@@ -95,3 +101,5 @@ pub use scene::{
     Charted, ClosedForm, ControlScene, HardOptimum, HardScene, Right, RightOptimum, Scene, Variant,
     parameter,
 };
+#[cfg(feature = "terminal")]
+pub use sweep::SweepPlan;

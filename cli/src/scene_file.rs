@@ -42,7 +42,7 @@ pub(crate) fn formatted(file: &str) -> Result<(String, String), BadInput> {
     hangtime_scene_files::format(Path::new(file)).map_err(refusal)
 }
 
-fn refusal(error: SceneError) -> BadInput {
+pub(crate) fn refusal(error: SceneError) -> BadInput {
     match error {
         SceneError::Mistakes { report, .. } => BadInput::report(&report),
         other => BadInput::new(other.to_string()),

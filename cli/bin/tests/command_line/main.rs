@@ -16,3 +16,4 @@ mod simulate;
 mod solve;
 mod studies;
 mod support;
+mod sweep;
