@@ -36,11 +36,19 @@ pub use settings::EventDriven;
 use integration::Integration;
 
 use super::explicit_time::ExplicitTime;
+use super::hand_over::{self, Other};
 use super::watch::Watch;
-use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse};
+use super::{
+    InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, fesd, impulse,
+};
 use crate::model::Model;
 use crate::refusal;
 use crate::{Observer, Progress};
+
+const OTHER: Other = Other {
+    failed: "the event-driven method",
+    takes_over: "finite elements",
+};
 
 impl Simulator for EventDriven {
     fn name(&self) -> &'static str {
@@ -55,7 +63,16 @@ impl Simulator for EventDriven {
     ) -> Result<Simulation, InputError> {
         check(self, model, problem)?;
         let mut watch = Watch::new(problem, observer);
-        let mut result = accuracy::promised(self, (model, problem), &mut watch);
+        let run = accuracy::promised(self, (model, problem), &mut watch);
+        let stuck = |status: &SimulationStatus| matches!(status, SimulationStatus::StepFailed(_));
+        let promise = accuracy::promise(self);
+        let mut result = if stuck(&run.status)
+            && let Some(other) = fesd::simulate_instead(promise, (model, problem), &mut watch)
+        {
+            hand_over::unless_solved(run, stuck, &OTHER, &mut watch, |_| other)
+        } else {
+            run
+        };
         impulse::record(model, &mut result);
         watch.finish(model, &mut result);
         Ok(result)
@@ -97,6 +114,24 @@ pub(crate) fn simulate_to(
     impulse::record(model, &mut result);
     watch.finish(model, &mut result);
     Ok(result)
+}
+
+/// The motion with at most the error `promise`, where another method that promises as much fails.
+pub(super) fn simulate_instead(
+    promise: f64,
+    scene: (&dyn Model, &InitialValueProblem),
+    watch: &mut Watch<'_>,
+) -> Simulation {
+    let settings = EventDriven::default();
+    let tolerance = settings.tolerance.min(accuracy::tolerance(promise));
+    accuracy::promised(
+        &EventDriven {
+            tolerance,
+            ..settings
+        },
+        scene,
+        watch,
+    )
 }
 
 /// The same to check another method's run, under its observer, which does not see the time.
