@@ -1,8 +1,7 @@
-//! What becomes of a motion at which one of the two located methods fails: the other one takes it over, and a note says so.
+//! What becomes of a motion at which a method fails: another one takes it over, and a note says so.
 //!
-//! Finite elements need their equations solved over a whole element, steps from event to event do not; these need events that
-//! can be told apart, elements join them. So each gets through places where the other one sticks. What both stop at is a property
-//! of the motion, and the first diagnosis stands.
+//! Finite elements need their equations solved over a whole element, steps from event to event do not. So these get through
+//! places where the elements stick. What both stop at is a property of the motion, and the first diagnosis stands.
 
 use super::watch::Watch;
 use super::{Simulation, SimulationStatus};

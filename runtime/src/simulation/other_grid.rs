@@ -16,7 +16,7 @@ use crate::model::Model;
 
 /// Estimated error above which a run says so: what a curve in a figure shows.
 const SUSPECT: f64 = 1e-3;
-/// Estimated error from which a run is none: a tenth of the largest values, after which neither a place nor a direction is
+/// Estimated error from which a run that locates nothing is none: a tenth of the largest values, after which neither a place nor a direction is
 /// known.
 const WORTHLESS: f64 = 0.1;
 /// Steps of a run that is compared with another one, besides half of them: what steps of one length do not see of an
@@ -118,7 +118,7 @@ pub(super) fn estimated<M>(
     }
     let (error, by, until) = error(&mut run, &compared, judge, scene);
     run.error_estimate = Some(error);
-    if error > WORTHLESS {
+    if error > WORTHLESS && !judge.locates {
         run.status = SimulationStatus::Inaccurate(Diagnosis {
             time: until,
             step: 0,

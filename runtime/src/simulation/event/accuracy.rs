@@ -28,11 +28,6 @@ const SHORTER: f64 = 0.77;
 /// Longest step where none is named, as a share of the horizon.
 const LONGEST: f64 = 1.0 / 16.0;
 
-/// Error that is promised with these settings.
-pub(super) fn promise(settings: &EventDriven) -> f64 {
-    PROMISE.max(TOLERANCES * settings.tolerance)
-}
-
 /// Tolerance with which this error is promised, as far as one can be asked for.
 pub(super) fn tolerance(promise: f64) -> f64 {
     (promise / TOLERANCES).max(FINEST)
@@ -44,7 +39,7 @@ pub(super) fn promised(
     (model, problem): (&dyn Model, &InitialValueProblem),
     watch: &mut Watch<'_>,
 ) -> Simulation {
-    let promise = promise(settings);
+    let promise = PROMISE.max(TOLERANCES * settings.tolerance);
     let run = |tolerance: f64, longest: f64, shown: bool, watch: &mut Watch<'_>| {
         watch.restart(shown);
         let settings = EventDriven {

@@ -36,19 +36,11 @@ pub use settings::EventDriven;
 use integration::Integration;
 
 use super::explicit_time::ExplicitTime;
-use super::hand_over::{self, Other};
 use super::watch::Watch;
-use super::{
-    InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, fesd, impulse,
-};
+use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse};
 use crate::model::Model;
 use crate::refusal;
 use crate::{Observer, Progress};
-
-const OTHER: Other = Other {
-    failed: "the event-driven method",
-    takes_over: "finite elements",
-};
 
 impl Simulator for EventDriven {
     fn name(&self) -> &'static str {
@@ -63,16 +55,7 @@ impl Simulator for EventDriven {
     ) -> Result<Simulation, InputError> {
         check(self, model, problem)?;
         let mut watch = Watch::new(problem, observer);
-        let run = accuracy::promised(self, (model, problem), &mut watch);
-        let stuck = |status: &SimulationStatus| matches!(status, SimulationStatus::StepFailed(_));
-        let promise = accuracy::promise(self);
-        let mut result = if stuck(&run.status)
-            && let Some(other) = fesd::simulate_instead(promise, (model, problem), &mut watch)
-        {
-            hand_over::unless_solved(run, stuck, &OTHER, &mut watch, |_| other)
-        } else {
-            run
-        };
+        let mut result = accuracy::promised(self, (model, problem), &mut watch);
         impulse::record(model, &mut result);
         watch.finish(model, &mut result);
         Ok(result)

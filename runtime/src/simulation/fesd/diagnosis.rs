@@ -120,7 +120,7 @@ pub(super) fn unsettled(driver: &Driver<'_>, step: &Step) -> SimulationStatus {
 pub(super) fn too_many_events(driver: &Driver<'_>, step: usize) -> SimulationStatus {
     let contact = driver.record.events.last().map(|event| event.contact);
     let message = format!(
-        "{} switches of the contact mode until here; shorten the horizon, or raise `most_events`",
+        "{} switches of the contact mode until here; shorten the horizon, raise the rest velocity where bounces die away, or raise `most_events`",
         driver.events()
     );
     SimulationStatus::EventLimit(diagnosis(driver, step, contact, message))

@@ -74,19 +74,6 @@ fn may_be_its_own(status: &SimulationStatus) -> bool {
     )
 }
 
-/// The motion by finite elements with default settings, where another method that promises as much fails.
-pub(super) fn simulate_instead(
-    promise: f64,
-    scene: (&dyn Model, &InitialValueProblem),
-    watch: &mut Watch<'_>,
-) -> Option<Simulation> {
-    let settings = Fesd::default();
-    let tableau = settings.tableau().ok()?;
-    Some(accuracy::promised(
-        &settings, promise, &tableau, scene, watch,
-    ))
-}
-
 impl Simulator for Fesd {
     fn name(&self) -> &'static str {
         "fesd"
