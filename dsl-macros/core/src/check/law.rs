@@ -409,7 +409,8 @@ fn complete(
         Some(&sliding) => {
             braked(sliding, &friction, surface, held, checker)?;
             along_surface(sliding, &friction, surface, checker)?;
-            if is_in_space(surface, checker) {
+            // Of several bodies that stand for one another's velocities, as a box on a cart, nothing is missing.
+            if is_in_space(surface, checker) && sound && has_one_mass(lagrangian, n) {
                 let message = format!(
                     "friction of `{0}` brakes the one velocity behind `sliding` only: a body that moves in space along \
                      `{0}` slides on for ever in the direction across it",
@@ -540,15 +541,24 @@ fn is_at_rest(surface: &Surface) -> bool {
 
 /// Whether the mass matrix is one mass times the identity of two coordinates.
 fn is_point_mass(lagrangian: Sym, n: usize) -> bool {
-    if n != 2 {
-        return false;
-    }
-    let velocities = [Variable::Velocity(0), Variable::Velocity(1)];
+    n == 2 && has_one_mass(lagrangian, n)
+}
+
+/// Whether all coordinates have the same inertia and none is coupled to another one.
+fn has_one_mass(lagrangian: Sym, n: usize) -> bool {
+    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
     let momenta = graph::gradient(lagrangian, &velocities);
-    let [first, second] =
-        velocities.map(|velocity| graph::partial(&momenta, velocity).into_iter().map(simplify));
-    let (first, second): (Vec<Sym>, Vec<Sym>) = (first.collect(), second.collect());
-    first[1].is_structural_zero() && second[0].is_structural_zero() && first[0] == second[1]
+    let rows: Vec<Vec<Sym>> = velocities
+        .iter()
+        .map(|&velocity| {
+            let row = graph::partial(&momenta, velocity).into_iter();
+            row.map(simplify).collect()
+        })
+        .collect();
+    (0..n).all(|i| {
+        let others = (0..n).filter(|&j| j != i);
+        rows[i][i] == rows[0][0] && others.into_iter().all(|j| rows[i][j].is_structural_zero())
+    })
 }
 
 /// Gradient of a gap with respect to the coordinates.
