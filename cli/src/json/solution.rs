@@ -298,7 +298,8 @@ impl<'a> SolutionDocument<'a> {
             objective: solution.objective,
             stationarity: solution.stationarity.name(),
             resimulation_error: solution.resimulation_error,
-            resimulated_objective: Some(solution.resimulated_objective).filter(|cost| cost.is_finite()),
+            resimulated_objective: Some(solution.resimulated_objective)
+                .filter(|cost| cost.is_finite()),
             starts: solution.starts,
             controls: &solution.controls,
             residuals: solution.residuals,

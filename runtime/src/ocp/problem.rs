@@ -7,7 +7,8 @@ use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 /// Most control intervals: the programs are kept in memory.
 const MOST_INTERVALS: usize = 10_000;
 
-/// Normal velocity into a surface, and violation of a constraint, that rounding may cause at the start, relative to their terms.
+/// Normal velocity into a surface, relative to the largest velocities, and violation of a constraint, relative to its terms, that
+/// rounding may cause at the start.
 const AT_REST: f64 = 1e-9;
 
 /// Depth of a start below a surface, relative to the terms of the gap, from which on it is more than rounding of these: the same motion
@@ -208,9 +209,9 @@ impl Problem {
             let velocity = point[contact_point::NORMAL_VELOCITY];
             let touches = !pieces.is_idle(i) && point[contact_point::GAP] <= 0.0;
             let normal = &point[contact_point::NORMAL..][..n];
-            let terms = normal.iter().zip(&self.v).map(|(n, v)| n * v);
-            let of_the_surface = velocity - terms.clone().sum::<f64>();
-            let size = terms.map(f64::abs).sum::<f64>() + of_the_surface.abs();
+            let along: f64 = normal.iter().zip(&self.v).map(|(n, v)| n * v).sum();
+            let largest = |values: &[f64]| values.iter().fold(0.0, |l: f64, x| l.max(x.abs()));
+            let size = largest(normal) * largest(&self.v) + (velocity - along).abs();
             if touches && velocity < -AT_REST * size {
                 return Err(refusal(
                     format!("initial normal velocity of `{}`", contact.name),

@@ -24,8 +24,8 @@ pub enum Status {
     Uncertified,
     /// The independent simulation does not follow the plan: other events, or another end.
     Unconfirmed,
-    /// It is shown that no controls within their bounds reach the goals, see [`Solution::least_time`]: of motions without contacts
-    /// that are integrals of their controls, over a given time, to goals that are affine.
+    /// It is shown that no controls within their bounds reach the goals: these lie beyond the bounds of coordinates, or beyond what
+    /// controls do in the given time, see [`Solution::least_time`], where they alone make up the accelerations and nothing is touched.
     Infeasible,
     /// No motion to the goals was found: the programs converged to points of local infeasibility, which says nothing of others.
     NotFound,
@@ -529,7 +529,7 @@ impl Solution {
                 "a `horizon` of {} s or more may do, or wider bounds of the controls",
                 number(time)
             ),
-            None => "no longer `horizon` helps: something else has to move what the goals ask for, or other goals".to_owned(),
+            None => "no other `horizon` helps: ask for other goals, within the bounds and of what the controls move".to_owned(),
         }
     }
 

@@ -57,7 +57,7 @@ pub(in crate::ocp) fn judge<'a>(
     let mut elements = coarse.clone();
     // Where plan and simulation end together and differ in what contacts do, more elements rarely help.
     let mut read_otherwise = 0;
-    let mut before = f64::INFINITY;
+    let (mut before, mut before_cost) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
         let unconfirmed = !runner.stopped() && solution.status == Status::Unconfirmed;
         let distance = solution.departure;
@@ -73,7 +73,11 @@ pub(in crate::ocp) fn judge<'a>(
         {
             return Ok(other);
         }
-        before = distance;
+        // What finer elements do not change is not for want of them.
+        if ends_there && costs && solution.cost_departure > before_cost / SLOW {
+            break;
+        }
+        (before, before_cost) = (distance, solution.cost_departure);
         let finer = |elements: &mut [usize]| {
             if ends_there && costs {
                 refine_all(setting, elements, solution.cost_departure)
@@ -302,12 +306,17 @@ fn confirm(
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
         .or_else(|| forces::other_cost(setting, solution.objective, &replay));
-    let again = replayed(setting.model, &trajectory.controls, &replay, solution.objective)
-        .filter(|_| replay.status == SimulationStatus::Solved);
-    let (simulated, cost_departure) = again.map_or(
-        (f64::NAN, 0.0),
-        |Replayed { cost, departure }| (cost, departure),
-    );
+    let again = replayed(
+        setting.model,
+        &trajectory.controls,
+        &replay,
+        solution.objective,
+    )
+    .filter(|_| replay.status == SimulationStatus::Solved);
+    let (simulated, cost_departure) = again
+        .map_or((f64::NAN, 0.0), |Replayed { cost, departure }| {
+            (cost, departure)
+        });
     let margins = margins(program, solution);
     let stationarity = if margins.iter().all(|margin| margin.chosen) {
         stationarity
@@ -315,9 +324,8 @@ fn confirm(
         Stationarity::None
     };
     // What is looked for only has to be near: a motion is refined where it may be the result.
-    let costs_the_same = cost_departure <= 1.0 || !runner.effort.proves();
-    let agrees =
-        departure <= settings.largest_distance && disagreement.is_none() && costs_the_same;
+    let costs_the_same = cost_departure <= 1.0 || runner.effort != Effort::Conclude;
+    let agrees = departure <= settings.largest_distance && disagreement.is_none() && costs_the_same;
     let status = if runner.stopped() {
         Status::Interrupted
     } else if !agrees {

@@ -66,7 +66,8 @@ fn leave_at_once(
         if let Some(opening) = first.filter(Switch::opens)
             && !read.initially[contact].is_open()
             && plan.initially[contact].is_open()
-            && distance(contact, opening.time * interval) <= setting.largest_distance(settings, trajectory)
+            && distance(contact, opening.time * interval)
+                <= setting.largest_distance(settings, trajectory)
         {
             read.initially[contact] = ContactMode::Open;
             read.switches.retain(|switch| *switch != opening);

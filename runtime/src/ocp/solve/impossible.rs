@@ -1,5 +1,7 @@
 //! Goals that no controls reach: where that is shown, a problem is called infeasible, and elsewhere a search has found nothing.
 //!
+//! An affine goal on coordinates may lie beyond their bounds, whatever moves them.
+//!
 //! Without contacts, with a final time that is given, and where accelerations are affine in the controls and read nothing else, the final
 //! state is an integral, `q(T) = q + v T + int (T - t) (c + B u) dt`, `v(T) = v + int (c + B u) dt`. For affine goals `g` and weights `y` of
 //! theirs (at least 0 where a goal is an inequality) the largest `y'g` over all controls within their bounds, whatever their shape, is
@@ -30,6 +32,9 @@ pub(super) enum Shown {
 
 /// Whether no controls within their bounds reach the goals.
 pub(super) fn shown(model: &dyn Model, problem: &Problem) -> Shown {
+    if is_out_of_bounds(model, problem) {
+        return Shown::Impossible { least_time: None };
+    }
     let Horizon::Fixed(horizon) = problem.horizon else {
         return Shown::Nothing;
     };
@@ -57,6 +62,46 @@ pub(super) fn shown(model: &dyn Model, problem: &Problem) -> Shown {
     Shown::Impossible {
         least_time: Some(long),
     }
+}
+
+/// Whether an affine goal on coordinates lies beyond what their bounds let it be, whatever moves them.
+fn is_out_of_bounds(model: &dyn Model, problem: &Problem) -> bool {
+    let declaration = model.declaration();
+    let Some(declared) = declaration.optimal_control else {
+        return false;
+    };
+    if !declared.terminal_hessian.entries.is_empty() {
+        return false;
+    }
+    let n = problem.q.len();
+    let (lower, upper) = bounds(model);
+    let mut z = problem.start();
+    z.resize(declaration.terminal_inputs().max(2 * n + 1), 0.0);
+    let mut values = vec![0.0; declared.terminal_functions()];
+    let mut slopes = vec![0.0; declared.terminal_jacobian.entries.len()];
+    model.terminal_functions(&z, &mut values);
+    model.terminal_jacobian(&z, &mut slopes);
+    let first = usize::from(declared.final_cost);
+    let entries = declared.terminal_jacobian.entries.iter().zip(&slopes);
+    declared.goals.iter().enumerate().any(|(goal, known)| {
+        let value = values[first + goal];
+        let (mut least, mut most, mut size) = (value, value, value.abs());
+        let own = entries
+            .clone()
+            .filter(|((row, _), _)| *row as usize == first + goal);
+        for (&(_, column), &slope) in own {
+            let k = column as usize;
+            if k >= n {
+                return false;
+            }
+            let ends = [lower[k], upper[k]].map(|bound| slope * (bound - z[k]));
+            least += ends[0].min(ends[1]);
+            most += ends[0].max(ends[1]);
+            size += (slope * z[k]).abs();
+        }
+        let room = ROUNDING * size;
+        most < -room || known.equality && least > room
+    })
 }
 
 /// Affine goals of a motion that is an integral of its controls.
@@ -153,8 +198,13 @@ impl Goals {
             let Some(most) = self.most(&weights, horizon) else {
                 return false;
             };
-            let sum = |values: &[f64]| -> f64 { values.iter().zip(&weights).map(|(g, y)| g * y).sum() };
-            let terms: f64 = weights.iter().zip(&sizes).map(|(y, size)| (y * size).abs()).sum();
+            let sum =
+                |values: &[f64]| -> f64 { values.iter().zip(&weights).map(|(g, y)| g * y).sum() };
+            let terms: f64 = weights
+                .iter()
+                .zip(&sizes)
+                .map(|(y, size)| (y * size).abs())
+                .sum();
             if sum(&most) < -ROUNDING * terms {
                 return true;
             }
@@ -185,12 +235,18 @@ impl Goals {
             (slopes[k] * horizon * (v + horizon * a)).abs() + (slopes[n + k] * horizon * a).abs()
         });
         let size = self.values[goal].abs() + moved.sum::<f64>();
-        let ways = self.controls.iter().zip(&self.driven).map(|(&(lower, upper), a)| {
-            let most = lower.abs().max(upper.abs());
-            let by = (0..n).map(|k| (slopes[k] * horizon + slopes[n + k]).abs() * a[k].abs());
-            by.sum::<f64>() * horizon * most
-        });
-        let size = ways.filter(|way| way.is_finite()).fold(size, |size, way| size + way);
+        let ways = self
+            .controls
+            .iter()
+            .zip(&self.driven)
+            .map(|(&(lower, upper), a)| {
+                let most = lower.abs().max(upper.abs());
+                let by = (0..n).map(|k| (slopes[k] * horizon + slopes[n + k]).abs() * a[k].abs());
+                by.sum::<f64>() * horizon * most
+            });
+        let size = ways
+            .filter(|way| way.is_finite())
+            .fold(size, |size, way| size + way);
         if size > 0.0 { size } else { 1.0 }
     }
 
@@ -198,7 +254,11 @@ impl Goals {
     fn most(&self, weights: &[f64], horizon: f64) -> Option<Vec<f64>> {
         let n = self.velocities.len();
         let weighted = |k: usize| -> f64 {
-            weights.iter().zip(&self.slopes).map(|(y, slopes)| y * slopes[k]).sum()
+            weights
+                .iter()
+                .zip(&self.slopes)
+                .map(|(y, slopes)| y * slopes[k])
+                .sum()
         };
         // Change of the final `(q, v)` from the declared start.
         let mut end = vec![0.0; 2 * n];
@@ -235,7 +295,12 @@ impl Goals {
         }
         let values = self.values.iter().zip(&self.slopes);
         let values = values.map(|(value, slopes)| {
-            value + slopes.iter().zip(&end).map(|(s, change)| s * change).sum::<f64>()
+            value
+                + slopes
+                    .iter()
+                    .zip(&end)
+                    .map(|(s, change)| s * change)
+                    .sum::<f64>()
         });
         Some(values.collect())
     }
@@ -293,6 +358,33 @@ mod tests {
             ..Problem::of(model, 5)
         };
         shown(model, &problem)
+    }
+
+    crate::model! {
+        /// Two carts between walls whose mean is to be somewhere.
+        Between {
+            parameters { mean: m = 0 }
+            coordinates { y: m in -1..=2, z: m in 0..=4 }
+            controls { u: N }
+            lagrangian (dot(y)^2 + dot(z)^2)/2*1[kg] - 3[J/m^3]*y^3
+            forces { z: u }
+            minimize time
+            finally { (y + z)/2 == mean, dot(z) == 0 }
+        }
+    }
+
+    #[test]
+    fn goal_beyond_bounds_is_impossible_whatever_moves_it() {
+        for (mean, impossible) in [(-0.6, true), (-0.4, false), (2.9, false), (3.1, true)] {
+            let between = Between { mean };
+            let shown = shown(&between, &Problem::of(&between, 3));
+            let expected = if impossible {
+                Shown::Impossible { least_time: None }
+            } else {
+                Shown::Nothing
+            };
+            assert_eq!(shown, expected, "{mean}");
+        }
     }
 
     #[test]

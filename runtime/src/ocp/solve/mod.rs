@@ -47,8 +47,7 @@ pub fn solve(
     } else {
         starts::solve(model, problem, settings, observer)
     }?;
-    if matches!(solution.status, Status::NotFound | Status::Failed(_))
-        && solution.motion.is_none()
+    if matches!(solution.status, Status::NotFound | Status::Failed(_)) && solution.motion.is_none()
     {
         if let Shown::Impossible { least_time } = impossible::shown(model, problem) {
             solution.status = Status::Infeasible;
