@@ -119,6 +119,8 @@ struct Goals {
     driven: Vec<Vec<f64>>,
     /// Ranges of the controls.
     controls: Vec<(f64, f64)>,
+    /// Whether each goal can have a weight: no control without a bound acts on it.
+    counts: Vec<bool>,
 }
 
 impl Goals {
@@ -165,7 +167,16 @@ impl Goals {
             model.free_acceleration(&x, &mut pushed);
             pushed.iter().zip(&free).map(|(a, b)| a - b).collect()
         });
-        let driven = driven.collect();
+        let driven: Vec<Vec<f64>> = driven.collect();
+        let controls: Vec<(f64, f64)> = (n..lower.len()).map(|k| (lower[k], upper[k])).collect();
+        let acts = |slopes: &[f64], a: &[f64]| {
+            (0..n).any(|k| a[k] != 0.0 && (slopes[k] != 0.0 || slopes[n + k] != 0.0))
+        };
+        let counts = slopes.iter().map(|slopes| {
+            let mut pairs = controls.iter().zip(&driven);
+            !pairs.any(|((lower, upper), a)| !(upper - lower).is_finite() && acts(slopes, a))
+        });
+        let counts = counts.collect();
         Some(Self {
             values: values[first..].to_vec(),
             slopes,
@@ -174,7 +185,8 @@ impl Goals {
             velocities: problem.v.clone(),
             free,
             driven,
-            controls: (n..lower.len()).map(|k| (lower[k], upper[k])).collect(),
+            controls,
+            counts,
         })
     }
 
@@ -189,8 +201,11 @@ impl Goals {
             // Each goal counts by its own size.
             let residuals = reached.iter().zip(&self.equalities);
             let weights: Vec<f64> = residuals
-                .zip(&sizes)
-                .map(|((&value, &equality), size)| {
+                .zip(sizes.iter().zip(&self.counts))
+                .map(|((&value, &equality), (size, &counts))| {
+                    if !counts {
+                        return 0.0;
+                    }
                     let missing = if equality { value } else { value.min(0.0) };
                     -missing / (size * size)
                 })
@@ -205,6 +220,10 @@ impl Goals {
                 .zip(&sizes)
                 .map(|(y, size)| (y * size).abs())
                 .sum();
+            // The goals are reached, up to rounding.
+            if terms <= ROUNDING {
+                return false;
+            }
             if sum(&most) < -ROUNDING * terms {
                 return true;
             }
