@@ -33,6 +33,8 @@ pub(crate) enum Command {
     /// Solve a nonlinear program, with or without complementarity constraints, from a .nl file as AMPL, Pyomo and JuMP
     /// write it.
     Nlp(NlpArguments),
+    /// Simulate or solve a scene over the values of its parameters, and write a table with a row a point.
+    Sweep(SweepArguments),
     /// Measure the error of every method against its step size and its CPU time.
     Chart(ChartArguments),
     /// Show what was derived from a scene: equations, sparsity patterns, operation counts. Given the code
@@ -66,6 +68,7 @@ impl Command {
             Self::Simulate(arguments) => Some(&arguments.scene.scene),
             Self::Solve(arguments) => Some(&arguments.scene.scene),
             Self::Explain(arguments) => Some(&arguments.scene.scene),
+            Self::Sweep(arguments) => arguments.scene.as_deref(),
             Self::Chart(arguments) => match arguments.scenes.as_slice() {
                 [scene] => Some(scene),
                 _ => None,
@@ -126,7 +129,7 @@ impl ResultArguments {
 }
 
 /// Default of `--memory-limit` [GB].
-const MEMORY_LIMIT: f64 = 1.5;
+pub(crate) const MEMORY_LIMIT: f64 = 1.5;
 /// Default of `--out` for commands that always write.
 const OUT: &str = "out";
 
@@ -248,6 +251,9 @@ pub(crate) struct SolveArguments {
     /// How the contact sequence is found.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) formulation: SolveFormulation,
+    /// Where contact sequences are looked for.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) search: SearchName,
     /// Runge-Kutta scheme (time-freezing) [default: radau-iia].
     #[arg(long, value_enum)]
     pub(crate) scheme: Option<SchemeName>,
@@ -280,6 +286,16 @@ pub(crate) enum ControlsName {
     Linear,
 }
 
+/// Where `solve` looks for contact sequences.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SearchName {
+    /// On control grids, from coarse to fine.
+    #[default]
+    Grids,
+    /// Over orders of contact modes with phases of free length, put on the grid at last.
+    Words,
+}
+
 /// How `solve` finds the contact sequence.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SolveFormulation {
@@ -305,6 +321,65 @@ pub(crate) struct NlpArguments {
     pub(crate) json: bool,
     #[command(flatten)]
     pub(crate) limits: LimitArguments,
+}
+
+/// Arguments of `sweep`.
+#[derive(Debug, Args)]
+pub(crate) struct SweepArguments {
+    /// Name of the scene, or the path of a scene file.
+    #[arg(
+        value_name = "SCENE",
+        required_unless_present = "join",
+        conflicts_with = "join"
+    )]
+    pub(crate) scene: Option<String>,
+    /// The values of a parameter, at equal distances with both ends, or one by one: `--over speed=10:20:11km/h`, `--over
+    /// mu=0.1,0.2`. With several, every combination is a point; the last one changes fastest.
+    #[arg(
+        long,
+        value_name = "NAME=from:to:count[UNIT]|a,b,c",
+        conflicts_with = "join"
+    )]
+    pub(crate) over: Vec<String>,
+    /// Set a parameter for all points.
+    #[arg(long = "set", value_name = "NAME=VALUE[UNIT]", conflicts_with = "join")]
+    pub(crate) settings: Vec<String>,
+    /// What is done at every point.
+    #[arg(long, value_enum, default_value_t, conflicts_with = "join")]
+    pub(crate) what: SweepTask,
+    /// Numbers to record: objective, final_time, events, final.NAME and final.dot(NAME) of a coordinate, ...
+    #[arg(
+        long,
+        value_name = "NAME,..",
+        value_delimiter = ',',
+        conflicts_with = "join"
+    )]
+    pub(crate) record: Vec<String>,
+    /// The table; its columns are point, values, status, message, contact sequence, records, and a mark of the sweep.
+    #[arg(long, value_name = "FILE.csv")]
+    pub(crate) out: PathBuf,
+    /// Only every N-th point, from the I-th on, for N jobs that share a sweep.
+    #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1", conflicts_with = "join")]
+    pub(crate) shard: (usize, usize),
+    /// Go on with a table that a run before has begun.
+    #[arg(long, conflicts_with = "join")]
+    pub(crate) resume: bool,
+    /// Join the tables of all shards.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub(crate) join: Vec<PathBuf>,
+    /// Options of `simulate` or `solve`, for all points: `-- --intervals 20`.
+    #[arg(last = true, value_name = "OPTIONS", conflicts_with = "join")]
+    pub(crate) options: Vec<String>,
+}
+
+/// What a sweep does at every point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SweepTask {
+    /// Simulate the scene.
+    #[default]
+    Simulate,
+    /// Solve its problem of optimal control.
+    Solve,
 }
 
 /// Arguments of `chart`.
@@ -428,7 +503,7 @@ pub(crate) struct ManArguments {
 /// Most steps of a simulation: their states stay in memory until the end, about a kilobyte each.
 pub(crate) const MOST_STEPS: usize = 1_000_000;
 /// Default of `--rows`.
-const ROWS: usize = 20_000;
+pub(crate) const ROWS: usize = 20_000;
 /// Most rows of a trajectory in files.
 const MOST_ROWS: usize = 200_000;
 /// Most finite elements of a step, of an interval or of a phase.
@@ -501,6 +576,16 @@ fn count(text: &str, most: usize, beyond: &str) -> Result<usize, String> {
     } else {
         format!("give a whole number from 1 to {most}")
     })
+}
+
+/// A share of a sweep, `I/N` with 1 <= I <= N.
+fn shard(text: &str) -> Result<(usize, usize), String> {
+    let pair = text.split_once('/').and_then(|(index, count)| {
+        let [index, count] = [index, count].map(|part| part.trim().parse().ok());
+        Some((index?, count?))
+    });
+    pair.filter(|&(index, count)| 1 <= index && index <= count)
+        .ok_or_else(|| "give I/N with whole numbers 1 <= I <= N, such as 3/40".to_owned())
 }
 
 fn above_zero(text: &str) -> Result<f64, String> {

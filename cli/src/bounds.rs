@@ -32,6 +32,8 @@ const KILOBYTE: f64 = 1024.0;
 
 /// Whether Ctrl-C was pressed; it ends every run of the program.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+/// Whether the system asked to terminate (SIGTERM), as job schedulers do at the end of a run's time.
+static TERMINATED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 /// The bounds of one run; they end when this is dropped.
 #[derive(Debug)]
@@ -67,6 +69,12 @@ impl Bounds {
         if INTERRUPTED.load(Ordering::Relaxed) {
             return Some(Stop::Interrupt);
         }
+        if TERMINATED
+            .get()
+            .is_some_and(|asked| asked.load(Ordering::Relaxed))
+        {
+            return Some(Stop::Terminate);
+        }
         Stop::of(self.reached.load(Ordering::Relaxed))
     }
 }
@@ -87,7 +95,21 @@ fn listen() {
                 process::exit(ENDED);
             }
         });
+        listen_for_termination();
     });
+}
+
+/// The first SIGTERM asks the run to end, the second one ends the program.
+fn listen_for_termination() {
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::SIGTERM;
+        use signal_hook::flag::{register, register_conditional_shutdown};
+        let asked = TERMINATED.get_or_init(Arc::default);
+        // In this order the second signal finds what the first one left.
+        let _ = register_conditional_shutdown(SIGTERM, ENDED, Arc::clone(asked))
+            .and_then(|_| register(SIGTERM, Arc::clone(asked)));
+    }
 }
 
 /// What looks at the limits beside a run.

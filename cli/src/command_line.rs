@@ -14,8 +14,8 @@ use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, printed, refuse}
 use crate::scene_file::is_path;
 use crate::{ControlScene, HardOptimum, HardScene, PlayPage, Scene};
 use crate::{
-    authoring, chart, explain, list, play, profile, program, reproduce, scene, shell, simulate,
-    solve, watch,
+    ampl, authoring, chart, explain, list, play, profile, program, reproduce, scene, shell,
+    simulate, solve, sweep, watch,
 };
 
 /// The command line over a list of scenes.
@@ -120,7 +120,11 @@ impl CommandLine {
     /// The exit status is 0 for a solved problem, 2 for bad input and for files that could not be written, 3 for a
     /// result that did not converge or that a limit ended.
     pub fn run(&self, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+        keep_write_errors();
         let arguments: Vec<OsString> = arguments.into_iter().collect();
+        if let Some((file, options)) = ampl::call(&arguments) {
+            return ended(panic::catch_unwind(|| ampl::run(file, options)));
+        }
         let mut command = self.command(arguments.first());
         let outcome = match command
             .try_get_matches_from_mut(arguments.clone())
@@ -152,19 +156,7 @@ impl CommandLine {
             }
             Err(error) => Ok(Err(BadInput::from(error))),
         };
-        match outcome {
-            Ok(Ok(report)) => report.print(),
-            Ok(Err(refusal)) => {
-                refuse(&refusal);
-                ExitCode::from(BAD_INPUT)
-            }
-            Err(_) => {
-                complain(
-                    "internal_error: a mistake in this program, at the place above; please report it",
-                );
-                ExitCode::from(NOT_CONVERGED)
-            }
-        }
+        ended(outcome)
     }
 
     /// The commands, their options and defaults, under the name by which the program was called.
@@ -215,6 +207,7 @@ impl CommandLine {
             Some(Command::Simulate(arguments)) => simulate::run(scenes, &arguments),
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
+            Some(Command::Sweep(arguments)) => sweep::run(scenes, &arguments),
             Some(Command::Chart(arguments)) => chart::run(&self.charted(), &arguments),
             Some(Command::Explain(arguments)) => explain::run(scenes, &arguments).map(Report::of),
             Some(Command::Check(arguments)) => authoring::check(&arguments),
@@ -230,5 +223,32 @@ impl CommandLine {
             None if self.has_published() => reproduce::run(scenes, &ReproduceArguments::default()),
             None => Ok(list::run(scenes, &ListArguments::default())),
         }
+    }
+}
+
+/// Prints what a command came to; gives its exit status.
+fn ended(outcome: std::thread::Result<Result<Report, BadInput>>) -> ExitCode {
+    match outcome {
+        Ok(Ok(report)) => report.print(),
+        Ok(Err(refusal)) => {
+            refuse(&refusal);
+            ExitCode::from(BAD_INPUT)
+        }
+        Err(_) => {
+            complain(
+                "internal_error: a mistake in this program, at the place above; please report it",
+            );
+            ExitCode::from(NOT_CONVERGED)
+        }
+    }
+}
+
+/// A file beyond the system's limit on its size (`ulimit -f`) is an error of the write that can be told, not the end of the program.
+fn keep_write_errors() {
+    #[cfg(unix)]
+    {
+        use std::sync::Arc;
+        // without it such a write ends the program, as it does everywhere else
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::default());
     }
 }

@@ -19,13 +19,15 @@ pub(crate) enum Stop {
     Memory,
     /// The limit of the system on CPU time.
     SystemTime,
+    /// The system asked to terminate (SIGTERM).
+    Terminate,
 }
 
 impl Stop {
     /// Name of the status.
     pub(crate) fn name(self) -> &'static str {
         match self {
-            Self::Interrupt => "interrupted",
+            Self::Interrupt | Self::Terminate => "interrupted",
             Self::Time | Self::SystemTime => "time_limit",
             Self::Memory => "memory_limit",
         }
@@ -44,6 +46,7 @@ impl Stop {
     pub(crate) fn diagnosis(self, limits: &LimitArguments) -> String {
         match self {
             Self::Interrupt => "stopped by Ctrl-C".to_owned(),
+            Self::Terminate => "stopped by a signal to terminate (SIGTERM)".to_owned(),
             Self::Time => format!(
                 "ended after {} s; raise --time-limit, or ask for less",
                 limits.time_limit.unwrap_or_default()
@@ -61,7 +64,13 @@ impl Stop {
 
     /// The reason with this number, if there is one.
     pub(crate) fn of(number: u8) -> Option<Self> {
-        let all = [Self::Interrupt, Self::Time, Self::Memory, Self::SystemTime];
+        let all = [
+            Self::Interrupt,
+            Self::Time,
+            Self::Memory,
+            Self::SystemTime,
+            Self::Terminate,
+        ];
         all.into_iter().find(|stop| *stop as u8 == number)
     }
 }
@@ -161,7 +170,13 @@ mod tests {
 
     #[test]
     fn reasons_to_end_come_back_from_their_numbers() {
-        for stop in [Stop::Interrupt, Stop::Time, Stop::Memory, Stop::SystemTime] {
+        for stop in [
+            Stop::Interrupt,
+            Stop::Time,
+            Stop::Memory,
+            Stop::SystemTime,
+            Stop::Terminate,
+        ] {
             assert_eq!(Stop::of(stop as u8), Some(stop));
         }
         assert_eq!(Stop::of(0), None);

@@ -19,6 +19,7 @@ mod ending;
 mod explain;
 mod failure;
 mod json;
+mod kept;
 mod markup;
 mod method;
 mod published;
@@ -37,6 +38,8 @@ mod testing;
 mod thinning;
 
 #[cfg(feature = "terminal")]
+mod ampl;
+#[cfg(feature = "terminal")]
 mod authoring;
 #[cfg(feature = "terminal")]
 mod bounds;
@@ -48,6 +51,8 @@ mod command_line;
 mod figure;
 #[cfg(feature = "terminal")]
 mod files;
+#[cfg(feature = "terminal")]
+mod host;
 #[cfg(feature = "terminal")]
 mod list;
 #[cfg(feature = "terminal")]
@@ -75,6 +80,8 @@ mod solve;
 #[cfg(feature = "terminal")]
 mod spreadsheet;
 #[cfg(feature = "terminal")]
+mod sweep;
+#[cfg(feature = "terminal")]
 mod timing;
 #[cfg(feature = "terminal")]
 mod watch;
@@ -82,6 +89,8 @@ mod watch;
 pub use calls::Calls;
 #[cfg(feature = "terminal")]
 pub use command_line::CommandLine;
+#[cfg(feature = "terminal")]
+pub use host::{HostRun, HostScene, Refusal, options};
 #[cfg(feature = "terminal")]
 pub use play::PlayPage;
 pub use published::{
@@ -92,3 +101,5 @@ pub use scene::{
     Charted, ClosedForm, ControlScene, HardOptimum, HardScene, Right, RightOptimum, Scene, Variant,
     parameter,
 };
+#[cfg(feature = "terminal")]
+pub use sweep::SweepPlan;

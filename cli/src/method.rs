@@ -124,7 +124,7 @@ impl fmt::Display for MethodSettings {
 pub(crate) struct ChosenMethod {
     /// Its settings.
     pub(crate) settings: MethodSettings,
-    simulator: Box<dyn Simulator>,
+    simulator: Box<dyn Simulator + Send + Sync>,
 }
 
 impl ChosenMethod {
@@ -169,7 +169,7 @@ impl ChosenMethod {
         Ok(chosen)
     }
 
-    fn new(settings: MethodSettings, simulator: impl Simulator + 'static) -> Self {
+    fn new(settings: MethodSettings, simulator: impl Simulator + Send + Sync + 'static) -> Self {
         Self {
             settings: MethodSettings {
                 name: simulator.name(),

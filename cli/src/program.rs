@@ -28,6 +28,12 @@ pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
     let shown = path.display().to_string();
     // The watcher names the run for as long as the program runs.
     let name: &'static str = Box::leak(shown.clone().into_boxed_str());
+    if let Some(sol) = arguments.sol.as_deref().filter(|sol| is_same(path, sol)) {
+        return Err(BadInput::new(format!(
+            "--sol `{}`: this is the program itself, which would be lost; give another file",
+            sol.display()
+        )));
+    }
     let target = arguments.sol.as_deref().map(Target::open).transpose()?;
     let bounds = Bounds::watch(name, &arguments.limits);
     let refused = |what: String| BadInput::new(format!("{shown}: {what}"));
@@ -56,9 +62,17 @@ pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
     report.text = if arguments.json {
         ProgramDocument::new(name, size, &solution, &ending).text()
     } else {
-        summary(name, size, &solution, &ending) + &written
+        summary_of(name, size, &solution, ending.status) + &written
     };
     Ok(report)
+}
+
+/// Whether two names are those of one file, links followed.
+fn is_same(one: &Path, other: &Path) -> bool {
+    match (fs::canonicalize(one), fs::canonicalize(other)) {
+        (Ok(one), Ok(other)) => one == other,
+        _ => false,
+    }
 }
 
 /// Where the solution goes.
@@ -110,7 +124,7 @@ impl Target {
 }
 
 /// The bytes of a file, as many as are allowed.
-fn read(path: &Path) -> io::Result<Vec<u8>> {
+pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?
         .take(MOST_BYTES + 1)
@@ -124,14 +138,20 @@ fn read(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 /// The lines of a file with names, if there is one.
-fn names(path: &Path) -> Vec<String> {
+pub(crate) fn names(path: &Path) -> Vec<String> {
     let text = read(path).unwrap_or_default();
     let text = String::from_utf8_lossy(&text);
     text.lines().map(|line| line.trim().to_owned()).collect()
 }
 
 /// The result for people.
-fn summary(name: &str, size: ProblemSize, solution: &Solution, ending: &Ending) -> String {
+pub(crate) fn summary(name: &str, program: &Program, solution: &Solution) -> String {
+    let size = ProblemSize::of(program, program.complementarities().len());
+    summary_of(name, size, solution, solution.status.name())
+}
+
+/// The result for people, with the status of a run that may have been asked to end.
+fn summary_of(name: &str, size: ProblemSize, solution: &Solution, status: &str) -> String {
     let mut text = format!("{}\n\n", one_line(name));
     let _ = writeln!(
         text,
@@ -141,7 +161,7 @@ fn summary(name: &str, size: ProblemSize, solution: &Solution, ending: &Ending) 
         counted(size.inequalities, "inequality row"),
         counted(size.complementarities, "pair"),
     );
-    let _ = writeln!(text, "status        {}", ending.status);
+    let _ = writeln!(text, "status        {status}");
     let _ = writeln!(text, "objective     {:.10e}", solution.objective);
     let meaning = match (solution.stationarity, size.complementarities) {
         (Stationarity::S, 0) => "the optimality conditions hold",
@@ -154,6 +174,14 @@ fn summary(name: &str, size: ProblemSize, solution: &Solution, ending: &Ending) 
         "stationarity  {}: {meaning}",
         solution.stationarity.name()
     );
+    if let Some(second_order) = solution.second_order {
+        let _ = writeln!(
+            text,
+            "second order  {}: {}",
+            second_order.name(),
+            second_order.meaning()
+        );
+    }
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
     let _ = writeln!(
         text,

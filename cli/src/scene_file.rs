@@ -42,7 +42,7 @@ pub(crate) fn formatted(file: &str) -> Result<(String, String), BadInput> {
     hangtime_scene_files::format(Path::new(file)).map_err(refusal)
 }
 
-fn refusal(error: SceneError) -> BadInput {
+pub(crate) fn refusal(error: SceneError) -> BadInput {
     match error {
         SceneError::Mistakes { report, .. } => BadInput::report(&report),
         other => BadInput::new(other.to_string()),
@@ -84,7 +84,8 @@ pub(crate) fn entry(file: &str, scene: TextScene) -> &'static Scene {
     Box::leak(Box::new(scene))
 }
 
-/// The name of the file without its ending, as far as it can be part of other names of files.
+/// The name of the file without its ending, as far as it can be part of other names of files. Where it cannot be that as it
+/// is, a number that follows from it stands behind, so that files of different names have results of different names.
 pub(crate) fn name(file: &str) -> String {
     let stem = Path::new(file).file_stem().unwrap_or_default();
     let fits = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
@@ -95,8 +96,16 @@ pub(crate) fn name(file: &str) -> String {
         .collect();
     match name.trim_start_matches(['-', '_']) {
         "" => "scene".to_owned(),
-        name => name.to_owned(),
+        same if same == stem => name,
+        other => format!("{other}-{:08x}", fingerprint(stem.as_bytes())),
     }
+}
+
+/// A number of 32 bits that follows from bytes (FNV-1a, <http://www.isthe.com/chongo/tech/comp/fnv/>).
+fn fingerprint(bytes: &[u8]) -> u32 {
+    bytes.iter().fold(0x811c_9dc5, |hash, byte| {
+        (hash ^ u32::from(*byte)).wrapping_mul(0x0100_0193)
+    })
 }
 
 #[cfg(test)]
@@ -108,13 +117,20 @@ mod tests {
         assert!(
             is_path("a/b.hang") && !is_path("ski-jump") && !is_path("hang") && !is_path(".hang")
         );
-        for (file, wanted) in [
-            ("scenes/ski-jump.hang", "ski-jump"),
-            ("a b\u{e4}.hang", "a-b-"),
-            ("../-x.hang", "x"),
-            ("..hang", "scene"),
-        ] {
+        for (file, wanted) in [("scenes/ski-jump.hang", "ski-jump"), ("..hang", "scene")] {
             assert_eq!(name(file), wanted);
         }
+        // Names that cannot be those of results are told apart all the same.
+        let files = [
+            "a b.hang",
+            "a&b.hang",
+            "a-b.hang",
+            "a\u{e4}b.hang",
+            "-a-b.hang",
+        ];
+        let names: std::collections::HashSet<String> =
+            files.iter().map(|file| name(file)).collect();
+        assert_eq!(names.len(), files.len(), "{names:?}");
+        assert!(names.iter().all(|name| name.starts_with("a-b")));
     }
 }

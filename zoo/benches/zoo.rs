@@ -11,7 +11,7 @@
 use std::fs;
 use std::time::Instant;
 
-use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, Status};
+use hangtime::ocp::{self, Formulation, Problem, SearchSpace, Settings, Solution, Status};
 use hangtime_zoo::{Exhibit, Half, exhibits};
 use kuva::prelude::{Layout, LinePlot, Plot, render_to_svg};
 
@@ -40,12 +40,13 @@ fn settings(way: &str) -> Result<Settings, String> {
     let mut settings = Settings::default();
     match way {
         "default" => {}
+        "words" => settings.search = SearchSpace::Words,
         "one" => settings.starts = Some(1),
         "many" => settings.starts = Some(MANY),
         "time-freezing" => settings.formulation = Formulation::TimeFreezing(Default::default()),
         other => {
             return Err(format!(
-                "`{other}` is no way to solve; default, one, many, time-freezing are"
+                "`{other}` is no way to solve; default, words, one, many, time-freezing are"
             ));
         }
     }

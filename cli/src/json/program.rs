@@ -1,6 +1,6 @@
 //! The JSON document of a program from a file.
 
-use hangtime::nl::Solution;
+use hangtime::nl::{SecondOrder, Solution};
 use hangtime::simulation::ProblemSize;
 use serde::Serialize;
 
@@ -17,6 +17,9 @@ pub(crate) struct ProgramDocument<'a> {
     diagnosis: Option<&'a str>,
     objective: f64,
     stationarity: &'static str,
+    /// Of a point that is strongly stationary.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    second_order: Option<&'static str>,
     residuals: Residuals,
     #[serde(with = "SizeEntry")]
     size: ProblemSize,
@@ -64,6 +67,7 @@ impl<'a> ProgramDocument<'a> {
             diagnosis: ending.diagnosis.as_deref(),
             objective: solution.objective,
             stationarity: solution.stationarity.name(),
+            second_order: solution.second_order.map(SecondOrder::name),
             residuals: Residuals {
                 primal: solution.residuals.primal,
                 dual: solution.residuals.dual,

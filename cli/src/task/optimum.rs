@@ -2,12 +2,12 @@
 
 use hangtime::Observer;
 use hangtime::ocp::{
-    self, ControlShape, Formulation, Horizon, Problem, Settings, Solution, Stationarity,
-    TimeFreezingSettings,
+    self, ControlShape, Formulation, Horizon, Problem, SearchSpace, Settings, Solution,
+    Stationarity, TimeFreezingSettings,
 };
 use hangtime::rk::Scheme;
 
-use crate::arguments::{ControlsName, SchemeName, SolveArguments, SolveFormulation};
+use crate::arguments::{ControlsName, SchemeName, SearchName, SolveArguments, SolveFormulation};
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::json::{SolutionDocument, SolverSettings};
@@ -76,6 +76,10 @@ impl OptimumTask {
 fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
     let mut settings = Settings::default();
     settings.starts = arguments.starts;
+    settings.search = match arguments.search {
+        SearchName::Grids => SearchSpace::Grids,
+        SearchName::Words => SearchSpace::Words,
+    };
     settings.controls = match arguments.controls {
         ControlsName::Constant => ControlShape::Constant,
         ControlsName::Linear => ControlShape::Linear,

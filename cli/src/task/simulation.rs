@@ -7,6 +7,7 @@ use crate::arguments::SimulateArguments;
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::json::Document;
+use crate::kept;
 use crate::method::ChosenMethod;
 use crate::settings::ChosenScene;
 use crate::table::seconds;
@@ -42,9 +43,11 @@ impl SimulationTask {
 
     /// The motion.
     pub(crate) fn run(&self, observer: &mut Observer<'_>) -> Result<Simulation, BadInput> {
-        self.method
-            .simulate(self.chosen.model.as_ref(), &self.problem, observer)
-            .map_err(|error| self.chosen.refuse(&error))
+        let model = self.chosen.model.as_ref();
+        let simulated = self.method.simulate(model, &self.problem, observer);
+        let mut simulation = simulated.map_err(|error| self.chosen.refuse(&error))?;
+        simulation.notes.extend(kept::notes(model, &simulation));
+        Ok(simulation)
     }
 
     /// The JSON document of a motion that ended as `ending` tells.

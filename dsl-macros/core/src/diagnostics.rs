@@ -118,6 +118,8 @@ pub(crate) struct Diagnostics {
     poisoned: HashSet<String>,
     /// Names that are declared anywhere.
     declared: HashSet<String>,
+    /// Whether the scene is read from a text and becomes no source of Rust, so that names may be words of Rust.
+    pub(crate) is_data: bool,
 }
 
 impl Diagnostics {
@@ -148,7 +150,7 @@ impl Diagnostics {
         message: String,
         warning: bool,
     ) -> Reported {
-        let message = in_one_line(message);
+        let message = with_short_names(in_one_line(message));
         if !self
             .mistakes
             .iter()
@@ -209,6 +211,33 @@ fn in_one_line(message: String) -> String {
     let words = message.split(|c: char| c.is_control() || c == ' ');
     let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
     words.join(" ")
+}
+
+/// Longest name that a message quotes whole, in characters: a line of a terminal.
+const LONGEST_NAME: usize = 80;
+/// What is left of a longer one at its begin and at its end, in characters.
+const LEFT: [usize; 2] = [40, 12];
+
+/// A message with long names cut in the middle.
+fn with_short_names(message: String) -> String {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    let is_long = |name: &str| name.chars().count() > LONGEST_NAME;
+    if !message.split(|c| !is_part(c)).any(is_long) {
+        return message;
+    }
+    let mut shown = String::new();
+    for piece in message.split_inclusive(|c| !is_part(c)) {
+        let name = piece.trim_end_matches(|c| !is_part(c));
+        if is_long(name) {
+            shown.extend(name.chars().take(LEFT[0]));
+            shown += "...";
+            shown.extend(name.chars().skip(name.chars().count() - LEFT[1]));
+            shown += &piece[name.len()..];
+        } else {
+            shown += piece;
+        }
+    }
+    shown
 }
 
 /// All mistakes as `compile_error!`s, all warnings as lints.
@@ -286,6 +315,19 @@ mod tests {
         );
         let short = "`x`  is not declared";
         assert_eq!(in_one_line(short.to_owned()), short);
+    }
+
+    #[test]
+    fn long_names_are_cut_and_others_are_not() {
+        let long = "b".repeat(2_000);
+        let cut = with_short_names(format!("`x_{long}` is not declared; write `{long}*y`"));
+        assert!(cut.chars().count() < 200, "{cut}");
+        assert!(
+            cut.starts_with("`x_bb") && cut.contains("b...b") && cut.ends_with("b*y`"),
+            "{cut}"
+        );
+        let short = format!("`{}` is not declared", "c".repeat(LONGEST_NAME));
+        assert_eq!(with_short_names(short.clone()), short);
     }
 
     #[test]

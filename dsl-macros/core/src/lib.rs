@@ -133,6 +133,7 @@ pub fn describe_text(
 ) -> Result<(Description, Vec<TextMistake>), Vec<TextMistake>> {
     let tokens = text::tokens(text, stem)?;
     let mut diagnostics = Diagnostics::default();
+    diagnostics.is_data = true;
     match derived(tokens, &mut diagnostics) {
         Ok((_, _, description)) if diagnostics.mistakes() == 0 => {
             Ok((description, in_text(diagnostics.into_mistakes())))

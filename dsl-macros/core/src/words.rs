@@ -25,7 +25,7 @@ pub(crate) const STATEMENTS: [&str; 20] = [
 ];
 
 /// Functions of other languages, and what is written instead.
-pub(crate) const FOREIGN: [(&str, &str); 10] = [
+pub(crate) const FOREIGN: [(&str, &str); 12] = [
     ("log", "the natural logarithm is `ln`"),
     ("pow", "powers are written `x^2`"),
     ("powi", "powers are written `x^2`"),
@@ -35,11 +35,19 @@ pub(crate) const FOREIGN: [(&str, &str); 10] = [
     ("ddt", "the rate of `y` is `dot(y)`"),
     ("der", "the rate of `y` is `dot(y)`"),
     ("derivative", "the rate of `y` is `dot(y)`"),
+    (
+        "ddot",
+        "accelerations follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
+    ),
+    (
+        "acc",
+        "accelerations follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
+    ),
     ("norm", "the length of a vector is `|v|`"),
 ];
 
 /// Statements that there are not, and what is written instead.
-const OTHERWISE: [(&str, &str); 4] = [
+const OTHERWISE: [(&str, &str); 49] = [
     (
         "maximize",
         "what is to be large is minimized with its sign changed, as in `minimize -(...)`",
@@ -53,6 +61,177 @@ const OTHERWISE: [(&str, &str); 4] = [
         "conditions at the end stand in `finally { ... }`, others in `constraint`",
     ),
     ("objective", "an objective begins with `minimize`"),
+    ("cost", "an objective begins with `minimize`"),
+    (
+        "initial",
+        "values at the begin stand in `start { x: ..., dot(x): ... }`",
+    ),
+    (
+        "initially",
+        "values at the begin stand in `start { x: ..., dot(x): ... }`",
+    ),
+    (
+        "init",
+        "values at the begin stand in `start { x: ..., dot(x): ... }`",
+    ),
+    (
+        "guess",
+        "values at the begin stand in `start { x: ..., dot(x): ... }`",
+    ),
+    (
+        "goal",
+        "conditions at the end stand in `finally { x == ... }`",
+    ),
+    (
+        "target",
+        "conditions at the end stand in `finally { x == ... }`",
+    ),
+    (
+        "terminal",
+        "conditions at the end stand in `finally { x == ... }`",
+    ),
+    (
+        "constants",
+        "numbers with names stand in `parameters { m: kg = 1 }`",
+    ),
+    (
+        "constant",
+        "numbers with names stand in `parameters { m: kg = 1 }`",
+    ),
+    (
+        "const",
+        "numbers with names stand in `parameters { m: kg = 1 }`",
+    ),
+    (
+        "params",
+        "numbers with names stand in `parameters { m: kg = 1 }`",
+    ),
+    (
+        "variables",
+        "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
+    ),
+    (
+        "states",
+        "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
+    ),
+    (
+        "state",
+        "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
+    ),
+    (
+        "unknowns",
+        "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
+    ),
+    (
+        "inputs",
+        "what is to be found over the time stands in `controls { u: N in -1..=1 }`",
+    ),
+    (
+        "input",
+        "what is to be found over the time stands in `controls { u: N in -1..=1 }`",
+    ),
+    (
+        "actuators",
+        "what is to be found over the time stands in `controls { u: N in -1..=1 }`",
+    ),
+    (
+        "kinetic",
+        "energies stand in one `lagrangian`, kinetic minus potential",
+    ),
+    (
+        "potential",
+        "energies stand in one `lagrangian`, kinetic minus potential",
+    ),
+    (
+        "energy",
+        "energies stand in one `lagrangian`, kinetic minus potential",
+    ),
+    (
+        "gravity",
+        "weight is a part of the potential energy, as in `lagrangian ... - m*g*z`",
+    ),
+    (
+        "damping",
+        "what brakes stands in `dissipation c/2*dot(x)^2` or `forces { x: -c*dot(x) }`",
+    ),
+    (
+        "damper",
+        "what brakes stands in `dissipation c/2*dot(x)^2` or `forces { x: -c*dot(x) }`",
+    ),
+    (
+        "drag",
+        "what brakes stands in `dissipation c/2*dot(x)^2` or `forces { x: -c*dot(x) }`",
+    ),
+    (
+        "force",
+        "what acts stands in `forces { x: ... }`, an entry for each coordinate",
+    ),
+    (
+        "torque",
+        "what acts stands in `forces { x: ... }`, an entry for each coordinate",
+    ),
+    (
+        "load",
+        "what acts stands in `forces { x: ... }`, an entry for each coordinate",
+    ),
+    (
+        "equations",
+        "equations of motion follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
+    ),
+    (
+        "equation",
+        "equations of motion follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
+    ),
+    (
+        "dynamics",
+        "equations of motion follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
+    ),
+    (
+        "ode",
+        "equations of motion follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
+    ),
+    (
+        "contact",
+        "what is not passed through is a `surface name: z >= 0` with a law, `impact name: inelastic`",
+    ),
+    (
+        "ground",
+        "what is not passed through is a `surface name: z >= 0` with a law, `impact name: inelastic`",
+    ),
+    (
+        "wall",
+        "what is not passed through is a `surface name: z >= 0` with a law, `impact name: inelastic`",
+    ),
+    (
+        "obstacle",
+        "what is not passed through is a `surface name: z >= 0` with a law, `impact name: inelastic`",
+    ),
+    (
+        "bounds",
+        "bounds stand behind a name where it is declared, as in `controls { u: N in -1..=1 }`",
+    ),
+    ("duration", "the duration of a motion is `horizon 2 [s]`"),
+    ("tend", "the duration of a motion is `horizon 2 [s]`"),
+    (
+        "plot",
+        "what is recorded stands in `outputs { name: unit = ... }`",
+    ),
+    (
+        "record",
+        "what is recorded stands in `outputs { name: unit = ... }`",
+    ),
+    (
+        "joint",
+        "choose coordinates that keep bodies joined, such as the angles of links",
+    ),
+    (
+        "weld",
+        "choose coordinates that keep bodies joined, such as the angles of links",
+    ),
+    (
+        "hinge",
+        "choose coordinates that keep bodies joined, such as the angles of links",
+    ),
 ];
 
 /// What is said of a word where a statement begins that there is not, if it is near to one or known otherwise.
@@ -205,4 +384,13 @@ pub(crate) fn rust_name(text: &str) -> String {
 /// Whether a word cannot name a field or a type in Rust.
 pub(crate) fn is_rust_word(text: &str) -> bool {
     !is_raw(text) && (text.starts_with("r#") || syn::parse_str::<syn::Ident>(text).is_err())
+}
+
+/// The name whose velocity is written like this elsewhere, such as `y` by `ydot`, `y_dot` or `dy`; `dot(y)` is meant.
+pub(crate) fn velocity_of<'a>(text: &str, known: &[&'a str]) -> Option<&'a str> {
+    let stem = text
+        .strip_suffix("_dot")
+        .or_else(|| text.strip_suffix("dot"))
+        .or_else(|| text.strip_prefix('d'))?;
+    known.iter().copied().find(|name| *name == stem)
 }

@@ -88,13 +88,14 @@ mod size;
 mod solution;
 mod solve;
 mod summary;
+mod words;
 
 pub use global::time_freezing::TimeFreezing;
 pub use hangtime_solver::mpcc::Stationarity;
 pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
 pub use problem::{Horizon, Problem};
-pub use settings::{Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
+pub use settings::{Formulation, Guess, PathPoints, SearchSpace, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{
     Counts, Excess, Margin, Miss, Nearest, Optimum, RelaxedReport, Solution, Status,

@@ -99,6 +99,16 @@ pub enum Formulation {
     TimeFreezing(TimeFreezingSettings),
 }
 
+/// Where contact sequences are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SearchSpace {
+    /// On control grids, from coarse to fine: each switch in one of the intervals.
+    #[default]
+    Grids,
+    /// Over words, orders of contact modes with phases of free length; the best are put on the grid at last.
+    Words,
+}
+
 /// How a problem is transcribed; change fields of [`TimeFreezingSettings::default`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -197,6 +207,8 @@ pub enum PathPoints {
 pub struct Settings {
     /// How the contact sequence is found; default [`Formulation::Phases`].
     pub formulation: Formulation,
+    /// Where contact sequences are looked for by [`Formulation::Phases`]; default [`SearchSpace::Grids`].
+    pub search: SearchSpace,
     /// Controls on each interval; default constant.
     pub controls: ControlShape,
     /// Where the global phase starts; default [`Guess::Straight`].
@@ -256,6 +268,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             formulation: Formulation::default(),
+            search: SearchSpace::default(),
             controls: ControlShape::default(),
             guess: Guess::default(),
             starts: None,

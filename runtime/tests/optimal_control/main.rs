@@ -29,3 +29,4 @@ mod support;
 mod swings;
 mod throws;
 mod vanishing_objective;
+mod words;

@@ -25,19 +25,7 @@ impl Heading {
     /// [`ReadError`] if it is none, if its counts cannot be those of the file, or if the problem is of a kind that
     /// is not solved here.
     pub(super) fn read(source: &mut Source) -> Result<Self, ReadError> {
-        let first = source.heading_line()?;
-        let is_binary = first.starts_with('b');
-        if !is_binary && !first.starts_with('g') {
-            return Err(ReadError::at_line(
-                1,
-                "a .nl file begins with `g` (text) or `b` (binary); write the problem with `write gFILE;` of AMPL or with \
-                 a writer of .nl files",
-            ));
-        }
-        let mut options: Vec<String> = first[1..].split_whitespace().map(str::to_owned).collect();
-        // the first number counts those that belong to it
-        let count = options.first().and_then(|count| count.parse().ok());
-        options.truncate(count.unwrap_or(0_usize).saturating_add(1).min(10));
+        let (is_binary, options) = first_line(source)?;
         let mut line = |name: &str, least: usize| -> Result<Vec<usize>, ReadError> {
             let numbers = source.heading_line()?.split_whitespace();
             let numbers: Option<Vec<usize>> = numbers
@@ -98,6 +86,35 @@ impl Heading {
             nonzeros: [nonzeros[0], nonzeros[1]],
             whole,
         })
+    }
+}
+
+/// Whether the file is binary, and the options of its first line.
+fn first_line(source: &mut Source) -> Result<(bool, Vec<String>), ReadError> {
+    let first = source.heading_line()?;
+    let is_binary = first.starts_with('b');
+    if !is_binary && !first.starts_with('g') {
+        return Err(ReadError::at_line(
+            1,
+            "a .nl file begins with `g` (text) or `b` (binary); write the problem with `write gFILE;` of AMPL or with \
+             a writer of .nl files",
+        ));
+    }
+    let mut options: Vec<String> = first[1..].split_whitespace().map(str::to_owned).collect();
+    // the first number counts those that belong to it
+    let count = options.first().and_then(|count| count.parse().ok());
+    options.truncate(count.unwrap_or(0_usize).saturating_add(1).min(10));
+    Ok((is_binary, options))
+}
+
+/// Options and the counts of variables and rows, of which a file without values tells as well.
+pub(super) fn counts(source: &mut Source) -> Result<(Vec<String>, usize, usize), ReadError> {
+    let (_, options) = first_line(source)?;
+    let mut words = source.heading_line()?.split_whitespace();
+    let mut count = || words.next().and_then(|word| word.parse().ok());
+    match (count(), count()) {
+        (Some(variables), Some(rows)) => Ok((options, variables, rows)),
+        _ => Err(source.error("the line before holds the counts of variables and rows")),
     }
 }
 

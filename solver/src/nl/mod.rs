@@ -13,6 +13,7 @@
 //! A file is data. Whatever its bytes are, it gives a program or a message with the line; memory and time of reading are bounded
 //! by its length and a limit on second derivatives.
 
+mod answer;
 mod error;
 mod expression;
 mod graph;
@@ -22,6 +23,7 @@ mod jacobian;
 mod operation;
 mod program;
 mod read;
+mod second_order;
 mod solution;
 mod solve;
 mod source;
@@ -29,7 +31,9 @@ mod statement;
 mod tape;
 mod vertical;
 
+pub use answer::refusal_text;
 pub use error::ReadError;
 pub use program::Program;
+pub use second_order::SecondOrder;
 pub use solution::{Solution, Status, Work};
-pub use solve::solve;
+pub use solve::{Options, solve, solve_with};

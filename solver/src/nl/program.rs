@@ -5,6 +5,7 @@ use super::hessian::Hessian;
 use super::jacobian::Gradients;
 use super::operation::Partials;
 use super::read;
+use super::statement::Duals;
 use super::tape::{Function, Tape};
 use super::vertical::{Measure, Row, Slack, Vertical};
 use crate::mpcc::Mpcc;
@@ -41,6 +42,7 @@ pub struct Program {
     pub(super) maximizes: bool,
     pub(super) vertical: Vertical,
     start: Vec<f64>,
+    pub(super) duals: Duals,
     objective: Function,
     derivatives: Derivatives,
     variable_names: Vec<String>,
@@ -71,7 +73,8 @@ impl Program {
     /// Reads a `.nl` file, text (`g`) or binary (`b`).
     ///
     /// Rows may complement variables. Of several objectives the first counts; without one any feasible point is a solution.
-    /// Suffixes and initial multipliers are skipped. Bounds of 1e20 or more are none.
+    /// Initial multipliers of rows, and of bounds by the suffixes `ipopt_zL_in` and `ipopt_zU_in`, are kept for
+    /// [`solve_with`](super::solve_with); other suffixes are skipped. Bounds of 1e20 or more are none.
     ///
     /// # Errors
     /// [`ReadError`] where the file is damaged, and for whole variables, logical and network constraints, imported functions
@@ -111,6 +114,7 @@ impl Program {
             file_rows,
             maximizes: statement.maximizes,
             start: statement.start,
+            duals: statement.duals,
             vertical,
             objective,
             derivatives,
@@ -147,6 +151,18 @@ impl Program {
         measured
             .map(|(measure, v)| measure.offset + measure.sign * v)
             .collect()
+    }
+
+    /// The start of the file, in its variables.
+    pub(super) fn file_start(&self) -> &[f64] {
+        &self.start[..self.variables]
+    }
+
+    /// Starts at another point of the variables of the file.
+    pub(super) fn start_at(&mut self, x: &[f64]) {
+        self.start.truncate(0);
+        self.start.extend_from_slice(x);
+        self.start_slacks();
     }
 
     fn row_name(&self, row: usize) -> String {

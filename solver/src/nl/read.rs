@@ -7,7 +7,7 @@ use super::expression::{self, Names};
 use super::graph::{Graph, NodeId};
 use super::heading::Heading;
 use super::source::Source;
-use super::statement::{Body, Demand, Statement};
+use super::statement::{Body, Demand, Duals, Statement};
 
 /// Bounds of this size are none.
 const ABSENT: f64 = 1e20;
@@ -24,7 +24,7 @@ struct Reader<'a> {
     segments: HashMap<(u8, usize), usize>,
 }
 
-/// Reads a file, text or binary. Suffixes, initial multipliers and column counts are checked for their form and
+/// Reads a file, text or binary. Suffixes, but for initial multipliers of bounds, and column counts are checked for their form and
 /// skipped; of several objectives the first counts.
 ///
 /// # Errors
@@ -49,6 +49,7 @@ pub(super) fn read(bytes: &[u8], names: &dyn Fn(usize) -> String) -> Result<Stat
             graph: Graph::new(heading.variables),
             bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); heading.variables],
             start: vec![0.0; heading.variables],
+            duals: Duals::default(),
             rows: vec![(Body::default(), unbounded); heading.rows],
             objective: Body::default(),
             maximizes: false,
@@ -151,7 +152,7 @@ impl Reader<'_> {
             }
             b'S' => self.suffix()?,
             b'd' => {
-                self.pairs("row", self.statement.rows.len())?;
+                self.statement.duals.rows = self.pairs("row", self.statement.rows.len())?;
             }
             b'x' => {
                 for (variable, value) in self.pairs("variable", self.statement.start.len())? {
@@ -245,19 +246,30 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `S kind count name` and as many pairs, which say nothing that counts here.
+    /// `S kind count name` and as many pairs: multipliers of bounds, or what says nothing that counts here.
     fn suffix(&mut self) -> Result<(), ReadError> {
         let kind = self.source.index()?;
         let count = self.source.index()?;
-        self.source.name()?;
+        let name = self.source.name()?;
+        let variables = self.statement.start.len();
+        let mut pairs = Vec::new();
         for _ in 0..count {
-            self.source.index()?;
+            let index = self.source.index()?;
             // bit 2 says that the values are real
-            if kind & 4 != 0 {
-                self.source.real()?;
+            let value = if kind & 4 != 0 {
+                self.source.real()?
             } else {
-                self.source.whole(false)?;
+                self.source.whole(false)?
+            };
+            if index < variables && value.is_finite() {
+                pairs.push((index, value));
             }
+        }
+        // bits 0 and 1 say what the indices count: variables
+        match (kind & 3, name.as_str()) {
+            (0, "ipopt_zL_in") => self.statement.duals.lower = pairs,
+            (0, "ipopt_zU_in") => self.statement.duals.upper = pairs,
+            _ => {}
         }
         Ok(())
     }

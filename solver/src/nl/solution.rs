@@ -2,7 +2,9 @@
 
 use std::fmt::Write as _;
 
+use super::answer::one_line;
 use super::program::Program;
+use super::second_order::SecondOrder;
 use crate::mpcc::Stationarity;
 use crate::nlp::{Residuals, Violation};
 
@@ -24,7 +26,9 @@ pub enum Status {
     Interrupted,
     /// The time was over.
     TimeLimit,
-    /// Another limit or a failure; [`Solution::reason`] says which.
+    /// The limit on iterations was reached.
+    IterationLimit,
+    /// A failure; [`Solution::reason`] says which.
     Failed,
 }
 
@@ -40,10 +44,11 @@ impl Status {
             Self::Solved => "solved",
             Self::Uncertified => "uncertified",
             Self::Relaxed => "relaxed",
-            Self::Infeasible => "infeasible",
+            Self::Infeasible => "locally_infeasible",
             Self::Unbounded => "unbounded",
             Self::Interrupted => "interrupted",
             Self::TimeLimit => "time_limit",
+            Self::IterationLimit => "iteration_limit",
             Self::Failed => "failed",
         }
     }
@@ -55,6 +60,7 @@ impl Status {
             Self::Uncertified | Self::Relaxed => 100,
             Self::Infeasible => 200,
             Self::Unbounded => 300,
+            Self::IterationLimit => 400,
             Self::TimeLimit => 401,
             Self::Interrupted => 402,
             Self::Failed => 500,
@@ -86,12 +92,16 @@ pub struct Solution {
     pub reason: String,
     /// What is proved about the point.
     pub stationarity: Stationarity,
+    /// What second derivatives say of a point that is strongly stationary; `None` of others.
+    pub second_order: Option<SecondOrder>,
     /// Objective of the file at the point.
     pub objective: f64,
     /// The variables of the file.
     pub x: Vec<f64>,
     /// Rate of change of the objective with the right-hand side of each row; 0 for rows that complement a variable.
     pub multipliers: Vec<f64>,
+    /// Rates of change of the objective with the lower and the upper bounds of the variables of the file.
+    pub bound_multipliers: [Vec<f64>; 2],
     /// Residuals, unscaled.
     pub residuals: Residuals,
     /// Of a point that is called infeasible: the largest entry of the gradient of the violation.
@@ -127,9 +137,10 @@ impl Solution {
     /// The text of a `.sol` file: a message, the counts of rows and variables, the multipliers of all rows, the values of all
     /// variables, and the number that classifies the result.
     pub fn file_text(&self, program: &Program) -> String {
+        let reason = one_line(&self.reason);
         let mut text = format!(
-            "hangtime: {}; objective {}; {} iterations\n\nOptions\n",
-            self.reason, self.objective, self.work.iterations
+            "hangtime: {reason}; objective {}; {} iterations\n\nOptions\n",
+            self.objective, self.work.iterations
         );
         for option in &program.options {
             let _ = writeln!(text, "{option}");
@@ -141,6 +152,52 @@ impl Solution {
             let _ = writeln!(text, "{value:e}");
         }
         let _ = writeln!(text, "objno 0 {}", self.status.number());
+        text
+    }
+
+    /// As [`Solution::file_text`], and the suffixes of the protocol by which modelling languages call solvers: multipliers of bounds in
+    /// `ipopt_zL_out` and `ipopt_zU_out` (rates of change of the objective), `stationarity` of the problem (2: S, 1: B, 0: nothing is proved) and
+    /// `second_order` (3: sufficient, 2: necessary, 1: undecided, 0: not asked, -1: the objective descends).
+    pub fn file_text_with_suffixes(&self, program: &Program) -> String {
+        let mut text = self.file_text(program);
+        for (name, values) in ["ipopt_zL_out", "ipopt_zU_out"]
+            .iter()
+            .zip(&self.bound_multipliers)
+        {
+            let present = values
+                .iter()
+                .enumerate()
+                .filter(|(_, value)| **value != 0.0);
+            // kind 4: real values of variables; the length of the name counts the end of a C string
+            let _ = writeln!(
+                text,
+                "suffix 4 {} {} 0 0\n{name}",
+                present.clone().count(),
+                name.len() + 1
+            );
+            for (index, value) in present {
+                let _ = writeln!(text, "{index} {value:e}");
+            }
+        }
+        let stationarity = match self.stationarity {
+            Stationarity::S => 2,
+            Stationarity::B => 1,
+            Stationarity::None => 0,
+        };
+        let second_order = match self.second_order {
+            Some(SecondOrder::Sufficient) => 3,
+            Some(SecondOrder::Necessary) => 2,
+            Some(SecondOrder::Undecided) => 1,
+            Some(SecondOrder::Descends) => -1,
+            None => 0,
+        };
+        for (name, value) in [
+            ("stationarity", stationarity),
+            ("second_order", second_order),
+        ] {
+            // kind 3: a whole number of the problem
+            let _ = writeln!(text, "suffix 3 1 {} 0 0\n{name}\n0 {value}", name.len() + 1);
+        }
         text
     }
 }

@@ -1,11 +1,44 @@
 //! The entry point: the method that fits the program, and its result in the terms of the file.
 
-use crate::clock::ThreadTime;
+use crate::clock::{Instant, ThreadTime};
 
 use super::program::Program;
+use super::second_order::{SecondOrder, Stationary, second_order};
 use super::solution::{Solution, Status, Work};
 use crate::mpcc::{self, Mpcc, Stationarity, StationarityType};
-use crate::nlp::{self, InputError};
+use crate::nlp::{self, InputError, NlpProblem as _, WarmStart};
+
+/// What the caller may choose; change fields of [`Options::default`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Options {
+    /// Bound of the optimality error, relative to the scale of the program at its start; default 1e-8, in (0, 1).
+    pub tolerance: f64,
+    /// Bound of the violation of a solution in the units of the file; default 1e-6, > 0.
+    pub constraint_tolerance: f64,
+    /// Most interior point iterations; default those of [`nlp`] and [`mpcc`].
+    pub maximum_iterations: Option<usize>,
+    /// Most seconds of wall-clock time; default infinite.
+    pub maximum_seconds: f64,
+    /// Points to start from, that of the file and others beside it, of which the best end is kept; default 1.
+    pub starts: usize,
+    /// Whether multipliers in the file are started from; default true.
+    pub warm: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let settings = nlp::Settings::default();
+        Self {
+            tolerance: settings.tolerance,
+            constraint_tolerance: settings.constraint_tolerance,
+            maximum_iterations: None,
+            maximum_seconds: f64::INFINITY,
+            starts: 1,
+            warm: true,
+        }
+    }
+}
 
 /// Solves a program with the default settings of [`mpcc`], or of [`nlp`] where nothing is complementary, in at most
 /// `seconds` of wall-clock time. The observer sees each iteration and can stop the run.
@@ -17,25 +50,242 @@ pub fn solve(
     seconds: f64,
     observer: &mut nlp::Observer<'_>,
 ) -> Result<Solution, InputError> {
-    let start = ThreadTime::now();
-    let mut solution = if program.complementarities().is_empty() {
-        let settings = nlp::Settings {
-            maximum_seconds: seconds,
-            ..nlp::Settings::default()
-        };
-        let solution = nlp::solve_from(program, &settings, None, Some(observer))?;
-        of_nonlinear(program, solution)
-    } else {
-        let mut settings = mpcc::Settings::default();
-        settings.interior_point.maximum_seconds = seconds;
-        let solution = mpcc::solve_observed(program, &settings, observer)?;
-        of_complementary(program, solution)
+    let options = Options {
+        maximum_seconds: seconds,
+        warm: false,
+        ..Options::default()
     };
-    solution.work.seconds = start.elapsed().as_secs_f64();
-    Ok(solution)
+    solve_with(program, &options, observer)
 }
 
-fn of_nonlinear(program: &Program, solution: nlp::Solution) -> Solution {
+/// Solves a program as the options say. Where the file gives multipliers and nothing is complementary, the solve starts from them near
+/// the point that the file gives, and once more without them if that leads to no solution.
+///
+/// # Errors
+/// As [`solve`], and where an option is out of its range.
+pub fn solve_with(
+    program: &mut Program,
+    options: &Options,
+    observer: &mut nlp::Observer<'_>,
+) -> Result<Solution, InputError> {
+    let (start, began) = (ThreadTime::now(), Instant::now());
+    let mut best = solve_once(program, options, observer)?;
+    let own = program.file_start().to_vec();
+    for k in 1..options.starts {
+        let left = options.maximum_seconds - began.elapsed().as_secs_f64();
+        if left <= 0.0 || best.status == Status::Interrupted {
+            break;
+        }
+        let options = Options {
+            maximum_seconds: left,
+            warm: false,
+            ..options.clone()
+        };
+        program.start_at(&beside(&own, k));
+        // functions need not have values there
+        let Ok(mut other) = solve_once(program, &options, observer) else {
+            continue;
+        };
+        other.work.iterations += best.work.iterations;
+        other.work.factorizations += best.work.factorizations;
+        other.work.crossover_iterations += best.work.crossover_iterations;
+        let stopped = matches!(other.status, Status::Interrupted | Status::TimeLimit);
+        if is_better(program, &other, &best) {
+            best = other;
+        } else {
+            best.work = other.work;
+        }
+        if stopped {
+            break;
+        }
+    }
+    program.start_at(&own);
+    best.work.seconds = start.elapsed().as_secs_f64();
+    Ok(best)
+}
+
+/// Whether an end is better than another: solved, or with a better objective.
+fn is_better(program: &Program, a: &Solution, b: &Solution) -> bool {
+    let gain = program.sense() * (b.objective - a.objective);
+    match (a.status.is_solved(), b.status.is_solved()) {
+        (true, true) => gain > 0.0,
+        (solved, _) => solved,
+    }
+}
+
+/// The start of number `k`: every variable moved by up to its size, or 1 where that is less, the same in every run.
+fn beside(own: &[f64], k: usize) -> Vec<f64> {
+    /// Fractional parts of multiples of these spread evenly (golden ratio and square root of 2).
+    const STRIDES: [f64; 2] = [0.618_033_988_749_894_9, 0.414_213_562_373_095_03];
+    let moved = own.iter().enumerate().map(|(i, x)| {
+        let spread = (STRIDES[0] * (i + 1) as f64 + STRIDES[1] * k as f64).fract();
+        x + (2.0 * spread - 1.0) * x.abs().max(1.0) * (1 + k / 8) as f64
+    });
+    moved.collect()
+}
+
+fn solve_once(
+    program: &mut Program,
+    options: &Options,
+    observer: &mut nlp::Observer<'_>,
+) -> Result<Solution, InputError> {
+    if !program.complementarities().is_empty() {
+        let mut settings = mpcc::Settings::default();
+        settings.interior_point.tolerance = options.tolerance;
+        settings.interior_point.constraint_tolerance = options.constraint_tolerance;
+        settings.interior_point.maximum_seconds = options.maximum_seconds;
+        if let Some(most) = options.maximum_iterations {
+            settings.maximum_iterations = most;
+        }
+        let solution = mpcc::solve_observed(program, &settings, observer)?;
+        return Ok(of_complementary(program, solution));
+    }
+    let defaults = nlp::Settings::default();
+    let settings = nlp::Settings {
+        tolerance: options.tolerance,
+        constraint_tolerance: options.constraint_tolerance,
+        maximum_seconds: options.maximum_seconds,
+        maximum_iterations: options
+            .maximum_iterations
+            .unwrap_or(defaults.maximum_iterations),
+        ..defaults
+    };
+    let mut solution = None;
+    if options.warm
+        && let Some(start) = warm_start(program, options.tolerance)
+    {
+        let near = nlp::Settings {
+            bound_push: start.1,
+            bound_fraction: start.1,
+            ..settings.clone()
+        };
+        let mut see = |info: &nlp::IterationInfo| observer(info);
+        let warm = nlp::solve_from(program, &near, Some(&start.0), Some(&mut see))?;
+        if warm.status.is_solved() || warm.status == nlp::Status::Interrupted {
+            solution = Some(warm);
+        }
+    }
+    let solution = match solution {
+        Some(solution) => solution,
+        None => {
+            let mut see = |info: &nlp::IterationInfo| observer(info);
+            nlp::solve_from(program, &settings, None, Some(&mut see))?
+        }
+    };
+    Ok(of_nonlinear(program, solution))
+}
+
+/// Range of the first barrier parameter of a warm start, and its part of the square of what the optimality conditions leave: what
+/// Newton's method leaves of that, with a margin for neighbours that have the same active bounds.
+const WARM_BARRIER: [f64; 2] = [1e-9, 1e-5];
+const WARM_SHARE: f64 = 1e-4;
+
+/// The multipliers of the file with its point, and the distance to keep from bounds; `None` where the file gives no multipliers.
+/// Those of bounds that are not given balance the gradient of the Lagrangian. The first barrier parameter follows from what the
+/// optimality conditions leave.
+fn warm_start(program: &mut Program, tolerance: f64) -> Option<(WarmStart, f64)> {
+    let duals = program.duals.clone();
+    let present = |of: &[(usize, f64)]| of.iter().any(|pair| pair.1 != 0.0);
+    if !(present(&duals.rows) || present(&duals.lower) || present(&duals.upper)) {
+        return None;
+    }
+    let (n, m) = (program.variables(), program.constraints());
+    let mut x = vec![0.0; n];
+    program.initial_point(&mut x);
+    let mut of_rows = vec![0.0; program.file_rows];
+    for (row, y) in duals.rows {
+        of_rows[row] = y;
+    }
+    let sense = program.sense();
+    let rows = program.vertical.rows.iter();
+    let y: Vec<f64> = rows.map(|row| -sense * of_rows[row.of]).collect();
+    let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
+    program.variable_bounds(&mut lower, &mut upper);
+    let mut left = vec![0.0; n];
+    program.gradient(&x, &mut left);
+    let pattern = program.jacobian_pattern();
+    let mut values = vec![0.0; pattern.len()];
+    program.jacobian_values(&x, &mut values);
+    for (&(row, column), value) in pattern.iter().zip(&values) {
+        left[column] += value * y[row];
+    }
+    let (mut z_lower, mut z_upper) = (vec![0.0; n], vec![0.0; n]);
+    let mut error: f64 = 0.0;
+    for i in 0..n {
+        x[i] = x[i].clamp(lower[i], upper[i]);
+        let (below, above) = (x[i] - lower[i], upper[i] - x[i]);
+        if left[i] > 0.0 && below.is_finite() {
+            z_lower[i] = left[i];
+        } else if left[i] < 0.0 && above.is_finite() {
+            z_upper[i] = -left[i];
+        }
+        let rest = left[i] - z_lower[i] + z_upper[i];
+        let products = (z_lower[i].min(below)).max(z_upper[i].min(above));
+        error = error.max(rest.abs()).max(products);
+    }
+    for (of, z, sign) in [
+        (duals.lower, &mut z_lower, sense),
+        (duals.upper, &mut z_upper, -sense),
+    ] {
+        for (i, value) in of {
+            z[i] = (sign * value).max(0.0);
+        }
+    }
+    let mut c = vec![0.0; m];
+    program.constraint_values(&x, &mut c);
+    let (mut lower, mut upper) = (vec![0.0; m], vec![0.0; m]);
+    program.constraint_bounds(&mut lower, &mut upper);
+    for (c, (lower, upper)) in c.iter().zip(lower.iter().zip(&upper)) {
+        error = error.max(lower - c).max(c - upper);
+    }
+    let [least, most] = WARM_BARRIER;
+    let barrier_parameter =
+        (WARM_SHARE * error * error).clamp(least.max(0.1 * tolerance), most.max(tolerance));
+    let start = WarmStart::of_point(x, y, (z_lower, z_upper), barrier_parameter);
+    // a distance of this size times a multiplier of size 1
+    Some((start, barrier_parameter))
+}
+
+/// What second derivatives say of the point.
+fn ask(
+    program: &mut Program,
+    stationarity: Stationarity,
+    point: (&[f64], &[f64], &[f64], &[f64]),
+) -> Option<SecondOrder> {
+    let pairs = program.complementarities().to_vec();
+    let (x, multipliers, lower, upper) = point;
+    (stationarity == Stationarity::S).then(|| {
+        let point = Stationary {
+            x,
+            multipliers,
+            lower,
+            upper,
+            pairs: &pairs,
+        };
+        second_order(program, &point)
+    })
+}
+
+/// Rates of change of the objective with the bounds of the variables of the file; a variable that is measured downwards has its bounds
+/// the other way round.
+fn bound_multipliers(program: &Program, lower: &[f64], upper: &[f64]) -> [Vec<f64>; 2] {
+    let sense = program.sense();
+    let measures = program.vertical.measures.iter().take(program.variables);
+    let turned = measures
+        .zip(lower.iter().zip(upper))
+        .map(|(measure, (lower, upper))| {
+            let (lower, upper) = if measure.sign > 0.0 {
+                (lower, upper)
+            } else {
+                (upper, lower)
+            };
+            (sense * lower, -sense * upper + 0.0)
+        });
+    let (lower, upper) = turned.unzip();
+    [lower, upper]
+}
+
+fn of_nonlinear(program: &mut Program, solution: nlp::Solution) -> Solution {
     let status = of_run(solution.status);
     let stationarity = match status {
         Status::Solved => Stationarity::S,
@@ -43,6 +293,21 @@ fn of_nonlinear(program: &Program, solution: nlp::Solution) -> Solution {
     };
     Solution {
         reason: solution.status.to_string(),
+        second_order: ask(
+            program,
+            stationarity,
+            (
+                &solution.x,
+                &solution.multipliers,
+                &solution.multipliers_lower,
+                &solution.multipliers_upper,
+            ),
+        ),
+        bound_multipliers: bound_multipliers(
+            program,
+            &solution.multipliers_lower,
+            &solution.multipliers_upper,
+        ),
         stationarity,
         objective: program.sense() * solution.objective,
         x: program.in_file(&solution.x),
@@ -59,7 +324,7 @@ fn of_nonlinear(program: &Program, solution: nlp::Solution) -> Solution {
     }
 }
 
-fn of_complementary(program: &Program, solution: mpcc::Solution) -> Solution {
+fn of_complementary(program: &mut Program, solution: mpcc::Solution) -> Solution {
     let status = match solution.status {
         mpcc::Status::Solved => Status::Solved,
         mpcc::Status::Uncertified | mpcc::Status::NotStationary => Status::Uncertified,
@@ -78,6 +343,21 @@ fn of_complementary(program: &Program, solution: mpcc::Solution) -> Solution {
     };
     Solution {
         reason: solution.status.to_string(),
+        second_order: ask(
+            program,
+            stationarity,
+            (
+                &solution.x,
+                &solution.multipliers,
+                &solution.multipliers_lower,
+                &solution.multipliers_upper,
+            ),
+        ),
+        bound_multipliers: bound_multipliers(
+            program,
+            &solution.multipliers_lower,
+            &solution.multipliers_upper,
+        ),
         stationarity,
         objective: program.sense() * solution.objective,
         x: program.in_file(&solution.x),
@@ -103,6 +383,7 @@ fn of_run(status: nlp::Status) -> Status {
         nlp::Status::Diverging => Status::Unbounded,
         nlp::Status::Interrupted => Status::Interrupted,
         nlp::Status::TimeLimit => Status::TimeLimit,
+        nlp::Status::IterationLimit => Status::IterationLimit,
         _ => Status::Failed,
     }
 }

@@ -24,6 +24,17 @@ pub(super) enum Demand {
     },
 }
 
+/// Multipliers that a file gives beside its starting point, in the signs of modelling languages: rates of change of the objective with
+/// the sides of rows and bounds.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Duals {
+    /// Of the rows (`d` segment).
+    pub(super) rows: Vec<(usize, f64)>,
+    /// Of the lower and the upper bounds (suffixes `ipopt_zL_in` and `ipopt_zU_in`).
+    pub(super) lower: Vec<(usize, f64)>,
+    pub(super) upper: Vec<(usize, f64)>,
+}
+
 /// What a file states.
 #[derive(Debug, Default)]
 pub(super) struct Statement {
@@ -33,6 +44,8 @@ pub(super) struct Statement {
     /// Bounds of the variables.
     pub(super) bounds: Vec<(f64, f64)>,
     pub(super) start: Vec<f64>,
+    /// Multipliers to start from, as the file gives them; empty without any.
+    pub(super) duals: Duals,
     pub(super) rows: Vec<(Body, Demand)>,
     pub(super) objective: Body,
     pub(super) maximizes: bool,

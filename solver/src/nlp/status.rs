@@ -47,7 +47,7 @@ impl std::fmt::Display for Status {
         f.write_str(match self {
             Self::Solved => "solved",
             Self::Acceptable => "solved to the acceptable tolerance only",
-            Self::Degenerate => "multipliers diverge, a constraint qualification fails",
+            Self::Degenerate => "no multipliers were found: those of the iterates diverge, as they do where a constraint qualification fails",
             Self::Infeasible => "converged to a point of local infeasibility",
             Self::Diverging => "iterates diverge, the problem is probably unbounded",
             Self::IterationLimit => "iteration limit reached",

@@ -29,6 +29,22 @@ impl WarmStart {
         }
     }
 
+    /// A point with multipliers of rows, and of lower and upper bounds.
+    pub(crate) fn of_point(
+        x: Vec<f64>,
+        multipliers: Vec<f64>,
+        (multipliers_lower, multipliers_upper): (Vec<f64>, Vec<f64>),
+        barrier_parameter: f64,
+    ) -> Self {
+        Self {
+            x,
+            multipliers,
+            multipliers_lower,
+            multipliers_upper,
+            barrier_parameter,
+        }
+    }
+
     /// From the solution of another problem: `variables[i]` is the variable there that the variable `i` here is, if there
     /// is one, and `rows` says the same of the constraints; `unit` is what the objective there is multiplied by to be the
     /// one here. `x` is the point of those that are new; the multipliers of these are 0.

@@ -5,6 +5,7 @@ mod homotopy;
 mod mpcc_certificates;
 mod mpcc_limits;
 mod mpcc_problems;
+mod nl_certificates;
 mod nl_files;
 mod nlp_elements;
 mod nlp_hock_schittkowski;

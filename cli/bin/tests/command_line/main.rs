@@ -2,8 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
 
+mod ampl;
 mod book;
 mod browser;
+mod contact_scenes;
 mod nlp;
 mod play;
 mod player;
@@ -14,3 +16,4 @@ mod simulate;
 mod solve;
 mod studies;
 mod support;
+mod sweep;

@@ -147,3 +147,49 @@ fn nlp_shows_names_of_files_without_obeying_them() {
     let document: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(document["file"], path.as_str());
 }
+
+#[test]
+fn nlp_keeps_its_own_program_from_being_replaced() {
+    let scratch = Scratch::new("nlp-own");
+    let text = file(0.0, "2 0", "3");
+    let path = written(&scratch, "two.nl", &text);
+    let other = scratch.0.join("./two.nl");
+    for sol in [path.as_str(), other.to_str().unwrap()] {
+        let line = refused(&["nlp", &path, "--sol", sol]);
+        assert!(line.contains("the program itself"), "{line}");
+    }
+    assert_eq!(scratch.read("two.nl"), text);
+}
+
+#[cfg(unix)]
+#[test]
+fn nlp_beyond_the_limit_on_the_size_of_files_says_so_and_leaves_none() {
+    let scratch = Scratch::new("nlp-limit");
+    // 3000 free variables, whose values take more than 1 kB
+    let count = 3000;
+    let path = written(
+        &scratch,
+        "many.nl",
+        &format!(
+            "g3 1 1 0\n {count} 0 1 0 0\n 0 1\n 0 0\n 0 1 0\n 0 0 0 1\n 0 0 0 0 0\n 0 0\n 0 0\n 0 0 0 0 0\nO0 0\no5\nv0\nn2\nb\n{}",
+            "3\n".repeat(count)
+        ),
+    );
+    let sol = scratch.0.join("many.sol");
+    let command = format!(
+        "ulimit -f 1; exec '{}' nlp '{path}' --sol '{}'",
+        env!("CARGO_BIN_EXE_hangtime"),
+        sol.display()
+    );
+    let output = std::process::Command::new("sh")
+        .args(["-c", &command])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2), "{output:?}");
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        stderr.contains("many.sol") && stderr.contains("no file was written"),
+        "{stderr}"
+    );
+    assert_eq!(scratch.names(), ["many.nl"]);
+}

@@ -174,7 +174,7 @@ impl Checker<'_> {
                 format!("`{text}` is reserved for {meaning}; choose another name"),
             ));
         }
-        if words::is_rust_word(text) {
+        if words::is_rust_word(text) && !self.diagnostics.is_data {
             return Err(self.diagnostics.report(
                 "E11",
                 place,
@@ -243,7 +243,13 @@ impl Checker<'_> {
                 list(names())
             )
         } else {
+            let of = words::velocity_of(&name.text, &names().collect::<Vec<_>>());
             match closest(&name.text, names()) {
+                _ if of.is_some() => format!(
+                    "`{}` is not declared; the velocity of `{1}` is `dot({1})`",
+                    name.text,
+                    of.unwrap_or_default()
+                ),
                 Some(near) => format!("`{}` is not declared; did you mean `{near}`?", name.text),
                 None => format!(
                     "`{}` is not declared (coordinates: {})",

@@ -1,27 +1,35 @@
-//! E18: contacts whose gaps depend on each other.
+//! E18: surfaces that are one and the same.
 //!
-//! Contacts that act at once obey Moreau's law, which decides every velocity as long as no gap is a
-//! combination of others. Where `g = sum_i c_i g_i` for every position, contacts are touched together by
-//! necessity, and the law cannot say which of them carries the force and which coefficients hold. A
-//! constant in the sum keeps them apart: opposite walls are never touched together.
+//! Contacts that act at once obey Moreau's law, which decides every velocity, also where one gap is a combination of
+//! others that vanish together with it: the legs of a table on a flat floor share forces that are not unique, and
+//! move in one way. Gaps that depend on each other need not even vanish together: of the corners of a box, whose gaps
+//! fulfil `a - b - c + d = 0`, never more than two touch. So a combination is no mistake. Two surfaces of the same gap are
+//! one: their laws contradict each other or say the same twice. Of opposite gaps the two leave no room to move; a
+//! constant between them keeps them apart.
 
 use super::checker::Checker;
 use crate::ast::Name;
-use crate::diagnostics::list;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::Contact;
 
-/// Rest below which a column of values counts as a combination of others, relative to its largest
-/// value: some thousand roundings.
+/// Rest below which two columns of values are the same, relative to the largest value: some thousand roundings.
 const NEGLIGIBLE: f64 = 1e-11;
 
-/// Reports every contact whose gap is a combination of gaps before it. They are found by their values at random
+/// Points at which gaps are compared, of which some may be without a value.
+const POINTS: usize = 12;
+
+/// Reports every contact whose gap is that of a contact before it, times a number. They are found by their values at random
 /// points: an identity that holds at more points than it has coefficients, all of them random, holds
 /// everywhere but with probability zero (Schwartz, "Fast probabilistic algorithms for verification of
 /// polynomial identities", 1980). The parameters are random as well, so that defaults which make two
-/// gaps equal by chance do not count, and the same at all points, as coefficients may contain them.
+/// gaps equal by chance do not count, and the same at all points, as factors may contain them.
+///
+/// Pieces of a maximum are left out: each acts only where it is the largest, so two that are the same, as where a floor is
+/// made of tiles, need not act together.
 pub(super) fn gaps(contacts: &[Contact], checker: &mut Checker<'_>) {
-    let gaps: Vec<Sym> = contacts.iter().map(|contact| contact.gap).collect();
+    let whole = |contact: &&Contact| contact.alternatives.is_empty();
+    let whole: Vec<&Contact> = contacts.iter().filter(whole).collect();
+    let gaps: Vec<Sym> = whole.iter().map(|contact| contact.gap).collect();
     if gaps.len() < 2 {
         return;
     }
@@ -31,7 +39,7 @@ pub(super) fn gaps(contacts: &[Contact], checker: &mut Checker<'_>) {
         .collect();
     let mut rows: Vec<Vec<f64>> = Vec::new();
     // Points at which a root or a logarithm has no value are passed over.
-    for _ in 0..4 * gaps.len() + 8 {
+    for _ in 0..POINTS {
         let point: Vec<f64> = (0..=checker.coordinates.len())
             .map(|_| random.number(-1.0, 1.0))
             .collect();
@@ -47,7 +55,7 @@ pub(super) fn gaps(contacts: &[Contact], checker: &mut Checker<'_>) {
         let row: Option<Vec<f64>> = values.iter().map(|value| value.as_number()).collect();
         rows.extend(row.filter(|row| row.iter().all(|value| value.is_finite())));
     }
-    if rows.len() < gaps.len() + 3 {
+    if rows.len() < POINTS / 2 {
         return;
     }
     let columns: Vec<Vec<f64>> = (0..gaps.len())
@@ -57,42 +65,13 @@ pub(super) fn gaps(contacts: &[Contact], checker: &mut Checker<'_>) {
             values.iter().map(|value| value / scale).collect()
         })
         .collect();
-    let names: Vec<&Name> = contacts.iter().map(|contact| &contact.name).collect();
-    let mut reported = vec![false; columns.len()];
     for second in 0..columns.len() {
-        for first in 0..second {
-            if let Some(sign) = proportional(&columns[first], &columns[second])
-                && act_together(contacts, &[first, second])
-            {
-                report(
-                    names[second],
-                    same(names[first], names[second], sign),
-                    checker,
-                );
-                reported[second] = true;
-                break;
-            }
+        let sign = |first: usize| proportional(&columns[first], &columns[second]);
+        if let Some((first, sign)) = (0..second).find_map(|first| Some((first, sign(first)?))) {
+            let [first, second] = [first, second].map(|i| &whole[i].name);
+            report(second, same(first, second, sign), checker);
         }
     }
-    for (index, others) in combinations(&columns) {
-        let all: Vec<usize> = others.iter().copied().chain([index]).collect();
-        if !reported[index] && others.len() > 1 && act_together(contacts, &all) {
-            let others = others.into_iter().map(|other| names[other].text.as_str());
-            let message = format!(
-                "the gap of surface `{}` is a combination of those of {}, so it is touched wherever they are \
-                 and no rule says how they share the force; leave one of them out",
-                names[index].text,
-                list(others)
-            );
-            report(names[index], message, checker);
-        }
-    }
-}
-
-/// Whether contacts can be touched at once: of the pieces of a maximum, only the largest acts.
-fn act_together(contacts: &[Contact], among: &[usize]) -> bool {
-    let mut others = among.iter().flat_map(|&i| &contacts[i].alternatives);
-    !others.any(|other| among.contains(other))
 }
 
 fn report(name: &Name, message: String, checker: &mut Checker<'_>) {
@@ -126,49 +105,6 @@ fn proportional(first: &[f64], second: &[f64]) -> Option<f64> {
             .zip(second)
             .all(|(a, b)| (a - sign * b).abs() <= NEGLIGIBLE)
     })
-}
-
-/// Columns that are combinations of columns before them without a constant, with the columns that they
-/// are made of: elimination, with a column of ones before all others.
-fn combinations(columns: &[Vec<f64>]) -> Vec<(usize, Vec<usize>)> {
-    struct Reduced {
-        values: Vec<f64>,
-        coefficients: Vec<f64>,
-        pivot: usize,
-    }
-    let points = columns.first().map_or(0, Vec::len);
-    let ones = vec![1.0; points];
-    let mut known: Vec<Reduced> = Vec::new();
-    let mut found = Vec::new();
-    for (index, column) in std::iter::once(&ones).chain(columns).enumerate() {
-        let mut values = column.clone();
-        let mut coefficients = vec![0.0; columns.len() + 1];
-        coefficients[index] = 1.0;
-        for other in &known {
-            let factor = values[other.pivot] / other.values[other.pivot];
-            for (value, its) in values.iter_mut().zip(&other.values) {
-                *value -= factor * its;
-            }
-            for (own, its) in coefficients.iter_mut().zip(&other.coefficients) {
-                *own -= factor * its;
-            }
-        }
-        if largest(&values) > NEGLIGIBLE {
-            let pivot = (0..points).max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs()));
-            known.push(Reduced {
-                values,
-                coefficients,
-                pivot: pivot.unwrap_or(0),
-            });
-            continue;
-        }
-        let is_used = |coefficient: f64| coefficient.abs() > NEGLIGIBLE.sqrt();
-        if !is_used(coefficients[0]) {
-            let others = (1..index).filter(|&i| is_used(coefficients[i]));
-            found.push((index - 1, others.map(|i| i - 1).collect()));
-        }
-    }
-    found
 }
 
 /// A small generator (splitmix64), so that every expansion gives the same answer.

@@ -268,7 +268,8 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
     for surface in surfaces {
         let text = &surface.name.text;
         let Some(law) = laws.iter().find(|law| law.surface.text == *text) else {
-            if checker.diagnostics.is_poisoned(&law_of(text)) {
+            let of = [text.as_str(), ""].map(law_of);
+            if of.iter().any(|law| checker.diagnostics.is_poisoned(law)) {
                 continue;
             }
             if surface.piece == 0 {
@@ -408,6 +409,14 @@ fn complete(
         Some(&sliding) => {
             braked(sliding, &friction, surface, held, checker)?;
             along_surface(sliding, &friction, surface, checker)?;
+            if is_in_space(surface, checker) {
+                let message = format!(
+                    "friction of `{0}` brakes the one velocity behind `sliding` only: a body that moves in space along \
+                     `{0}` slides on for ever in the direction across it",
+                    surface.name.text
+                );
+                checker.diagnostics.warn("E20", friction.place, message);
+            }
             sliding
         }
         // Of a kinetic energy with mistakes nothing follows.
@@ -419,13 +428,22 @@ fn complete(
         }
         None => {
             let first = &checker.coordinates[0].name.text;
-            let message = format!(
-                "`friction` of `{0}` needs the sliding velocity, which follows by itself for one point mass \
+            let message = if is_in_space(surface, checker) {
+                format!(
+                    "`friction` of `{0}` needs the sliding velocity: a contact in space has two, along `x` and `y` of a floor, \
+                     say, and friction brakes a single one; where the body moves along one line only, leave the other \
+                     coordinate out or hold it, and else describe what brakes it by `dissipation` or `dry friction`",
+                    surface.name.text
+                )
+            } else {
+                format!(
+                    "`friction` of `{0}` needs the sliding velocity, which follows by itself for one point mass \
                  in two Cartesian coordinates on a surface at rest only; add that of the touching point along \
                  the surface, scaled like the gap, as in `impact {0}: ..., friction {1}, sliding dot({first})`",
-                surface.name.text,
-                shown_coefficient(checker, &friction)
-            );
+                    surface.name.text,
+                    shown_coefficient(checker, &friction)
+                )
+            };
             return Err(checker.diagnostics.report("E20", friction.place, message));
         }
     };
@@ -433,6 +451,26 @@ fn complete(
         coefficient: friction.coefficient,
         sliding,
     })
+}
+
+/// Whether a surface is in space: its gap is of a body with the three places `x`, `y` and `z`, in one unit, so that it
+/// may slide in two directions.
+fn is_in_space(surface: &Surface, checker: &Checker<'_>) -> bool {
+    let place = |name: &str| {
+        let mut all = checker.coordinates.iter();
+        all.position(|known| known.name.text == name)
+    };
+    let Some(places) = ["x", "y", "z"]
+        .into_iter()
+        .map(place)
+        .collect::<Option<Vec<usize>>>()
+    else {
+        return false;
+    };
+    let unit = |i: &usize| checker.coordinates[*i].unit.as_ref().map(|unit| unit.unit);
+    let is_place =
+        |variable| matches!(variable, Variable::Coordinate(i) if places.contains(&usize::from(i)));
+    places.iter().all(|i| unit(i) == unit(&places[0])) && graph::depends_on(surface.gap, is_place)
 }
 
 /// E09: a tangential force must be able to change the sliding velocity.

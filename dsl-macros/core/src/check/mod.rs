@@ -1,6 +1,7 @@
 //! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
 
 mod checker;
+mod chosen;
 mod dependence;
 mod dry;
 mod law;
@@ -247,6 +248,7 @@ fn finish(
     if let Ok(contacts) = &contacts {
         dependence::gaps(contacts, &mut checker);
     }
+    chosen::coordinates(lagrangian, &mut checker);
     rules::unused(&mut checker);
     let mut contacts = contacts?;
     dry::append(&mut checker, &units.gaps, &mut contacts);

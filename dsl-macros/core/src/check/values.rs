@@ -224,7 +224,9 @@ fn damping_is_not_negative(
 
 pub(super) fn forces(checker: &mut Checker<'_>, assignments: &[Assignment]) -> Checked<()> {
     for assignment in assignments {
+        checker.scope.acts = true;
         let value = expression::scalar(&mut checker.scope, &assignment.value, checker.diagnostics);
+        checker.scope.acts = false;
         let (Ok(index), Ok(value)) = (checker.coordinate_index(&assignment.target), value) else {
             continue;
         };

@@ -3,7 +3,7 @@
 use super::kink::Kink;
 use super::scope::{Role, Scope};
 use super::value::Value;
-use crate::ast::Expr;
+use crate::ast::{Expr, Kind};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::graph::{self, Compose, Function, Node, Sym, Variable};
 use crate::words;
@@ -58,8 +58,21 @@ fn remedy(role: Role, surface: bool) -> &'static str {
 }
 
 /// E12: a bar around a number that is neither in a surface nor in what is shown.
-pub(super) fn refuse_size(scope: &Scope, inner: &Expr, diagnostics: &mut Diagnostics) -> Reported {
+pub(super) fn refuse_size(
+    scope: &Scope,
+    inner: &Expr,
+    part: Sym,
+    diagnostics: &mut Diagnostics,
+) -> Reported {
     let why = match scope.role {
+        Role::Motion if is_velocity(part) => format!(
+            "a kink at 0; for a drag write `sqrt({}^2 + v_0^2)` in its place, with a small speed `v_0`, and for dry \
+             friction `dry friction name: bound f, sliding {inner}`",
+            match &inner.kind {
+                Kind::Name(_) | Kind::Call { .. } | Kind::Component { .. } => inner.to_string(),
+                _ => format!("({inner})"),
+            }
+        ),
         Role::Running | Role::Impact | Role::Constraint | Role::End => {
             format!("a kink at 0, {}", remedy(scope.role, false))
         }
@@ -67,6 +80,28 @@ pub(super) fn refuse_size(scope: &Scope, inner: &Expr, diagnostics: &mut Diagnos
     };
     let message = format!("`|{inner}|` of a number has {why}");
     diagnostics.report("E12", inner.place, message)
+}
+
+/// Whether a value moves with velocities.
+fn is_velocity(part: Sym) -> bool {
+    graph::depends_on(part, |variable| matches!(variable, Variable::Velocity(_)))
+}
+
+/// E12: the sign of a velocity, which is dry friction.
+pub(super) fn refuse_sign(
+    whole: &Expr,
+    argument: &Expr,
+    part: Sym,
+    diagnostics: &mut Diagnostics,
+) -> Checked<()> {
+    if !is_velocity(part) {
+        return Ok(());
+    }
+    let message = format!(
+        "`{whole}` jumps where a motion comes to rest, which is dry friction; write the statement `dry friction name: bound f, \
+         sliding {argument}`, with the size `f` of the force"
+    );
+    Err(diagnostics.report("E12", whole.place, message))
 }
 
 /// What `max`, `min` or `abs` of some parts is: in a surface a variable, the same one for the same parts.

@@ -4,6 +4,7 @@ use super::algebra::{cross_product, inner_product, map, not_a_vector, of_numbers
 use super::edges;
 use super::functions::{elementary, velocity_direction};
 use super::matrix;
+use super::named;
 use super::recorded;
 use super::scope::{Meaning, Role, Scope};
 use super::value::Value;
@@ -268,16 +269,12 @@ fn component(
         }
         return Err(not_a_vector(vector, &value, diagnostics));
     };
-    let names: &[&str] = match components.len() {
-        2 => &["y", "z"],
-        3 => &["x", "y", "z"],
-        _ => &[],
-    };
-    if let Some(index) = names.iter().position(|known| *known == name.text) {
+    if let Some(index) = named::position(scope, components, &name.text) {
         return Ok(Value::Scalar(components[index]));
     }
+    let names = named::names(scope, components);
     // `a . b` with two vectors is their inner product.
-    if !["x", "y", "z"].contains(&name.text.as_str()) && scope.names.contains_key(&name.text) {
+    if !named::NAMES.contains(&name.text.as_str()) && scope.names.contains_key(&name.text) {
         let other = scope.name(name, diagnostics)?;
         return inner_product(&value, &other, name.place(), diagnostics);
     }
@@ -305,7 +302,7 @@ fn norm(scope: &mut Scope, inner: &Expr, diagnostics: &mut Diagnostics) -> Check
         Value::Scalar(part) if edges::admitted(scope.role) => {
             Ok(edges::call(scope, "abs", vec![part]))
         }
-        Value::Scalar(_) => Err(edges::refuse_size(scope, inner, diagnostics)),
+        Value::Scalar(part) => Err(edges::refuse_size(scope, inner, part, diagnostics)),
         Value::Vector(components) => {
             let square: Sym = components.iter().map(|component| component.square()).sum();
             Ok(Value::Scalar(square.power(1)))
@@ -376,6 +373,12 @@ fn call(
         ));
     }
     if words::NONSMOOTH.contains(&text) {
+        if let ("sign" | "signum", [argument]) = (text, arguments)
+            && scope.role == Role::Motion
+        {
+            let part = scalar(scope, argument, diagnostics)?;
+            edges::refuse_sign(whole, argument, part, diagnostics)?;
+        }
         edges::admit(scope, whole, (text, arguments.len()), diagnostics)?;
         let parts: Vec<Checked<Sym>> = arguments
             .iter()

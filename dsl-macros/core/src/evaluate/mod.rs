@@ -6,6 +6,7 @@ pub(crate) mod expression;
 mod functions;
 mod kink;
 mod matrix;
+mod named;
 mod recorded;
 mod scope;
 mod value;

@@ -55,10 +55,15 @@ pub(crate) struct Contents {
     pub(crate) edges: bool,
 }
 
+/// What the final time is called elsewhere.
+const FINAL_TIMES: [&str; 6] = ["T", "tf", "t_f", "tend", "t_end", "t_final"];
+
 /// All names in force, and which of them have been used.
 #[derive(Default)]
 pub(crate) struct Scope {
     pub(crate) role: Role,
+    /// Whether a force is evaluated.
+    pub(crate) acts: bool,
     pub(crate) names: BTreeMap<String, Meaning>,
     pub(crate) used: HashSet<String>,
     /// Names that are declared further down.
@@ -158,12 +163,7 @@ impl Scope {
             .map(|(name, _)| name.as_str())
             .chain(self.names.keys().map(String::as_str))
             .collect();
-        let of = text
-            .strip_suffix("_dot")
-            .or_else(|| text.strip_suffix("dot"))
-            .or_else(|| text.strip_prefix('d'))
-            .filter(|stem| known.contains(stem));
-        if let Some(of) = of {
+        if let Some(of) = words::velocity_of(text, &known) {
             return diagnostics.report(
                 "E01",
                 name.place(),
@@ -180,11 +180,18 @@ impl Scope {
                  time at each instant is `t`"
                     .to_owned()
             }
+            _ if self.role == Role::End && FINAL_TIMES.contains(&text.as_str()) => {
+                format!("`{text}` is not declared; the final time is `time`, as in `minimize time`")
+            }
             _ if !factors.is_empty() => {
                 let product = factors.join("*");
                 format!("`{text}` is not declared; write `{product}` if the product is meant")
             }
             Some(near) => format!("`{text}` is not declared; did you mean `{near}`?"),
+            None if self.acts => format!(
+                "`{text}` is not declared; a force that is to be found is a control, `controls {{ {text}: N }}`, and one that \
+                 is given a parameter"
+            ),
             None if known.is_empty() => {
                 format!("`{text}` is not declared; add it to `parameters` or `coordinates`")
             }

@@ -64,7 +64,7 @@ fn condition(
             place,
             format!(
                 "a condition compares two sides; write two conditions, the second one with `{right}` \
-                 on its left"
+                 on its left; bounds of a control stand where it is declared, as in `u in -1..=1`"
             ),
         ));
     }

@@ -373,7 +373,8 @@ impl Parser<'_> {
     }
 
     fn name(&mut self, cursor: &mut Cursor, name: Name) -> Checked<Expr> {
-        if name.text == "if" || name.text == "match" {
+        let switches = name.text == "if" || name.text == "match";
+        if switches && !self.diagnostics.is_declared(&name.text) {
             return Err(self.diagnostics.report(
                 "E12",
                 name.place(),
@@ -608,7 +609,7 @@ impl Parser<'_> {
             }
             _ => return Ok(()),
         };
-        let message = slips::missing_operator(left, &right, list);
+        let message = slips::juxtaposed(cursor, left, &right, list);
         Err(self.diagnostics.syntax(cursor.place(), message))
     }
 

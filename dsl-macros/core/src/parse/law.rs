@@ -15,6 +15,15 @@ pub(crate) fn law_of(surface: &str) -> String {
 
 /// Parses what stands behind the word `impact`.
 pub(super) fn impact(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
+    if let Some(part) = cursor.ident().map(ToString::to_string)
+        && words::LAW_PARTS.contains(&part.as_str())
+    {
+        diagnostics.poison(&law_of(""));
+        let message = format!(
+            "the law names its surface in front of a colon; write `impact name: {part} ...` with the name of the surface"
+        );
+        return Err(diagnostics.syntax(cursor.place(), message));
+    }
     let mut surfaces = vec![name(cursor, "the name of a surface", diagnostics)?];
     while cursor.eat_symbol(",") {
         surfaces.push(name(cursor, "the name of a surface", diagnostics)?);

@@ -2,6 +2,7 @@
 
 use super::cursor::{Cursor, unexpected};
 use super::expression::expression;
+use super::slips;
 use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::words;
@@ -49,11 +50,16 @@ pub(super) fn block(
 ) -> Checked<Cursor> {
     match cursor.eat_group(Delimiter::Brace) {
         Some(group) => Ok(Cursor::inside(&group)),
-        None => Err(unexpected(
-            cursor,
-            diagnostics,
-            &format!("`{{` after `{}`", word.text),
-        )),
+        None => {
+            let example = match cursor.ident() {
+                Some(first) => format!(
+                    "`{{` after `{0}`, as in `{0} {{ {first}: ... }}`",
+                    word.text
+                ),
+                None => format!("`{{` after `{}`", word.text),
+            };
+            Err(unexpected(cursor, diagnostics, &example))
+        }
     }
 }
 
@@ -94,8 +100,17 @@ pub(super) fn range(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Check
     if !cursor.eat_word("in") {
         return Ok(None);
     }
+    if let Some(message) = slips::interval(cursor) {
+        return Err(diagnostics.syntax(cursor.place(), message));
+    }
     let lower = expression(cursor, diagnostics)?;
     if !cursor.eat_symbol("..=") {
+        if cursor.at_symbol("..") {
+            let message = format!(
+                "the upper bound belongs to the range; write `{lower}..=` and the upper bound"
+            );
+            return Err(diagnostics.syntax(cursor.place(), message));
+        }
         return Err(unexpected(
             cursor,
             diagnostics,
@@ -111,6 +126,10 @@ pub(super) fn target(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Chec
     let velocity = cursor.at_word("dot")
         && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
             if group.delimiter() == Delimiter::Parenthesis);
+    if cursor.peek().is_some_and(is_parenthesis) {
+        let message = "each entry is of one coordinate, not of a vector; write one for each, as in `y: ..., z: ...`";
+        return Err(diagnostics.syntax(cursor.place(), message));
+    }
     if !velocity {
         return Ok((name(cursor, "a coordinate", diagnostics)?, false));
     }
@@ -124,4 +143,8 @@ pub(super) fn target(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Chec
         return Err(unexpected(&inner, diagnostics, "`)`"));
     }
     Ok((target, true))
+}
+
+fn is_parenthesis(token: &TokenTree) -> bool {
+    matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Parenthesis)
 }

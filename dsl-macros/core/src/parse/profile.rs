@@ -7,7 +7,7 @@ use super::unit;
 use crate::ast::{Expr, Kind, Name, Statement, WrittenUnit};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::graph::Profile;
-use proc_macro2::Delimiter;
+use proc_macro2::{Delimiter, TokenTree};
 
 /// Fewest and most points of a profile.
 const FEWEST: usize = 3;
@@ -44,6 +44,14 @@ fn after_name(
     }
     let value_unit = colon_and_unit(cursor, diagnostics)?;
     let place = cursor.place();
+    if let Some(TokenTree::Literal(file)) = cursor.peek() {
+        let file = file.to_string();
+        let message = format!(
+            "a profile holds its points itself; `hangtime profile {}` prints the statement with the points of that table",
+            file.trim_matches('"')
+        );
+        return Err(diagnostics.syntax(place, message));
+    }
     let Some(group) = cursor.eat_group(Delimiter::Brace) else {
         let wanted = format!("`{{` and the points, as in `{EXAMPLE}`");
         return Err(unexpected(cursor, diagnostics, &wanted));

@@ -1,8 +1,9 @@
 //! What is meant by common slips, and what to write instead.
 
 use super::cursor::Cursor;
+use super::expression::expression;
 use super::unit;
-use crate::ast::{Expr, Kind};
+use crate::ast::{Expr, Kind, Name};
 use crate::diagnostics::Diagnostics;
 use crate::words;
 use proc_macro2::{Delimiter, Spacing, TokenTree};
@@ -79,8 +80,17 @@ pub(super) fn number(
     })
 }
 
+/// What is said where `right` stands at the cursor, behind an expression without an operator.
+pub(super) fn juxtaposed(cursor: &Cursor, left: &Expr, right: &str, list: bool) -> String {
+    if is_equation_of_motion(cursor) {
+        EQUATIONS_FOLLOW.to_owned()
+    } else {
+        missing_operator(left, right, list)
+    }
+}
+
 /// The remedy where `right` stands behind an expression without an operator; `list` tells whether a comma may be meant.
-pub(super) fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
+fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
     // The last term is what the missing operator would multiply.
     let last = match &left.kind {
         Kind::Chain(_, rest) if rest[0].operator.is_additive() => {
@@ -100,6 +110,11 @@ pub(super) fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
         return format!(
             "an operator is missing before `{right}`; write a unit as `{text} [{right}]` and a product as \
              `{text}*{right}`"
+        );
+    }
+    if matches!(&factor.kind, Kind::Name(name) if name.text == words::INTEGRAL) {
+        return format!(
+            "what is integrated stands in parentheses; write `integral({right})`, with all of it between them"
         );
     }
     if let Kind::Power { base, exponent, .. } = &factor.kind
@@ -195,3 +210,65 @@ pub(super) fn expect_name_of(
         diagnostics.poison(&name.to_string());
     }
 }
+
+/// What is written in place of bounds in brackets, `in [lower, upper]`.
+pub(super) fn interval(cursor: &Cursor) -> Option<String> {
+    let mut ahead = cursor.clone();
+    let group = ahead
+        .eat_group(Delimiter::Bracket)
+        .or_else(|| ahead.eat_group(Delimiter::Parenthesis))
+        .filter(|_| ahead.is_empty() || ahead.at_symbol(",") || ahead.at_symbol("="))?;
+    let inside = group.stream().to_string();
+    let (lower, upper) = inside.split_once([',', ';'])?;
+    let [lower, upper] = [lower, upper].map(|bound| bound.trim().replace("- ", "-"));
+    if lower.is_empty() || upper.is_empty() || upper.contains(',') {
+        return None;
+    }
+    Some(format!(
+        "bounds are written with dots between them, as in `in {lower}..={upper}`"
+    ))
+}
+
+/// A quantity between its bounds, `lower <= name <= upper`: the name, both bounds, and what to write; the cursor moves
+/// behind it.
+pub(super) fn between(cursor: &mut Cursor) -> Option<(Name, [Expr; 2], String)> {
+    let mut ahead = cursor.clone();
+    let mut silent = Diagnostics::default();
+    let mut bound = |ahead: &mut Cursor| expression(ahead, &mut silent).ok();
+    let at_most = |ahead: &mut Cursor| ahead.eat_symbol("<=") || ahead.eat_symbol("<");
+    let lower = bound(&mut ahead)?;
+    let name = at_most(&mut ahead).then(|| ahead.eat_name()).flatten()?;
+    let upper = at_most(&mut ahead).then(|| bound(&mut ahead)).flatten()?;
+    *cursor = ahead;
+    let message = format!(
+        "bounds stand behind the name; write `{} in {lower}..={upper}`",
+        name.text
+    );
+    Some((name, [lower, upper], message))
+}
+
+/// Most tokens of an equation that are looked at.
+const LOOKED_AT: usize = 60;
+
+/// Whether an equation of motion stands here, with an acceleration and an equals sign before the next statement.
+pub(super) fn is_equation_of_motion(cursor: &Cursor) -> bool {
+    let mut ahead = cursor.clone();
+    let (mut accelerates, mut equals) = (false, false);
+    for _ in 0..LOOKED_AT {
+        match ahead.peek() {
+            Some(TokenTree::Ident(word)) if words::is_keyword(&word.to_string()) => break,
+            Some(TokenTree::Ident(word)) => {
+                accelerates |= ["ddot", "acc"].contains(&word.to_string().as_str())
+            }
+            Some(TokenTree::Punct(punct)) => equals |= punct.as_char() == '=',
+            Some(_) => {}
+            None => break,
+        }
+        ahead.advance();
+    }
+    accelerates && equals
+}
+
+/// What is written in place of equations of motion.
+pub(super) const EQUATIONS_FOLLOW: &str = "equations of motion are not written, they follow from the `lagrangian`, which is \
+     kinetic minus potential energy; what acts besides stands in `forces { x: ... }`";

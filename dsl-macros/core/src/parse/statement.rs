@@ -134,6 +134,7 @@ fn statement(
 fn unknown_statement(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Reported {
     let text = word.text.as_str();
     let message = match closest(text, words::STATEMENTS) {
+        _ if slips::is_equation_of_motion(cursor) => slips::EQUATIONS_FOLLOW.to_owned(),
         _ if text == "friction" => {
             "`friction` is part of an impact law; write `impact name: ..., friction mu`, or \
              `dry friction name: bound f, sliding dot(q)` for friction without a surface"
@@ -180,6 +181,19 @@ fn quantities(
 
 fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quantity> {
     let documentation = documentation(cursor, diagnostics);
+    let place = cursor.place();
+    if cursor.ident().is_none()
+        && let Some((name, [lower, upper], message)) = slips::between(cursor)
+    {
+        diagnostics.syntax(place, message);
+        return Ok(Quantity {
+            documentation,
+            name,
+            unit: None,
+            bounds: Some((lower, upper)),
+            value: None,
+        });
+    }
     let name = name(cursor, "a name", diagnostics)?;
     let unit = if cursor.eat_symbol(":") {
         // A faulty unit has been reported and skipped; the quantity is declared all the same.

@@ -26,6 +26,10 @@ pub(super) fn declared(
         if matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace) {
             break;
         }
+        // What was meant to be the file of a profile.
+        if matches!(token, TokenTree::Literal(text) if text.to_string().starts_with('"')) {
+            break;
+        }
         // Behind a missing comma the next entry begins.
         if !text.is_empty() && is_named(cursor, 0) {
             break;

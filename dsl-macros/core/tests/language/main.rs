@@ -1,5 +1,6 @@
 //! What the language says: texts of messages, pages, slips that people make, malformed declarations.
 
+mod advice;
 mod format;
 mod fuzz;
 mod messages;

@@ -340,7 +340,7 @@ texts! {
     single_equals_sign: cart "finally { y = 1 [m], dot(y) > 0 }" =>
         "a condition is written with `==`, `>=` or `<=`; one of them is meant here";
     chain_of_inequalities: cart "constraint c: 0 <= y <= 1 [m]" =>
-        "a condition compares two sides; write two conditions, the second one with `y` on its left";
+        "a condition compares two sides; write two conditions, the second one with `y` on its left; bounds of a control stand where it is declared, as in `u in -1..=1`";
     norm_of_velocity_as_constraint: beside "constraint c: |dot((y, z))| <= 1 [m/s]" =>
         "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
     control_of_a_cost_is_used: beside "controls { u: N, slack: m, idle: N } forces { y: u } minimize integral(slack) constraint c: slack >= y" =>
@@ -353,8 +353,17 @@ texts! {
         "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";
     surface_from_both_sides: beside "surface a: z >= m*1 [m/kg] surface b: z <= m*1 [m/kg] impact a, b: inelastic start { z: m*1 [m/kg] }" =>
         "E18: surfaces `a` and `b` are the same from both sides, so they leave no room to move; leave one out, or describe the motion by a coordinate less";
-    surface_through_a_corner: beside "surface a: z >= 0 surface b: y >= 0 surface c: y + m*2 [1/kg]*z >= 0 impact a, b, c: inelastic" =>
-        "E18: the gap of surface `c` is a combination of those of `a`, `b`, so it is touched wherever they are and no rule says how they share the force; leave one of them out";
+    surface_through_a_corner_is_accepted: beside "surface a: z >= 0 surface b: y >= 0 surface c: y + m*2 [1/kg]*z >= 0 impact a, b, c: inelastic" =>
+        "accepted";
+    // The gaps of a turning rectangle fulfil a - b - c + d = 0 wherever the floor lies.
+    corners_are_accepted: messages
+        "S { coordinates { z, p } lagrangian dot(z)^2 + dot(p)^2
+         surface a: z + 3*sin(p) + 2*cos(p) >= 7 surface b: z - 3*sin(p) + 2*cos(p) >= 7 surface c: z + 3*sin(p) - 2*cos(p) >= 7
+         surface d: z - 3*sin(p) - 2*cos(p) >= 7 impact a, b, c, d: inelastic start { z: 20 } }" =>
+        "accepted";
+    tiles_side_by_side_are_accepted: beside
+        "surface left: max(z, y) >= 0 surface right: max(z, -y) >= 0 impact left, right: inelastic" =>
+        "accepted";
     same_surface_in_two_forms: messages
         "S { coordinates { y } lagrangian dot(y)^2 surface a: sin(y)^2 >= 1/4 surface b: 1 - cos(2*y) >= 1/2 impact a, b: inelastic start { y: 1 } }" =>
         "E18: surfaces `a` and `b` are the same, so they are always touched together and no rule says which of their laws holds; leave one out";

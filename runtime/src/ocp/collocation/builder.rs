@@ -31,6 +31,8 @@ pub(super) struct Builder<'a, 's> {
     pub(super) state: Vec<usize>,
     /// What drove the motion at the end of the phase before; nothing at the start, at time 0.
     pub(super) before: Vec<usize>,
+    /// The variable of the length of the present phase between two switches.
+    pub(super) duration: Option<usize>,
     /// Number of coordinates.
     pub(super) n: usize,
 }
@@ -52,8 +54,18 @@ impl Builder<'_, '_> {
         before.map(|phase| (phase.scale, phase.factor)).collect()
     }
 
-    /// Length of an interval in the guess \[s\].
+    /// Length of an interval in the guess \[s\], if all are equal.
     pub(super) fn interval_length(&self) -> f64 {
         self.guess.horizon / self.setting.problem.intervals as f64
+    }
+
+    /// Time in the guess at a share of an interval \[s\].
+    pub(super) fn guessed_time(&self, interval: usize, share: f64) -> f64 {
+        match self.setting.lengths.span(interval) {
+            Some((span, place)) => {
+                span.from + (span.to - span.from) * (place as f64 + share) / span.pieces as f64
+            }
+            None => (interval as f64 + share) * self.interval_length(),
+        }
     }
 }

@@ -22,7 +22,9 @@ pub(in crate::ocp) struct Setting<'a> {
     pub(in crate::ocp) parabolas: &'a [bool],
     pub(in crate::ocp) places: Places,
     pub(in crate::ocp) shape: ControlShape,
-    pub(in crate::ocp) lengths: Lengths,
+    pub(in crate::ocp) lengths: Lengths<'a>,
+    /// Sizes of the goals, where these may be missed at a price: [`Collocation::penalize`](super::program::Collocation::penalize).
+    pub(in crate::ocp) elastic: Option<&'a [f64]>,
     /// Distances that the method keeps by itself, shortest phases and least impacts, as a share of the usual ones.
     pub(in crate::ocp) kept: f64,
 }
@@ -48,6 +50,7 @@ impl<'a> Setting<'a> {
             },
             shape: settings.controls,
             lengths: Lengths::Equal,
+            elastic: None,
             kept: 1.0,
         }
     }
@@ -73,12 +76,47 @@ impl<'a> Setting<'a> {
 }
 
 /// Lengths of the control intervals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::ocp) enum Lengths {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::ocp) enum Lengths<'a> {
     /// The same of all.
     Equal,
     /// Each one free, so that switches may be at any time; of constant controls, with bounds of coordinates at nodes.
     Free,
+    /// Those of a phase between two switches make it up, and the phases make up the motion.
+    Phases(&'a [Span]),
+}
+
+/// The control intervals between two switches of a motion whose switches may be at any time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::ocp) struct Span {
+    /// Number of intervals.
+    pub(in crate::ocp) pieces: usize,
+    /// Whether each of them has a length of its own; else they divide the phase evenly.
+    pub(in crate::ocp) free: bool,
+    /// When it begins and ends in the guess \[s\].
+    pub(in crate::ocp) from: f64,
+    pub(in crate::ocp) to: f64,
+    /// Its length to start with \[s\].
+    pub(in crate::ocp) duration: f64,
+    /// Finite elements of each interval.
+    pub(in crate::ocp) elements: usize,
+    /// Largest share of the motion that the length of an interval of its own may be.
+    pub(in crate::ocp) longest: Option<f64>,
+}
+
+impl<'a> Lengths<'a> {
+    /// The phase that an interval belongs to, and its place there.
+    pub(in crate::ocp) fn span(self, interval: usize) -> Option<(&'a Span, usize)> {
+        let Self::Phases(spans) = self else {
+            return None;
+        };
+        let mut first = 0;
+        spans.iter().find_map(|span| {
+            let place = interval.checked_sub(first)?;
+            first += span.pieces;
+            (place < span.pieces).then_some((span, place))
+        })
+    }
 }
 
 /// Where bounds of coordinates and path constraints are imposed.

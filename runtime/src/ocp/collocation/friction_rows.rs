@@ -472,6 +472,7 @@ mod tests {
             model,
             shape,
             lengths: Lengths::Equal,
+            elastic: None,
             kept: 1.0,
             problem: &problem,
             tableau: &tableau,

@@ -1,7 +1,7 @@
 //! One control interval: what switches at its start, its phases, and the bounds over the whole of it.
 
 use super::builder::Builder;
-use super::discretization::Lengths;
+use super::discretization::{Lengths, Span};
 use super::impact_map::Instant;
 use super::layout::{Distance, Kept};
 use super::phase::Element;
@@ -72,7 +72,6 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
     let mut before = builder.state.clone();
     let mut left = switch_at_start(builder, interval, switches, &mut before);
     let inside: Vec<usize> = instants(switches, interval, Place::Inside).collect();
-    let length = builder.interval_length();
     let ends = guessed_ends(interval, switches, &inside);
     let durations = durations(builder, interval, &ends);
     let intervals = builder.setting.problem.intervals;
@@ -81,13 +80,13 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
     let mut begin = 0.0;
     for (p, &end) in ends.iter().enumerate() {
         let (scale, factor) = match durations.get(p) {
-            Some(&duration) => (duration, 1.0),
+            Some(&duration) => duration,
             None => (builder.frame.horizon, 1.0 / intervals as f64),
         };
         let factor = factor / elements as f64;
         let (from, to) = (
-            (interval as f64 + begin) * length,
-            (interval as f64 + end) * length,
+            builder.guessed_time(interval, begin),
+            builder.guessed_time(interval, end),
         );
         left.turns.finishing = interval + 1 == intervals && p + 1 == count;
         let ending = inside.get(p).copied();
@@ -127,7 +126,11 @@ pub(super) fn add(builder: &mut Builder, interval: usize, switches: &[Switch]) {
         }
         begin = end;
     }
-    interval_bounds::add(builder, interval, &before);
+    let whole = match builder.setting.lengths {
+        Lengths::Phases(_) => durations[0],
+        Lengths::Equal | Lengths::Free => (builder.frame.horizon, 1.0 / intervals as f64),
+    };
+    interval_bounds::add(builder, interval, &before, whole);
 }
 
 /// Indices of the first switches of the instants at a place of an interval.
@@ -156,8 +159,13 @@ fn switch_at_start(
         let instant = Instant::at(switches, index);
         left.add(&instant, &builder.modes, jumps);
         if instant.first.closes {
-            let share = 1.0 / builder.setting.problem.intervals as f64;
-            let time = builder.guess.horizon * interval as f64 * share;
+            let time = match builder.setting.lengths {
+                Lengths::Phases(_) => builder.guessed_time(interval, 0.0),
+                Lengths::Equal | Lengths::Free => {
+                    let share = 1.0 / builder.setting.problem.intervals as f64;
+                    builder.guess.horizon * interval as f64 * share
+                }
+            };
             let label = format!("interval {}", interval - 1);
             impact_map::close(builder, &instant, &label, time);
             before.clone_from(&builder.state);
@@ -227,8 +235,12 @@ fn guessed_ends(interval: usize, switches: &[Switch], inside: &[usize]) -> Vec<f
     ends
 }
 
-/// Adds the lengths of the phases of an interval, which make it up; none where it is one phase of the length of all intervals.
-fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<usize> {
+/// Adds the lengths of the phases of an interval, as a variable and a factor, which make it up; none where it is one phase of the length
+/// of all intervals.
+fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<(usize, f64)> {
+    if let Some((span, place)) = builder.setting.lengths.span(interval) {
+        return vec![duration_of(builder, interval, span, place)];
+    }
     let count = ends.len();
     let free = builder.setting.lengths == Lengths::Free;
     if count == 1 && !free {
@@ -267,14 +279,41 @@ fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<usize>
             unit: "s".to_owned(),
             chosen: false,
         });
-        duration
+        (duration, 1.0)
     });
     durations.collect()
 }
 
+/// The length of an interval of a phase whose switches may be at any time: a part of that of the phase, or its own.
+fn duration_of(builder: &mut Builder, interval: usize, span: &Span, place: usize) -> (usize, f64) {
+    let own = if span.free { span.pieces } else { 1 };
+    let share = own as f64 / span.pieces as f64;
+    if let Some(duration) = builder.duration.filter(|_| place > 0 && !span.free) {
+        return (duration, share);
+    }
+    let shortest = SHORTEST * builder.setting.kept * builder.interval_length();
+    let duration = builder.program.variable(
+        format!("length of the phase from interval {interval} on"),
+        (shortest, f64::INFINITY),
+        span.duration / own as f64,
+        builder.interval_length() * span.pieces as f64 / own as f64,
+    );
+    builder.duration = Some(duration);
+    if let Some(longest) = span.longest {
+        let name = format!("longest phase from interval {interval} on");
+        let row = builder.program.row(name, 0.0, f64::INFINITY);
+        let unit = builder.interval_length();
+        builder
+            .program
+            .linear(row, builder.frame.horizon, longest / unit);
+        builder.program.linear(row, duration, -1.0 / unit);
+    }
+    (duration, share)
+}
+
 /// Intervals of free lengths make up the motion.
 pub(super) fn add_up(builder: &mut Builder) {
-    if builder.setting.lengths == Lengths::Free {
+    if builder.setting.lengths != Lengths::Equal {
         let phases = builder.passed(builder.setting.problem.intervals);
         let program = &mut builder.program;
         let row = program.row("length of all intervals".to_owned(), 0.0, 0.0);

@@ -6,8 +6,14 @@ use super::cubic_bounds::Cubic;
 use super::discretization::Setting;
 use crate::ocp::motion::control_grid::ControlShape;
 
-/// Bounds of the coordinates that are parabolas, or cubics under linear controls, over a whole interval.
-pub(in crate::ocp) fn add(builder: &mut Builder, interval: usize, before: &[usize]) {
+/// Bounds of the coordinates that are parabolas, or cubics under linear controls, over a whole interval, whose length is `share` times the
+/// variable `length`.
+pub(in crate::ocp) fn add(
+    builder: &mut Builder,
+    interval: usize,
+    before: &[usize],
+    (length, share): (usize, f64),
+) {
     let Setting {
         model,
         bounds,
@@ -18,7 +24,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder, interval: usize, before: &[usiz
         ..
     } = builder.setting;
     let (n, program) = (builder.n, &mut builder.program);
-    let half = 0.5 / problem.intervals as f64;
+    let half = 0.5 * share;
     if places.bounds_at_nodes {
         return;
     }
@@ -69,7 +75,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder, interval: usize, before: &[usiz
                 );
                 program.linear(row, if index == 2 { q2 } else { q0 }, sign / unit);
                 if index == 1 {
-                    program.bilinear(row, builder.frame.horizon, v0, sign * half / unit);
+                    program.bilinear(row, length, v0, sign * half / unit);
                 }
                 program.linear(row, size, linear_size / unit);
                 program.linear(row, product, linear_product / unit);

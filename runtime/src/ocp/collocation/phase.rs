@@ -100,7 +100,11 @@ fn drives(builder: &mut Builder, element: &Element) -> Vec<Vec<usize>> {
         if element.index.0 + 1 == element.index.1 && m + 1 == stages {
             moment = moment.all();
         }
-        let guess = element.time(*c) / length - element.interval as f64;
+        // Of phases at any time the share matters to linear controls only, which they do not have.
+        let guess = match builder.setting.lengths.span(element.interval) {
+            Some(_) => (element.index.0 as f64 + c) / element.index.1 as f64,
+            None => element.time(*c) / length - element.interval as f64,
+        };
         let place = format!("at stage {m} of {}", element.label());
         drives.push(drive_at(builder, element.interval, &moment, guess, &place));
     }

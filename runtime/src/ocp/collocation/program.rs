@@ -29,9 +29,26 @@ pub(in crate::ocp) struct Collocation<'a> {
     /// Variables of the controls on each interval, or at each node.
     pub(in crate::ocp) controls: Vec<Vec<usize>>,
     pub(in crate::ocp) shape: ControlShape,
+    /// Variables of how far goals are missed, where they may be.
+    pub(in crate::ocp) missed: Vec<usize>,
 }
 
 impl Collocation<'_> {
+    /// Charges so much objective for each size by which a goal is missed.
+    pub(in crate::ocp) fn penalize(&mut self, price: f64) {
+        self.program.penalize(&self.missed, price);
+    }
+
+    /// That price.
+    pub(in crate::ocp) fn price(&self) -> f64 {
+        self.program.penalty()
+    }
+
+    /// By how much all goals are missed, in their sizes.
+    pub(in crate::ocp) fn missed(&self, point: &[f64]) -> f64 {
+        self.missed.iter().map(|&i| point[i].max(0.0)).sum()
+    }
+
     /// Length of the motion, from physical values.
     pub(in crate::ocp) fn horizon_at(&self, physical: &[f64]) -> f64 {
         physical[self.horizon]

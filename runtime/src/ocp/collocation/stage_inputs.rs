@@ -61,10 +61,15 @@ pub(in crate::ocp) fn drive_at(
         let share = 1.0 / builder.setting.problem.intervals as f64;
         let mut terms = match builder.setting.lengths {
             Lengths::Equal => vec![(builder.frame.horizon, interval as f64 * share)],
-            Lengths::Free => builder.passed(interval),
+            Lengths::Free | Lengths::Phases(_) => builder.passed(interval),
         };
         terms.extend(&elapsed.terms);
-        let time = builder.guess.horizon * (interval as f64 + guess) * share;
+        let time = match builder.setting.lengths {
+            Lengths::Phases(_) => builder.guessed_time(interval, guess),
+            Lengths::Equal | Lengths::Free => {
+                builder.guess.horizon * (interval as f64 + guess) * share
+            }
+        };
         let name = format!("time {place}");
         drive.push(builder.frame.time(&mut builder.program, name, &terms, time));
     }
@@ -218,6 +223,7 @@ mod tests {
             },
             shape: ControlShape::Linear,
             lengths: Lengths::Equal,
+            elastic: None,
             kept: 1.0,
         };
         let sequence = Sequence {

@@ -47,6 +47,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         distances: Vec::new(),
         state,
         before: Vec::new(),
+        duration: None,
         n: problem.q.len(),
     };
     start_conditions::add(&mut builder);
@@ -68,7 +69,7 @@ pub(in crate::ocp) fn transcribe<'a>(
     // Right before an impact at the end.
     let forces = builder.phases.last().and_then(|phase| phase.stages.last());
     let known = Provided::Known(forces.map_or(&[], |stage| &stage.provided));
-    frame.finish(&mut program, &builder.state, known);
+    let missed = frame.finish(&mut program, &builder.state, known, setting.elastic);
     Collocation {
         program: program.finish(&frame.controls, setting.units),
         model,
@@ -83,6 +84,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         horizon: frame.horizon,
         controls: frame.controls,
         shape: setting.shape,
+        missed,
     }
 }
 
@@ -90,7 +92,7 @@ pub(in crate::ocp) fn transcribe<'a>(
 mod tests {
     use super::*;
     use crate::model::Pieces;
-    use crate::ocp::collocation::discretization::{Lengths, Places, parabolas};
+    use crate::ocp::collocation::discretization::{Lengths, Places, Span, parabolas};
     use crate::ocp::collocation::layout::CutKind;
     use crate::ocp::collocation::test_scene::{Demanding, Sledge};
     use crate::ocp::global::contact_implicit::ContactImplicit;
@@ -140,6 +142,7 @@ mod tests {
             },
             shape,
             lengths: Lengths::Equal,
+            elastic: None,
             kept: 1.0,
         };
         check(setting, &guessed);
@@ -267,6 +270,55 @@ mod tests {
         with_setting(ControlShape::Constant, |setting, guessed| {
             let lengths = Lengths::Free;
             check_both(Setting { lengths, ..setting }, guessed);
+        });
+    }
+
+    #[test]
+    fn derivatives_of_phases_of_any_length_with_goals_that_may_be_missed_agree_with_differences() {
+        with_setting(ControlShape::Constant, |setting, guessed| {
+            let span = |pieces: usize, free: bool, from: f64, to: f64| Span {
+                pieces,
+                free,
+                from,
+                to,
+                duration: 1.1 * (to - from),
+                elements: 1,
+                longest: free.then_some(0.4),
+            };
+            let end = guessed.horizon;
+            let spans = [
+                span(2, false, 0.0, 0.4 * end),
+                span(1, true, 0.4 * end, 0.7 * end),
+                span(2, true, 0.7 * end, end),
+            ];
+            let problem = Problem {
+                intervals: 5,
+                ..setting.problem.clone()
+            };
+            let sizes = vec![0.5; 8];
+            let setting = Setting {
+                problem: &problem,
+                lengths: Lengths::Phases(&spans),
+                elastic: Some(&sizes),
+                ..setting
+            };
+            let guess = Trajectory {
+                controls: guessed.controls.resampled(ControlShape::Constant, 5),
+                ..guessed.clone()
+            };
+            let sequence = sequence(&[
+                switch(true, 2, Place::Start, 2.0),
+                switch(false, 3, Place::Start, 3.0),
+            ]);
+            let mut program = transcribe(setting, &sequence, &guess, &[], &[1; 5]);
+            assert!(!program.missed.is_empty());
+            program.penalize(7.0);
+            let compared = check_derivatives(&mut program.program, None).unwrap();
+            assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
+            // A phase that is divided evenly has one length, others one an interval.
+            let mut lengths: Vec<usize> = program.phases.iter().map(|phase| phase.scale).collect();
+            lengths.dedup();
+            assert_eq!(lengths.len(), 4);
         });
     }
 

@@ -165,7 +165,7 @@ impl<'a> ContactImplicit<'a> {
             elements.push(variables);
             unknowns.push(contacts);
         }
-        frame.finish(&mut program, &before, Provided::Unknown);
+        frame.finish(&mut program, &before, Provided::Unknown, setting.elastic);
         Self {
             program: program.finish(&frame.controls, setting.units),
             horizon: frame.horizon,

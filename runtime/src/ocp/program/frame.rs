@@ -9,6 +9,9 @@ use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Problem;
 
+/// By how much goals are missed to start with, in their sizes: within the reach of the barrier.
+const FIRST_MISS: f64 = 0.1;
+
 /// The variables of a program that do not belong to a phase or element.
 pub(in crate::ocp) struct Frame<'a> {
     model: &'a dyn Model,
@@ -164,9 +167,17 @@ impl<'a> Frame<'a> {
     }
 
     /// Adds the final cost and the goals on the final state `(q, v)`, as far as it is known what contacts do.
-    pub(in crate::ocp) fn finish(&self, program: &mut Program, last: &[usize], provided: Provided) {
+    /// Where goals may be missed, the variables of by how much.
+    pub(in crate::ocp) fn finish(
+        &self,
+        program: &mut Program,
+        last: &[usize],
+        provided: Provided,
+        elastic: Option<&[f64]>,
+    ) -> Vec<usize> {
+        let mut missed = Vec::new();
         let Some(declared) = self.model.declaration().optimal_control else {
-            return;
+            return missed;
         };
         let first = usize::from(declared.final_cost);
         let mut uses: Vec<(usize, usize, f64)> = Vec::new();
@@ -179,6 +190,9 @@ impl<'a> Frame<'a> {
             if provided.is_known() || !pattern.reads(first + i, last.len() + 1) {
                 let row = condition(program, goal, units[first + i], "at the end");
                 uses.push((row, first + i, 1.0));
+                if let Some(size) = elastic.and_then(|sizes| sizes.get(i)) {
+                    missed.extend(may_be_missed(program, goal, (row, *size)));
+                }
             }
         }
         if !uses.is_empty() {
@@ -189,6 +203,7 @@ impl<'a> Frame<'a> {
             let inputs = [q, v, &[self.horizon]];
             program.block_behind(&Kernel::Terminal, inputs, &behind, None, uses);
         }
+        missed
     }
 
     /// Units of the terminal functions at the guess of the final state: 1, or where they change by far less while what they read changes by its
@@ -253,6 +268,22 @@ pub(in crate::ocp) fn condition(
     };
     let name = format!("`{}` {place}", constraint.name);
     program.row_in(unit, name, 0.0, upper)
+}
+
+/// Adds what a goal may be missed by, to one side or the other; the variables, which are at least 0.
+fn may_be_missed(
+    program: &mut Program,
+    goal: &ConstraintDeclaration,
+    (row, unit): (usize, f64),
+) -> Vec<usize> {
+    let sides: &[f64] = if goal.equality { &[1.0, -1.0] } else { &[1.0] };
+    let add = |&side: &f64| {
+        let name = format!("miss of `{}`", goal.name);
+        let variable = program.variable(name, (0.0, f64::INFINITY), FIRST_MISS * unit, unit);
+        program.linear(row, variable, side);
+        variable
+    };
+    sides.iter().map(add).collect()
 }
 
 /// Name of the normal force of a contact; of dry friction it is the bound.

@@ -86,6 +86,8 @@ pub(in crate::ocp) struct Program<'a> {
     rows: Rows,
     objective_unit: f64,
     objective_size: f64,
+    /// Variables with a price in the objective, of their physical values.
+    penalties: Vec<(usize, f64)>,
     pairs: Vec<(usize, usize)>,
     jacobian: Pattern,
     hessian: Pattern,
@@ -103,6 +105,7 @@ impl<'a> Program<'a> {
             rows: Rows::default(),
             objective_unit: 1.0,
             objective_size: 1.0,
+            penalties: Vec::new(),
             pairs: Vec::new(),
             jacobian: Pattern::default(),
             hessian: Pattern::default(),
@@ -298,6 +301,23 @@ impl<'a> Program<'a> {
         let rows = c.iter().zip(lower).zip(upper);
         rows.map(|((c, lower), upper)| (c - lower).min(upper - c).max(0.0))
             .collect()
+    }
+
+    /// Adds `price` to the objective for each unit of these variables, in place of earlier prices.
+    pub(in crate::ocp) fn penalize(&mut self, variables: &[usize], price: f64) {
+        let per_value = |&i: &usize| (i, price / self.variables.unit[i]);
+        self.penalties = variables.iter().map(per_value).collect();
+    }
+
+    /// The price of a unit of a variable that has one.
+    pub(in crate::ocp) fn penalty(&self) -> f64 {
+        let first = self.penalties.first();
+        first.map_or(0.0, |&(i, price)| price * self.variables.unit[i])
+    }
+
+    /// The power of ten, or of a million if that is smaller, nearest to the largest derivative of the objective.
+    pub(in crate::ocp) fn objective_size(&self) -> f64 {
+        self.objective_size
     }
 
     /// Declares the pair `0 <= x_i _|_ x_j >= 0`.
@@ -521,7 +541,10 @@ impl NlpProblem for Program<'_> {
             }
             value
         });
-        value / self.objective_unit
+        let penalties = self.penalties.iter();
+        let units = &self.variables.unit;
+        let penalty: f64 = penalties.map(|&(i, price)| price * units[i] * x[i]).sum();
+        (value + penalty) / self.objective_unit
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
@@ -552,6 +575,9 @@ impl NlpProblem for Program<'_> {
                 }
             }
         });
+        for &(i, price) in &self.penalties {
+            gradient[i] += price * self.variables.unit[i];
+        }
         gradient.iter_mut().for_each(|g| *g /= self.objective_unit);
     }
 

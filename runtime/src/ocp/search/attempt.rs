@@ -474,7 +474,7 @@ fn verdict_of(failure: nlp::Status) -> Verdict {
     }
 }
 
-pub(super) fn interior_point(chosen: &Settings) -> nlp::Settings {
+pub(in crate::ocp) fn interior_point(chosen: &Settings) -> nlp::Settings {
     let mut settings = nlp::Settings::default();
     settings.tolerance = chosen.tolerance;
     settings.constraint_tolerance = chosen.tolerance;

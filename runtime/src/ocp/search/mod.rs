@@ -22,5 +22,5 @@ pub(in crate::ocp) mod sampled;
 mod settling;
 mod simultaneous;
 pub(in crate::ocp) mod stationary;
-mod stepping;
+pub(in crate::ocp) mod stepping;
 mod together;

@@ -12,7 +12,7 @@ const MET: f64 = 1e-3;
 
 /// The simulated motion that comes nearest to the goals; none where no simulation ends.
 pub(in crate::ocp) fn nearest(setting: Setting) -> Result<Option<Nearest>, InputError> {
-    let archive = drawn(setting, usize::MAX)?;
+    let archive = drawn(setting, DRAWN, usize::MAX)?;
     let distance = |end: &End| archive.rank(end).2;
     let nearer = |a: &End, b: &End| distance(a) < distance(b);
     let found = archive.ends().cloned();

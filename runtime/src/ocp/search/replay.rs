@@ -26,7 +26,7 @@ const OUTPUTS: usize = 10;
 const UNDRIVEN: usize = 20;
 
 /// Equal parts of a motion by which its simulation is read: its control intervals, or else as many as make it fine enough.
-pub(super) fn parts(setting: Setting) -> usize {
+pub(in crate::ocp) fn parts(setting: Setting) -> usize {
     let driven = !setting.model.declaration().controls.is_empty();
     let intervals = setting.problem.intervals;
     if driven {

@@ -78,11 +78,32 @@ pub(super) struct End {
 /// How good an end is: distance, cost, and distance among those that are alike; smaller is better.
 pub(super) type Rank = (u64, f64, f64);
 
+/// What random motions have come to.
+#[derive(Default)]
+pub(in crate::ocp) struct Sampled {
+    /// The best motion of each order, the best ones first.
+    pub(in crate::ocp) motions: Vec<Candidate>,
+    /// What most of the drawn ones miss less of each goal.
+    pub(in crate::ocp) units: Vec<f64>,
+    /// Size that the cost of most of the best ones does not exceed.
+    pub(in crate::ocp) cost: f64,
+}
+
 /// The best motion of each order, the best ones first.
 pub(in crate::ocp) fn sampled(
     runner: &mut Runner,
     setting: Setting,
 ) -> Result<Vec<Candidate>, InputError> {
+    Ok(best_of_each_order(runner, setting, (DRAWN, CHANGED), TRIED)?.motions)
+}
+
+/// The same of so many motions that are drawn and that are made of the best ones, and of at most so many orders.
+pub(in crate::ocp) fn best_of_each_order(
+    runner: &mut Runner,
+    setting: Setting,
+    (drawn_motions, changed): (u64, usize),
+    most: usize,
+) -> Result<Sampled, InputError> {
     let model = setting.model;
     if model
         .declaration()
@@ -90,11 +111,11 @@ pub(in crate::ocp) fn sampled(
         .iter()
         .all(|contact| contact.dry)
     {
-        return Ok(Vec::new());
+        return Ok(Sampled::default());
     }
-    let mut archive = drawn(setting, EVENTS)?;
-    let mut random = uniform(DRAWN);
-    for k in 0..CHANGED {
+    let mut archive = drawn(setting, drawn_motions, EVENTS)?;
+    let mut random = uniform(drawn_motions);
+    for k in 0..changed {
         if archive.best.is_empty() || !runner.goes_on("random motions") {
             break;
         }
@@ -108,7 +129,7 @@ pub(in crate::ocp) fn sampled(
     let ends = archive.sorted();
     let far = ends.first().map_or(0.0, |end| FAR + archive.rank(end).2);
     let near = ends.into_iter().filter(|end| archive.rank(end).2 <= far);
-    for end in near.take(TRIED) {
+    for end in near.take(most) {
         let Throw {
             start,
             controls,
@@ -125,7 +146,11 @@ pub(in crate::ocp) fn sampled(
         let candidate = simulated(setting, &motion, tolerance).ok().flatten();
         found.extend(candidate);
     }
-    Ok(found)
+    Ok(Sampled {
+        motions: found,
+        cost: archive.usual_cost(),
+        units: archive.units,
+    })
 }
 
 /// The best end of each order.
@@ -139,7 +164,11 @@ pub(super) struct Archive {
 }
 
 /// The archive of random motions, as far as they have no more than `most_events`.
-pub(super) fn drawn(setting: Setting, most_events: usize) -> Result<Archive, InputError> {
+pub(super) fn drawn(
+    setting: Setting,
+    count: u64,
+    most_events: usize,
+) -> Result<Archive, InputError> {
     let Setting {
         model,
         problem,
@@ -149,7 +178,7 @@ pub(super) fn drawn(setting: Setting, most_events: usize) -> Result<Archive, Inp
     let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let mut throws = Vec::new();
     let mut all = Vec::new();
-    for seed in 0..DRAWN {
+    for seed in 0..count {
         let (motion, start) = random(straight.clone(), model, problem, seed, bounds);
         let throw = Throw {
             start: start.unwrap_or_else(|| problem.start()),
@@ -225,6 +254,14 @@ impl Archive {
         let squares: f64 = terms.map(|(value, unit)| (value / unit).powi(2)).sum();
         let distance = squares.sqrt();
         ((distance / ALIKE) as u64, end.cost, distance)
+    }
+
+    /// Size that the cost of most of the best ends does not exceed.
+    fn usual_cost(&self) -> f64 {
+        let mut costs: Vec<f64> = self.ends().map(|end| end.cost.abs()).collect();
+        costs.sort_by(f64::total_cmp);
+        let place = (WITHIN * costs.len() as f64) as usize;
+        costs.get(place).copied().unwrap_or(0.0)
     }
 
     /// Adds an end if it is the best of its order.

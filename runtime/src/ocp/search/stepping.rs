@@ -16,7 +16,7 @@ const BEGINS: f64 = 0.25;
 const ENDS: f64 = 0.75;
 
 /// The sequences of all gaits for which there are intervals enough, those of fewer steps first.
-pub(super) fn stepping(setting: Setting, guess: &Trajectory) -> Vec<Sequence> {
+pub(in crate::ocp) fn stepping(setting: Setting, guess: &Trajectory) -> Vec<Sequence> {
     let model = setting.model;
     let contacts = model.declaration().contacts.iter().enumerate();
     let surfaces = contacts.filter(|(_, contact)| !contact.dry);

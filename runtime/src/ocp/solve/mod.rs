@@ -12,10 +12,11 @@ mod run;
 mod shared_observer;
 mod starts;
 mod undriven;
+mod words;
 
 use self::impossible::Shown;
 use super::problem::Problem;
-use super::settings::{Formulation, Guess, Settings};
+use super::settings::{Formulation, Guess, SearchSpace, Settings};
 use super::solution::{Solution, Status};
 use crate::Observer;
 use crate::model::Model;
@@ -42,6 +43,8 @@ pub fn solve(
     let mut solution = if search && problem.intervals > 1 && model.declaration().controls.is_empty()
     {
         undriven::solve(model, problem, settings, observer)
+    } else if search && settings.search == SearchSpace::Words {
+        words::solve(model, problem, settings, observer)
     } else if search {
         nested::solve(model, problem, settings, observer)
     } else {

@@ -407,7 +407,7 @@ fn looked_again(
 /// The best motion with its neighbours decided, and the next one where it costs hardly more, as its neighbours may lead further; those
 /// after it where it is not confirmed, or not proved and the next one costs the same, or where neighbours have led to a better motion:
 /// then those that starts came to are not optima yet, and a poorer one may lead further.
-fn decided(
+pub(super) fn decided(
     task: &Task,
     found: Vec<Found>,
     effort: Effort,

@@ -224,7 +224,7 @@ pub(super) fn solve_round<'s>(
 }
 
 /// The schemes of a plan, of growing order.
-fn tableaus(stages: usize) -> Vec<ButcherTableau> {
+pub(super) fn tableaus(stages: usize) -> Vec<ButcherTableau> {
     let stages = (stages..=ButcherTableau::MAX_STAGES).step_by(MORE_STAGES);
     let tableaus = stages.filter_map(|stages| ButcherTableau::new(Scheme::RadauIia, stages));
     tableaus.collect()

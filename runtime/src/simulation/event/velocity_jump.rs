@@ -49,13 +49,17 @@ fn pass_edges(
     (closing, lowest): (Option<usize>, LowestBounce),
 ) -> Option<Impact> {
     let mut edges = Vec::new();
+    // Whether the piece that acts stands against a motion that another one sets free.
+    let mut blocked = false;
     for &i in closed {
         let (ties, _, velocity) = leading(dynamics, i);
-        if ties && velocity >= -dynamics.zero_normal_velocity(i) {
+        let zero = dynamics.zero_normal_velocity(i);
+        if ties && velocity >= -zero {
             edges.push(i);
+            blocked |= dynamics.point(i)[contact_point::NORMAL_VELOCITY] < -zero;
         }
     }
-    if edges.is_empty() || edges.len() == closed.len() {
+    if edges.is_empty() || edges.len() == closed.len() && !blocked {
         return None;
     }
     let others = closed.iter().copied().filter(|i| !edges.contains(i));
@@ -71,7 +75,9 @@ fn pass_edges(
         }
     }
     match struck {
-        Ok(mut outcome) if leads.len() == edges.len() && !outcome.struck.is_empty() => {
+        Ok(mut outcome)
+            if leads.len() == edges.len() && (blocked || !outcome.struck.is_empty()) =>
+        {
             y.copy_from_slice(&after);
             dynamics.evaluate_free_acceleration();
             for (piece, velocity) in leads {

@@ -54,7 +54,11 @@ pub(super) fn carry_out(driver: &mut Driver<'_>, touching: &[usize]) -> Result<I
 fn pass(driver: &mut Driver<'_>, touching: &[usize]) -> Option<Impact> {
     let (edges, others): (Vec<usize>, Vec<usize>) =
         touching.iter().partition(|&&i| is_passed(driver, i));
-    if edges.is_empty() || others.is_empty() {
+    // Whether the piece that acts stands against a motion that another one sets free.
+    let blocked = edges
+        .iter()
+        .any(|&i| driver.now.contacts.normal_velocity(i) < -driver.now.size(i).touching_velocity());
+    if edges.is_empty() || others.is_empty() && !blocked {
         return None;
     }
     let (state, numerical_time) = (driver.now.state.clone(), driver.now.numerical_time);
@@ -63,7 +67,8 @@ fn pass(driver: &mut Driver<'_>, touching: &[usize]) -> Option<Impact> {
     let impact = impacts::carry_out(driver, &others).ok();
     driver.now.evaluate_contacts(contacts.clone());
     let free = edges.iter().all(|&i| is_free(driver, i));
-    if let Some(mut impact) = impact.filter(|impact| free && !impact.struck.is_empty()) {
+    let passes = |impact: &Impact| free && (blocked || !impact.struck.is_empty());
+    if let Some(mut impact) = impact.filter(passes) {
         for edge in edges {
             let (piece, _) = leading(driver, edge);
             driver

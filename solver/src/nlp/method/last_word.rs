@@ -7,7 +7,7 @@
 use super::main_loop;
 use super::polish::{polish, restore};
 use super::state::{Outcome, State};
-use super::stop::{LARGEST_MULTIPLIER, is_solution, largest_multiplier};
+use super::stop::{LARGEST_MULTIPLIER, is_in_cone, is_solution, largest_multiplier};
 use crate::linalg::norms::norm_inf;
 use crate::nlp::Status;
 use crate::nlp::program::residuals::SCALE_MAX;
@@ -19,9 +19,15 @@ const LARGEST_SCALE: f64 = 1e4 / SCALE_MAX;
 /// distance to the solution.
 pub(crate) const LARGEST_CURVATURE: f64 = 100.0;
 
+/// Change of the objective by a violation within the tolerance, relative to its gradient, from which on multipliers are suspect.
+const SENSITIVE: f64 = 1e-2;
+
 /// The outcome of a run, judged once more where it gave up at a feasible point: solved with the smallest multipliers that fit,
 /// or degenerate where multipliers diverged.
 pub(super) fn last_word(state: &mut State<'_, '_, '_, '_>, outcome: Outcome) -> Outcome {
+    if outcome.status == Status::Solved && !outcome.left && grows_with_curvature(state) {
+        return state.outcome(Status::Degenerate);
+    }
     let gave_up = matches!(
         outcome.status,
         Status::StepTooSmall
@@ -122,7 +128,27 @@ fn go_on_with_smallest(state: &mut State<'_, '_, '_, '_>) -> Option<Outcome> {
 fn is_solved(state: &mut State<'_, '_, '_, '_>, absolute: f64) -> bool {
     state.error(0.0).scaled() <= state.core.settings.tolerance
         && is_small(state, absolute)
+        && is_in_cone(state)
         && multipliers_exist(state)
+}
+
+/// Whether a point that passes the test owes that to multipliers that grow as it nears the solution: they are so large that a
+/// violation within the tolerance changes the objective by a hundredth of its gradient, and with them the curvature of the rows
+/// drowns that of the objective. Multipliers that are large because a row has tiny derivatives bring no such curvature.
+fn grows_with_curvature(state: &mut State<'_, '_, '_, '_>) -> bool {
+    // runs for complementarity problems weigh their objectives, and judge multipliers themselves
+    if !state.core.settings.persistent {
+        return false;
+    }
+    let size = norm_inf(&state.point.gradient).max(1.0);
+    let large = SENSITIVE / state.core.settings.tolerance;
+    if norm_inf(&state.point.iterate.y) <= large * size || !state.problem.products.is_empty() {
+        return false;
+    }
+    let core = &mut *state.core;
+    let iterate = &state.point.iterate;
+    let curvature = core.kkt.row_curvature(&mut core.formulation, iterate);
+    curvature > LARGEST_CURVATURE * size
 }
 
 /// Whether the multipliers of the rows are those of a solution. Huge ones are where they only make up for a row of tiny

@@ -28,6 +28,11 @@ pub(super) fn arguments(walk: &mut Walk<'_>) {
     }
 }
 
+/// Whether a name is declared in rad.
+pub(super) fn is_declared(walk: &Walk<'_>, name: &str) -> bool {
+    walk.radians.contains(name)
+}
+
 /// Whether an expression is a name declared in rad, or a sum with one and nothing else but numbers.
 fn is_angle(walk: &Walk<'_>, expr: &Expr) -> bool {
     match &expr.kind {

@@ -186,15 +186,12 @@ fn force(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
     let own = walk.scalar(&assignment.value)?;
     let coordinate = walk.named(&assignment.target);
     let wanted = walk.energy.over(&coordinate);
-    walk.expect(
-        &assignment.value,
-        &own,
-        &wanted,
-        &format!(
-            "a force on `{}` is the Lagrangian's unit over that of the coordinate",
-            assignment.target.text
-        ),
-    )
+    let reason = format!(
+        "a force on `{}` is the Lagrangian's unit over that of the coordinate",
+        assignment.target.text
+    );
+    // On an angle acts a torque.
+    walk.expect_called(&assignment.value, (&own, &wanted), &reason, ["J", "N m"])
 }
 
 fn start(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
@@ -206,12 +203,10 @@ fn start(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
     }
     let own = walk.scalar(&assignment.value)?;
     let (wanted, shown) = of_target(walk, &assignment.target, assignment.velocity);
-    walk.expect(
-        &assignment.value,
-        &own,
-        &wanted,
-        &format!("it is the start value of `{shown}`"),
-    )
+    let reason = format!("it is the start value of `{shown}`");
+    let turns = assignment.velocity && angle::is_declared(walk, &assignment.target.text);
+    let called = if turns { ["1/s", "rad/s"] } else { ["", ""] };
+    walk.expect_called(&assignment.value, (&own, &wanted), &reason, called)
 }
 
 /// Components of an impulse direction are displacements of the coordinates, up to one factor.

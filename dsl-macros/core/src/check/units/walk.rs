@@ -93,13 +93,40 @@ impl Walk<'_> {
         wanted: &Dimension,
         reason: &str,
     ) -> Checked<()> {
+        self.expect_called(expr, (own, wanted), reason, ["", ""])
+    }
+
+    /// The same where a unit is usually called otherwise than it is shown: the one by the other.
+    pub(super) fn expect_called(
+        &mut self,
+        expr: &Expr,
+        (own, wanted): (&Dimension, &Dimension),
+        reason: &str,
+        [shown, called]: [&str; 2],
+    ) -> Checked<()> {
         if self.unifier.unify(own, wanted) {
             return Ok(());
         }
+        let call = |unit: String| match unit == shown {
+            true => called.to_owned(),
+            false => unit,
+        };
+        let is_in = match &expr.kind {
+            // Shown without its angle the written unit would be another one.
+            Kind::Number {
+                unit: Some(unit), ..
+            } if ["rad", "deg", "rev"]
+                .iter()
+                .any(|angle| unit.text.contains(angle)) =>
+            {
+                format!("is in {}", unit.text)
+            }
+            _ if self.unifier.show(own) == shown => format!("is in {called}"),
+            _ => self.unifier.is_in(own),
+        };
         let message = format!(
-            "units differ: `{expr}` {}, where {} is needed ({reason}){}",
-            self.unifier.is_in(own),
-            match self.unifier.show(wanted).as_str() {
+            "units differ: `{expr}` {is_in}, where {} is needed ({reason}){}",
+            match call(self.unifier.show(wanted)).as_str() {
                 "1" => "a pure number",
                 unit => unit,
             },
@@ -205,8 +232,12 @@ impl Walk<'_> {
             Kind::Component { vector, name } => {
                 let units = self.units(vector)?;
                 let components = units.components();
+                let has = |name: &str| self.coordinates.iter().any(|known| known.text == name);
+                let flat = has("x") && has("y") && !has("z");
                 let index = match (components.len(), name.text.as_str()) {
-                    (2, "y") | (3, "x") => 0,
+                    (2 | 3, "x") => 0,
+                    (2, "y") if flat => 1,
+                    (2, "y") => 0,
                     (2, "z") | (3, "y") => 1,
                     (3, "z") => 2,
                     _ => {

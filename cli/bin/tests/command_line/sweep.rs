@@ -1,0 +1,154 @@
+//! `hangtime sweep`: tables that are the same whoever computes them, in whatever pieces.
+
+use std::process::Command;
+
+use crate::support::{Scratch, hangtime, json, refused, solved};
+
+/// A ball that falls on a floor from a height, where bounces follow from restitution.
+const BALL: &str = "parameters { h: m = 1, e = 0.5 }\ncoordinates { z: m }\n\
+     lagrangian 1[kg]/2*dot(z)^2 - 9.81[N]*z\nsurface floor: z >= 0\nimpact floor: restitution e\n\
+     start { z: h }\nhorizon 0.6 [s]\n";
+
+/// A folder with the scene and room for tables.
+fn folder(name: &str) -> Scratch {
+    let scratch = Scratch::new(name);
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    std::fs::write(scratch.0.join("ball.hang"), BALL).unwrap();
+    scratch
+}
+
+/// The words of a sweep of the ball, with its table in the folder.
+fn words(scratch: &Scratch, table: &str, more: &[&str]) -> Vec<String> {
+    let text = scratch.text();
+    let (scene, out) = (format!("{text}/ball.hang"), format!("{text}/{table}"));
+    let fixed = [
+        "sweep",
+        &scene,
+        "--over",
+        "h=20:180:9cm",
+        "--over",
+        "e=0,0.5,1.5",
+    ];
+    let records = [
+        "--record",
+        "final.z,final.dot(z),final_time,events",
+        "--out",
+        &out,
+    ];
+    let words = fixed.iter().chain(&records).chain(more);
+    words.map(|&word| word.to_owned()).collect()
+}
+
+fn sweep(scratch: &Scratch, table: &str, more: &[&str]) -> String {
+    let words = words(scratch, table, more);
+    solved(&words.iter().map(String::as_str).collect::<Vec<_>>());
+    scratch.read(table)
+}
+
+#[test]
+fn row_holds_the_digits_of_a_single_run_and_a_point_that_is_refused_says_why() {
+    let scratch = folder("sweep-rows");
+    let table = sweep(&scratch, "t.csv", &[]);
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines.len(), 1 + 9 * 3);
+    assert!(lines[0].starts_with(
+        "point,h [m],e,status,message,sequence,final.z [m],final.dot(z) [m/s],final_time [s],events,sweep"
+    ));
+    // Point 13: h = 1 m, e = 0.5. One fall of sqrt(2 h/g), then a bounce.
+    let cells: Vec<&str> = lines[14].split(',').collect();
+    assert_eq!(&cells[..4], ["13", "1", "0.5", "solved"]);
+    let scene = format!("{}/ball.hang", scratch.text());
+    let single = json(&[
+        "simulate", &scene, "--set", "h=1", "--set", "e=0.5", "--json",
+    ]);
+    assert_eq!(cells[6], single["final"]["q"][0].to_string());
+    assert_eq!(cells[7], single["final"]["v"][0].to_string());
+    let (g, t) = (9.81_f64, 0.6_f64);
+    let fall = (2.0 / g).sqrt();
+    let z = 0.5 * g * fall * (t - fall) - g / 2.0 * (t - fall).powi(2);
+    assert!((cells[6].parse::<f64>().unwrap() - z).abs() < 1e-6);
+    assert_eq!(cells[5], "impact floor");
+    assert!(lines[15].contains(",refused,") && lines[15].contains("restitution"));
+}
+
+#[test]
+fn table_is_the_same_for_any_threads_in_shards_and_after_a_run_that_was_cut() {
+    let scratch = folder("sweep-same");
+    let whole = sweep(&scratch, "whole.csv", &[]);
+    for threads in ["1", "3"] {
+        let name = format!("threads-{threads}.csv");
+        let status = Command::new(env!("CARGO_BIN_EXE_hangtime"))
+            .args(words(&scratch, &name, &[]))
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .unwrap()
+            .status;
+        assert!(status.success());
+        assert_eq!(scratch.read(&name), whole);
+    }
+    let mut join = vec!["sweep".to_owned(), "--join".to_owned()];
+    for shard in 1..=4 {
+        let name = format!("shard-{shard}.csv");
+        sweep(&scratch, &name, &["--shard", &format!("{shard}/4")]);
+        join.push(format!("{}/{name}", scratch.text()));
+    }
+    let incomplete: Vec<&str> = join[..5].iter().map(String::as_str).collect();
+    let out = format!("{}/joined.csv", scratch.text());
+    let refusal = refused(&[&incomplete[..], &["--out", &out]].concat());
+    assert!(refusal.contains("first of them is 3"), "{refusal}");
+    let all: Vec<&str> = join.iter().map(String::as_str).collect();
+    solved(&[&all[..], &["--out", &out]].concat());
+    assert_eq!(scratch.read("joined.csv"), whole);
+    // Wherever a run was cut, also within a row or the header, the resumed table is the same.
+    for cut in [0, 7, whole.len() / 3, whole.len() - 1, whole.len()] {
+        std::fs::write(scratch.0.join("cut.csv"), &whole[..cut]).unwrap();
+        assert_eq!(sweep(&scratch, "cut.csv", &["--resume"]), whole);
+    }
+}
+
+#[test]
+fn killed_sweep_leaves_the_beginning_of_the_table() {
+    let scratch = folder("sweep-killed");
+    let more = ["--", "--method", "moreau", "--steps", "20000"];
+    let whole = sweep(&scratch, "whole.csv", &more);
+    let mut child = Command::new(env!("CARGO_BIN_EXE_hangtime"))
+        .args(words(&scratch, "killed.csv", &more))
+        .spawn()
+        .unwrap();
+    let path = scratch.0.join("killed.csv");
+    // Until the table has begun, or the sweep is over.
+    while std::fs::metadata(&path).map_or(0, |file| file.len()) < 400 {
+        if child.try_wait().unwrap().is_some() {
+            break;
+        }
+        std::thread::yield_now();
+    }
+    let _ = child.kill();
+    child.wait().unwrap();
+    let left = scratch.read("killed.csv");
+    assert!(whole.starts_with(&left), "{left}");
+    let more = [&["--resume"], &more[..]].concat();
+    assert_eq!(sweep(&scratch, "killed.csv", &more), whole);
+}
+
+#[test]
+fn sweep_refuses_tables_of_others_and_names_what_is_wrong() {
+    let scratch = folder("sweep-refusals");
+    let whole = sweep(&scratch, "t.csv", &[]);
+    let refusal_of = |table: &str, more: &[&str]| {
+        let words = words(&scratch, table, more);
+        refused(&words.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    assert!(refusal_of("t.csv", &[]).contains("add --resume"));
+    let other = ["--resume", "--", "--method", "event"];
+    assert!(refusal_of("t.csv", &other).contains("another sweep"));
+    assert_eq!(scratch.read("t.csv"), whole, "a refusal leaves the table");
+    assert!(refusal_of("u.csv", &["--what", "solve"]).contains("no objective"));
+    assert!(refusal_of("u.csv", &["--record", "final.y"]).contains("final.z"));
+    assert!(refusal_of("u.csv", &["--shard", "5/4"]).contains("1 <= I <= N"));
+    assert!(refusal_of("u.csv", &["--over", "h=1,2"]).contains("given twice"));
+    assert!(refusal_of("no/u.csv", &[]).contains("file that can be written"));
+    assert!(!scratch.0.join("u.csv").exists());
+    let output = hangtime(&["sweep", "--out", "t.csv"]);
+    assert_eq!(output.status.code(), Some(2));
+}

@@ -1,0 +1,296 @@
+//! `hangtime FILE -AMPL [option=value ..]`: the protocol by which AMPL, Pyomo and JuMP call solvers.
+//!
+//! The answer is a `.sol` file beside the `.nl` file, whatever happens, and the exit status 0; what happened is the number at the end
+//! of that file. Options come from the environment variable `hangtime_options` and then from the command line.
+
+use std::ffi::OsString;
+use std::fmt::Write as _;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use hangtime::nl::{self, Program, Solution};
+use hangtime::nlp::IterationInfo;
+
+use crate::arguments::{LimitArguments, MEMORY_LIMIT};
+use crate::bounds::Bounds;
+use crate::failure::{BadInput, did_you_mean, one_line};
+use crate::output::OutputDirectory;
+use crate::program::{names, read, summary};
+use crate::report::Report;
+
+/// The flag that follows the name of the file.
+const FLAG: &str = "-AMPL";
+/// Where users of modelling languages keep options.
+const VARIABLE: &str = "hangtime_options";
+/// Lines of the log between headings.
+const PAGE: usize = 20;
+
+/// The options, with what they are.
+const OPTIONS: [(&str, &str); 7] = [
+    (
+        "tol",
+        "bound of the optimality error, relative to the scale of the program at its start (1e-8)",
+    ),
+    (
+        "constr_viol_tol",
+        "bound of the violation of a solution, in the units of the program (1e-6)",
+    ),
+    ("max_iter", "most interior point iterations"),
+    ("time_limit", "most seconds of wall-clock time"),
+    ("starts", "points to start from; the best end is kept (1)"),
+    (
+        "warm_start",
+        "whether multipliers in the file are started from: yes or no (yes)",
+    ),
+    (
+        "print_level",
+        "0: nothing, 1: the result, 2: every iteration (2)",
+    ),
+];
+
+/// Other names of options, as solvers of the same kind have them.
+const SYNONYMS: [(&str, &str); 6] = [
+    ("tolerance", "tol"),
+    ("maxit", "max_iter"),
+    ("max_wall_time", "time_limit"),
+    ("max_cpu_time", "time_limit"),
+    ("timelim", "time_limit"),
+    ("outlev", "print_level"),
+];
+
+/// What the options say.
+struct Wishes {
+    solve: nl::Options,
+    print_level: usize,
+}
+
+/// The file and the words after the flag, if the arguments are those of the protocol.
+pub(crate) fn call(arguments: &[OsString]) -> Option<(&Path, &[OsString])> {
+    let place = arguments.iter().position(|word| word == FLAG)?;
+    (place == 2).then(|| (Path::new(&arguments[1]), &arguments[3..]))
+}
+
+/// Solves the program and writes its `.sol` file; only a file that cannot be read, or a `.sol` file that cannot be written, is an error.
+pub(crate) fn run(stub: &Path, words: &[OsString]) -> Result<Report, BadInput> {
+    let path = program_path(stub);
+    let shown = path.display().to_string();
+    let refused = |error: io::Error| {
+        BadInput::new(format!(
+            "{shown}: {error}; give a .nl file that can be read, or its name without .nl"
+        ))
+    };
+    let bytes = read(&path).map_err(refused)?;
+    let target = path.with_extension("sol");
+    let (text, answer) = match answer(&path, &bytes, words) {
+        Ok(answer) => answer,
+        Err(why) => {
+            let message = format!("hangtime: {}", one_line(&why));
+            let Some(answer) = nl::refusal_text(&bytes, &message) else {
+                return Err(BadInput::new(format!("{shown}: {why}")));
+            };
+            (message + "\n", answer)
+        }
+    };
+    let folder = target
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = OutputDirectory::open_for(FLAG, folder.unwrap_or(Path::new(".")))?;
+    let name = target
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    let mut report = Report::default();
+    report.deliver(folder, &[(name, answer)]);
+    report.text = text;
+    Ok(report)
+}
+
+/// The `.nl` file that AMPL means by its name without the extension.
+fn program_path(stub: &Path) -> PathBuf {
+    if stub.extension().is_some_and(|extension| extension == "nl") {
+        return stub.to_owned();
+    }
+    let mut name = stub.as_os_str().to_owned();
+    name.push(".nl");
+    PathBuf::from(name)
+}
+
+/// What is printed at the end, and the `.sol` file; or why the program was not solved.
+fn answer(path: &Path, bytes: &[u8], words: &[OsString]) -> Result<(String, String), String> {
+    let wishes = wishes(words)?;
+    let names = |extension| names(&path.with_extension(extension));
+    let mut program = Program::read_named(bytes, names("col"), names("row"))
+        .map_err(|error| error.to_string())?;
+    let name: &'static str = Box::leak(path.display().to_string().into_boxed_str());
+    let limits = LimitArguments {
+        time_limit: None,
+        memory_limit: MEMORY_LIMIT,
+    };
+    let bounds = Bounds::watch(name, &limits);
+    let mut log = Log::new(wishes.print_level);
+    let solution = nl::solve_with(&mut program, &wishes.solve, &mut |info| {
+        log.line(info);
+        bounds.asked().is_none()
+    })
+    .map_err(|error| error.to_string())?;
+    let text = match wishes.print_level {
+        0 => String::new(),
+        _ => ended(name, &program, &solution),
+    };
+    Ok((text, solution.file_text_with_suffixes(&program)))
+}
+
+/// The lines after the log.
+fn ended(name: &str, program: &Program, solution: &Solution) -> String {
+    let mut text = String::from("\n");
+    text += &summary(name, program, solution);
+    if let Some(diagnosis) = solution.diagnosis() {
+        let _ = writeln!(text, "diagnosis     {}", one_line(&diagnosis));
+    }
+    let _ = writeln!(text, "\nhangtime: {}", solution.status.name());
+    text
+}
+
+/// The log of the iterations, as it happens.
+struct Log {
+    is_shown: bool,
+    lines: usize,
+}
+
+impl Log {
+    fn new(print_level: usize) -> Self {
+        if print_level > 0 {
+            // nobody has to read it
+            let _ = writeln!(io::stdout(), "hangtime {}", env!("CARGO_PKG_VERSION"));
+        }
+        Self {
+            is_shown: print_level > 1,
+            lines: 0,
+        }
+    }
+
+    fn line(&mut self, info: &IterationInfo) {
+        if !self.is_shown {
+            return;
+        }
+        let mut text = String::new();
+        if self.lines.is_multiple_of(PAGE) {
+            let _ = writeln!(text, "\n{}", IterationInfo::HEADING);
+        }
+        let _ = writeln!(text, "{info}");
+        self.lines += 1;
+        let _ = io::stdout().write_all(text.as_bytes());
+    }
+}
+
+/// What environment and command line ask for.
+fn wishes(words: &[OsString]) -> Result<Wishes, String> {
+    let variable = std::env::var(VARIABLE).unwrap_or_default();
+    let of_line = words.iter().map(|word| word.to_string_lossy().into_owned());
+    let mut wishes = Wishes {
+        solve: nl::Options::default(),
+        print_level: 2,
+    };
+    let all: Vec<String> = variable
+        .split_whitespace()
+        .map(str::to_owned)
+        .chain(of_line)
+        .collect();
+    let mut words = all.iter();
+    while let Some(word) = words.next() {
+        let (name, value) = match word.split_once('=') {
+            Some((name, value)) => (name, value),
+            None => (word.as_str(), words.next().map_or("", String::as_str)),
+        };
+        set(&mut wishes, name.trim(), value.trim())?;
+    }
+    Ok(wishes)
+}
+
+/// Takes in one option.
+fn set(wishes: &mut Wishes, name: &str, value: &str) -> Result<(), String> {
+    let synonym = SYNONYMS.iter().find(|(other, _)| *other == name);
+    let name = synonym.map_or(name, |(_, name)| *name);
+    let wrong = |range: &str| format!("option `{name}`: found `{value}`; give {range}");
+    let number = |range: &str, fits: &dyn Fn(f64) -> bool| {
+        let number: Option<f64> = value.parse().ok();
+        number
+            .filter(|number| fits(*number))
+            .ok_or_else(|| wrong(range))
+    };
+    let count = |least: usize, most: usize| {
+        let count: Option<usize> = value.parse().ok();
+        let range = format!("a whole number from {least} to {most}");
+        count
+            .filter(|count| (least..=most).contains(count))
+            .ok_or_else(|| wrong(&range))
+    };
+    let above_zero = |number: f64| number > 0.0;
+    let solve = &mut wishes.solve;
+    match name {
+        "tol" => solve.tolerance = number("a number above 0 and below 1", &|v| v > 0.0 && v < 1.0)?,
+        "constr_viol_tol" => solve.constraint_tolerance = number("a number above 0", &above_zero)?,
+        "time_limit" => solve.maximum_seconds = number("seconds above 0", &above_zero)?,
+        "max_iter" => solve.maximum_iterations = Some(count(0, 1_000_000)?),
+        "starts" => solve.starts = count(1, 10_000)?,
+        "print_level" => wishes.print_level = count(0, 12)?,
+        "warm_start" => {
+            solve.warm = match value {
+                "yes" | "1" => true,
+                "no" | "0" => false,
+                _ => return Err(wrong("yes or no")),
+            }
+        }
+        // by these AMPL and its kin say how the answer goes back, which here is always the same
+        "wantsol" | "halt_on_ampl_error" => {}
+        _ => {
+            let known = OPTIONS.map(|(name, meaning)| format!("{name} ({meaning})"));
+            let near = did_you_mean(name, OPTIONS.map(|(name, _)| name));
+            return Err(format!(
+                "there is no option `{name}`{near}; options are {}",
+                known.join(", ")
+            ));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(text: &str) -> Vec<OsString> {
+        text.split(' ').map(OsString::from).collect()
+    }
+
+    #[test]
+    fn options_are_taken_with_and_without_an_equals_sign_and_by_other_names() {
+        let wishes = wishes(&words(
+            "tol=1e-6 max_iter 7 outlev=0 timelim=2.5 warm_start=no",
+        ))
+        .unwrap();
+        assert_eq!(wishes.solve.tolerance, 1e-6);
+        assert_eq!(wishes.solve.maximum_iterations, Some(7));
+        assert_eq!(wishes.solve.maximum_seconds, 2.5);
+        assert!(!wishes.solve.warm && wishes.print_level == 0);
+    }
+
+    #[test]
+    fn options_out_of_range_and_unknown_ones_are_named_with_what_to_write() {
+        let refusal = |text: &str| wishes(&words(text)).err().unwrap();
+        assert!(refusal("tol=-1").contains("`tol`: found `-1`; give a number above 0"));
+        assert!(refusal("starts=0").contains("whole number from 1"));
+        assert!(refusal("max_iters=3").contains("did you mean `max_iter`?"));
+    }
+
+    #[test]
+    fn protocol_is_known_by_its_flag_and_finds_the_file_by_its_stub() {
+        let arguments = words("hangtime dir/a.b -AMPL tol=1e-6");
+        let (stub, options) = call(&arguments).unwrap();
+        assert_eq!(program_path(stub), Path::new("dir/a.b.nl"));
+        assert_eq!(options, words("tol=1e-6"));
+        assert_eq!(program_path(Path::new("c.nl")), Path::new("c.nl"));
+        assert!(call(&words("hangtime nlp c.nl")).is_none());
+    }
+}

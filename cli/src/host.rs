@@ -1,0 +1,400 @@
+//! Scenes in the hands of another program, such as an interpreter: one object a scene, one a run.
+//!
+//! Words are those of the command line, and so are the numbers: [`HostRun::json`] is what `--json` prints.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::Mutex;
+
+use clap::{Args, CommandFactory as _};
+use hangtime::Progress;
+use hangtime::ocp::Solution;
+use hangtime::simulation::Simulation;
+
+use crate::arguments::{
+    Arguments, ExplainArguments, LimitArguments, ROWS, SimulateArguments, SolveArguments,
+};
+use crate::ending::{Ending, Stop};
+use crate::failure::BadInput;
+use crate::files::ResultFiles;
+use crate::scene_file::{EXTENSION, entry, is_path, read_text};
+use crate::settings::{ChosenScene, find};
+use crate::task::{OptimumTask, SimulationTask, optimum_facts, simulation_facts};
+use crate::{PublishedData, Scene};
+
+/// Why something was refused: what the command line prints on its standard error stream, without the last line end.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Refusal(String);
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Refusal {}
+
+impl From<BadInput> for Refusal {
+    fn from(refusal: BadInput) -> Self {
+        Self(match refusal {
+            BadInput::Line(line) => format!("error: {line}"),
+            BadInput::Report(report) => report,
+        })
+    }
+}
+
+/// A scene, derived once; copies are cheap.
+#[derive(Debug, Clone)]
+pub struct HostScene {
+    scene: &'static Scene,
+    /// The text of the scene, or the name of a shipped one: equal scenes have the same.
+    identity: String,
+}
+
+/// Scenes that were derived, by file name and text: they stay in memory until the program ends, each once.
+static DERIVED: Mutex<BTreeMap<(String, String), &'static Scene>> = Mutex::new(BTreeMap::new());
+
+impl HostScene {
+    /// The scene `name` of a list, or that of the file with this path.
+    ///
+    /// # Errors
+    /// Where there is none, or its text has mistakes.
+    pub fn open(scenes: &'static [Scene], name: &str) -> Result<Self, Refusal> {
+        Ok(Self::find(scenes, name)?)
+    }
+
+    pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<Self, BadInput> {
+        if is_path(name) {
+            return Self::derive(name, read_text(name)?);
+        }
+        Ok(Self {
+            scene: find(scenes, name)?,
+            identity: name.to_owned(),
+        })
+    }
+
+    /// The scene of a text, as [`HostScene::open`] gives that of the file `name.hang`.
+    ///
+    /// # Errors
+    /// The report on its mistakes.
+    pub fn of_text(name: &str, text: &str) -> Result<Self, Refusal> {
+        Ok(Self::derive(
+            &format!("{name}.{EXTENSION}"),
+            text.to_owned(),
+        )?)
+    }
+
+    fn derive(file: &str, text: String) -> Result<Self, BadInput> {
+        let key = (file.to_owned(), text.clone());
+        let mut derived = match DERIVED.lock() {
+            Ok(derived) => derived,
+            // A panic while a scene was derived leaves the map as it was.
+            Err(poisoned) => poisoned.into_inner(),
+        };
+        let scene = match derived.get(&key) {
+            Some(scene) => scene,
+            None => {
+                let scene = guarded(|| {
+                    hangtime_scene_files::of_text(file, &text).map_err(crate::scene_file::refusal)
+                })?;
+                let scene = entry(file, scene);
+                derived.insert(key, scene);
+                scene
+            }
+        };
+        Ok(Self {
+            scene,
+            identity: text,
+        })
+    }
+
+    /// Name of the scene.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.scene.name
+    }
+
+    /// What the scene is, in one line.
+    #[must_use]
+    pub fn title(&self) -> &'static str {
+        self.scene.title
+    }
+
+    /// Warnings about its text, as the command line prints them; empty if there are none.
+    #[must_use]
+    pub fn warnings(&self) -> &'static str {
+        self.scene.text.map_or("", |text| text.warnings())
+    }
+
+    /// The text of the scene, or the name of a shipped one.
+    pub(crate) fn identity(&self) -> &str {
+        &self.identity
+    }
+
+    /// The scene with settings `NAME=VALUE[UNIT]`.
+    pub(crate) fn chosen(&self, settings: &[String]) -> Result<ChosenScene, BadInput> {
+        ChosenScene::new(self.scene, settings)
+    }
+
+    /// Name, unit, value without settings, and documentation of every parameter.
+    ///
+    /// # Errors
+    /// Where the scene cannot be made.
+    pub fn parameters(
+        &self,
+    ) -> Result<Vec<(&'static str, &'static str, f64, &'static str)>, Refusal> {
+        let chosen = self.chosen(&[])?;
+        let parameters = chosen.model.declaration().parameters.iter().enumerate();
+        let entry = |(index, p): (usize, &hangtime::model::ParameterDeclaration)| {
+            (
+                p.name,
+                p.unit,
+                chosen.model.parameter(index),
+                p.documentation,
+            )
+        };
+        Ok(parameters.map(entry).collect())
+    }
+
+    /// What `explain` prints, with the words behind the scene.
+    ///
+    /// # Errors
+    /// Words that the command refuses.
+    pub fn explain(&self, words: &[String]) -> Result<String, Refusal> {
+        let arguments: ExplainArguments = self.arguments("explain", words)?;
+        let chosen = self.chosen(&arguments.scene.settings)?;
+        Ok(crate::explain::answer(&chosen, &arguments))
+    }
+
+    /// Simulates the scene with the words that stand behind it on the command line. The run goes on while `observer`
+    /// answers true.
+    ///
+    /// # Errors
+    /// Words and values that the command refuses.
+    pub fn simulate(
+        &self,
+        words: &[String],
+        observer: &mut (dyn FnMut(&Progress) -> bool + Send),
+    ) -> Result<HostRun, Refusal> {
+        let arguments: SimulateArguments = self.arguments("simulate", words)?;
+        let chosen = self.chosen(&arguments.scene.settings)?;
+        let task = SimulationTask::new(chosen, &arguments)?;
+        let mut bound = Bound::new(&arguments.limits);
+        let simulation = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
+        let ending = Ending::of_simulation(&simulation, bound.stop, &arguments.limits);
+        Ok(HostRun {
+            work: Work::Simulated(task, simulation),
+            ending,
+        })
+    }
+
+    /// Solves its problem of optimal control, likewise.
+    ///
+    /// # Errors
+    /// Words and values that the command refuses, and scenes without an objective.
+    pub fn solve(
+        &self,
+        words: &[String],
+        observer: &mut (dyn FnMut(&Progress) -> bool + Send),
+    ) -> Result<HostRun, Refusal> {
+        let arguments: SolveArguments = self.arguments("solve", words)?;
+        let chosen = self.chosen(&arguments.scene.settings)?;
+        let task = OptimumTask::new(chosen, &arguments)?;
+        let mut bound = Bound::new(&arguments.limits);
+        let solution = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
+        let ending = Ending::of_bounded(&solution, bound.stop, &arguments.limits);
+        Ok(HostRun {
+            work: Work::Planned(task, Box::new(solution)),
+            ending,
+        })
+    }
+
+    /// The words behind the scene, read as the command reads them.
+    pub(crate) fn arguments<A: Args>(
+        &self,
+        command: &'static str,
+        words: &[String],
+    ) -> Result<A, BadInput> {
+        let parser = A::augment_args(clap::Command::new(command).no_binary_name(true));
+        let scene = std::iter::once(self.scene.name);
+        let words = scene.chain(words.iter().map(String::as_str));
+        let matches = parser.try_get_matches_from(words)?;
+        Ok(A::from_arg_matches(&matches)?)
+    }
+}
+
+/// Names of the options of a command that take a value or stand alone, without dashes: what a host offers as keywords.
+#[must_use]
+pub fn options(command: &str) -> Vec<String> {
+    let parser = Arguments::command();
+    let options = parser.find_subcommand(command).into_iter();
+    let options = options.flat_map(clap::Command::get_arguments);
+    let names = options.filter_map(|option| option.get_long());
+    names
+        .filter(|name| !matches!(*name, "set" | "json" | "out" | "memory-limit" | "watch"))
+        .map(str::to_owned)
+        .collect()
+}
+
+/// What ends a run before its own end.
+struct Bound {
+    time_limit: Option<f64>,
+    stop: Option<Stop>,
+}
+
+impl Bound {
+    fn new(limits: &LimitArguments) -> Self {
+        Self {
+            time_limit: limits.time_limit,
+            stop: None,
+        }
+    }
+
+    fn goes_on(&mut self, now: &Progress, observer: &mut dyn FnMut(&Progress) -> bool) -> bool {
+        if self.time_limit.is_some_and(|limit| now.seconds >= limit) {
+            self.stop.get_or_insert(Stop::Time);
+        } else if !observer(now) {
+            self.stop.get_or_insert(Stop::Interrupt);
+        }
+        self.stop.is_none()
+    }
+}
+
+/// A mistake in this program must not end the host.
+fn guarded<T>(work: impl FnOnce() -> Result<T, BadInput>) -> Result<T, BadInput> {
+    panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
+        Err(BadInput::new(
+            "internal_error: a mistake in this program, at the place above; please report it",
+        ))
+    })
+}
+
+enum Work {
+    Simulated(SimulationTask, Simulation),
+    Planned(OptimumTask, Box<Solution>),
+}
+
+/// A run that has ended.
+pub struct HostRun {
+    work: Work,
+    ending: Ending,
+}
+
+impl fmt::Debug for HostRun {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("HostRun")
+            .field("ending", &self.ending)
+            .finish_non_exhaustive()
+    }
+}
+
+impl HostRun {
+    /// Name of the status.
+    #[must_use]
+    pub fn status(&self) -> &'static str {
+        self.ending.status
+    }
+
+    /// Why it did not end with a solution, in one line.
+    #[must_use]
+    pub fn diagnosis(&self) -> Option<&str> {
+        self.ending.diagnosis.as_deref()
+    }
+
+    /// Whether there is a motion; a simulation always has one.
+    #[must_use]
+    pub fn has_motion(&self) -> bool {
+        self.motion().is_some()
+    }
+
+    fn motion(&self) -> Option<&Simulation> {
+        match &self.work {
+            Work::Simulated(_, simulation) => Some(simulation),
+            Work::Planned(_, solution) => solution.motion.as_ref(),
+        }
+    }
+
+    /// What the command prints with `--json`, in one line.
+    #[must_use]
+    pub fn json(&self) -> String {
+        match &self.work {
+            Work::Simulated(task, simulation) => task.json(simulation, &self.ending),
+            Work::Planned(task, solution) => task.json(solution, &self.ending),
+        }
+    }
+
+    /// The files that the command writes with `--out`, as (name, content): data, figures, and a page that plays the
+    /// motion. Without a motion only the JSON document.
+    #[must_use]
+    pub fn files(&self) -> Vec<(String, String)> {
+        let json = self.json();
+        let (chosen, title, facts) = match &self.work {
+            Work::Simulated(task, simulation) => (
+                &task.chosen,
+                task.method.settings.name().to_owned(),
+                simulation_facts(&task.method, simulation, &self.ending),
+            ),
+            Work::Planned(task, solution) => (
+                &task.chosen,
+                "optimal".to_owned(),
+                optimum_facts(&task.method, solution, &self.ending),
+            ),
+        };
+        let stem = chosen.scene.name.to_owned();
+        let Some(simulation) = self.motion() else {
+            return vec![(format!("{stem}.json"), json)];
+        };
+        ResultFiles {
+            title: format!("{stem}, {title}"),
+            stem,
+            chosen,
+            simulation,
+            json: &json,
+            published: &PublishedData::default(),
+            rows: ROWS,
+            index: None,
+            facts,
+        }
+        .contents()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::HostScene;
+
+    const BALL: &str = "coordinates { z: m } lagrangian 1[kg]/2*dot(z)^2 - 9.81[N]*z \
+        surface floor: z >= 0 impact floor: inelastic start { z: 1 } horizon 1[s]";
+
+    #[test]
+    fn run_of_a_host_lands_at_the_time_of_the_formula_and_gives_all_files() {
+        let ball = HostScene::of_text("ball", BALL).unwrap();
+        let run = ball
+            .simulate(&["--method".into(), "event".into()], &mut |_| true)
+            .unwrap();
+        let json: serde_json::Value = serde_json::from_str(&run.json()).unwrap();
+        let fall = json["events"][0]["time"].as_f64().unwrap();
+        assert!((fall - (2.0 / 9.81_f64).sqrt()).abs() < 1e-9);
+        let files = run.files();
+        assert!(files.iter().any(|(name, _)| name == "ball.html"));
+    }
+
+    #[test]
+    fn host_that_says_stop_gets_what_there_is_and_a_refusal_reads_as_printed() {
+        let ball = HostScene::of_text("ball", BALL).unwrap();
+        let run = ball.simulate(&[], &mut |_| false).unwrap();
+        assert_eq!(run.status(), "interrupted");
+        let words = ["--set".to_owned(), "mass=2".to_owned()];
+        let refusal = ball
+            .simulate(&words, &mut |_| true)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            refusal.starts_with("error: scene `ball` has no parameter `mass`"),
+            "{refusal}"
+        );
+        let again = HostScene::of_text("ball", BALL).unwrap();
+        assert!(std::ptr::eq(again.scene, ball.scene), "derived twice");
+    }
+}

@@ -1,0 +1,244 @@
+//! The points of a sweep and the row of each: what a row holds depends on nothing but the sweep and its number.
+
+use crate::arguments::{SimulateArguments, SolveArguments};
+use crate::failure::BadInput;
+use crate::host::{HostScene, Refusal};
+
+use super::axis::{Axis, MOST_POINTS};
+use super::record::{Record, sequence};
+
+/// A sweep of one scene over the values of its parameters.
+///
+/// Points are numbered from 0; the last parameter changes fastest. A row begins with the number of its point and ends
+/// with the mark of the sweep: two tables with the same mark hold parts of the same sweep.
+pub struct SweepPlan {
+    scene: HostScene,
+    solve: bool,
+    words: Vec<String>,
+    axes: Vec<Axis>,
+    records: Vec<Record>,
+    mark: String,
+}
+
+impl std::fmt::Debug for SweepPlan {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SweepPlan")
+            .field("mark", &self.mark)
+            .finish_non_exhaustive()
+    }
+}
+
+impl SweepPlan {
+    /// The sweep of `scene` over `over`, each `NAME=from:to:count[UNIT]` or `NAME=a,b,c`, which simulates, or solves if
+    /// `solve`, with the words that stand behind the scene on the command line, and records numbers by name.
+    ///
+    /// # Errors
+    /// Names that the scene or its runs do not have, values without meaning, and words that the command refuses.
+    pub fn new(
+        scene: HostScene,
+        solve: bool,
+        over: &[String],
+        words: &[String],
+        record: &[String],
+    ) -> Result<Self, Refusal> {
+        Ok(Self::read(scene, solve, over, words, record)?)
+    }
+
+    pub(super) fn read(
+        scene: HostScene,
+        solve: bool,
+        over: &[String],
+        words: &[String],
+        record: &[String],
+    ) -> Result<Self, BadInput> {
+        // As they are understood, so that other spellings of the same words are the same sweep.
+        let (settings, understood) = if solve {
+            let arguments: SolveArguments = scene.arguments("solve", words)?;
+            let understood = format!("{arguments:?}");
+            (arguments.scene.settings, understood)
+        } else {
+            let arguments: SimulateArguments = scene.arguments("simulate", words)?;
+            let understood = format!("{arguments:?}");
+            (arguments.scene.settings, understood)
+        };
+        let chosen = scene.chosen(&settings)?;
+        if solve && chosen.model.declaration().optimal_control.is_none() {
+            return Err(BadInput::new(format!(
+                "scene `{}` declares no objective, so there is nothing to optimize; sweep with --what simulate",
+                scene.name()
+            )));
+        }
+        if over.is_empty() {
+            return Err(BadInput::new(
+                "a sweep needs values; add --over NAME=from:to:count or --over NAME=a,b,c",
+            ));
+        }
+        let axes = over.iter().map(|text| Axis::read(&chosen, text));
+        let axes = axes.collect::<Result<Vec<_>, _>>()?;
+        for (index, axis) in axes.iter().enumerate() {
+            let names = axes[..index].iter().map(|earlier| earlier.name.as_str());
+            let given = settings
+                .iter()
+                .filter_map(|setting| setting.split_once('='));
+            let mut names = names.chain(given.map(|(name, _)| name.trim()));
+            if names.any(|name| name == axis.name) {
+                return Err(BadInput::new(format!(
+                    "--over: `{}` is given twice; keep one of them",
+                    axis.name
+                )));
+            }
+        }
+        let count = axes.iter().try_fold(1_usize, |product, axis| {
+            let product = product.checked_mul(axis.values.len());
+            product.filter(|&count| count <= MOST_POINTS)
+        });
+        let count = count.ok_or_else(|| {
+            BadInput::new(format!(
+                "--over: more than {MOST_POINTS} points; take fewer values, or several sweeps"
+            ))
+        })?;
+        let records = record.iter().map(|name| Record::read(&chosen, name, solve));
+        let records = records.collect::<Result<Vec<_>, _>>()?;
+        let parts = [scene.name(), scene.identity(), env!("CARGO_PKG_VERSION")];
+        let parts = parts
+            .into_iter()
+            .chain([if solve { "solve" } else { "simulate" }]);
+        let parts = parts.chain([understood.as_str()]);
+        let axis_parts = axes.iter().flat_map(|axis| {
+            let values = axis.values.iter().map(String::as_str);
+            std::iter::once(axis.name.as_str()).chain(values)
+        });
+        let parts = parts
+            .chain(axis_parts)
+            .chain(record.iter().map(String::as_str));
+        let mark = format!("{:016x}/{count}", digest(parts));
+        Ok(Self {
+            scene,
+            solve,
+            words: words.to_vec(),
+            axes,
+            records,
+            mark,
+        })
+    }
+
+    /// How many points there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
+    /// The mark of the sweep, `digest/count`: of the scene's text, the command, its words, the values and the records.
+    #[must_use]
+    pub fn mark(&self) -> &str {
+        &self.mark
+    }
+
+    /// The headings of the columns, as a line of CSV without its end.
+    #[must_use]
+    pub fn header(&self) -> String {
+        let mut cells = vec!["point".to_owned()];
+        cells.extend(self.axes.iter().map(Axis::heading));
+        cells.extend(["status", "message", "sequence"].map(str::to_owned));
+        cells.extend(self.records.iter().map(|record| record.heading.clone()));
+        cells.push("sweep".to_owned());
+        line(&cells)
+    }
+
+    /// The place of the column with the status; the cells before it hold no commas.
+    pub(super) fn status_column(&self) -> usize {
+        1 + self.axes.len()
+    }
+
+    /// The values of point `number`, one of each parameter.
+    fn values(&self, number: usize) -> Vec<&str> {
+        let mut rest = number;
+        let mut values: Vec<&str> = Vec::with_capacity(self.axes.len());
+        for axis in self.axes.iter().rev() {
+            values.push(&axis.values[rest % axis.values.len()]);
+            rest /= axis.values.len();
+        }
+        values.reverse();
+        values
+    }
+
+    /// Computes the row of point `number`, below [`SweepPlan::count`], as a line of CSV without its end. A point that is
+    /// refused has the status `refused`, and the message says why. `goes_on` is asked now and then.
+    #[must_use]
+    pub fn row(&self, number: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> String {
+        let values = self.values(number);
+        let mut words = self.words.clone();
+        for (axis, value) in self.axes.iter().zip(&values) {
+            words.extend(["--set".to_owned(), format!("{}={value}", axis.name)]);
+        }
+        let run = if self.solve {
+            self.scene.solve(&words, &mut |_| goes_on())
+        } else {
+            self.scene.simulate(&words, &mut |_| goes_on())
+        };
+        let mut cells = vec![number.to_string()];
+        cells.extend(values.into_iter().map(str::to_owned));
+        match run {
+            Ok(run) => {
+                // A document is JSON.
+                let document = serde_json::from_str(&run.json()).unwrap_or_default();
+                let message = run.diagnosis().unwrap_or_default();
+                cells.extend([run.status(), message, &sequence(&document)].map(str::to_owned));
+                cells.extend(self.records.iter().map(|record| record.cell(&document)));
+            }
+            Err(refusal) => {
+                let refusal = refusal.to_string();
+                let message = refusal.strip_prefix("error: ").unwrap_or(&refusal);
+                cells.extend(["refused", message, ""].map(str::to_owned));
+                cells.extend(self.records.iter().map(|_| String::new()));
+            }
+        }
+        cells.push(self.mark.clone());
+        line(&cells)
+    }
+}
+
+/// Cells as a line of CSV without its end; line ends within cells become spaces, so that a row is a line.
+fn line(cells: &[String]) -> String {
+    let cell = |text: &String| {
+        let text = text.replace(['\n', '\r'], " ");
+        if text.contains([',', '"']) {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        } else {
+            text
+        }
+    };
+    cells.iter().map(cell).collect::<Vec<_>>().join(",")
+}
+
+/// FNV-1a with 64 bits (Fowler, Noll, Vo) of parts of a text, which are told apart by their ends.
+fn digest<'a>(parts: impl Iterator<Item = &'a str>) -> u64 {
+    /// Offset basis and prime of that function.
+    const FNV: (u64, u64) = (0xcbf2_9ce4_8422_2325, 0x0000_0100_0000_01b3);
+    let bytes = parts.flat_map(|part| part.bytes().chain([0xff]));
+    bytes.fold(FNV.0, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(FNV.1)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{digest, line};
+
+    #[test]
+    fn digest_is_that_of_the_published_function_and_tells_parts_apart() {
+        // Of nothing: the offset basis; of one part `a`: FNV-1a("a\xff").
+        assert_eq!(digest([].into_iter()), 0xcbf2_9ce4_8422_2325);
+        assert_ne!(digest(["ab"].into_iter()), digest(["a", "b"].into_iter()));
+        assert_ne!(
+            digest(["a", "b"].into_iter()),
+            digest(["b", "a"].into_iter())
+        );
+    }
+
+    #[test]
+    fn row_is_one_line_whatever_its_cells_hold() {
+        let cells = ["1", "a, b", "say \"no\"\nor\r", ""].map(str::to_owned);
+        assert_eq!(line(&cells), "1,\"a, b\",\"say \"\"no\"\" or \",");
+    }
+}

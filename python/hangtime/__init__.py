@@ -1,0 +1,30 @@
+"""Simulation and optimal control of mechanical systems with impacts.
+
+>>> import hangtime as ht
+>>> ride = ht.load("ride.hang")
+>>> run = ride.simulate(speed="15 km/h", horizon=2)
+>>> run["y"], run.time, run.events, run.at(0.7)["dot(y)"]
+>>> best = ride.solve(intervals=30, progress=True)
+
+Numbers are those of the command line, bit for bit. Bad input is one exception, :class:`Mistake`, that prints like the
+command line.
+"""
+
+from ._core import Mistake, __version__
+from ._result import Event, Run, Solution
+from ._scene import Scene, load, scene, scenes
+from ._sweep import Sweep, sweep
+
+__all__ = [
+    "Event",
+    "Mistake",
+    "Run",
+    "Scene",
+    "Solution",
+    "Sweep",
+    "__version__",
+    "load",
+    "scene",
+    "scenes",
+    "sweep",
+]

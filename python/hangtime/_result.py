@@ -1,0 +1,325 @@
+"""Results: arrays, events, tables, pictures."""
+
+from __future__ import annotations
+
+import json
+from html import escape
+from typing import Any, Dict, Iterator, List, Optional
+
+import numpy as np
+
+from ._core import Mistake
+
+#: Parts of a trajectory that hold a vector at every instant.
+_PARTS = ("q", "v", "u", "contact_force", "friction_force", "outputs")
+#: In shorter intervals [s], relative to the time, rounding dominates the slope of the coordinates.
+_SHORT = 1e-8
+
+
+class Event:
+    """An impact, or a change of a contact: ``time`` [s], ``kind``, ``contact``, and states by name."""
+
+    def __init__(self, entry: Dict[str, Any], names: Dict[str, Any]):
+        self._entry, self._names = entry, names
+        self.time: float = entry["time"]
+        self.kind: str = entry["kind"]
+        self.contact: str = entry["contact"]
+        self.q = np.array(entry["q"])
+        """Coordinates, shape (n,)."""
+        self.v_before = np.array(entry["v_before"])
+        """Velocities right before, shape (n,)."""
+        self.v_after = np.array(entry["v_after"])
+        """Velocities right after, shape (n,)."""
+
+    def __repr__(self) -> str:
+        return f"<{self.kind} {self.contact} at {self.time!r} s>"
+
+
+class State(Dict[str, float]):
+    """The state at one instant: values by the names of :attr:`Run.units`."""
+
+    def __missing__(self, name: str) -> float:
+        raise Mistake(f"error: no quantity `{name}`; there are: {', '.join(self)}")
+
+
+class Run:
+    """A motion. ``run["y"]`` is an array over :attr:`time`; :attr:`units` lists names and units.
+
+    Velocities are ``dot(y)``, contact forces ``contact force NAME``. Runs pickle.
+    """
+
+    _document: Optional[Dict[str, Any]] = None
+    _columns: Optional[Dict[str, tuple]] = None
+
+    @classmethod
+    def _of(cls, core: Any, scene: Any, command: str, words: List[str]) -> "Run":
+        run = cls.__new__(cls)
+        run._native, run._scene, run._command, run._words = core, scene, command, words
+        run._arrays = {}
+        run._json = run._pages = None
+        return run
+
+    def __getstate__(self) -> Dict[str, Any]:
+        kept = {"_scene": self._scene, "_command": self._command, "_words": self._words, "_json": self.json}
+        # A solve takes long: its pages go along; those of a simulation are made again.
+        return {**kept, "_native": None, "_arrays": {}, "_pages": self.files if self._command == "solve" else None}
+
+    @property
+    def json(self) -> str:
+        """What the command line prints with ``--json``, one line."""
+        if self._json is None:
+            self._json = self._native.json
+        return self._json
+
+    @property
+    def document(self) -> Dict[str, Any]:
+        """The same as a dict, with every number of the contract."""
+        if self._document is None:
+            self._document = json.loads(self.json)
+        return self._document
+
+    @property
+    def files(self) -> Dict[str, str]:
+        """What the command line writes with ``--out``: data, figures and a page, by name."""
+        if self._pages is None:
+            native = self._native
+            if native is None:
+                native = getattr(self._scene._core, self._command)(self._words)
+            self._pages = dict(native.files())
+        return self._pages
+
+    @property
+    def status(self) -> str:
+        """``solved``, or the name of what went wrong."""
+        return self._native.status if self._native is not None else self.document["status"]
+
+    @property
+    def diagnosis(self) -> Optional[str]:
+        """Why it did not end with a solution."""
+        found = self.document.get("diagnosis")
+        return found["message"] if isinstance(found, dict) else found
+
+    @property
+    def notes(self) -> List[str]:
+        """Remarks that a user should read."""
+        return self.document["notes"]
+
+    @property
+    def time(self) -> np.ndarray:
+        """Instants [s], shape (rows,); an instant with an impact stands there twice, before and after."""
+        return self._part("time")
+
+    @property
+    def horizon(self) -> float:
+        """Length of the motion that was asked for [s]."""
+        return self.document["horizon"]
+
+    @property
+    def events(self) -> List[Event]:
+        """Impacts and changes of contacts in order."""
+        return [Event(entry, self.units) for entry in self.document["events"]]
+
+    @property
+    def units(self) -> Dict[str, str]:
+        """Names of all quantities with their units; a number has an empty one."""
+        return {name: unit for name, (_, _, unit) in self._named().items()}
+
+    def _named(self) -> Dict[str, tuple]:
+        if self._columns is None:
+            quantities = self.document["quantities"]
+            columns = {"time": ("time", None, quantities["time"])}
+            coordinates = [entry["name"] for entry in quantities["q"]]
+            for part in _PARTS:
+                for index, entry in enumerate(quantities.get(part, ())):
+                    name = f"dot({coordinates[index]})" if part == "v" else entry["name"]
+                    columns.setdefault(name, (part, index, entry["unit"]))
+            self._columns = columns
+        return self._columns
+
+    def _part(self, part: str) -> np.ndarray:
+        if part not in self._arrays:
+            array = np.array(self.document["trajectory"].get(part, []), dtype=float)
+            array.flags.writeable = False
+            self._arrays[part] = array
+        return self._arrays[part]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """All values of a quantity, shape (rows,), in the unit of :attr:`units`; read-only."""
+        named = self._named()
+        if not isinstance(name, str) or name not in named:
+            raise Mistake(f"error: no quantity {name!r}; there are: {', '.join(named)}")
+        part, index, _ = named[name]
+        return self._part(part) if index is None else self._part(part)[:, index]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._named())
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._named()
+
+    def keys(self) -> List[str]:
+        """Names of all quantities."""
+        return list(self._named())
+
+    @property
+    def final(self) -> State:
+        """The state at the end."""
+        if not len(self.time):
+            raise Mistake(f"error: no motion: {self.status}")
+        return State({name: float(self[name][-1]) for name in self})
+
+    def at(self, time: float) -> State:
+        """The state at a time [s], right after an impact at that time.
+
+        Between two instants, at distance h, coordinates follow the cubic through both states, and velocities its
+        derivative: accurate to h^4 and h^3. Controls, forces and outputs are linear. Nothing reaches over an impact.
+        """
+        t = self.time
+        try:
+            time = float(time)
+        except (TypeError, ValueError):
+            raise Mistake(f"error: the time is {type(time).__name__}: give a number of seconds") from None
+        if not len(t) or not t[0] <= time <= t[-1]:
+            simulated = f"it has instants from {t[0]} s to {t[-1]} s" if len(t) else "it has no motion"
+            raise Mistake(f"error: time {time} s was not simulated; {simulated}")
+        k = int(np.searchsorted(t, time, side="right")) - 1
+        rows = {part: self._part(part) for part in _PARTS}
+        if t[k] == time or k + 1 == len(t):
+            values = {part: row[k] for part, row in rows.items() if len(row)}
+        else:
+            values = _between(t, rows, k, time)
+        named = self._named().items()
+        return State(
+            {name: time if index is None else float(values[part][index]) for name, (part, index, _) in named}
+        )
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with a column a quantity, indexed by time; units are in ``attrs["units"]``."""
+        try:
+            import pandas
+        except ImportError:
+            raise ImportError("to_pandas needs pandas: pip install 'hangtime[pandas]'") from None
+        names = [name for name in self if name != "time"]
+        frame = pandas.DataFrame({name: self[name] for name in names}, index=pandas.Index(self.time, name="time"))
+        frame.attrs["units"] = self.units
+        return frame
+
+    def plot(self, *names: str, axes: Any = None) -> Any:
+        """Draws quantities over time, by default all coordinates, and returns matplotlib's axes."""
+        pyplot = _pyplot()
+        names = names or tuple(entry["name"] for entry in self.document["quantities"]["q"])
+        axes = axes if axes is not None else pyplot.subplots()[1]
+        for name in names:
+            unit = self.units.get(name, "")
+            axes.plot(self.time, self[name], label=f"{name} [{unit}]" if unit else name)
+        for event in self.document["events"]:
+            axes.axvline(event["time"], color="0.8", linewidth=0.8, zorder=0)
+        axes.set_xlabel("time [s]")
+        axes.legend()
+        return axes
+
+    @property
+    def svg(self) -> str:
+        """A picture of the motion, or of its quantities over time where the scene has no picture."""
+        pictures = {name: text for name, text in self.files.items() if name.endswith(".svg")}
+        chosen = [name for name in pictures if not name.endswith("-time.svg")] or list(pictures)
+        if not chosen:
+            raise Mistake(f"error: no motion to draw: {self.status}")
+        return pictures[chosen[0]]
+
+    def play(self, height: int = 640) -> "Player":
+        """The player of the motion, which a notebook shows inline; ``.save(path)`` writes it as a page."""
+        pages = [text for name, text in self.files.items() if name.endswith(".html")]
+        if not pages:
+            raise Mistake(f"error: no motion to play: {self.status}")
+        return Player(pages[0], height)
+
+    def _facts(self) -> List[tuple]:
+        document = self.document
+        facts = [("status", self.status), ("horizon", f"{self.horizon!r} s"), ("events", len(document["events"]))]
+        facts += [(f"final {name}", f"{value!r} {self.units[name]}") for name, value in self._end().items()]
+        return facts
+
+    def _end(self) -> Dict[str, float]:
+        coordinates = {entry["name"] for entry in self.document["quantities"]["q"]}
+        return {name: value for name, value in self.final.items() if name in coordinates} if len(self.time) else {}
+
+    def __repr__(self) -> str:
+        facts = ", ".join(f"{name} {value}" for name, value in self._facts())
+        return f"<hangtime {self._command} {self._scene.name}: {facts}>"
+
+    def _repr_html_(self) -> str:
+        rows = "".join(f"<tr><td>{escape(str(a))}</td><td>{escape(str(b))}</td></tr>" for a, b in self._facts())
+        picture = self.svg if len(self.time) else ""
+        return f"<table>{rows}</table>{picture}"
+
+
+class Solution(Run):
+    """A plan: the re-simulated motion, and what belongs to the plan."""
+
+    @property
+    def objective(self) -> float:
+        """Value of what is minimized."""
+        return self.document["objective"]
+
+    @property
+    def stationarity(self) -> str:
+        """``S``, ``B``, or ``none``."""
+        return self.document["stationarity"]
+
+    @property
+    def optima(self) -> List[Dict[str, Any]]:
+        """The distinct local optima that were found."""
+        return self.document["optima"]
+
+    @property
+    def controls(self) -> np.ndarray:
+        """Controls, as the command line's JSON has them, shape (intervals, controls)."""
+        return np.array(self.document["controls"], dtype=float)
+
+    @property
+    def resimulated(self) -> float:
+        """Distance of the event-driven simulation under these controls from the plan, at the end."""
+        return self.document["resimulation_error"]
+
+    def _facts(self) -> List[tuple]:
+        plan = [("objective", repr(self.objective)), ("stationarity", self.stationarity)]
+        return super()._facts() + plan + [("re-simulated", f"{self.resimulated!r} away")]
+
+
+class Player:
+    """A page that plays a motion and loads nothing from elsewhere."""
+
+    def __init__(self, page: str, height: int):
+        self.page, self.height = page, height
+
+    def save(self, path: Any) -> None:
+        """Writes the page."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self.page)
+
+    def _repr_html_(self) -> str:
+        frame = "width:100%;border:0"
+        return f'<iframe srcdoc="{escape(self.page)}" style="{frame};height:{int(self.height)}px"></iframe>'
+
+
+def _between(t: np.ndarray, rows: Dict[str, np.ndarray], k: int, time: float) -> Dict[str, np.ndarray]:
+    """The values between instant k and the next."""
+    h = t[k + 1] - t[k]
+    s = (time - t[k]) / h
+    values = {part: row[k] + s * (row[k + 1] - row[k]) for part, row in rows.items() if len(row)}
+    (q0, q1), (v0, v1) = rows["q"][k : k + 2], rows["v"][k : k + 2]
+    rise = q1 - q0
+    a, b = h * v0 - rise, rise - h * v1
+    values["q"] = q0 + s * (rise + (1 - s) * ((1 - s) * a + s * b))
+    if h > _SHORT * max(abs(t[k]), 1.0):
+        values["v"] = (rise + (1 - s) * (1 - 3 * s) * a + s * (2 - 3 * s) * b) / h
+    return values
+
+
+def _pyplot() -> Any:
+    try:
+        from matplotlib import pyplot
+    except ImportError:
+        raise ImportError("plots need matplotlib: pip install 'hangtime[plot]'") from None
+    return pyplot

@@ -1,0 +1,264 @@
+"""Scenes: declared by a file, by a text, or shipped."""
+
+from __future__ import annotations
+
+import math
+import numbers
+import os
+import sys
+import time
+from typing import Any, Callable, Iterable, List, Mapping, NamedTuple, Optional, Union
+
+from . import _core
+from ._core import Mistake
+from ._result import Run, Solution
+
+Value = Union[float, int, str]
+_OPTIONS: dict = {}
+
+
+class Parameter(NamedTuple):
+    """A parameter of a scene."""
+
+    name: str
+    unit: str
+    """Declared unit; empty for a number."""
+    value: float
+    """Value without settings, in that unit."""
+    documentation: str
+
+
+def _options(command: str) -> frozenset:
+    if command not in _OPTIONS:
+        _OPTIONS[command] = frozenset(name.replace("-", "_") for name in _core.options(command))
+    return _OPTIONS[command]
+
+
+def _text(name: str, value: Any) -> str:
+    """A value as it would stand on the command line: a number with all its digits, or a text with a unit."""
+    if isinstance(value, str):
+        return value
+    if not isinstance(value, (bool, bytes)) and getattr(value, "shape", None) == ():
+        value = value.item()
+    if isinstance(value, numbers.Integral) and not isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        value = float(value)
+        return repr(value) if math.isfinite(value) else str(value)
+    raise Mistake(
+        f"error: `{name}` is {type(value).__name__}: give a number in the declared unit, or a text such as '15 km/h'"
+    )
+
+
+def _words(command: str, parameters: Optional[Mapping[str, Value]], keywords: Mapping[str, Any]) -> List[str]:
+    """Keywords as the words that stand behind the scene on the command line."""
+    if parameters is not None and not isinstance(parameters, Mapping):
+        raise Mistake(f"error: `parameters` is {type(parameters).__name__}: give a dict of values by name")
+    settings = dict(parameters or {})
+    words = []
+    for name, value in keywords.items():
+        if name not in _options(command):
+            if name in settings:
+                raise Mistake(f"error: `{name}` is given twice; keep one of them")
+            settings[name] = value
+        elif value is True:
+            words.append(f"--{name.replace('_', '-')}")
+        elif value is not None and value is not False:
+            words.append(f"--{name.replace('_', '-')}={_text(name, value)}")
+    for name, value in settings.items():
+        if not isinstance(name, str):
+            raise Mistake(f"error: `parameters`: {name!r} is no name; give a dict of values by name")
+        words.append(f"--set={name}={_text(name, value)}")
+    return [_checked(word) for word in words]
+
+
+def _checked(text: str) -> str:
+    """The text, if it is one that can be handed on: no lone surrogates."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise Mistake(f"error: {text!r} is no valid text; write it in Unicode") from None
+    return text
+
+
+class _Bar:
+    """A line in the terminal, or below a cell, that says how far a run is."""
+
+    def __init__(self, name: str, end: Optional[float] = None):
+        self.name, self.end, self.width = name, end, 0
+        self.start = time.monotonic()
+
+    def __call__(self, reached: Optional[float], words: str) -> None:
+        line = f"{self.name} {time.monotonic() - self.start:.0f} s: {words}"[:118]
+        sys.stderr.write("\r" + line.ljust(self.width))
+        sys.stderr.flush()
+        self.width = len(line)
+
+    def close(self) -> None:
+        if self.width:
+            sys.stderr.write("\r" + " " * self.width + "\r")
+            sys.stderr.flush()
+
+
+class Scene:
+    """A mechanical system with impacts, as declared in the modelling language.
+
+    Made by :func:`load`, :func:`scene` and :data:`scenes`. Scenes pickle.
+    """
+
+    def __init__(self, origin: tuple):
+        self._origin = origin
+        kind, name, text = origin
+        self._core = _core.Scene.of_text(name, text) if kind == "text" else _core.Scene.open(name)
+
+    def __reduce__(self):
+        return Scene, (self._origin,)
+
+    @property
+    def name(self) -> str:
+        """Name of the scene."""
+        return self._core.name
+
+    @property
+    def title(self) -> str:
+        """What it is, in one line."""
+        return self._core.title
+
+    @property
+    def text(self) -> Optional[str]:
+        """The text that declares it; ``None`` for a shipped scene."""
+        return self._origin[2]
+
+    @property
+    def check(self) -> str:
+        """Warnings about its text, as the command line prints them; empty if there are none."""
+        return self._core.warnings
+
+    @property
+    def parameters(self) -> dict:
+        """The parameters by name: unit, value without settings, documentation."""
+        return {row[0]: Parameter(*row) for row in self._core.parameters()}
+
+    def explain(self, *, parameters: Optional[Mapping[str, Value]] = None, size: bool = False, **keywords: Any) -> str:
+        """Derived equations, sparsity patterns and operation counts; with ``size`` the sizes of every formulation."""
+        return self._core.explain(_words("explain", parameters, {"size": size, **keywords}))
+
+    def simulate(
+        self,
+        *,
+        parameters: Optional[Mapping[str, Value]] = None,
+        progress: Union[bool, Callable[[Optional[float], str], Any]] = False,
+        **keywords: Any,
+    ) -> Run:
+        """Simulates the scene.
+
+        Keywords are parameters of the scene, as numbers in the declared unit or texts with a unit (``"15 km/h"``), and
+        the options of ``hangtime simulate``: ``method``, ``scheme``, ``stages``, ``steps``, ``elements``,
+        ``formulation``, ``tolerance``, ``width``, ``no_exit_condition``, ``horizon`` [s], ``rows``, ``time_limit`` [s].
+        A parameter with the name of an option is set by ``parameters={"name": value}``.
+
+        The interpreter's lock is released. Ctrl-C raises ``KeyboardInterrupt``. ``progress`` is true for a line on the
+        standard error stream, or is called with the time reached [s] and a text.
+        """
+        words = _words("simulate", parameters, keywords)
+        return Run._of(self._run("simulate", words, progress), self, "simulate", words)
+
+    def solve(
+        self,
+        *,
+        parameters: Optional[Mapping[str, Value]] = None,
+        progress: Union[bool, Callable[[Optional[float], str], Any]] = False,
+        **keywords: Any,
+    ) -> Solution:
+        """Solves the scene's problem of optimal control.
+
+        Keywords are parameters, as in :meth:`simulate`, and the options of ``hangtime solve``: ``intervals``,
+        ``controls``, ``formulation``, ``scheme``, ``stages``, ``elements``, ``starts``, ``horizon`` [s], ``rows``,
+        ``time_limit`` [s]. Ctrl-C ends the solve with the best motion so far, whose status is ``interrupted``.
+        """
+        words = _words("solve", parameters, keywords)
+        return Solution._of(self._run("solve", words, progress), self, "solve", words)
+
+    def _run(self, command: str, words: List[str], progress: Any):
+        call = getattr(self._core, command)
+        if callable(progress):
+            return call(words, progress)
+        if not progress:
+            return call(words)
+        bar = _Bar(self.name)
+        try:
+            return call(words, bar)
+        finally:
+            bar.close()
+
+    def __repr__(self) -> str:
+        return f"<hangtime scene {self.name}: {self.title}>"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        rows = "".join(
+            f"<tr><td>{escape(p.name)}</td><td>{p.value!r}</td><td>{escape(p.unit)}</td>"
+            f"<td>{escape(p.documentation)}</td></tr>"
+            for p in self.parameters.values()
+        )
+        return (
+            f"<b>{escape(self.name)}</b>: {escape(self.title)}<table><tr><th>parameter</th><th>value</th><th>unit</th>"
+            f"<th></th></tr>{rows}</table>"
+        )
+
+
+def load(path: Union[str, "os.PathLike[str]"]) -> Scene:
+    """The scene of a file, whose name ends with ``.hang``.
+
+    The text is read once: the scene stays what it was when the file changes.
+    """
+    try:
+        path = os.fspath(path)
+    except TypeError:
+        raise Mistake(f"error: a path is needed, not {type(path).__name__}") from None
+    if not isinstance(path, str) or not path.endswith(".hang"):
+        raise Mistake(f"error: `{path!r}`: give a scene file, whose name ends with .hang")
+    # The native part reads it as the command line does, and refuses it with the same words.
+    _core.Scene.open(_checked(path))
+    try:
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+    except (OSError, ValueError) as error:
+        raise Mistake(f"error: {path}: {error}; give a scene file that can be read") from None
+    return Scene(("text", os.path.splitext(path)[0], text))
+
+
+def scene(text: str, name: str = "scene") -> Scene:
+    """The scene that a text declares, under a name."""
+    for what, value in (("text", text), ("name", name)):
+        if not isinstance(value, str):
+            raise Mistake(f"error: the {what} of a scene is {type(value).__name__}: give a text")
+    return Scene(("text", _checked(name), _checked(text)))
+
+
+class _Scenes:
+    """The shipped scenes, as attributes and by name: ``scenes.ski_jump``, ``scenes["ski-jump"]``."""
+
+    def __getattr__(self, name: str) -> Scene:
+        known = name.replace("_", "-")
+        if known not in _core.scene_names():
+            raise AttributeError(f"no shipped scene `{name}`; there are: {', '.join(dir(self))}")
+        return self[known]
+
+    def __getitem__(self, name: str) -> Scene:
+        if not isinstance(name, str) or name.endswith(".hang"):
+            raise Mistake(f"error: {name!r} is no name of a shipped scene; they are: {', '.join(self)}")
+        return Scene(("shipped", _checked(name), None))
+
+    def __iter__(self) -> Iterable[str]:
+        return iter(_core.scene_names())
+
+    def __len__(self) -> int:
+        return len(_core.scene_names())
+
+    def __dir__(self) -> List[str]:
+        return [name.replace("-", "_") for name in _core.scene_names()]
+
+
+scenes = _Scenes()

@@ -1,0 +1,258 @@
+"""Sweeps over parameters, by any executor, with a table that is resumed."""
+
+from __future__ import annotations
+
+import csv
+import io
+import multiprocessing
+import os
+from concurrent.futures import Executor, ProcessPoolExecutor
+from functools import lru_cache
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence
+
+import numpy as np
+
+from . import _core
+from ._core import Mistake
+from ._result import _pyplot
+from ._scene import Scene, Value, _checked, _text, _words
+
+#: Rows that a worker computes before it hands them over: a call of a worker costs about as much as a short run.
+_CHUNK = 16
+#: Chunks per worker that wait: enough that no worker does, few enough that a stop loses little.
+_WAITING = 4
+
+
+class Sweep(Sequence[Dict[str, str]]):
+    """The table of a sweep: rows in the order of the points, the last parameter fastest.
+
+    ``table["objective"]`` is an array, NaN where a point failed (texts for ``status``, ``message``, ``sequence``); a name
+    is meant without its unit. An index gives a row as a dict of texts.
+    """
+
+    def __init__(self, header: str, lines: Iterable[str], parameters: Sequence[str]):
+        self._header, self._lines, self.parameters = header, list(lines), tuple(parameters)
+        self._rows = list(csv.reader(io.StringIO("\n".join([header, *self._lines]))))
+
+    @property
+    def csv(self) -> str:
+        """The table as the command line writes it."""
+        return "".join(line + "\n" for line in [self._header, *self._lines])
+
+    @property
+    def columns(self) -> List[str]:
+        """The headings, names with units."""
+        return self._rows[0]
+
+    def __len__(self) -> int:
+        return len(self._lines)
+
+    def __getitem__(self, key: Any) -> Any:
+        if isinstance(key, str):
+            names = [heading.split(" [")[0] for heading in self.columns]
+            place = names.index(key) if key in names else -1
+            if place < 0:
+                raise Mistake(f"error: no column `{key}`; there are: {', '.join(names)}")
+            cells = [row[place] for row in self._rows[1:]]
+            try:
+                return np.array([float(cell) if cell else np.nan for cell in cells])
+            except ValueError:
+                return np.array(cells)
+        if isinstance(key, slice):
+            return [self[k] for k in range(*key.indices(len(self)))]
+        if not -len(self) <= key < len(self):
+            raise IndexError(f"row {key} of {len(self)}")
+        return dict(zip(self.columns, self._rows[1:][key]))
+
+    def to_pandas(self) -> Any:
+        """A ``pandas.DataFrame`` with the columns of the table."""
+        try:
+            import pandas
+        except ImportError:
+            raise ImportError("to_pandas needs pandas: pip install 'hangtime[pandas]'") from None
+        return pandas.read_csv(io.StringIO(self.csv), float_precision="round_trip")
+
+    def plot(self, what: Optional[str] = None, axes: Any = None) -> Any:
+        """Draws a column over the parameter as a line, or over two parameters as a map; returns matplotlib's axes.
+
+        Changes of the contact sequence are marked: by dotted lines, in a map by lines between cells. Without ``what``
+        the first recorded column is drawn.
+        """
+        if not 1 <= len(self.parameters) <= 2:
+            raise Mistake(f"error: a sweep over {len(self.parameters)} parameters has no picture; sweep over one or two")
+        pyplot = _pyplot()
+        axes = axes if axes is not None else pyplot.subplots()[1]
+        if what is None:
+            records = self.columns[1 + len(self.parameters) + 3 : -1]
+            if not records:
+                raise Mistake("error: nothing was recorded; name records when you sweep")
+            what = records[0].split(" [")[0]
+        heading = {column.split(" [")[0]: column for column in self.columns}
+        first = self[self.parameters[0]]
+        # Of points that failed nothing is known, also no sequence.
+        words = np.where(self["status"] == "refused", "", self["sequence"].astype(str))
+        if len(self.parameters) == 1:
+            order = np.argsort(first, kind="stable")
+            x, y, words = first[order], self[what][order], words[order]
+            axes.plot(x, y, marker=".", linewidth=1)
+            for k in np.flatnonzero(words[1:] != words[:-1]):
+                axes.axvline((x[k] + x[k + 1]) / 2, color="0.5", linestyle=":", linewidth=1)
+            axes.set_xlabel(heading[self.parameters[0]])
+            axes.set_ylabel(heading[what])
+            return axes
+        second = self[self.parameters[1]]
+        x, i = np.unique(second, return_inverse=True)
+        y, j = np.unique(first, return_inverse=True)
+        values = np.full((len(y), len(x)), np.nan)
+        values[j, i] = self[what]
+        names = np.full(values.shape, "", dtype=object)
+        names[j, i] = words
+        mesh = axes.pcolormesh(_edges(x), _edges(y), values)
+        axes.figure.colorbar(mesh, label=heading[what])
+        xe, ye = _edges(x), _edges(y)
+        for a, b in zip(*np.nonzero(names[:, 1:] != names[:, :-1])):
+            axes.plot([xe[b + 1]] * 2, ye[a : a + 2], color="w", linewidth=1)
+        for a, b in zip(*np.nonzero(names[1:] != names[:-1])):
+            axes.plot(xe[b : b + 2], [ye[a + 1]] * 2, color="w", linewidth=1)
+        axes.set_xlabel(heading[self.parameters[1]])
+        axes.set_ylabel(heading[self.parameters[0]])
+        return axes
+
+    def __repr__(self) -> str:
+        statuses = [row[1 + len(self.parameters)] for row in self._rows[1:]]
+        counts = ", ".join(f"{statuses.count(name)} {name}" for name in sorted(set(statuses)))
+        return f"<hangtime sweep over {', '.join(self.parameters)}: {len(self)} points, {counts}>"
+
+    def _repr_html_(self) -> str:
+        return self.to_pandas()._repr_html_()
+
+
+def _edges(centres: np.ndarray) -> np.ndarray:
+    if len(centres) == 1:
+        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    middles = (centres[1:] + centres[:-1]) / 2
+    return np.concatenate([[2 * centres[0] - middles[0]], middles, [2 * centres[-1] - middles[-1]]])
+
+
+@lru_cache(maxsize=4)
+def _plan(origin: tuple, solve: bool, over: tuple, words: tuple, record: tuple) -> Any:
+    """A plan, made once in a process."""
+    return _core.SweepPlan(Scene(origin)._core, solve, list(over), list(words), list(record))
+
+
+def _rows(spec: tuple, points: Sequence[int]) -> List[str]:
+    """What a worker does: rows of points."""
+    plan = _plan(*spec)
+    return [plan.row(point) for point in points]
+
+
+def sweep(
+    scene: Scene,
+    over: Mapping[str, Iterable[Value]],
+    what: str = "simulate",
+    record: Sequence[str] = (),
+    *,
+    parameters: Optional[Mapping[str, Value]] = None,
+    executor: Optional[Executor] = None,
+    store: Any = None,
+    **keywords: Any,
+) -> Sweep:
+    """Simulates or solves a scene over the values of its parameters.
+
+    ``over`` gives values by parameter; every combination is a point. ``what`` is ``"simulate"`` or ``"solve"``,
+    ``record`` names numbers: ``objective``, ``final_time``, ``horizon``, ``stationarity``, ``resimulation_error``,
+    ``events``, ``final.NAME`` and ``final.dot(NAME)`` of a coordinate. Other keywords are those of ``Scene.simulate`` or
+    ``Scene.solve``. ``executor`` is any ``concurrent.futures.Executor``, such as Dask's ``client.get_executor()``; by
+    default fresh processes, for which a script needs the usual ``if __name__ == "__main__":``. What a row holds depends neither on the workers nor on their order; a point that fails is a row
+    whose status says so.
+
+    ``store`` is a path: rows are kept there and not computed again, also by ``hangtime sweep --resume``, whose table is
+    the same. A path that ends with ``.parquet`` is written at the end, with rows kept beside it in ``.parquet.csv``.
+    """
+    if not isinstance(scene, Scene):
+        raise Mistake(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
+    if what not in ("simulate", "solve"):
+        raise Mistake(f"error: what = {what!r}: give 'simulate' or 'solve'")
+    if not isinstance(over, Mapping):
+        raise Mistake(f"error: `over` is {type(over).__name__}: give a dict of values by parameter")
+    if isinstance(record, str) or not all(isinstance(name, str) for name in record):
+        raise Mistake("error: `record`: give a list of names")
+    spec = (
+        scene._origin,
+        what == "solve",
+        tuple(_axis(name, values) for name, values in over.items()),
+        tuple(_words(what, parameters, keywords)),
+        tuple(_checked(name) for name in record),
+    )
+    plan = _plan(*spec)
+    path = None if store is None else os.fspath(store)
+    rows = path + ".csv" if path is not None and path.endswith(".parquet") else path
+    lines = _stored(rows, plan)
+    file = None if rows is None else open(rows, "a", encoding="utf-8", newline="")
+    try:
+        if file is not None and not os.path.getsize(rows):
+            file.write(plan.header + "\n")
+        missing = len(lines) < len(plan)
+        # Fresh processes: a forked one has no threads of those that the solver started before.
+        fresh = multiprocessing.get_context("spawn")
+        own = ProcessPoolExecutor(mp_context=fresh) if executor is None and missing else None
+        try:
+            for row in _computed(executor or own, spec, range(len(lines), len(plan))):
+                lines.append(row)
+                if file is not None:
+                    file.write(row + "\n")
+                    file.flush()
+        finally:
+            if own is not None:
+                own.shutdown(cancel_futures=True)
+    finally:
+        if file is not None:
+            file.close()
+    table = Sweep(plan.header, lines, list(over))
+    if path != rows:
+        table.to_pandas().to_parquet(path)
+    return table
+
+
+def _axis(name: Any, values: Any) -> str:
+    if not isinstance(name, str):
+        raise Mistake(f"error: `over`: {name!r} is no name of a parameter")
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        raise Mistake(f"error: `over`: the values of `{name}` are {type(values).__name__}: give a list or an array")
+    return _checked(f"{name}={','.join(_text(name, value) for value in values)}")
+
+
+def _computed(executor: Any, spec: tuple, points: range) -> Iterable[str]:
+    """Rows in order; only so many chunks wait at a time."""
+    chunks = [points[k : k + _CHUNK] for k in range(0, len(points), _CHUNK)]
+    waiting = _WAITING * (os.cpu_count() or 1)
+    futures: Dict[int, Any] = {}
+    try:
+        for k in range(len(chunks)):
+            for ahead in range(k, min(k + waiting, len(chunks))):
+                if ahead not in futures:
+                    futures[ahead] = executor.submit(_rows, spec, list(chunks[ahead]))
+            yield from futures[k].result()
+            futures[k] = None
+    finally:
+        rest = [future for future in futures.values() if future is not None]
+        for future in rest:
+            future.cancel()
+
+
+def _stored(path: Optional[str], plan: Any) -> List[str]:
+    """Rows that are stored already; what a killed run left of a row is cut off."""
+    if path is None or not os.path.exists(path):
+        return []
+    with open(path, "rb+") as file:
+        text = file.read()
+        whole = text.rfind(b"\n") + 1
+        file.truncate(whole)
+    lines = text[:whole].decode("utf-8", "replace").splitlines()
+    if not lines:
+        return []
+    rows = lines[1:]
+    fits = lines[0] == plan.header and len(rows) <= len(plan)
+    if not fits or any(not row.startswith(f"{k},") or not row.endswith("," + plan.mark) for k, row in enumerate(rows)):
+        raise Mistake(f"error: store `{path}` holds rows of another sweep; give another file, or remove it")
+    return rows

@@ -1,0 +1,80 @@
+"""Calls with arguments of wrong types, shapes and values: exceptions by name, and an interpreter that lives on."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+from conftest import BALL
+
+import hangtime as ht
+
+VALUES = [
+    None, True, False, 0, -1, 1, 10**30, 1e308, -0.0, math.nan, math.inf, -math.inf, "", " ", "nan", "1e999", "5 furlong",
+    "15 km/h", "-3 m", "\x00", "\ud800", "é", "a" * 10_000, "--help", "=", "h=1", b"bytes", [], [1, 2], (), {}, {"h": 1},
+    set(), object(), 1j, np.float64(0.5), np.int32(3), np.array(2.0), np.array([1.0, 2.0]), np.zeros((2, 2)), np.nan,
+    np.datetime64("2020-01-01"), lambda: 1, Exception, range(3), ht,
+]
+KEYS = [
+    "h", "e", "push", "horizon", "method", "tolerance", "steps", "stages", "elements", "scheme", "rows", "time_limit",
+    "parameters", "no_exit_condition", "unknown", "out", "json", "set",
+]  # fmt: skip
+#: What Python and the package raise by name; anything else is a mistake in the package.
+NAMED = (ht.Mistake, TypeError, AttributeError, IndexError)
+
+
+def mutated(choose, ball, run):
+    """One call with something wrong in it."""
+    value, other = choose.choice(VALUES), choose.choice(VALUES)
+    key = choose.choice(KEYS)
+    return choose.choice(
+        [
+            lambda: ball.simulate(**{"time_limit": 2, key: value}),
+            lambda: ball.simulate(**{"method": "event", key: value, choose.choice(KEYS): other, "time_limit": 2}),
+            lambda: ball.simulate(parameters={value if isinstance(value, str) else "h": other}, time_limit=2),
+            lambda: ball.solve(**{key: value}),
+            lambda: ball.explain(**{key: value}),
+            lambda: ht.scene(value),
+            lambda: ht.scene(BALL, value),
+            lambda: ht.scene(mutilated(choose, BALL)).simulate(time_limit=2),
+            lambda: ht.load(value),
+            lambda: ht.scenes[value],
+            lambda: run[value],
+            lambda: run.at(value),
+            lambda: run.plot(value),
+            lambda: ht.sweep(ball, {"h": value}, executor=value),
+            lambda: ht.sweep(ball, value, what=other),
+            lambda: ht.sweep(value, {"h": [1]}),
+            lambda: ht.sweep(ball, {"h": [value, other]}, record=value, executor=object()),
+        ]
+    )
+
+
+def mutilated(choose, text):
+    at, length = choose.randrange(len(text)), choose.randrange(1, 20)
+    return text[:at] + choose.choice(["", "(", "}", "1e999", "z", "é", "\x00", "-"]) + text[at + length :]
+
+
+@pytest.mark.parametrize("block", range(10))
+def test_fifty_mutated_calls_raise_by_name(block):
+    choose = random.Random(block)
+    ball = ht.scene(BALL, "ball")
+    run = ball.simulate()
+    for _ in range(50):
+        call = mutated(choose, ball, run)
+        try:
+            call()
+        except NAMED as error:
+            assert "internal_error" not in str(error) and "panic" not in str(error)
+    np.testing.assert_array_equal(ball.simulate()["z"], run["z"])
+
+
+def test_deleted_file_is_named_and_a_scene_stays_what_it_was(ball_file):
+    ball = ht.load(ball_file)
+    before = ball.simulate().json
+    ball_file.write_text("nonsense")
+    assert ball.simulate()["z"][-1] == ht.scene(BALL, "x").simulate()["z"][-1]
+    ball_file.unlink()
+    assert ball.simulate().document["final"] == __import__("json").loads(before)["final"]
+    with pytest.raises(ht.Mistake, match="ball.hang"):
+        ht.load(ball_file)

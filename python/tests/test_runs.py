@@ -1,0 +1,137 @@
+"""Simulations and solves: closed forms, and the numbers of the command line."""
+
+import math
+import os
+import pickle
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from conftest import BALL, CART, without_seconds
+
+import hangtime as ht
+
+G = 9.81
+
+
+def test_ball_falls_and_bounces_as_the_formula_says():
+    run = ht.scene(BALL, "ball").simulate(h="120 cm", e=0.7, method="event")
+    fall = math.sqrt(2 * 1.2 / G)
+    assert run.status == "solved"
+    assert [event.kind for event in run.events] == ["impact"]
+    event = run.events[0]
+    assert event.time == pytest.approx(fall, abs=1e-8)
+    assert event.v_after[0] == pytest.approx(-0.7 * event.v_before[0], rel=1e-9)
+    t = 0.55
+    after = t - fall
+    state = run.at(t)
+    # Between rows the motion is a parabola, which the cubic holds exactly.
+    assert state["z"] == pytest.approx(0.7 * G * fall * after - G / 2 * after**2, abs=1e-7)
+    assert state["dot(z)"] == pytest.approx(0.7 * G * fall - G * after, abs=1e-6)
+    assert run.at(0.2)["dot(z)"] == pytest.approx(-G * 0.2, abs=1e-7)
+    assert run.units["z"] == "m" and run.units["dot(z)"] == "m/s"
+    assert run["z"].shape == run.time.shape and not run["z"].flags.writeable
+
+
+@pytest.mark.parametrize(
+    "name, words, keywords",
+    [
+        ("ski-jump", [], {}),
+        ("ski-jump", ["--set", "start_y=8.264m", "--method", "event"], {"start_y": "8.264m", "method": "event"}),
+        ("pump-track", ["--set", "speed=15km/h", "--horizon", "2"], {"speed": "15 km/h", "horizon": 2}),
+        ("bouncing-ball", ["--method", "moreau", "--steps", "300"], {"method": "moreau", "steps": 300}),
+    ],
+)
+def test_simulation_is_that_of_the_command_line_digit_for_digit(command, name, words, keywords):
+    status, output, _ = command("simulate", name, *words, "--json")
+    run = ht.scenes[name].simulate(**keywords)
+    assert without_seconds(run.json) == without_seconds(output)
+    assert (status == 0) == (run.status == "solved")
+
+
+def test_solve_has_the_optimum_of_the_formula_and_the_digits_of_the_command_line(command, tmp_path):
+    (tmp_path / "cart.hang").write_text(CART)
+    _, output, _ = command("solve", tmp_path / "cart.hang", "--set", "d=1.5", "--intervals", 10, "--json")
+    best = ht.load(tmp_path / "cart.hang").solve(d=1.5, intervals=10)
+    assert without_seconds(best.json) == without_seconds(output)
+    assert best.objective == pytest.approx(2 * math.sqrt(2 * 1.5), rel=1e-6)
+    assert best.stationarity in ("S", "B") and best.optima and best.resimulated < 1e-6
+    assert np.abs(best.controls).max() == pytest.approx(1, abs=1e-5)
+    again = pickle.loads(pickle.dumps(best))
+    assert again.json == best.json and again.svg == best.svg
+
+
+def test_mistakes_print_as_the_command_line_prints_them(command, tmp_path, ball_file):
+    bad = tmp_path / "bad.hang"
+    bad.write_text("coordinates { z: m }\nlagrangian dot(z)^2*weight\n")
+    _, _, error = command("simulate", bad)
+    with pytest.raises(ht.Mistake) as caught:
+        ht.load(bad)
+    assert str(caught.value) == error.rstrip("\n")
+    ball = ht.load(ball_file)
+    for words, keywords in [
+        (["--set", "hh=1"], {"hh": 1}),
+        (["--set", "h=1kg"], {"h": "1kg"}),
+        (["--set", "h=nan"], {"h": math.nan}),
+        (["--set", "e=2"], {"e": 2}),
+        (["--steps=0"], {"steps": 0}),
+        (["--method=other"], {"method": "other"}),
+        (["--horizon=-1s"], {"horizon": "-1s"}),
+    ]:
+        _, _, error = command("simulate", ball_file, *words)
+        with pytest.raises(ht.Mistake) as caught:
+            ball.simulate(**keywords)
+        assert str(caught.value) == error.rstrip("\n")
+
+
+def test_runs_pickle_and_show_themselves():
+    ball = pickle.loads(pickle.dumps(ht.scene(BALL, "ball")))
+    run = ball.simulate(h=2)
+    again = pickle.loads(pickle.dumps(run))
+    assert again.json == run.json
+    np.testing.assert_array_equal(again["z"], run["z"])
+    assert again.svg.startswith("<svg") or "<svg" in again.svg
+    assert "<table>" in run._repr_html_() and "<iframe" in run.play()._repr_html_()
+    assert "h" in ball._repr_html_() and "ball" in repr(run)
+    frame = run.to_pandas()
+    assert list(frame["z"]) == list(run["z"]) and frame.attrs["units"]["z"] == "m"
+    import matplotlib
+
+    matplotlib.use("Agg")
+    assert run.plot("z", "dot(z)").get_legend() is not None
+
+
+def test_ctrl_c_ends_a_solve_with_the_best_motion_or_at_once():
+    threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    begin = time.monotonic()
+    try:
+        best = ht.scenes.pump_track.solve(intervals=60, starts=16)
+        assert best.status in ("interrupted", "solved") and len(best.time)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        # A run that was over before the signal leaves it to this line.
+        try:
+            time.sleep(max(0.0, begin + 1.7 - time.monotonic()))
+        except KeyboardInterrupt:
+            pass
+    assert time.monotonic() - begin < 60
+
+
+def test_lock_is_released_while_a_run_goes_on():
+    said = []
+    ht.scene(BALL, "ball").simulate(
+        method="moreau", steps=1_000_000, progress=lambda at, words: said.append((at, words))
+    )
+    counted = 0
+    thread = threading.Thread(
+        target=lambda: ht.scene(BALL, "ball").simulate(method="moreau", steps=1_000_000)
+    )
+    thread.start()
+    while thread.is_alive():
+        counted += 1
+        time.sleep(0.001)
+    assert counted > 3
+    assert all(0 <= at <= 0.6 for at, _ in said)

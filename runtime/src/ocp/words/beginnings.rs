@@ -1,0 +1,207 @@
+//! Words to begin with: of simulated motions under random controls, of what they begin with, of the ride, and the empty one.
+
+use super::library::Library;
+use super::off_grid::{Goals, Motion};
+use super::word::Draft;
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
+use crate::ocp::global::guess::guess;
+use crate::ocp::global::start_modes::modes_at_start;
+use crate::ocp::motion::candidate::Candidate;
+use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::targets::goal_values;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::runner::Runner;
+use crate::ocp::search::replay::{parts, simulations};
+use crate::ocp::search::sampled::best_of_each_order;
+use crate::ocp::search::stepping::stepping;
+use crate::ocp::settings::Guess;
+use crate::simulation::InputError;
+
+/// Motions under random controls that are drawn, and made of the best of them.
+const DRAWN: u64 = 100;
+const CHANGED: usize = 200;
+/// Best orders of events that become words, and those from which the library learns.
+const WORDS: usize = 6;
+const LEARNED: usize = 24;
+/// Beginnings of motions that become words: of up to so many phases, so many of each length.
+const PHASES: usize = 3;
+const OF_EACH_LENGTH: usize = 2;
+/// Words of steps.
+const STEPS: usize = 8;
+/// Most phases of a word.
+pub(super) const MOST_PHASES: usize = 16;
+
+/// A word to begin with, and the motion that it is of.
+pub(in crate::ocp) struct Beginning {
+    pub(super) draft: Draft,
+    pub(super) motion: Motion,
+    pub(super) source: &'static str,
+}
+
+/// Words to begin with and the library of what their motions went through.
+pub(in crate::ocp) fn beginnings(
+    runner: &mut Runner,
+    setting: Setting,
+) -> Result<(Vec<Beginning>, (Library, Goals)), InputError> {
+    let mut library = Library::default();
+    let mut found: Vec<Beginning> = Vec::new();
+    let sampled = best_of_each_order(runner, setting, (DRAWN, CHANGED), LEARNED)?;
+    let mut drafts: Vec<(Draft, Motion)> = Vec::new();
+    for candidate in sampled.motions {
+        let (draft, motion) = read(setting, candidate);
+        library.learn(&draft.word);
+        if draft.word.phases() <= MOST_PHASES {
+            drafts.push((draft, motion));
+        }
+    }
+    for (draft, motion) in drafts.iter().take(WORDS) {
+        add(&mut found, (draft.clone(), motion.clone()), "sample");
+    }
+    for phases in 1..=PHASES {
+        let mut count = 0;
+        for (draft, motion) in &drafts {
+            let shorter = draft.up_to(phases);
+            if count < OF_EACH_LENGTH
+                && draft.word.phases() > phases
+                && add(&mut found, (shorter, motion.clone()), "beginning")
+            {
+                count += 1;
+            }
+        }
+    }
+    for (source, motion) in rides(runner, setting)? {
+        for candidate in motion {
+            let (draft, motion) = read(setting, candidate);
+            library.learn(&draft.word);
+            if draft.word.phases() <= MOST_PHASES {
+                add(&mut found, (draft, motion), source);
+            }
+        }
+    }
+    let Setting {
+        model,
+        problem,
+        bounds,
+        ..
+    } = setting;
+    let straight = guess(model, problem, &Guess::Straight, bounds)?;
+    let empty = Sequence::without_switches(modes_at_start(setting, &straight));
+    let length = straight.horizon / problem.intervals as f64;
+    let draft = Draft::read(&empty, length, straight.horizon);
+    let motion = Motion::on_grid(straight.clone());
+    add(&mut found, (draft, motion), "empty");
+    for sequence in steps(setting, &straight) {
+        let draft = Draft::read(&sequence, length, straight.horizon);
+        add(
+            &mut found,
+            (draft, Motion::on_grid(straight.clone())),
+            "steps",
+        );
+    }
+    let mut relaxed = RelaxedMotions::default();
+    let mut implicit = CoarseToFine::new(setting, &straight);
+    let failure = runner.take_failure();
+    if let Some(candidate) = implicit.next(runner, &mut relaxed)? {
+        let (draft, motion) = read(setting, candidate);
+        library.learn(&draft.word);
+        if draft.word.phases() <= MOST_PHASES {
+            add(&mut found, (draft, motion), "contact-implicit");
+        }
+    }
+    runner.restore_failure(failure, true);
+    let goals = Goals {
+        sizes: sizes(setting, &sampled.units),
+        price: Some(sampled.cost)
+            .filter(|cost| *cost > 0.0)
+            .map(Goals::price_of),
+    };
+    Ok((found, (library, goals)))
+}
+
+/// Steps of feet that stand at first, as random controls never take them: of each, of two in turn, once and twice.
+fn steps(setting: Setting, straight: &Trajectory) -> Vec<Sequence> {
+    let modes = modes_at_start(setting, straight).into_iter().enumerate();
+    let declared = setting.model.declaration().contacts;
+    let standing = modes.filter(|(contact, mode)| !mode.is_open() && !declared[*contact].dry);
+    if standing.count() < 2 {
+        return Vec::new();
+    }
+    let mut steps = stepping(setting, straight);
+    steps.truncate(STEPS);
+    steps
+}
+
+/// Sizes of the goals: what most random motions miss less, or else the start does.
+fn sizes(setting: Setting, units: &[f64]) -> Vec<f64> {
+    let mut z = setting.problem.start();
+    z.push(setting.units.time);
+    let values = goal_values(setting.model, &z).into_iter().enumerate();
+    let sizes = values.map(|(goal, value)| {
+        let drawn = units.get(goal).copied().unwrap_or(0.0);
+        let all = [drawn, value.abs(), 1.0];
+        all.into_iter()
+            .find(|size| *size > 0.0 && size.is_finite())
+            .unwrap_or(1.0)
+    });
+    sizes.collect()
+}
+
+/// Adds a word that is not there yet; whether it was added.
+fn add(found: &mut Vec<Beginning>, (draft, motion): (Draft, Motion), source: &'static str) -> bool {
+    let known = found.iter().any(|other| other.draft.word == draft.word);
+    if !known {
+        found.push(Beginning {
+            draft,
+            motion,
+            source,
+        });
+    }
+    !known
+}
+
+/// The word of a candidate.
+fn read(setting: Setting, candidate: Candidate) -> (Draft, Motion) {
+    let trajectory = candidate.trajectory;
+    let length = trajectory.horizon / setting.problem.intervals as f64;
+    let draft = Draft::read(&candidate.sequence, length, trajectory.horizon);
+    (draft, Motion::on_grid(trajectory))
+}
+
+/// Motions under no controls, and under those in the middle of their bounds.
+fn rides(
+    runner: &Runner,
+    setting: Setting,
+) -> Result<Vec<(&'static str, Vec<Candidate>)>, InputError> {
+    let Setting {
+        model,
+        problem,
+        bounds,
+        ..
+    } = setting;
+    let n = problem.q.len();
+    let straight = guess(model, problem, &Guess::Straight, bounds)?;
+    let middle: Vec<f64> = (n..bounds.0.len())
+        .map(|k| {
+            let middle = 0.5 * (bounds.0[k] + bounds.1[k]);
+            if middle.is_finite() { middle } else { 0.0 }
+        })
+        .collect();
+    let mut driven = straight.clone();
+    driven.controls =
+        crate::ocp::motion::control_grid::ControlGrid::constant(vec![
+            middle;
+            problem
+                .intervals
+                .max(parts(setting))
+        ]);
+    let tolerance = runner.settings.replay_tolerance;
+    let mut found = Vec::new();
+    for (source, motion) in [("ride", straight), ("middle", driven)] {
+        found.push((
+            source,
+            simulations(setting, &motion, tolerance).unwrap_or_default(),
+        ));
+    }
+    Ok(found)
+}

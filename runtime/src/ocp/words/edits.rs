@@ -1,0 +1,543 @@
+//! Named rules that make other words of a solved one.
+//!
+//! A rule returns drafts in its own order of promise; the search takes the first ones of each rule first. What separates the rules is
+//! their price, a share of the objective by which the parent of a draft may be worse than that of another one and still come first.
+
+use super::library::Library;
+use super::off_grid::{Press, Pressed, Timed};
+use super::word::{Draft, Instant, Word, between, closed_modes, touch};
+use crate::model::Model;
+use crate::simulation::ContactMode;
+
+/// A rule: its name, its price, and the drafts that it makes.
+pub(super) struct Rule {
+    pub(super) name: &'static str,
+    pub(super) price: f64,
+    pub(super) drafts: fn(&Parent) -> Vec<Draft>,
+}
+
+/// What rules look at.
+pub(super) struct Parent<'p> {
+    pub(super) model: &'p dyn Model,
+    pub(super) timed: &'p Timed,
+    pub(super) library: &'p Library,
+}
+
+/// All rules, the cheapest first.
+pub(super) const RULES: [Rule; 10] = [
+    Rule {
+        name: "vanish",
+        price: 0.0,
+        drafts: vanish,
+    },
+    Rule {
+        name: "press",
+        price: 0.01,
+        drafts: press,
+    },
+    Rule {
+        name: "flip",
+        price: 0.025,
+        drafts: flip,
+    },
+    Rule {
+        name: "drop",
+        price: 0.03,
+        drafts: drop_cycle,
+    },
+    Rule {
+        name: "duplicate",
+        price: 0.03,
+        drafts: duplicate,
+    },
+    Rule {
+        name: "touch",
+        price: 0.03,
+        drafts: touches,
+    },
+    Rule {
+        name: "cut",
+        price: 0.04,
+        drafts: cut,
+    },
+    Rule {
+        name: "move",
+        price: 0.05,
+        drafts: move_cycle,
+    },
+    Rule {
+        name: "walk",
+        price: 0.05,
+        drafts: walk,
+    },
+    Rule {
+        name: "append",
+        price: 0.06,
+        drafts: append,
+    },
+];
+
+/// A phase shorter than this share of the motion has vanished.
+const VANISHED: f64 = 3e-3;
+/// Length of what is inserted where a solution presses, as a share of the motion.
+const INSERTED: f64 = 0.08;
+/// Presses below this share of all are none.
+const PRESSES: f64 = 1e-4;
+/// Most instants of a cycle that is inserted where a solution presses.
+const SHORT_CYCLE: usize = 3;
+/// How much longer or shorter a walk between two phases may be than the one in its place, in instants.
+const LONGER: usize = 2;
+/// Most instants between two phases that are walked otherwise, or of a cycle.
+const WALKED: usize = 4;
+/// Where in an open phase a touch is tried.
+const TOUCHED: [f64; 2] = [0.5, 0.9];
+/// Share of the last phase that is left to what is appended.
+const APPENDED: f64 = 0.3;
+
+impl Parent<'_> {
+    fn draft(&self) -> &Draft {
+        &self.timed.draft
+    }
+
+    fn word(&self) -> &Word {
+        &self.timed.draft.word
+    }
+
+    /// The draft with other instants in the place of those from `first` up to `last`, at times spread evenly from `begin` to `end`.
+    fn spliced(
+        &self,
+        (first, last): (usize, usize),
+        instants: &[Instant],
+        (begin, end): (f64, f64),
+    ) -> Draft {
+        let count = instants.len();
+        let time = |k: usize| match count {
+            1 => 0.5 * (begin + end),
+            _ => begin + (end - begin) * k as f64 / (count - 1) as f64,
+        };
+        self.timed_splice((first, last), instants, (0..count).map(time).collect())
+    }
+
+    fn timed_splice(
+        &self,
+        (first, last): (usize, usize),
+        instants: &[Instant],
+        times: Vec<f64>,
+    ) -> Draft {
+        let mut draft = self.draft().clone();
+        draft
+            .word
+            .instants
+            .splice(first..last, instants.iter().cloned());
+        draft.times.splice(first..last, times);
+        let mut before = 0.0;
+        for time in &mut draft.times {
+            *time = time.max(before);
+            before = *time;
+        }
+        draft
+    }
+
+    /// With a cycle in a phase, around a time.
+    fn inserted(&self, phase: usize, cycle: &[Instant], time: f64, length: f64) -> Draft {
+        let (from, to) = self.draft().phases()[phase];
+        let room = 0.02 * (to - from);
+        let begin = (time - 0.5 * length).max(from + room);
+        let end = (begin + length).min(to - room);
+        self.spliced((phase, phase), cycle, (begin.min(end), end))
+    }
+
+    /// Without the phase and what follows it up to a phase with the modes of the one before; or straight from that to the next one.
+    fn without(&self, phase: usize) -> Option<Draft> {
+        let (word, modes) = (self.word(), self.word().modes());
+        if phase == 0 {
+            let first = word.instants.first()?;
+            if first.iter().any(|switch| switch.closes || switch.passes) {
+                return None;
+            }
+            let mut draft = self.timed_splice((0, 1), &[], Vec::new());
+            draft.word.initially.clone_from(&modes[1]);
+            return Some(draft);
+        }
+        let last = (phase + WALKED).min(modes.len());
+        if let Some(same) = (phase..last).find(|&other| modes[other] == modes[phase - 1]) {
+            let ends = word.ends_with_impact && same == word.instants.len();
+            let cut = self.timed_splice((phase - 1, same), &[], Vec::new());
+            return (!ends).then_some(cut);
+        }
+        let next = modes
+            .get(phase + 1)
+            .filter(|_| phase < word.instants.len())?;
+        let passes = word.instants[phase - 1..=phase]
+            .iter()
+            .flatten()
+            .any(|s| s.passes);
+        let straight = between(&modes[phase - 1], next);
+        let time = self.draft().times[phase];
+        (!passes).then(|| self.timed_splice((phase - 1, phase + 1), &[straight], vec![time]))
+    }
+
+    /// The cycles of a word: the phases before and at the end of each.
+    fn cycles(&self) -> Vec<(usize, usize)> {
+        let modes = self.word().modes();
+        let phases = self.word().phases();
+        let mut found = Vec::new();
+        for first in 0..phases {
+            let last = (first + WALKED).min(phases.saturating_sub(1));
+            let same = (first + 1..=last).filter(|&other| modes[other] == modes[first]);
+            found.extend(same.map(|other| (first, other)));
+        }
+        found
+    }
+}
+
+/// Without a phase of no length.
+fn vanish(parent: &Parent) -> Vec<Draft> {
+    let least = VANISHED * parent.draft().horizon;
+    let phases = parent.draft().phases().into_iter().enumerate();
+    let short = phases.filter(|(_, (from, to))| to - from < least);
+    let mut found = Vec::new();
+    for (phase, _) in short {
+        found.extend(as_touch(parent, phase));
+        found.extend(parent.without(phase));
+    }
+    found
+}
+
+/// A contact that does not last as a touch.
+fn as_touch(parent: &Parent, phase: usize) -> Option<Draft> {
+    let modes = parent.word().modes();
+    let before = phase.checked_sub(1)?;
+    let after = modes
+        .get(phase + 1)
+        .filter(|after| **after == modes[before])?;
+    let mut changed = (0..after.len()).filter(|&i| modes[phase][i] != after[i]);
+    let contact = changed.next()?;
+    if changed.next().is_some()
+        || !after[contact].is_open()
+        || phase >= parent.word().instants.len()
+    {
+        return None;
+    }
+    let time = parent.draft().times[before];
+    let touch = touch(contact, modes[phase][contact]);
+    Some(parent.timed_splice((before, phase + 1), &[touch], vec![time]))
+}
+
+/// Where the solution presses, a cycle in which that contact does something else: seen ones, and the plainest.
+fn press(parent: &Parent) -> Vec<Draft> {
+    let modes = parent.word().modes();
+    let length = INSERTED * parent.draft().horizon;
+    let mut found: Vec<(f64, Draft)> = Vec::new();
+    for press in parent
+        .timed
+        .presses
+        .iter()
+        .filter(|press| press.share > PRESSES)
+    {
+        let now = &modes[press.phase];
+        let (from, to) = parent.draft().phases()[press.phase];
+        let length = length.min(0.5 * (to - from));
+        let seen = parent.library.cycles(now).filter(|walk| {
+            let differs = walk
+                .instants
+                .iter()
+                .flatten()
+                .any(|s| s.contact == press.contact);
+            differs && walk.instants.len() <= SHORT_CYCLE
+        });
+        for walk in seen {
+            let often = walk.seen as f64 / (1 + walk.instants.len()) as f64;
+            let draft = parent.inserted(press.phase, &walk.instants, press.time, length);
+            found.push((100.0 * press.share + 0.01 * often, draft));
+        }
+        for cycle in plain_cycles(parent.model, now, press) {
+            let draft = parent.inserted(press.phase, &cycle, press.time, length);
+            found.push((100.0 * press.share, draft));
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, draft)| draft).collect()
+}
+
+/// The plainest cycles in which a contact does what the solution presses towards.
+fn plain_cycles(model: &dyn Model, now: &[ContactMode], press: &Press) -> Vec<Vec<Instant>> {
+    let others = others(model, now, press.contact);
+    let wanted = others.into_iter().filter(|mode| match press.against {
+        Pressed::Gap => !mode.is_open(),
+        Pressed::Force => mode.is_open(),
+        Pressed::Friction => !mode.is_open(),
+    });
+    let cycle = |mode: ContactMode| {
+        let mut there = now.to_vec();
+        there[press.contact] = mode;
+        vec![between(now, &there), between(&there, now)]
+    };
+    let bounces = press.against == Pressed::Gap && model.restitution(press.contact) > 0.0;
+    let modes = closed_modes(model, press.contact).into_iter();
+    let touched = modes.filter(|_| press.against == Pressed::Gap);
+    let touched = touched.map(|mode| vec![touch(press.contact, mode)]);
+    wanted
+        .filter(|_| !bounces)
+        .map(cycle)
+        .chain(touched)
+        .collect()
+}
+
+/// What else a contact may do where it does this now.
+fn others(model: &dyn Model, now: &[ContactMode], contact: usize) -> Vec<ContactMode> {
+    let dry = model.declaration().contacts[contact].dry;
+    let closed = closed_modes(model, contact).into_iter();
+    let open = (!dry).then_some(ContactMode::Open);
+    let all = open.into_iter().chain(closed);
+    all.filter(|mode| *mode != now[contact]).collect()
+}
+
+/// One contact otherwise for a phase, or for half of it.
+fn flip(parent: &Parent) -> Vec<Draft> {
+    let (word, modes) = (parent.word(), parent.word().modes());
+    let phases = parent.draft().phases();
+    let mut found = Vec::new();
+    for (phase, &(from, to)) in phases.iter().enumerate() {
+        let now = &modes[phase];
+        for contact in 0..now.len() {
+            if word.pieces.is_idle(contact) || parent.model.restitution(contact) > 0.0 {
+                continue;
+            }
+            for mode in others(parent.model, now, contact) {
+                let mut there = now.clone();
+                there[contact] = mode;
+                found.extend(flipped(parent, phase, &there));
+                let middle = 0.5 * (from + to);
+                let half = [between(now, &there)];
+                let last = phase == word.instants.len();
+                if let Some(next) = modes.get(phase + 1).filter(|_| !last) {
+                    let back = [between(now, &there), between(&there, next)];
+                    if *next != there && !has_passages(word, phase) {
+                        let times = vec![middle, to];
+                        found.push(parent.timed_splice((phase, phase + 1), &back, times));
+                    }
+                } else if last {
+                    found.push(parent.timed_splice((phase, phase), &half, vec![middle]));
+                }
+            }
+        }
+    }
+    found
+}
+
+fn has_passages(word: &Word, instant: usize) -> bool {
+    word.instants[instant].iter().any(|switch| switch.passes)
+}
+
+/// With other modes in a whole phase.
+fn flipped(parent: &Parent, phase: usize, there: &[ContactMode]) -> Option<Draft> {
+    let (word, modes) = (parent.word(), parent.word().modes());
+    let before = phase.checked_sub(1);
+    let mut draft = parent.draft().clone();
+    if let Some(before) = before {
+        if has_passages(word, before) {
+            return None;
+        }
+        draft.word.instants[before] = between(&modes[before], there);
+    } else {
+        draft.word.initially = there.to_vec();
+    }
+    if phase < word.instants.len() {
+        if has_passages(word, phase) {
+            return None;
+        }
+        draft.word.instants[phase] = between(there, &modes[phase + 1]);
+    }
+    for instant in [before, Some(phase)].into_iter().flatten().rev() {
+        if draft.word.instants.get(instant).is_some_and(Vec::is_empty) {
+            draft.word.instants.remove(instant);
+            draft.times.remove(instant);
+        }
+    }
+    Some(draft)
+}
+
+/// Without a cycle or a phase.
+fn drop_cycle(parent: &Parent) -> Vec<Draft> {
+    let phases = 0..parent.word().phases();
+    phases.filter_map(|phase| parent.without(phase)).collect()
+}
+
+/// A cycle once more.
+fn duplicate(parent: &Parent) -> Vec<Draft> {
+    let mut cycles = parent.cycles();
+    cycles.sort_by_key(|(first, last)| last - first);
+    let twice = |(first, last): (usize, usize)| {
+        let draft = parent.draft();
+        let instants = draft.word.instants[first..last].to_vec();
+        let (from, to) = draft.phases()[last];
+        let begin = draft.times[first];
+        // What follows has half of its time left.
+        let scale = 0.5 * (to - from) / (draft.times[last - 1] - begin).max(f64::MIN_POSITIVE);
+        let again = draft.times[first..last]
+            .iter()
+            .map(|time| from + scale.min(1.0) * (time - begin));
+        parent.timed_splice((last, last), &instants, again.collect())
+    };
+    cycles.into_iter().map(twice).collect()
+}
+
+/// A cycle in another phase of the same modes, and seen cycles anywhere.
+fn move_cycle(parent: &Parent) -> Vec<Draft> {
+    let modes = parent.word().modes();
+    let mut found = Vec::new();
+    for (first, last) in parent.cycles() {
+        let instants = parent.word().instants[first..last].to_vec();
+        let length = parent.draft().times[last - 1] - parent.draft().times[first];
+        let rest = Timed {
+            draft: parent.timed_splice((first, last), &[], Vec::new()),
+            ..parent.timed.clone()
+        };
+        let rest = Parent {
+            timed: &rest,
+            ..*parent
+        };
+        for (phase, (from, to)) in rest.draft().phases().into_iter().enumerate() {
+            if phase != first && rest.word().modes()[phase] == modes[first] {
+                found.push(rest.inserted(phase, &instants, 0.5 * (from + to), length));
+            }
+        }
+    }
+    let mut seen: Vec<(f64, Draft)> = Vec::new();
+    for (phase, (from, to)) in parent.draft().phases().into_iter().enumerate() {
+        for cycle in parent.library.cycles(&modes[phase]) {
+            let draft =
+                parent.inserted(phase, &cycle.instants, 0.5 * (from + to), 0.5 * (to - from));
+            seen.push((cycle.seen as f64 / cycle.instants.len() as f64, draft));
+        }
+    }
+    seen.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // In turn, so that neither waits for the other.
+    let (mut moved, mut seen) = (found.into_iter(), seen.into_iter().map(|(_, draft)| draft));
+    let mut all = Vec::new();
+    loop {
+        match (moved.next(), seen.next()) {
+            (None, None) => return all,
+            (one, other) => all.extend(one.into_iter().chain(other)),
+        }
+    }
+}
+
+/// A touch where a contact is open.
+fn touches(parent: &Parent) -> Vec<Draft> {
+    let modes = parent.word().modes();
+    let mut found = Vec::new();
+    for (phase, (from, to)) in parent.draft().phases().into_iter().enumerate() {
+        for (contact, mode) in modes[phase].iter().enumerate() {
+            let declared = &parent.model.declaration().contacts[contact];
+            if !mode.is_open() || declared.dry || parent.word().pieces.is_idle(contact) {
+                continue;
+            }
+            for impulse in closed_modes(parent.model, contact) {
+                for share in TOUCHED {
+                    let time = from + share * (to - from);
+                    let touch = [touch(contact, impulse)];
+                    found.push(parent.timed_splice((phase, phase), &touch, vec![time]));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Other ways between two phases, as they were seen.
+fn walk(parent: &Parent) -> Vec<Draft> {
+    let (word, modes) = (parent.word(), parent.word().modes());
+    let mut found: Vec<(f64, Draft)> = Vec::new();
+    for first in 0..word.instants.len() {
+        for last in first + 1..=(first + WALKED).min(word.instants.len()) {
+            let now = &word.instants[first..last];
+            let (begin, end) = (parent.draft().times[first], parent.draft().times[last - 1]);
+            let mut total = 1;
+            let from = found.len();
+            for walk in parent.library.between(&modes[first], &modes[last]) {
+                total += walk.seen;
+                if walk.instants != now && walk.instants.len().abs_diff(now.len()) <= LONGER {
+                    let draft = parent.spliced((first, last), &walk.instants, (begin, end));
+                    found.push((walk.seen as f64, draft));
+                }
+            }
+            for (share, _) in &mut found[from..] {
+                *share /= f64::from(u32::try_from(total).unwrap_or(u32::MAX));
+            }
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, draft)| draft).collect()
+}
+
+/// One more instant at the end, as it was seen, or the last phase left out, so that an impact ends the motion.
+fn append(parent: &Parent) -> Vec<Draft> {
+    let (word, modes) = (parent.word(), parent.word().modes());
+    let count = word.instants.len();
+    if word.ends_with_impact {
+        let mut draft = parent.draft().clone();
+        draft.word.ends_with_impact = false;
+        let last = draft.times.len() - 1;
+        draft.times[last] *= 1.0 - APPENDED;
+        return vec![draft];
+    }
+    let Some(&(from, to)) = parent.draft().phases().last() else {
+        return Vec::new();
+    };
+    let time = to - APPENDED * (to - from);
+    let next = parent
+        .library
+        .walks
+        .iter()
+        .filter(|walk| walk.from == modes[count]);
+    let mut next: Vec<_> = next.filter(|walk| walk.instants.len() == 1).collect();
+    next.sort_by_key(|walk| std::cmp::Reverse(walk.seen));
+    let mut found: Vec<Draft> = Vec::new();
+    for walk in next {
+        found.push(parent.timed_splice((count, count), &walk.instants, vec![time]));
+        if walk.instants[0].iter().any(|switch| switch.closes) {
+            let mut ending = parent.timed_splice((count, count), &walk.instants, vec![to]);
+            ending.word.ends_with_impact = true;
+            found.push(ending);
+        }
+    }
+    found
+}
+
+/// Without the last instant.
+fn cut(parent: &Parent) -> Vec<Draft> {
+    let count = parent.word().instants.len();
+    if count == 0 {
+        return Vec::new();
+    }
+    let mut draft = parent.timed_splice((count - 1, count), &[], Vec::new());
+    draft.word.ends_with_impact = false;
+    let mut found = vec![draft];
+    let closes = parent.word().instants[count - 1]
+        .iter()
+        .any(|switch| switch.closes);
+    if closes && !parent.word().ends_with_impact {
+        let mut ending = parent.draft().clone();
+        ending.horizon = ending.times[count - 1];
+        ending.word.ends_with_impact = true;
+        found.push(ending);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rules_have_names_of_their_own_and_stand_in_the_order_of_their_prices() {
+        let prices: Vec<f64> = RULES.iter().map(|rule| rule.price).collect();
+        assert!(prices.is_sorted());
+        let mut names: Vec<&str> = RULES.iter().map(|rule| rule.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), RULES.len());
+    }
+}

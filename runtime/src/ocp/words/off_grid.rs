@@ -1,0 +1,386 @@
+//! The program of a word: phases of free length with a few control pieces in each.
+
+use super::word::{Draft, Word};
+use crate::ocp::collocation::discretization::{Lengths, Setting, Span};
+use crate::ocp::collocation::layout::Phase;
+use crate::ocp::collocation::program::Collocation;
+use crate::ocp::collocation::transcribe::transcribe;
+use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::problem::{Horizon, Problem};
+use crate::ocp::program::runner::{Run, Runner};
+use crate::ocp::search::attempt::interior_point;
+use crate::rk::ButcherTableau;
+use hangtime_solver::nlp;
+
+/// Least length of a phase to start with, as a share of the motion: the program moves it from there.
+const LEAST: f64 = 2e-3;
+/// Elements of a motion: controls that switch at any time use errors of longer ones.
+const ELEMENTS: f64 = 24.0;
+/// Excess over a whole number of elements that is let pass.
+const ROUNDED: f64 = 0.3;
+/// By how much an element may become longer: what happens between the stages of longer ones is anybody's guess.
+const LONGEST: f64 = 1.5;
+/// Tolerance of a program, and its first barrier parameter.
+const TOLERANCE: f64 = 1e-4;
+const BARRIER: f64 = 1e-2;
+/// Most iterations of a program.
+const ITERATIONS: usize = 150;
+/// Most iterations of its restoration phase.
+const RESTORED: usize = 5;
+/// Price of a miss to start with, in sizes of the objective per size of a goal.
+const PRICE: f64 = 10.0;
+/// Miss of all goals, in their sizes, that is none.
+pub(super) const NO_MISS: f64 = 1e-3;
+
+/// A motion with controls that are constant between nodes.
+#[derive(Debug, Clone)]
+pub(in crate::ocp) struct Motion {
+    /// States at their times; controls one after the other.
+    pub(in crate::ocp) trajectory: Trajectory,
+    /// Times between which the controls are constant \[s\], the first 0.
+    pub(in crate::ocp) nodes: Vec<f64>,
+}
+
+/// How finely a word is stated.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fineness {
+    /// Control pieces of the motion, and the least number of them in a phase.
+    pub(super) pieces: usize,
+    pub(super) least: usize,
+    /// Whether each of them has a length of its own.
+    pub(super) free: bool,
+}
+
+/// What a miss of the goals costs.
+#[derive(Debug, Clone)]
+pub(in crate::ocp) struct Goals {
+    /// Their sizes: what most random motions miss less.
+    pub(super) sizes: Vec<f64>,
+    /// Objective per size; set by the first program if it is not known.
+    pub(super) price: Option<f64>,
+}
+
+impl Goals {
+    /// The price of a miss where objectives are of that size.
+    pub(super) fn price_of(objective: f64) -> f64 {
+        PRICE * objective
+    }
+}
+
+/// What a solution presses against in a phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Pressed {
+    /// A gap that must not close further.
+    Gap,
+    /// A force that must not pull.
+    Force,
+    /// An edge of a friction cone, or a sliding velocity that must not turn round.
+    Friction,
+}
+
+/// Where a solution presses: the share of all multipliers, and the time of the largest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Press {
+    pub(super) phase: usize,
+    pub(super) contact: usize,
+    pub(super) against: Pressed,
+    pub(super) share: f64,
+    pub(super) time: f64,
+}
+
+/// A word whose program is solved.
+#[derive(Debug, Clone)]
+pub(in crate::ocp) struct Timed {
+    pub(super) draft: Draft,
+    pub(super) motion: Motion,
+    pub(super) objective: f64,
+    /// Objective and price of what is missed.
+    pub(super) merit: f64,
+    /// By how much goals are missed, in their sizes.
+    pub(super) missed: f64,
+    pub(super) presses: Vec<Press>,
+    /// Rule that made the word.
+    pub(super) origin: &'static str,
+}
+
+impl Motion {
+    /// A motion with controls on equal intervals.
+    pub(in crate::ocp) fn on_grid(trajectory: Trajectory) -> Self {
+        let count = trajectory.controls.intervals();
+        let node = |k: usize| trajectory.horizon * k as f64 / count as f64;
+        let nodes = (0..=count).map(node).collect();
+        Self { trajectory, nodes }
+    }
+
+    /// Controls averaged over a span of time.
+    pub(super) fn controls(&self, from: f64, to: f64) -> Vec<f64> {
+        let values = self.trajectory.controls.values();
+        let last = self.nodes[self.nodes.len() - 1];
+        let (from, to) = (from.clamp(0.0, last), to.clamp(0.0, last));
+        let mut sum = vec![0.0; values[0].len()];
+        let mut passed = 0.0;
+        for (value, ends) in values.iter().zip(self.nodes.windows(2)) {
+            let overlap = (ends[1].min(to) - ends[0].max(from)).max(0.0);
+            passed += overlap;
+            for (sum, u) in sum.iter_mut().zip(value) {
+                *sum += overlap * u;
+            }
+        }
+        if passed <= 0.0 {
+            let place = self.nodes.partition_point(|&node| node <= from);
+            return values[(place.max(1) - 1).min(values.len() - 1)].clone();
+        }
+        sum.iter().map(|sum| sum / passed).collect()
+    }
+}
+
+/// The spans of the phases of a draft.
+fn spans(draft: &Draft, problem: &Problem, fineness: Fineness) -> Vec<Span> {
+    let phases = draft.phases();
+    let total: f64 = phases.iter().map(|(from, to)| to - from).sum();
+    let stretch = match problem.horizon {
+        Horizon::Fixed(horizon) => horizon / total,
+        Horizon::Free { .. } => 1.0,
+    };
+    let mut begin = 0.0;
+    let spans = phases.into_iter().map(|(_, to)| {
+        let from = begin;
+        let to = to.max(from + LEAST * total);
+        begin = to;
+        let share = (to - from) / total;
+        Span {
+            pieces: fineness
+                .least
+                .max((fineness.pieces as f64 * share).round() as usize),
+            free: fineness.free,
+            from,
+            to,
+            duration: stretch * (to - from),
+            longest: None,
+            elements: 1,
+        }
+    });
+    let mut spans: Vec<Span> = spans.collect();
+    let total: f64 = spans.iter().map(|span| span.to - span.from).sum();
+    for span in &mut spans {
+        let piece = (span.to - span.from) / (total * span.pieces as f64);
+        span.elements = ((ELEMENTS * piece - ROUNDED).ceil() as usize).max(1);
+        span.longest = span
+            .free
+            .then_some(LONGEST * span.elements as f64 / ELEMENTS);
+    }
+    spans
+}
+
+/// Solves the program of a draft from a motion; `None` where it has no order or no solution.
+pub(super) fn solve(
+    runner: &mut Runner,
+    setting: Setting,
+    (tableau, fineness): (&ButcherTableau, Fineness),
+    (draft, motion): (&Draft, &Motion),
+    goals: &mut Goals,
+) -> Option<Timed> {
+    let spans = spans(draft, setting.problem, fineness);
+    let counts: Vec<usize> = spans.iter().map(|span| span.pieces).collect();
+    let sequence = draft.word.sequence(&counts)?;
+    let problem = Problem {
+        intervals: counts.iter().sum(),
+        ..setting.problem.clone()
+    };
+    let units = setting
+        .units
+        .of_motion(setting.model, &motion.trajectory, setting.bounds);
+    let program_setting = Setting {
+        problem: &problem,
+        tableau,
+        units: &units,
+        shape: ControlShape::Constant,
+        lengths: Lengths::Phases(&spans),
+        elastic: Some(&goals.sizes),
+        ..setting
+    };
+    let total: f64 = spans.iter().map(|span| span.duration).sum();
+    let pieces = || {
+        spans.iter().flat_map(|span| {
+            let end = |j: usize| span.from + (span.to - span.from) * j as f64 / span.pieces as f64;
+            (0..span.pieces).map(move |j| (end(j), end(j + 1)))
+        })
+    };
+    let guess = Trajectory {
+        horizon: total,
+        controls: ControlGrid::constant(pieces().map(|(a, b)| motion.controls(a, b)).collect()),
+        ..motion.trajectory.clone()
+    };
+    let elements = spans
+        .iter()
+        .flat_map(|span| vec![span.elements; span.pieces]);
+    let elements: Vec<usize> = elements.collect();
+    let mut program = transcribe(program_setting, &sequence, &guess, &[], &elements);
+    let price = *goals
+        .price
+        .get_or_insert(Goals::price_of(program.program.objective_size()));
+    let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
+    Some(read(&program, &solution, (draft, &counts)))
+}
+
+/// The solution with goals that are missed where that is worth its price.
+pub(super) fn solved(
+    runner: &mut Runner,
+    program: &mut Collocation,
+    price: f64,
+    (barrier, iterations): (f64, usize),
+) -> Option<nlp::Solution> {
+    let mut settings = interior_point(runner.settings);
+    settings.tolerance = TOLERANCE;
+    settings.constraint_tolerance = TOLERANCE;
+    settings.initial_barrier_parameter = barrier;
+    settings.maximum_iterations = iterations;
+    program.penalize(price);
+    let run = Run {
+        settings: &settings,
+        start: None,
+        restores: RESTORED,
+        best: None,
+    };
+    let horizon = program.horizon;
+    let failure = runner.take_failure();
+    let solution = runner.solve(&mut program.program, horizon, &run);
+    runner.restore_failure(failure, true);
+    solution.ok()
+}
+
+/// A solved program as a word with its times.
+fn read(
+    program: &Collocation,
+    solution: &nlp::Solution,
+    (draft, counts): (&Draft, &[usize]),
+) -> Timed {
+    let (trajectory, _) = program.result(&solution.x);
+    let solved = program.solved(&solution.x);
+    let mut nodes = vec![trajectory.horizon; counts.iter().sum::<usize>() + 1];
+    for (phase, solved) in program.phases.iter().zip(&solved).rev() {
+        nodes[phase.interval] = solved.start;
+    }
+    let mut first = 0;
+    let ends = counts.iter().map(|count| {
+        first += count;
+        nodes[first]
+    });
+    let times: Vec<f64> = ends.take(draft.word.instants.len()).collect();
+    let missed = program.missed(&solution.x);
+    let begins = solved
+        .iter()
+        .map(|phase| (phase.start, phase.length))
+        .collect::<Vec<_>>();
+    Timed {
+        draft: Draft {
+            word: draft.word.clone(),
+            times,
+            horizon: trajectory.horizon,
+        },
+        objective: solution.objective - missed * program.price(),
+        merit: solution.objective,
+        missed,
+        presses: presses(program, solution, counts, &begins),
+        motion: Motion { trajectory, nodes },
+        origin: "",
+    }
+}
+
+/// What the solution presses against, the hardest first.
+fn presses(
+    program: &Collocation,
+    solution: &nlp::Solution,
+    counts: &[usize],
+    begins: &[(f64, f64)],
+) -> Vec<Press> {
+    let mut found: Vec<(Press, f64)> = Vec::new();
+    let phase_of = |interval: usize| {
+        let mut end = 0;
+        counts.iter().position(|count| {
+            end += count;
+            interval < end
+        })
+    };
+    for (phase, &(start, length)) in program.phases.iter().zip(begins) {
+        let Some(word_phase) = phase_of(phase.interval) else {
+            continue;
+        };
+        for (node, contact, against, weight) in pressing(program, phase, solution) {
+            let time = start + node * length;
+            let same = |(press, _): &&mut (Press, f64)| {
+                (press.phase, press.contact, press.against) == (word_phase, contact, against)
+            };
+            match found.iter_mut().find(same) {
+                Some((press, largest)) => {
+                    press.share += weight;
+                    if weight > *largest {
+                        (press.time, *largest) = (time, weight);
+                    }
+                }
+                None => found.push((
+                    Press {
+                        phase: word_phase,
+                        contact,
+                        against,
+                        share: weight,
+                        time,
+                    },
+                    weight,
+                )),
+            }
+        }
+    }
+    let total: f64 = found.iter().map(|(press, _)| press.share).sum();
+    let mut presses: Vec<Press> = found.into_iter().map(|(press, _)| press).collect();
+    for press in &mut presses {
+        press.share /= total.max(f64::MIN_POSITIVE);
+    }
+    presses.sort_by(|a, b| b.share.total_cmp(&a.share));
+    presses
+}
+
+/// Multipliers of the conditions of an element: node, contact, what they are of, and their size.
+fn pressing(
+    program: &Collocation,
+    phase: &Phase,
+    solution: &nlp::Solution,
+) -> Vec<(f64, usize, Pressed, f64)> {
+    let mut found = Vec::new();
+    let row = |row: usize| solution.multipliers[row].abs();
+    for (stage, &node) in phase.stages.iter().zip(program.tableau.c()) {
+        let gaps = stage.gap_rows.iter().enumerate();
+        for (contact, gap) in gaps.filter(|(contact, _)| !phase.closed.contains(contact)) {
+            let ends = phase.closing.contains(&contact) && node == 1.0;
+            if let Some(gap) = gap.filter(|_| !ends) {
+                found.push((node, contact, Pressed::Gap, row(gap)));
+            }
+        }
+        for (&contact, &force) in phase.closed.iter().zip(&stage.forces) {
+            let weight = solution.multipliers_lower[force];
+            found.push((node, contact, Pressed::Force, weight));
+        }
+        for tangential in &stage.tangential {
+            let weight = tangential.rows.iter().map(|&(_, edge)| row(edge)).sum();
+            found.push((node, tangential.contact, Pressed::Friction, weight));
+        }
+    }
+    found
+}
+
+impl Timed {
+    pub(super) fn word(&self) -> &Word {
+        &self.draft.word
+    }
+}
+
+impl Timed {
+    pub(in crate::ocp) fn trajectory(&self) -> &Trajectory {
+        &self.motion.trajectory
+    }
+
+    pub(in crate::ocp) fn merit(&self) -> f64 {
+        self.merit
+    }
+}

@@ -1,0 +1,323 @@
+//! Words on the control grid: in which interval, or at which end of one, each switch is.
+//!
+//! A switch stays where it is put while a program on the grid is solved, so that every choice of places is a program of its own. They
+//! begin at those that the word suggests off the grid, rounded in several ways, which are in different basins; then switches that press
+//! on an end of their interval are moved through it. As off the grid goals may be missed at a price, so that places without a motion say
+//! where it presses.
+
+use super::off_grid::{Goals, NO_MISS, Timed, solved};
+use super::word::Word;
+use crate::ocp::collocation::discretization::{Lengths, Setting};
+use crate::ocp::collocation::transcribe::transcribe;
+use crate::ocp::motion::candidate::Candidate;
+use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
+use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::program::runner::Runner;
+use crate::rk::ButcherTableau;
+
+/// Change of a control, as a share of its range, that is a jump.
+const JUMP: f64 = 0.1;
+/// Distance from an end of an interval, in intervals, at which a switch is there in any case, and within which it may be on its other
+/// side.
+const AT_AN_END: f64 = 0.05;
+const NEAR_AN_END: f64 = 0.25;
+/// Distance from an end of its interval, in intervals, within which a switch presses on it.
+const PRESSES: f64 = 0.03;
+/// First barrier parameter of a program on the grid, which starts near its solution.
+const BARRIER: f64 = 1e-3;
+/// Most iterations of a program on the grid.
+const ITERATIONS: usize = 100;
+/// Most moves of the switches of a word, and the relative gain below which there is none.
+const MOVES: usize = 8;
+const GAIN: f64 = 1e-6;
+
+/// Where the switches of an instant are: in an interval, or at its start.
+type At = (usize, Place);
+
+/// A word on the grid, solved with these places.
+pub(in crate::ocp) struct Placed {
+    word: Word,
+    places: Vec<At>,
+    /// Of the instants, in intervals.
+    times: Vec<f64>,
+    pub(in crate::ocp) merit: f64,
+    pub(in crate::ocp) missed: f64,
+    pub(in crate::ocp) candidate: Candidate,
+}
+
+/// The grid, and what a miss costs.
+pub(in crate::ocp) struct Grid<'a, 'g> {
+    pub(in crate::ocp) setting: Setting<'a>,
+    pub(in crate::ocp) tableau: &'g ButcherTableau,
+    pub(in crate::ocp) goals: &'g Goals,
+    /// Finite elements of a phase in each interval.
+    pub(in crate::ocp) elements: &'g [usize],
+}
+
+/// How switches are put into intervals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Rounding {
+    /// Each in the interval in which it is.
+    Inside,
+    /// At the nearest end where the controls jump there.
+    AtJumps,
+    /// Those near an end on its other side.
+    Over,
+}
+
+impl Placed {
+    /// Whether it reaches the goals.
+    pub(in crate::ocp) fn reaches(&self) -> bool {
+        self.missed <= NO_MISS
+    }
+
+    /// Those that reach the goals first, then by merit.
+    pub(in crate::ocp) fn rank(&self) -> (bool, f64) {
+        (!self.reaches(), self.merit)
+    }
+
+    /// Whether it is better than another one by more than nothing.
+    fn improves(&self, other: &Self) -> bool {
+        let gain = other.merit - self.merit > GAIN * other.merit.abs();
+        self.reaches() && !other.reaches() || self.reaches() == other.reaches() && gain
+    }
+}
+
+impl Grid<'_, '_> {
+    /// The best of the ways to put a word on the grid.
+    pub(in crate::ocp) fn rounded(&self, runner: &mut Runner, timed: &Timed) -> Option<Placed> {
+        let horizon = timed.motion.trajectory.horizon;
+        let intervals = self.setting.problem.intervals;
+        let end = |k: usize| horizon * k as f64 / intervals as f64;
+        let controls = (0..intervals).map(|k| timed.motion.controls(end(k), end(k + 1)));
+        let trajectory = Trajectory {
+            controls: ControlGrid::constant(controls.collect()),
+            ..timed.motion.trajectory.clone()
+        };
+        let times = timed.draft.times.iter();
+        let times: Vec<f64> = times
+            .map(|time| time / horizon * intervals as f64)
+            .collect();
+        let mut tried: Vec<Vec<At>> = Vec::new();
+        let mut best: Option<Placed> = None;
+        for rounding in [Rounding::Inside, Rounding::AtJumps, Rounding::Over] {
+            let places = in_order(places(self.setting, timed, rounding), intervals);
+            if runner.stopped() || tried.contains(&places) {
+                continue;
+            }
+            tried.push(places.clone());
+            let placed = self.placed(runner, timed.word(), (&places, &times), &trajectory);
+            best = better(best, placed);
+        }
+        best
+    }
+
+    /// The best that switches come to which are moved through the ends of their intervals.
+    pub(in crate::ocp) fn moved(&self, runner: &mut Runner, placed: Placed) -> Placed {
+        let mut best = placed;
+        let mut tried: Vec<Vec<At>> = vec![best.places.clone()];
+        let mut moves = 0;
+        'again: while moves < MOVES {
+            for (instant, to) in self.moves(&best) {
+                let mut places = best.places.clone();
+                places[instant] = to;
+                if tried.contains(&places) || !is_in_order(&places) || runner.stopped() {
+                    continue;
+                }
+                tried.push(places.clone());
+                moves += 1;
+                let with = (&places[..], &best.times[..]);
+                let found = self.placed(runner, &best.word, with, &best.candidate.trajectory);
+                if let Some(found) = found
+                    && found.improves(&best)
+                {
+                    best = found;
+                    continue 'again;
+                }
+                if moves >= MOVES {
+                    break;
+                }
+            }
+            break;
+        }
+        best
+    }
+
+    /// Other places of single instants, those first that press on an end of their interval.
+    fn moves(&self, placed: &Placed) -> Vec<(usize, At)> {
+        let intervals = self.setting.problem.intervals;
+        let (mut pressing, mut others) = (Vec::new(), Vec::new());
+        for (instant, (&(interval, place), &time)) in
+            placed.places.iter().zip(&placed.times).enumerate()
+        {
+            if interval >= intervals {
+                continue;
+            }
+            let share = time - interval as f64;
+            let mut push = |presses: bool, at: At| {
+                let inside = at.0 < intervals && (at.0 > 0 || at.1 == Place::Inside);
+                let list = if presses { &mut pressing } else { &mut others };
+                list.extend(inside.then_some((instant, at)));
+            };
+            match place {
+                Place::Inside if share < PRESSES && interval > 0 => {
+                    push(true, (interval, Place::Start));
+                    push(true, (interval - 1, Place::Inside));
+                }
+                Place::Inside if share > 1.0 - PRESSES => {
+                    push(true, (interval + 1, Place::Start));
+                    push(true, (interval + 1, Place::Inside));
+                }
+                Place::Inside => push(false, (time.round() as usize, Place::Start)),
+                Place::Start => {
+                    push(false, (interval - 1, Place::Inside));
+                    push(false, (interval, Place::Inside));
+                }
+            }
+        }
+        pressing.extend(others);
+        pressing
+    }
+
+    /// Solves a word with its instants at these places.
+    fn placed(
+        &self,
+        runner: &mut Runner,
+        word: &Word,
+        (places, times): (&[At], &[f64]),
+        guess: &Trajectory,
+    ) -> Option<Placed> {
+        let sequence = sequence(word, places, times, self.setting.problem.intervals)?;
+        let setting = Setting {
+            tableau: self.tableau,
+            shape: ControlShape::Constant,
+            lengths: Lengths::Equal,
+            elastic: Some(&self.goals.sizes),
+            ..self.setting
+        };
+        let mut program = transcribe(setting, &sequence, guess, &[], self.elements);
+        let price = self.goals.price?;
+        let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
+        let (trajectory, sequence) = program.result(&solution.x);
+        let missed = program.missed(&solution.x);
+        let mut first = 0;
+        let times = word.instants.iter().map(|instant| {
+            first += instant.len();
+            sequence.switches[first - instant.len()].time
+        });
+        Some(Placed {
+            word: word.clone(),
+            places: places.to_vec(),
+            times: times.collect(),
+            merit: solution.objective,
+            missed,
+            candidate: Candidate {
+                objective: solution.objective,
+                trajectory,
+                sequence,
+            },
+        })
+    }
+}
+
+fn better(one: Option<Placed>, other: Option<Placed>) -> Option<Placed> {
+    match (one, other) {
+        (Some(one), Some(other)) if other.rank() < one.rank() => Some(other),
+        (one, other) => one.or(other),
+    }
+}
+
+/// The sequence of a word with its instants at these places; `None` where that is no order.
+fn sequence(word: &Word, places: &[At], times: &[f64], intervals: usize) -> Option<Sequence> {
+    let mut switches: Vec<Switch> = Vec::new();
+    for (instant, (&(interval, place), &time)) in word.instants.iter().zip(places.iter().zip(times))
+    {
+        let begin = interval as f64;
+        let time = match place {
+            Place::Start => begin,
+            Place::Inside => time.clamp(begin, begin + 1.0),
+        };
+        switches.extend(instant.iter().map(|switch| Switch {
+            interval,
+            place,
+            time,
+            ..*switch
+        }));
+    }
+    word.with_switches(switches).ordered(intervals)
+}
+
+/// Where each instant is put.
+fn places(setting: Setting, timed: &Timed, rounding: Rounding) -> Vec<At> {
+    let intervals = setting.problem.intervals;
+    let n = setting.problem.q.len();
+    let (lower, upper) = setting.bounds;
+    let motion = &timed.motion;
+    let horizon = motion.trajectory.horizon;
+    let count = timed.draft.times.len();
+    let jumps = |time: f64| {
+        let reach = 1e-3 * horizon;
+        let before = motion.controls(time - reach, time);
+        let after = motion.controls(time, time + reach);
+        let changes = before.iter().zip(&after).enumerate();
+        changes.fold(0.0, |most: f64, (k, (a, b))| {
+            let range = upper[n + k] - lower[n + k];
+            let size = a.abs().max(b.abs()).max(f64::MIN_POSITIVE);
+            let range = if range.is_finite() { range } else { size };
+            most.max((a - b).abs() / range)
+        }) > JUMP
+    };
+    let place = |(index, &time): (usize, &f64)| {
+        if timed.word().ends_with_impact && index + 1 == count {
+            return (intervals, Place::Start);
+        }
+        let z = time / horizon * intervals as f64;
+        let inside = ((z.max(0.0) as usize).min(intervals - 1), Place::Inside);
+        if intervals < 2 {
+            return inside;
+        }
+        let end = (z.round() as usize).clamp(1, intervals - 1);
+        let distance = (z - end as f64).abs();
+        match rounding {
+            Rounding::Over if distance < NEAR_AN_END && z < end as f64 => (end, Place::Inside),
+            Rounding::Over if distance < NEAR_AN_END => (end - 1, Place::Inside),
+            Rounding::AtJumps if distance <= AT_AN_END || jumps(time) => (end, Place::Start),
+            _ => inside,
+        }
+    };
+    timed.draft.times.iter().enumerate().map(place).collect()
+}
+
+fn is_in_order(places: &[At]) -> bool {
+    places.windows(2).all(|pair| pair[0] <= pair[1])
+}
+
+/// Places none of which is before the one before it; of two at one end the later one is inside the interval.
+fn in_order(places: Vec<At>, intervals: usize) -> Vec<At> {
+    let mut all: Vec<At> = Vec::with_capacity(places.len());
+    for mut place in places {
+        if let Some(&last) = all.last() {
+            place = place.max(last);
+            if place == last && place.1 == Place::Start && place.0 < intervals {
+                place.1 = Place::Inside;
+            }
+        }
+        all.push(place);
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_stay_in_order_and_two_at_an_end_are_at_it_and_after_it() {
+        use Place::{Inside, Start};
+        let given = vec![(3, Start), (3, Start), (2, Inside), (5, Inside)];
+        let ordered = [(3, Start), (3, Inside), (3, Inside), (5, Inside)];
+        assert_eq!(in_order(given, 8), ordered);
+        assert!(is_in_order(&ordered));
+    }
+}

@@ -1,0 +1,129 @@
+//! The search over words: optima that depend on when impacts happen, which no control interval tells beforehand.
+
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
+use hangtime::ocp::{Problem, SearchSpace, Settings, Solution, Status, solve};
+
+hangtime::model! {
+    /// A ball that bounces is helped by an upward force, weaker than its weight, until it reaches a height in least time.
+    Driven {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, e = 0.75, h: m = 0.8, goal: m = 1.5, most: N = 11 }
+        coordinates { z: m }
+        controls { u: N in 0..=most }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: u }
+        surface floor: z >= 0
+        impact floor: restitution e
+        minimize time
+        finally { z == goal }
+        start { z: h }
+        horizon 3 [s]
+    }
+}
+
+hangtime::model! {
+    /// A ram that is too weak to push a pile drives it in by blows.
+    Ram {
+        parameters { m: kg = 1.5, pile: kg = 2.5, tight: N = 55, depth: m = 0.03 }
+        coordinates { a: m in -0.2..=1, b: m }
+        controls { u: N in -14..=14 }
+        lagrangian m/2*dot(a)^2 + pile/2*dot(b)^2
+        forces { a: u }
+        surface head: b >= a
+        impact head: inelastic
+        dry friction soil: bound tight, sliding dot(b)
+        minimize time
+        finally { b == depth }
+        horizon 2 [s]
+    }
+}
+
+fn by_words(model: &dyn hangtime::model::Model, intervals: usize) -> Solution {
+    let mut settings = Settings::default();
+    settings.search = SearchSpace::Words;
+    solve(
+        model,
+        &Problem::of(model, intervals),
+        &settings,
+        &mut |_| true,
+    )
+    .unwrap()
+}
+
+/// Time in which the ball reaches its goal if it is helped whenever it rises: each bounce adds the work of the force over the rise, and
+/// no help while it falls keeps the blow strong. Controls that switch at any time can do it, so that their best takes no longer.
+fn helped_while_rising(ball: &Driven) -> f64 {
+    let lifted = ball.g - ball.most / ball.m;
+    let mut time = (2.0 * ball.h / ball.g).sqrt();
+    let mut speed = ball.e * ball.g * time;
+    for _ in 0..100 {
+        let reach = speed * speed - 2.0 * lifted * ball.goal;
+        if reach >= 0.0 {
+            return time + (speed - reach.sqrt()) / lifted;
+        }
+        let height = speed * speed / (2.0 * lifted);
+        let fall = (2.0 * height / ball.g).sqrt();
+        time += speed / lifted + fall;
+        speed = ball.e * ball.g * fall;
+    }
+    f64::NAN
+}
+
+#[test]
+fn ball_is_driven_to_its_height_by_as_many_bounces_as_the_closed_form_takes() {
+    let ball = Driven::default();
+    let solution = by_words(&ball, 40);
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    let bound = helped_while_rising(&ball);
+    // Controls that are constant on 40 equal intervals switch at most half an interval from where the closed form does, a few times.
+    let interval = solution.horizon / 40.0;
+    assert!(
+        solution.objective < bound + interval,
+        "{} {bound}",
+        solution.objective
+    );
+    assert!(solution.resimulation_error < 1e-6);
+    // A plan that does with one bounce less would have to be helped by more than the force can.
+    let impacts = solution.planned_events.len();
+    assert!(impacts >= 2, "{impacts}");
+}
+
+#[test]
+fn pile_is_driven_in_by_blows_and_the_plan_is_confirmed() {
+    let ram = Ram::default();
+    let coarse = by_words(&ram, 12);
+    assert_eq!(coarse.status, Status::Solved, "{:?}", coarse.diagnosis());
+    assert!(coarse.resimulation_error < 1e-6);
+    // The work of the force over two strokes of the ram is less than the pile takes: the blows lose most of it.
+    let strokes = 2.0 * ram.tight * ram.depth / (14.0 * 0.2);
+    assert!(strokes > 1.0);
+    let end = coarse.motion.unwrap();
+    let end = end.at(coarse.horizon).unwrap();
+    assert!((end["b"] - ram.depth).abs() < 1e-6, "{}", end["b"]);
+}
+
+#[test]
+fn words_and_grids_come_to_the_same_optimum_of_a_ball_that_is_thrown_against_a_floor_once() {
+    // One bounce is enough: the closed form reaches the goal on the first rise.
+    let ball = Driven {
+        goal: 0.9,
+        most: 14.0,
+        ..Driven::default()
+    };
+    let words = by_words(&ball, 12);
+    let problem = Problem::of(&ball, 12);
+    let grids = solve(&ball, &problem, &Settings::default(), &mut |_| true).unwrap();
+    assert_eq!(words.status, Status::Solved);
+    let difference = words.objective - grids.objective;
+    assert!(
+        difference < 1e-7 * grids.objective,
+        "{} {}",
+        words.objective,
+        grids.objective
+    );
+}

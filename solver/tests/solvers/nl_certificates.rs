@@ -1,0 +1,201 @@
+//! What is said of ends that are no solutions, or are more than stationary, and what a file gives to start from.
+
+use hangtime_solver::mpcc::Stationarity;
+use hangtime_solver::nl::{self, Options, Program, SecondOrder, Solution, Status};
+
+/// A program whose variables are nonlinear everywhere: bodies of the rows, the objective, the start, bounds of rows, bounds of variables and
+/// further segments, all in words.
+fn program(sizes: (usize, usize), rows: &[&str], objective: &str, rest: &str) -> String {
+    let (variables, count) = sizes;
+    let mut text = format!(
+        "g3 1 1 0\n {variables} {count} 1 0 0\n {count} 1\n 0 0\n {variables} {variables} {variables}\n 0 0 0 1\n \
+         0 0 0 0 0\n 0 0\n 0 0\n 0 0 0 0 0\n"
+    );
+    let lines = |words: &str| words.split_whitespace().collect::<Vec<_>>().join("\n") + "\n";
+    for (index, row) in rows.iter().enumerate() {
+        text += &format!("C{index}\n{}", lines(row));
+    }
+    text += &format!("O0 0\n{}", lines(objective));
+    text + rest
+}
+
+fn solve(text: &str) -> Solution {
+    let mut program = Program::read(text.as_bytes()).unwrap();
+    nl::solve(&mut program, 60.0, &mut |_| true).unwrap()
+}
+
+#[test]
+fn programs_without_bound_are_never_solved_by_a_row_that_outgrows_its_multiplier() {
+    // max of x, x^2, x^3 or 2 x where exp(k x), cosh(k x) or x exp(k x) must be at least 1: any x from the start on is feasible
+    let objectives = ["o16 v0", "o16 o5 v0 n2", "o16 o5 v0 n3", "o2 n-2 v0"];
+    for objective in objectives {
+        for k in ["0.7", "1.7", "3"] {
+            for row in [
+                format!("o44 o2 n{k} v0"),
+                format!("o45 o2 n{k} v0"),
+                format!("o2 v0 o44 o2 n{k} v0"),
+            ] {
+                let rest = "x1\n0 1.3\nr\n2 1.0\nb\n3\n";
+                let solution = solve(&program((1, 1), &[&row], objective, rest));
+                assert_ne!(solution.status, Status::Solved, "{objective}, {row}");
+                assert_eq!(solution.stationarity, Stationarity::None);
+            }
+        }
+    }
+}
+
+#[test]
+fn cusp_has_no_multipliers_and_a_sharp_corner_has() {
+    // max x where (a - x)^3 >= y >= 0: the gradient of the row is that of the bound at the solution x = a
+    for a in ["1.5", "3"] {
+        let row = format!("o1 o5 o1 n{a} v0 n3 v1");
+        let rest = "x2\n0 0.5\n1 0.25\nr\n2 0.0\nb\n2 0.0\n2 0.0\n";
+        let solution = solve(&program((2, 1), &[&row], "o16 v0", rest));
+        assert_eq!(solution.status, Status::Uncertified, "{a}");
+        assert_eq!(solution.stationarity, Stationarity::None);
+        assert_eq!(solution.second_order, None);
+        let diagnosis = solution.diagnosis().unwrap();
+        assert!(
+            diagnosis.contains("no multipliers were found"),
+            "{diagnosis}"
+        );
+    }
+    // a - x >= y instead: y = 1
+    let rest = "x2\n0 0.5\n1 0.25\nr\n2 0.0\nb\n2 0.0\n2 0.0\n";
+    let solution = solve(&program((2, 1), &["o1 o1 n3 v0 v1"], "o16 v0", rest));
+    assert_eq!(solution.stationarity, Stationarity::S);
+    assert_eq!(solution.second_order, Some(SecondOrder::Sufficient));
+    assert!((solution.multipliers[0] + solution.multipliers[0].signum()).abs() > 1.0);
+}
+
+#[test]
+fn second_order_word_tells_minimum_valley_inflection_and_descent_apart() {
+    let row = |bounds: &str, start: &str| format!("x2\n0 {start}\n1 0.5\nr\n{bounds}\nb\n3\n3\n");
+    let of = |body: &str, objective: &str, rest: String| {
+        let solution = solve(&program((2, 1), &[body], objective, &rest));
+        assert_eq!(solution.status, Status::Solved, "{objective}");
+        solution.second_order.unwrap()
+    };
+    // (x - 1)^2 + y^2 on y = 0
+    let bowl = "o0 o5 o1 v0 n1 n2 o5 v1 n2";
+    assert_eq!(of("v1", bowl, row("4 0", "3")), SecondOrder::Sufficient);
+    // y^2 on x + y = 2: flat along nothing; on y = 0 flat along x
+    assert_eq!(
+        of("o0 v0 v1", "o5 v1 n2", row("4 2", "3")),
+        SecondOrder::Sufficient
+    );
+    assert_eq!(
+        of("v1", "o5 v1 n2", row("4 0", "3")),
+        SecondOrder::Necessary
+    );
+    // x y on x = y is x^2, on x = -y it is -x^2: from its saddle nothing leads away along the row y = 0 but flatness
+    assert_eq!(
+        of("o1 v0 v1", "o2 v0 v1", row("4 0", "3")),
+        SecondOrder::Sufficient
+    );
+}
+
+#[test]
+fn multipliers_in_the_file_save_two_thirds_of_the_iterations() {
+    // min sum (x_i - i/4)^2 + exp(x_i) where sum x_i >= b and 0 <= x_i <= 1; the same with a slightly larger b next
+    let n = 8;
+    let text = |b: f64, start: &str, duals: &str| {
+        let sum = format!(
+            "o54 {n} {}",
+            (0..n).map(|i| format!("v{i} ")).collect::<String>()
+        );
+        let terms = (0..n).map(|i| format!("o0 o5 o1 v{i} n{} n2 o44 v{i} ", i as f64 / 4.0));
+        let objective = format!("o54 {n} {}", terms.collect::<String>());
+        let rest = format!("{start}{duals}r\n2 {b}\nb\n{}", "0 0.0 1.0\n".repeat(n));
+        program((n, 1), &[&sum], &objective, &rest)
+    };
+    let mut first = Program::read(text(3.0, "", "").as_bytes()).unwrap();
+    let first = nl::solve(&mut first, 60.0, &mut |_| true).unwrap();
+    let points: String = first
+        .x
+        .iter()
+        .enumerate()
+        .map(|(i, x)| format!("{i} {x:e}\n"))
+        .collect();
+    let start = format!("x{n}\n{points}");
+    let mut duals = format!("d1\n0 {:e}\n", first.multipliers[0]);
+    for (name, values) in ["ipopt_zL_in", "ipopt_zU_in"]
+        .iter()
+        .zip(&first.bound_multipliers)
+    {
+        duals += &format!("S4 {n} {name}\n");
+        duals.extend(
+            values
+                .iter()
+                .enumerate()
+                .map(|(i, z)| format!("{i} {z:e}\n")),
+        );
+    }
+    for b in [3.01, 2.98, 3.05] {
+        let run = |text: String| {
+            let mut program = Program::read(text.as_bytes()).unwrap();
+            nl::solve_with(&mut program, &Options::default(), &mut |_| true).unwrap()
+        };
+        let (cold, warm) = (run(text(b, "", "")), run(text(b, &start, &duals)));
+        assert!(warm.status.is_solved() && cold.status.is_solved());
+        assert!((warm.objective - cold.objective).abs() < 1e-6);
+        assert!(
+            3 * warm.work.iterations <= cold.work.iterations,
+            "{} of {} iterations at {b}",
+            warm.work.iterations,
+            cold.work.iterations
+        );
+    }
+}
+
+#[test]
+fn several_starts_keep_the_best_end_and_a_limit_on_iterations_is_said() {
+    // x^4 - 8 x^2 + x has minima near 1.97 and -2.03, of which the second is better
+    let objective = "o0 o1 o5 v0 n4 o2 n8 o5 v0 n2 v0";
+    let text = program((1, 0), &[], objective, "x1\n0 1.5\nb\n3\n");
+    let run = |starts, most| {
+        let mut options = Options::default();
+        (options.starts, options.maximum_iterations) = (starts, most);
+        let mut program = Program::read(text.as_bytes()).unwrap();
+        nl::solve_with(&mut program, &options, &mut |_| true).unwrap()
+    };
+    let (one, many) = (run(1, None), run(12, None));
+    assert!(
+        one.x[0] > 1.9 && many.x[0] < -2.0,
+        "{} {}",
+        one.x[0],
+        many.x[0]
+    );
+    assert_eq!(many.second_order, Some(SecondOrder::Sufficient));
+    assert_eq!(run(1, Some(1)).status, Status::IterationLimit);
+}
+
+#[test]
+fn solution_file_has_the_suffixes_and_refused_files_get_one_without_values() {
+    // max 3 - x^2 at x >= 2: the objective changes by -4 with the bound
+    let text = program((1, 0), &[], "o16 o1 n3 o5 v0 n2", "x1\n0 3\nb\n2 2\n");
+    let mut read = Program::read(text.as_bytes()).unwrap();
+    let solution = nl::solve(&mut read, 60.0, &mut |_| true).unwrap();
+    assert!((solution.bound_multipliers[0][0] - 4.0).abs() < 1e-6);
+    let sol = solution.file_text_with_suffixes(&read);
+    assert!(
+        sol.contains("objno 0 0\nsuffix 4 1 13 0 0\nipopt_zL_out\n0 "),
+        "{sol}"
+    );
+    assert!(
+        sol.contains("suffix 3 1 13 0 0\nstationarity\n0 2\n"),
+        "{sol}"
+    );
+    assert!(
+        sol.contains("suffix 3 1 13 0 0\nsecond_order\n0 3\n"),
+        "{sol}"
+    );
+    let refused = nl::refusal_text(text.as_bytes(), "no\n\nreason").unwrap();
+    let lines: Vec<&str> = refused.lines().collect();
+    assert_eq!(lines[..4], ["no reason", "", "Options", "3"]);
+    assert_eq!(
+        lines[lines.len() - 5..],
+        ["0", "0", "1", "0", "objno 0 500"]
+    );
+    assert_eq!(nl::refusal_text(b"x", "no"), None);
+}
