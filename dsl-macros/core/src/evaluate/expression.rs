@@ -417,15 +417,10 @@ fn call(
         return Err(scope.undeclared_function(function, diagnostics));
     }
     if arguments.len() != wanted {
-        return Err(diagnostics.report(
-            "E02",
-            whole.place,
-            format!(
-                "`{text}` takes {wanted} argument{}, found {}",
-                if wanted == 1 { "" } else { "s" },
-                arguments.len()
-            ),
-        ));
+        let plural = if wanted == 1 { "" } else { "s" };
+        let found = arguments.len();
+        let message = format!("`{text}` takes {wanted} argument{plural}, found {found}");
+        return Err(diagnostics.report("E02", whole.place, message));
     }
     known_function(scope, whole, text, arguments, diagnostics)
 }

@@ -1,9 +1,8 @@
 //! What is meant by common slips, and what to write instead.
 
 use super::cursor::Cursor;
-use super::expression::expression;
 use super::unit;
-use crate::ast::{Expr, Kind, Name};
+use crate::ast::{Expr, Kind};
 use crate::diagnostics::Diagnostics;
 use crate::words;
 use proc_macro2::{Delimiter, Spacing, TokenTree};
@@ -227,24 +226,6 @@ pub(super) fn interval(cursor: &Cursor) -> Option<String> {
     Some(format!(
         "bounds are written with dots between them, as in `in {lower}..={upper}`"
     ))
-}
-
-/// A quantity between its bounds, `lower <= name <= upper`: the name, both bounds, and what to write; the cursor moves
-/// behind it.
-pub(super) fn between(cursor: &mut Cursor) -> Option<(Name, [Expr; 2], String)> {
-    let mut ahead = cursor.clone();
-    let mut silent = Diagnostics::default();
-    let mut bound = |ahead: &mut Cursor| expression(ahead, &mut silent).ok();
-    let at_most = |ahead: &mut Cursor| ahead.eat_symbol("<=") || ahead.eat_symbol("<");
-    let lower = bound(&mut ahead)?;
-    let name = at_most(&mut ahead).then(|| ahead.eat_name()).flatten()?;
-    let upper = at_most(&mut ahead).then(|| bound(&mut ahead)).flatten()?;
-    *cursor = ahead;
-    let message = format!(
-        "bounds stand behind the name; write `{} in {lower}..={upper}`",
-        name.text
-    );
-    Some((name, [lower, upper], message))
 }
 
 /// Most tokens of an equation that are looked at.

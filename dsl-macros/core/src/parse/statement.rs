@@ -183,7 +183,7 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
     let documentation = documentation(cursor, diagnostics);
     let place = cursor.place();
     if cursor.ident().is_none()
-        && let Some((name, [lower, upper], message)) = slips::between(cursor)
+        && let Some((name, [lower, upper], message)) = between(cursor)
     {
         diagnostics.syntax(place, message);
         return Ok(Quantity {
@@ -360,4 +360,22 @@ fn surface_after_name(
         relation,
         right,
     })
+}
+
+/// A quantity between its bounds, `lower <= name <= upper`: the name, both bounds, and what to write; the cursor moves
+/// behind it.
+fn between(cursor: &mut Cursor) -> Option<(Name, [Expr; 2], String)> {
+    let mut ahead = cursor.clone();
+    let mut silent = Diagnostics::default();
+    let mut bound = |ahead: &mut Cursor| expression(ahead, &mut silent).ok();
+    let at_most = |ahead: &mut Cursor| ahead.eat_symbol("<=") || ahead.eat_symbol("<");
+    let lower = bound(&mut ahead)?;
+    let name = at_most(&mut ahead).then(|| ahead.eat_name()).flatten()?;
+    let upper = at_most(&mut ahead).then(|| bound(&mut ahead)).flatten()?;
+    *cursor = ahead;
+    let message = format!(
+        "bounds stand behind the name; write `{} in {lower}..={upper}`",
+        name.text
+    );
+    Some((name, [lower, upper], message))
 }

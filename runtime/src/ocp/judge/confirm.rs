@@ -5,7 +5,7 @@ use hangtime_solver::mpcc::Stationarity;
 use super::disagreement::compare;
 use super::forces;
 use super::margins::margins;
-use super::objective::{Replayed, replayed};
+use super::objective::replayed;
 use super::refine_grid::{ROUNDS, refine, refine_all};
 use crate::ocp::collocation::between_stages::excess;
 use crate::ocp::collocation::discretization::Setting;
@@ -23,7 +23,9 @@ use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::solution::{Solution, Status};
 use crate::rk::ButcherTableau;
 use crate::simulation::ContactMode;
-use crate::simulation::{EventKind, InputError, ProblemSize, Residuals, SimulationStatus};
+use crate::simulation::{
+    EventKind, InputError, ProblemSize, Residuals, Simulation, SimulationStatus,
+};
 
 /// Distance of plan and re-simulation within which they may be the same motion \[m or rad, in scenes of the order of these\].
 const SAME_MOTION: f64 = 1e-3;
@@ -293,30 +295,15 @@ fn confirm(
     let let_pass = setting.largest_distance(settings, trajectory);
     let plan = Some((sequence, let_pass));
     let replay = simulate(setting, trajectory, plan, tolerance)?;
-    let n = setting.problem.q.len();
-    let planned = trajectory.at(trajectory.horizon, true);
-    let (distance, departure) = match (&replay.status, replay.trajectory.q.last()) {
-        (SimulationStatus::Solved, Some(q)) => (
-            largest_difference(q, &planned[..n]),
-            setting.departure(trajectory, q, &planned[..n]),
-        ),
-        _ => (f64::INFINITY, f64::INFINITY),
-    };
+    let (distance, departure) = ends_apart(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
         .or_else(|| forces::other_cost(setting, solution.objective, &replay));
-    let again = replayed(
-        setting.model,
-        &trajectory.controls,
-        &replay,
-        solution.objective,
-    )
-    .filter(|_| replay.status == SimulationStatus::Solved);
-    let (simulated, cost_departure) = again
-        .map_or((f64::NAN, 0.0), |Replayed { cost, departure }| {
-            (cost, departure)
-        });
+    let controls = &trajectory.controls;
+    let again = replayed(setting.model, controls, &replay, solution.objective)
+        .filter(|_| replay.status == SimulationStatus::Solved);
+    let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
     let stationarity = if margins.iter().all(|margin| margin.chosen) {
         stationarity
@@ -326,15 +313,7 @@ fn confirm(
     // What is looked for only has to be near: a motion is refined where it may be the result.
     let costs_the_same = cost_departure <= 1.0 || runner.effort != Effort::Conclude;
     let agrees = departure <= settings.largest_distance && disagreement.is_none() && costs_the_same;
-    let status = if runner.stopped() {
-        Status::Interrupted
-    } else if !agrees {
-        Status::Unconfirmed
-    } else if stationarity == Stationarity::None {
-        Status::Uncertified
-    } else {
-        Status::Solved
-    };
+    let status = status_of(runner, agrees, stationarity);
     let interval = trajectory.horizon / setting.problem.intervals as f64;
     let limits = Limits::new(setting, settings);
     Ok(Solution {
@@ -373,6 +352,33 @@ fn confirm(
         starts: 0,
         optima: Vec::new(),
     })
+}
+
+/// Distance between the ends of a plan and of its replay \[unit of the coordinates\], and the same by what is let pass; infinite without an
+/// end of the replay.
+fn ends_apart(setting: Setting, trajectory: &Trajectory, replay: &Simulation) -> (f64, f64) {
+    let n = setting.problem.q.len();
+    let planned = trajectory.at(trajectory.horizon, true);
+    match (&replay.status, replay.trajectory.q.last()) {
+        (SimulationStatus::Solved, Some(q)) => (
+            largest_difference(q, &planned[..n]),
+            setting.departure(trajectory, q, &planned[..n]),
+        ),
+        _ => (f64::INFINITY, f64::INFINITY),
+    }
+}
+
+/// The status of a plan that agrees with its replay or not, and of whose contact sequence that is proved.
+fn status_of(runner: &Runner, agrees: bool, stationarity: Stationarity) -> Status {
+    if runner.stopped() {
+        Status::Interrupted
+    } else if !agrees {
+        Status::Unconfirmed
+    } else if stationarity == Stationarity::None {
+        Status::Uncertified
+    } else {
+        Status::Solved
+    }
 }
 
 fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, usize)> {

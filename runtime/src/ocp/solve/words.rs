@@ -22,6 +22,7 @@ use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Counts, Solution};
 use crate::ocp::words::beginnings::beginnings;
+use crate::ocp::words::off_grid::Timed;
 use crate::ocp::words::on_grid::{Grid, Placed};
 use crate::ocp::words::search::Words;
 use crate::rk::{ButcherTableau, Scheme};
@@ -108,80 +109,24 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
         .map(|word| units.of_motion(model, &scale, word.trajectory(), bounds))
         .collect();
     let elements = vec![settings.elements; problem.intervals];
-    let mut placed: Vec<(Placed, &Units)> = Vec::new();
-    for (word, units) in words.iter().zip(&units) {
-        let reached = placed.iter().find(|(best, _)| best.reaches());
-        let least = reached.map_or(f64::INFINITY, |(best, _)| best.merit);
-        let enough = placed.len() >= PLACED && least.is_finite();
-        if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
-            continue;
-        }
-        let grid = Grid {
+    let grids: Vec<Grid> = units
+        .iter()
+        .map(|units| Grid {
             setting: Setting { units, ..setting },
             tableau: &coarse,
             goals: &goals,
             elements: &elements,
-        };
-        let Some(best) = grid.rounded(&mut runner, word) else {
-            continue;
-        };
-        let place = placed.partition_point(|(other, _)| other.rank() < best.rank());
-        placed.insert(place, (best, units));
-    }
-    let least = placed.first().map_or(f64::INFINITY, |(best, _)| best.merit);
-    let mut moved: Vec<(Placed, &Units)> = Vec::new();
-    for (index, (best, units)) in placed.into_iter().enumerate() {
-        let near = !best.reaches() || best.merit <= least + MOVED_WITHIN * least.abs();
-        let moves = index < MOVED && near;
-        let grid = Grid {
-            setting: Setting { units, ..setting },
-            tableau: &coarse,
-            goals: &goals,
-            elements: &elements,
-        };
-        let best = if moves {
-            grid.moved(&mut runner, best)
-        } else {
-            best
-        };
-        let place = moved.partition_point(|(other, _)| other.rank() < best.rank());
-        moved.insert(place, (best, units));
-    }
-    let mut locals: Vec<(Local, &Units)> = Vec::new();
-    for effort in [Effort::Carry, Effort::Certify] {
-        runner.effort = effort;
-        for (placed, units) in moved.iter().filter(|(placed, _)| placed.reaches()) {
-            let enough = locals.len() >= if effort == Effort::Carry { JUDGED } else { 1 };
-            if enough || runner.stopped() {
-                break;
-            }
-            let mut attempts = Attempts::new(Setting { units, ..setting }, &elements);
-            let attempt = Attempt {
-                sequence: &placed.candidate.sequence,
-                guess: &placed.candidate.trajectory,
-                cuts: &[],
-                purpose: Purpose::Explore,
-            };
-            attempts.attempt(&mut runner, attempt)?;
-            if let Some(best) = attempts.best.take() {
-                let objective = best.solution.objective;
-                let place =
-                    locals.partition_point(|(other, _)| other.solution.objective < objective);
-                locals.insert(place, (best, *units));
-            }
-        }
-    }
+        })
+        .collect();
+    let placed = placed(&mut runner, &words, &grids);
+    let moved = moved(&mut runner, placed, &grids);
+    let locals = solved(&mut runner, &moved, &grids)?;
     let mut found = Vec::new();
     let mut known = f64::INFINITY;
-    for (start, (local, units)) in locals.into_iter().enumerate().take(JUDGED) {
-        let setting = Setting { units, ..setting };
-        let solution = judge(
-            &mut runner,
-            setting,
-            finer,
-            (local, Stationarity::None),
-            known,
-        )?;
+    for (start, (local, index)) in locals.into_iter().enumerate().take(JUDGED) {
+        let setting = grids[index].setting;
+        let local = (local, Stationarity::None);
+        let solution = judge(&mut runner, setting, finer, local, known)?;
         known = known.min(solution.objective);
         found.push(Found { start, solution });
     }
@@ -194,4 +139,79 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
         (other.solution.counts, other.solution.seconds) = (Counts::default(), Seconds::default());
     }
     Ok(found)
+}
+
+/// A word on the grid, and the index of the word, whose units it has.
+type OnGrid = (Placed, usize);
+
+/// Adds a word behind those that are better.
+fn insert(all: &mut Vec<OnGrid>, one: OnGrid) {
+    let place = all.partition_point(|(other, _)| other.rank() < one.0.rank());
+    all.insert(place, one);
+}
+
+/// The words with their switches rounded to the grid, the best first.
+fn placed(runner: &mut Runner, words: &[Timed], grids: &[Grid]) -> Vec<OnGrid> {
+    let mut placed: Vec<OnGrid> = Vec::new();
+    for (index, (word, grid)) in words.iter().zip(grids).enumerate() {
+        let reached = placed.iter().find(|(best, _)| best.reaches());
+        let least = reached.map_or(f64::INFINITY, |(best, _)| best.merit);
+        let enough = placed.len() >= PLACED && least.is_finite();
+        if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
+            continue;
+        }
+        if let Some(best) = grid.rounded(runner, word) {
+            insert(&mut placed, (best, index));
+        }
+    }
+    placed
+}
+
+/// The same with the switches of the best ones moved through the ends of their intervals.
+fn moved(runner: &mut Runner, placed: Vec<OnGrid>, grids: &[Grid]) -> Vec<OnGrid> {
+    let least = placed.first().map_or(f64::INFINITY, |(best, _)| best.merit);
+    let mut moved: Vec<OnGrid> = Vec::new();
+    for (rank, (best, index)) in placed.into_iter().enumerate() {
+        let near = !best.reaches() || best.merit <= least + MOVED_WITHIN * least.abs();
+        let best = if rank < MOVED && near {
+            grids[index].moved(runner, best)
+        } else {
+            best
+        };
+        insert(&mut moved, (best, index));
+    }
+    moved
+}
+
+/// The best ones that reach the goals, solved exactly, the best first; with all that can be done for one where quick programs solve none.
+fn solved<'a>(
+    runner: &mut Runner,
+    moved: &[OnGrid],
+    grids: &[Grid<'a, 'a>],
+) -> Result<Vec<(Local<'a>, usize)>, InputError> {
+    let mut locals: Vec<(Local, usize)> = Vec::new();
+    for (effort, most) in [(Effort::Carry, JUDGED), (Effort::Certify, 1)] {
+        runner.effort = effort;
+        for (placed, index) in moved.iter().filter(|(placed, _)| placed.reaches()) {
+            if locals.len() >= most || runner.stopped() {
+                break;
+            }
+            let grid = &grids[*index];
+            let mut attempts = Attempts::new(grid.setting, grid.elements);
+            let attempt = Attempt {
+                sequence: &placed.candidate.sequence,
+                guess: &placed.candidate.trajectory,
+                cuts: &[],
+                purpose: Purpose::Explore,
+            };
+            attempts.attempt(runner, attempt)?;
+            if let Some(best) = attempts.best.take() {
+                let objective = best.solution.objective;
+                let place =
+                    locals.partition_point(|(other, _)| other.solution.objective < objective);
+                locals.insert(place, (best, *index));
+            }
+        }
+    }
+    Ok(locals)
 }

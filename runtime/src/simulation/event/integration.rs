@@ -4,6 +4,7 @@ mod outputs;
 
 use hangtime_solver::clock::ThreadTime;
 
+use self::outputs::Outputs;
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};
 use super::diagnosis::Place;
@@ -42,6 +43,7 @@ const STEPS_AN_EVENT: usize = 4;
 /// Steps at the same instant after which a contact mode is chosen by what follows later.
 const PATIENCE: usize = 2;
 
+// Many fields: a task, where it stands, and the memory of its steps, kept so that nothing allocates.
 /// A run.
 pub(super) struct Integration<'a> {
     settings: &'a EventDriven,
@@ -57,7 +59,7 @@ pub(super) struct Integration<'a> {
     h: f64,
     step: StepEnds,
     forces: Forces,
-    dense: DenseState,
+    dense: Outputs,
     counts: Attempts,
     checks: Checks<'a>,
     log: EventLog,
@@ -75,14 +77,6 @@ struct StepEnds {
     at_end: Residuals,
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
-}
-
-/// A state inside a step.
-struct DenseState {
-    state: Vec<f64>,
-    slope: Vec<f64>,
-    /// Index of the next output time.
-    next: usize,
 }
 
 /// What is limited.
@@ -131,11 +125,7 @@ impl<'a> Integration<'a> {
                 orientation: 1.0,
             },
             forces: Forces::new(contacts),
-            dense: DenseState {
-                state: vec![0.0; dimension],
-                slope: vec![0.0; dimension],
-                next: 1,
-            },
+            dense: Outputs::new(dimension, problem.horizon, settings.output_times),
             counts: Attempts::default(),
             checks: Checks {
                 remarks: Remarks::default(),
@@ -410,8 +400,14 @@ impl<'a> Integration<'a> {
         Ok(true)
     }
 
+    fn write_outputs(&mut self, h: f64, until: f64) {
+        let run = (&mut self.dynamics, &self.method);
+        let trajectory = &mut self.result.trajectory;
+        self.dense.write(run, trajectory, (self.t, h, until));
+    }
+
     fn find_event(&mut self, h: f64) -> Outcome {
-        let outputs_due = self.output_due(h);
+        let outputs_due = self.dense.are_due(self.t, h);
         let horizon = self.problem.horizon;
         let search = EventSearch::is_needed(&self.dynamics)
             || EventSearch::may_pass_posts(&self.dynamics, h, horizon);

@@ -2,7 +2,6 @@
 
 use super::bounces;
 use super::driver::Driver;
-use super::stepping::Step;
 use super::stop::Stop;
 use crate::fesd::active_contact::find;
 use crate::fesd::contacts::ModeError;
@@ -88,8 +87,8 @@ pub(super) fn too_many(driver: &Driver<'_>, step: usize) -> SimulationStatus {
     ))
 }
 
-/// The status of a run whose contact mode switches without end.
-pub(super) fn unsettled(driver: &Driver<'_>, step: &Step) -> SimulationStatus {
+/// The status of a run whose contact mode switches without end since the time `burst` \[s\], in that step.
+pub(super) fn unsettled(driver: &Driver<'_>, step: usize, burst: f64) -> SimulationStatus {
     let last = driver.record.events.last();
     let contact = last.map(|event| event.contact);
     let why = match last {
@@ -107,11 +106,11 @@ pub(super) fn unsettled(driver: &Driver<'_>, step: &Step) -> SimulationStatus {
     };
     SimulationStatus::AmbiguousContact(diagnosis(
         driver,
-        step.number,
+        step,
         contact,
         format!(
             "more than {MAX_SWITCHES} switches within {:.1e} s; {why}",
-            driver.now.state.time - step.burst
+            driver.now.state.time - burst
         ),
     ))
 }

@@ -290,7 +290,7 @@ fn attempt(
                 step.halve(&mut driver.control, end - time);
             }
             if bursts {
-                return Err(diagnosis::unsettled(driver, step));
+                return Err(diagnosis::unsettled(driver, step.number, step.burst));
             }
             if driver.events() > driver.setup.settings.most_events {
                 return Err(diagnosis::too_many_events(driver, step.number));
