@@ -163,11 +163,11 @@ def sweep(
     ``record`` names numbers: ``objective``, ``final_time``, ``horizon``, ``stationarity``, ``resimulation_error``,
     ``events``, ``final.NAME`` and ``final.dot(NAME)`` of a coordinate. Other keywords are those of ``Scene.simulate`` or
     ``Scene.solve``. ``executor`` is any ``concurrent.futures.Executor``, such as Dask's ``client.get_executor()``; by
-    default fresh processes, for which a script needs the usual ``if __name__ == "__main__":``. What a row holds depends neither on the workers nor on their order; a point that fails is a row
-    whose status says so.
+    default fresh processes, for which a script needs the usual ``if __name__ == "__main__":``. What a row holds depends
+    neither on the workers nor on their order; a point that fails is a row whose status says so.
 
-    ``store`` is a path: rows are kept there and not computed again, also by ``hangtime sweep --resume``, whose table is
-    the same. A path that ends with ``.parquet`` is written at the end, with rows kept beside it in ``.parquet.csv``.
+    ``store`` is the path of a CSV file: rows are kept there and not computed again, also by ``hangtime sweep --resume``,
+    whose table is the same.
     """
     if not isinstance(scene, Scene):
         raise Mistake(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
@@ -185,8 +185,7 @@ def sweep(
         tuple(_checked(name) for name in record),
     )
     plan = _plan(*spec)
-    path = None if store is None else os.fspath(store)
-    rows = path + ".csv" if path is not None and path.endswith(".parquet") else path
+    rows = None if store is None else os.fspath(store)
     lines = _stored(rows, plan)
     file = None if rows is None else open(rows, "a", encoding="utf-8", newline="")
     try:
@@ -208,10 +207,7 @@ def sweep(
     finally:
         if file is not None:
             file.close()
-    table = Sweep(plan.header, lines, list(over))
-    if path != rows:
-        table.to_pandas().to_parquet(path)
-    return table
+    return Sweep(plan.header, lines, list(over))
 
 
 def _axis(name: Any, values: Any) -> str:
