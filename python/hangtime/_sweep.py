@@ -26,8 +26,8 @@ _WAITING = 4
 class Sweep(Sequence[Dict[str, str]]):
     """The table of a sweep: rows in the order of the points, the last parameter fastest.
 
-    ``table["objective"]`` is an array, NaN where a point failed (texts for ``status``, ``message``, ``sequence``); a name
-    is meant without its unit. An index gives a row as a dict of texts.
+    ``table["objective"]`` is an array, NaN where a point failed (texts for ``status``, ``message``, ``sequence``); names
+    are without units. An index gives a row as a dict of texts.
     """
 
     def __init__(self, header: str, lines: Iterable[str], parameters: Sequence[str]):
@@ -79,7 +79,7 @@ class Sweep(Sequence[Dict[str, str]]):
         the first recorded column is drawn.
         """
         if not 1 <= len(self.parameters) <= 2:
-            raise Mistake(f"error: a sweep over {len(self.parameters)} parameters has no picture; sweep over one or two")
+            raise Mistake(f"error: no picture of a sweep over {len(self.parameters)} parameters; sweep over one or two")
         pyplot = _pyplot()
         axes = axes if axes is not None else pyplot.subplots()[1]
         if what is None:

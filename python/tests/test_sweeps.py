@@ -23,7 +23,8 @@ def test_table_is_that_of_the_command_line_for_any_executor(command, ball, ball_
     words = ["--over", f"h={values}", "--over", "e=0,0.5,1.5", "--record", ",".join(RECORD), "--out", "c.csv"]
     assert command("sweep", ball_file, *words, cwd=tmp_path)[0] == 0
     wanted = (tmp_path / "c.csv").read_text()
-    for executor in (ThreadPoolExecutor(1), ThreadPoolExecutor(3), ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))):
+    fresh = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))
+    for executor in (ThreadPoolExecutor(1), ThreadPoolExecutor(3), fresh):
         with executor:
             table = ht.sweep(ball, OVER, record=RECORD, executor=executor)
         # The mark holds the name under which the scene was read and its words: the same here.
