@@ -21,6 +21,8 @@ from ._scene import Scene, Value, _checked, _text, _words
 _CHUNK = 16
 #: Chunks per worker that wait: enough that no worker does, few enough that a stop loses little.
 _WAITING = 4
+#: Columns of texts, also where all are empty.
+_TEXTS = ("status", "message", "sequence")
 
 
 class Sweep(Sequence[Dict[str, str]]):
@@ -54,6 +56,8 @@ class Sweep(Sequence[Dict[str, str]]):
             if place < 0:
                 raise Mistake(f"error: no column `{key}`; there are: {', '.join(names)}")
             cells = [row[place] for row in self._rows[1:]]
+            if key in _TEXTS:
+                return np.array(cells, dtype=str)
             try:
                 return np.array([float(cell) if cell else np.nan for cell in cells])
             except ValueError:
@@ -70,7 +74,8 @@ class Sweep(Sequence[Dict[str, str]]):
             import pandas
         except ImportError:
             raise ImportError("to_pandas needs pandas: pip install 'hangtime[pandas]'") from None
-        return pandas.read_csv(io.StringIO(self.csv), float_precision="round_trip")
+        frame = pandas.DataFrame({heading: self[heading.split(" [")[0]] for heading in self.columns})
+        return frame.astype({"point": int})
 
     def plot(self, what: Optional[str] = None, axes: Any = None) -> Any:
         """Draws a column over the parameter as a line, or over two parameters as a map; returns matplotlib's axes.
@@ -90,7 +95,7 @@ class Sweep(Sequence[Dict[str, str]]):
         heading = {column.split(" [")[0]: column for column in self.columns}
         first = self[self.parameters[0]]
         # Of points that failed nothing is known, also no sequence.
-        words = np.where(self["status"] == "refused", "", self["sequence"].astype(str))
+        words = np.where(self["status"] == "refused", "", self["sequence"])
         if len(self.parameters) == 1:
             order = np.argsort(first, kind="stable")
             x, y, words = first[order], self[what][order], words[order]

@@ -5,7 +5,10 @@ import os
 import pathlib
 import subprocess
 
+import matplotlib
 import pytest
+
+matplotlib.use("agg")
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 

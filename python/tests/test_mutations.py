@@ -7,6 +7,7 @@ import random
 import numpy as np
 import pytest
 from conftest import BALL
+from matplotlib import pyplot
 
 import hangtime as ht
 
@@ -68,6 +69,7 @@ def test_fifty_mutated_calls_raise_by_name(block):
             call()
         except NAMED as error:
             assert "internal_error" not in str(error) and "panic" not in str(error)
+    pyplot.close("all")
     np.testing.assert_array_equal(ball.simulate()["z"], run["z"])
 
 

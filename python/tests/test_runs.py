@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 import pytest
-from conftest import BALL, CART, without_seconds
+from conftest import BALL, CART, ROOT, without_seconds
 
 import hangtime as ht
 
@@ -98,9 +98,6 @@ def test_runs_pickle_and_show_themselves():
     assert "h" in ball._repr_html_() and "ball" in repr(run)
     frame = run.to_pandas()
     assert list(frame["z"]) == list(run["z"]) and frame.attrs["units"]["z"] == "m"
-    import matplotlib
-
-    matplotlib.use("Agg")
     assert run.plot("z", "dot(z)").get_legend() is not None
 
 
@@ -149,3 +146,11 @@ def test_lock_is_released_while_a_run_goes_on_and_progress_is_told():
     assert counted > 20
     assert said and all(0 <= at <= 0.6 and words for at, words in said)
     assert [at for at, _ in said] == sorted(at for at, _ in said)
+
+
+def test_readme_runs(tmp_path, monkeypatch):
+    text = (ROOT / "python" / "README.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    said = {}
+    exec(text.split("```python\n")[1].split("```")[0], said)
+    assert said["best"].status == "solved" and len(said["table"]) == 3

@@ -89,9 +89,6 @@ def test_lost_worker_leaves_whole_rows_from_which_the_sweep_goes_on(ball, tmp_pa
 
 
 def test_sweep_draws_a_line_and_a_map_with_marked_changes(ball):
-    import matplotlib
-
-    matplotlib.use("Agg")
     with ThreadPoolExecutor(2) as executor:
         # From rest at h the first impact is at sqrt(2 h/g): within 0.6 s for h <= 1.7658 m.
         line = ht.sweep(ball, {"h": np.linspace(1.6, 1.9, 7)}, record=["final.z"], executor=executor)
@@ -102,4 +99,6 @@ def test_sweep_draws_a_line_and_a_map_with_marked_changes(ball):
             ball, {"h": [1.6, 1.7, 1.9], "push": [-0.5, 0]}, record=["final.z"], executor=executor
         )
         assert len(table.plot("final.z").lines) > 0
-    assert table.to_pandas().shape[0] == 6
+    frame = table.to_pandas()
+    assert list(frame["point"]) == list(range(6)) and set(frame["message"]) == {""}
+    assert list(frame["final.z [m]"]) == list(table["final.z"])
