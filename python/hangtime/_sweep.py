@@ -21,13 +21,15 @@ from ._scene import Scene, Value, _checked, _text, _words
 _CHUNK = 16
 #: Chunks per worker that wait: enough that no worker does, few enough that a stop loses little.
 _WAITING = 4
+#: Columns of texts, also where all are empty.
+_TEXTS = ("status", "message", "sequence")
 
 
 class Sweep(Sequence[Dict[str, str]]):
     """The table of a sweep: rows in the order of the points, the last parameter fastest.
 
-    ``table["objective"]`` is an array, NaN where a point failed (texts for ``status``, ``message``, ``sequence``); a name
-    is meant without its unit. An index gives a row as a dict of texts.
+    ``table["objective"]`` is an array, NaN where a point failed (texts for ``status``, ``message``, ``sequence``); names
+    are without units. An index gives a row as a dict of texts.
     """
 
     def __init__(self, header: str, lines: Iterable[str], parameters: Sequence[str]):
@@ -54,6 +56,8 @@ class Sweep(Sequence[Dict[str, str]]):
             if place < 0:
                 raise Mistake(f"error: no column `{key}`; there are: {', '.join(names)}")
             cells = [row[place] for row in self._rows[1:]]
+            if key in _TEXTS:
+                return np.array(cells, dtype=str)
             try:
                 return np.array([float(cell) if cell else np.nan for cell in cells])
             except ValueError:
@@ -70,7 +74,8 @@ class Sweep(Sequence[Dict[str, str]]):
             import pandas
         except ImportError:
             raise ImportError("to_pandas needs pandas: pip install 'hangtime[pandas]'") from None
-        return pandas.read_csv(io.StringIO(self.csv), float_precision="round_trip")
+        frame = pandas.DataFrame({heading: self[heading.split(" [")[0]] for heading in self.columns})
+        return frame.astype({"point": int})
 
     def plot(self, what: Optional[str] = None, axes: Any = None) -> Any:
         """Draws a column over the parameter as a line, or over two parameters as a map; returns matplotlib's axes.
@@ -79,7 +84,7 @@ class Sweep(Sequence[Dict[str, str]]):
         the first recorded column is drawn.
         """
         if not 1 <= len(self.parameters) <= 2:
-            raise Mistake(f"error: a sweep over {len(self.parameters)} parameters has no picture; sweep over one or two")
+            raise Mistake(f"error: no picture of a sweep over {len(self.parameters)} parameters; sweep over one or two")
         pyplot = _pyplot()
         axes = axes if axes is not None else pyplot.subplots()[1]
         if what is None:
@@ -90,7 +95,7 @@ class Sweep(Sequence[Dict[str, str]]):
         heading = {column.split(" [")[0]: column for column in self.columns}
         first = self[self.parameters[0]]
         # Of points that failed nothing is known, also no sequence.
-        words = np.where(self["status"] == "refused", "", self["sequence"].astype(str))
+        words = np.where(self["status"] == "refused", "", self["sequence"])
         if len(self.parameters) == 1:
             order = np.argsort(first, kind="stable")
             x, y, words = first[order], self[what][order], words[order]
@@ -163,11 +168,11 @@ def sweep(
     ``record`` names numbers: ``objective``, ``final_time``, ``horizon``, ``stationarity``, ``resimulation_error``,
     ``events``, ``final.NAME`` and ``final.dot(NAME)`` of a coordinate. Other keywords are those of ``Scene.simulate`` or
     ``Scene.solve``. ``executor`` is any ``concurrent.futures.Executor``, such as Dask's ``client.get_executor()``; by
-    default fresh processes, for which a script needs the usual ``if __name__ == "__main__":``. What a row holds depends neither on the workers nor on their order; a point that fails is a row
-    whose status says so.
+    default fresh processes, for which a script needs the usual ``if __name__ == "__main__":``. What a row holds depends
+    neither on the workers nor on their order; a point that fails is a row whose status says so.
 
-    ``store`` is a path: rows are kept there and not computed again, also by ``hangtime sweep --resume``, whose table is
-    the same. A path that ends with ``.parquet`` is written at the end, with rows kept beside it in ``.parquet.csv``.
+    ``store`` is the path of a CSV file: rows are kept there and not computed again, also by ``hangtime sweep --resume``,
+    whose table is the same.
     """
     if not isinstance(scene, Scene):
         raise Mistake(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
@@ -185,8 +190,7 @@ def sweep(
         tuple(_checked(name) for name in record),
     )
     plan = _plan(*spec)
-    path = None if store is None else os.fspath(store)
-    rows = path + ".csv" if path is not None and path.endswith(".parquet") else path
+    rows = None if store is None else os.fspath(store)
     lines = _stored(rows, plan)
     file = None if rows is None else open(rows, "a", encoding="utf-8", newline="")
     try:
@@ -208,10 +212,7 @@ def sweep(
     finally:
         if file is not None:
             file.close()
-    table = Sweep(plan.header, lines, list(over))
-    if path != rows:
-        table.to_pandas().to_parquet(path)
-    return table
+    return Sweep(plan.header, lines, list(over))
 
 
 def _axis(name: Any, values: Any) -> str:

@@ -5,7 +5,10 @@ import os
 import pathlib
 import subprocess
 
+import matplotlib
 import pytest
+
+matplotlib.use("agg")
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -15,7 +18,7 @@ coordinates { z: m }
 lagrangian 1[kg]/2*dot(z)^2 - 9.81[N]*z
 surface floor: z >= 0
 impact floor: restitution e
-start { z: h  dot(z): push }
+start { z: h, dot(z): push }
 horizon 0.6 [s]
 """
 
@@ -28,7 +31,7 @@ lagrangian m/2*dot(y)^2
 forces { y: u }
 minimize time
 start { y: 0 }
-finally { y == d  dot(y) == 0 }
+finally { y == d, dot(y) == 0 }
 """
 
 

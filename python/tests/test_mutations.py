@@ -1,17 +1,20 @@
 """Calls with arguments of wrong types, shapes and values: exceptions by name, and an interpreter that lives on."""
 
+import json
 import math
 import random
 
 import numpy as np
 import pytest
 from conftest import BALL
+from matplotlib import pyplot
 
 import hangtime as ht
 
 VALUES = [
-    None, True, False, 0, -1, 1, 10**30, 1e308, -0.0, math.nan, math.inf, -math.inf, "", " ", "nan", "1e999", "5 furlong",
-    "15 km/h", "-3 m", "\x00", "\ud800", "é", "a" * 10_000, "--help", "=", "h=1", b"bytes", [], [1, 2], (), {}, {"h": 1},
+    None, True, False, 0, -1, 1, 10**30, 1e308, -0.0, math.nan, math.inf, -math.inf, "", " ", "nan", "1e999",
+    "5 furlong", "15 km/h", "-3 m", "\x00", "\ud800", "é", "a" * 10_000, "--help", "=", "h=1", b"bytes", [], [1, 2], (),
+    {}, {"h": 1},
     set(), object(), 1j, np.float64(0.5), np.int32(3), np.array(2.0), np.array([1.0, 2.0]), np.zeros((2, 2)), np.nan,
     np.datetime64("2020-01-01"), lambda: 1, Exception, range(3), ht,
 ]
@@ -66,6 +69,7 @@ def test_fifty_mutated_calls_raise_by_name(block):
             call()
         except NAMED as error:
             assert "internal_error" not in str(error) and "panic" not in str(error)
+    pyplot.close("all")
     np.testing.assert_array_equal(ball.simulate()["z"], run["z"])
 
 
@@ -75,6 +79,6 @@ def test_deleted_file_is_named_and_a_scene_stays_what_it_was(ball_file):
     ball_file.write_text("nonsense")
     assert ball.simulate()["z"][-1] == ht.scene(BALL, "x").simulate()["z"][-1]
     ball_file.unlink()
-    assert ball.simulate().document["final"] == __import__("json").loads(before)["final"]
+    assert ball.simulate().document["final"] == json.loads(before)["final"]
     with pytest.raises(ht.Mistake, match="ball.hang"):
         ht.load(ball_file)

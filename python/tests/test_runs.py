@@ -1,5 +1,6 @@
 """Simulations and solves: closed forms, and the numbers of the command line."""
 
+import contextlib
 import math
 import os
 import pickle
@@ -9,7 +10,7 @@ import time
 
 import numpy as np
 import pytest
-from conftest import BALL, CART, without_seconds
+from conftest import BALL, CART, ROOT, without_seconds
 
 import hangtime as ht
 
@@ -97,41 +98,59 @@ def test_runs_pickle_and_show_themselves():
     assert "h" in ball._repr_html_() and "ball" in repr(run)
     frame = run.to_pandas()
     assert list(frame["z"]) == list(run["z"]) and frame.attrs["units"]["z"] == "m"
-    import matplotlib
-
-    matplotlib.use("Agg")
     assert run.plot("z", "dot(z)").get_legend() is not None
 
 
+@contextlib.contextmanager
+def ctrl_c_after(seconds):
+    timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
+
+
 def test_ctrl_c_ends_a_solve_with_the_best_motion_or_at_once():
-    threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGINT)).start()
     begin = time.monotonic()
     try:
-        best = ht.scenes.pump_track.solve(intervals=60, starts=16)
-        assert best.status in ("interrupted", "solved") and len(best.time)
+        # Without a signal this takes minutes.
+        with ctrl_c_after(1.5):
+            best = ht.scenes.pump_track.solve(intervals=400, starts=500)
+        assert best.status == "interrupted" and len(best.time)
     except KeyboardInterrupt:
         pass
-    finally:
-        # A run that was over before the signal leaves it to this line.
-        try:
-            time.sleep(max(0.0, begin + 1.7 - time.monotonic()))
-        except KeyboardInterrupt:
-            pass
-    assert time.monotonic() - begin < 60
+    assert 1.4 < time.monotonic() - begin < 30
 
 
-def test_lock_is_released_while_a_run_goes_on():
-    said = []
-    ht.scene(BALL, "ball").simulate(
-        method="moreau", steps=1_000_000, progress=lambda at, words: said.append((at, words))
-    )
-    counted = 0
-    thread = threading.Thread(
-        target=lambda: ht.scene(BALL, "ball").simulate(method="moreau", steps=1_000_000)
-    )
+def test_ctrl_c_ends_a_simulation():
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt), ctrl_c_after(0.3):
+        ht.scene(BALL, "ball").simulate(method="moreau", steps=1_000_000)
+    assert time.monotonic() - begin < 30
+
+
+def test_lock_is_released_while_a_run_goes_on_and_progress_is_told():
+    said, counted = [], 0
+    ball = ht.scene(BALL, "ball")
+
+    def run():
+        ball.simulate(method="moreau", steps=1_000_000, progress=lambda at, words: said.append((at, words)))
+
+    thread = threading.Thread(target=run)
     thread.start()
     while thread.is_alive():
         counted += 1
         time.sleep(0.001)
-    assert counted > 3
-    assert all(0 <= at <= 0.6 for at, _ in said)
+    # While the lock is held, this thread sleeps; it would count to 2.
+    assert counted > 20
+    assert said and all(0 <= at <= 0.6 and words for at, words in said)
+    assert [at for at, _ in said] == sorted(at for at, _ in said)
+
+
+def test_readme_runs(tmp_path, monkeypatch):
+    text = (ROOT / "python" / "README.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    said = {}
+    exec(text.split("```python\n")[1].split("```")[0], said)
+    assert said["best"].status == "solved" and len(said["table"]) == 3

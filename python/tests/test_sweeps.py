@@ -23,7 +23,8 @@ def test_table_is_that_of_the_command_line_for_any_executor(command, ball, ball_
     words = ["--over", f"h={values}", "--over", "e=0,0.5,1.5", "--record", ",".join(RECORD), "--out", "c.csv"]
     assert command("sweep", ball_file, *words, cwd=tmp_path)[0] == 0
     wanted = (tmp_path / "c.csv").read_text()
-    for executor in (ThreadPoolExecutor(1), ThreadPoolExecutor(3), ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))):
+    fresh = ProcessPoolExecutor(2, multiprocessing.get_context("spawn"))
+    for executor in (ThreadPoolExecutor(1), ThreadPoolExecutor(3), fresh):
         with executor:
             table = ht.sweep(ball, OVER, record=RECORD, executor=executor)
         # The mark holds the name under which the scene was read and its words: the same here.
@@ -47,29 +48,47 @@ def test_store_is_resumed_where_it_was_cut_and_refuses_other_sweeps(ball, tmp_pa
     assert ht.sweep(ball, OVER, record=RECORD, executor=object(), store=store).csv == whole
 
 
-def test_stopped_consumer_leaves_whole_rows(ball, tmp_path):
-    class Failing(ThreadPoolExecutor):
-        left = 2
+def test_store_of_either_is_resumed_by_the_other(command, ball, ball_file, tmp_path):
+    store = tmp_path / "s.csv"
+    over = {"h": [0.5, 1.0, 1.5], "e": [0, 0.5]}
+    words = ["--over", "h=0.5,1.0,1.5", "--over", "e=0,0.5", "--record", "final.z", "--out", store, "--resume"]
+    with ThreadPoolExecutor(1) as executor:
+        whole = ht.sweep(ball, over, record=["final.z"], executor=executor, store=store).csv
+        lines = whole.splitlines(keepends=True)
+        store.write_text("".join(lines[:3]))
+        status, output, _ = command("sweep", ball_file, *words)
+        assert status == 0 and "2 of them from before" in output
+        assert store.read_text() == whole
+        store.write_text("".join(lines[:5]))
+        assert ht.sweep(ball, over, record=["final.z"], executor=executor, store=store).csv == whole
 
-        def submit(self, *args):
-            self.left -= 1
-            if self.left < 0:
-                raise OSError("worker lost")
-            return super().submit(*args)
+
+def test_lost_worker_leaves_whole_rows_from_which_the_sweep_goes_on(ball, tmp_path):
+    class Failing(ThreadPoolExecutor):
+        calls = 0
+
+        def submit(self, call, *args):
+            self.calls += 1
+            if self.calls == 3:
+                call, args = lost, ()
+            return super().submit(call, *args)
+
+    def lost():
+        raise OSError("worker lost")
 
     store = tmp_path / "s.csv"
-    with Failing(1) as executor, pytest.raises(OSError):
+    with Failing(1) as executor, pytest.raises(OSError, match="worker lost"):
         ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store)
     text = store.read_text()
-    assert text.endswith("\n")
-    whole = ht.sweep(ball, OVER, record=RECORD, executor=ThreadPoolExecutor(2), store=store).csv
-    assert whole.startswith(text) and len(whole) > len(text)
+    # The rows of two calls, and the headings.
+    assert text.endswith("\n") and 2 < text.count("\n") < 120
+    with ThreadPoolExecutor(2) as executor:
+        whole = ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store).csv
+        assert whole.startswith(text) and whole.count("\n") == 121
+        assert whole == ht.sweep(ball, OVER, record=RECORD, executor=executor).csv
 
 
 def test_sweep_draws_a_line_and_a_map_with_marked_changes(ball):
-    import matplotlib
-
-    matplotlib.use("Agg")
     with ThreadPoolExecutor(2) as executor:
         # From rest at h the first impact is at sqrt(2 h/g): within 0.6 s for h <= 1.7658 m.
         line = ht.sweep(ball, {"h": np.linspace(1.6, 1.9, 7)}, record=["final.z"], executor=executor)
@@ -80,4 +99,6 @@ def test_sweep_draws_a_line_and_a_map_with_marked_changes(ball):
             ball, {"h": [1.6, 1.7, 1.9], "push": [-0.5, 0]}, record=["final.z"], executor=executor
         )
         assert len(table.plot("final.z").lines) > 0
-    assert table.to_pandas().shape[0] == 6
+    frame = table.to_pandas()
+    assert list(frame["point"]) == list(range(6)) and set(frame["message"]) == {""}
+    assert list(frame["final.z [m]"]) == list(table["final.z"])
