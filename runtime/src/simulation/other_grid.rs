@@ -98,10 +98,12 @@ pub(super) fn estimated<M>(
     watch.restart(true);
     let mut run = simulate(asked, watch);
     spent.add(&run);
-    if !judge.locates && !matches!(run.status, SimulationStatus::Interrupted(_)) {
-        if let Some(status) = leapt(&run, scene.0) {
-            run.status = status;
-        }
+    let interrupted = matches!(run.status, SimulationStatus::Interrupted(_));
+    if !judge.locates
+        && !interrupted
+        && let Some(status) = leapt(&run, scene.0)
+    {
+        run.status = status;
     }
     if !run.status.is_solved() {
         return spent.charge(run);
