@@ -184,7 +184,7 @@ impl HostScene {
         let simulation = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
         let ending = Ending::of_simulation(&simulation, bound.stop, &arguments.limits);
         Ok(HostRun {
-            work: Work::Simulated(task, simulation),
+            work: Work::Simulated(task, Box::new(simulation)),
             ending,
         })
     }
@@ -271,7 +271,7 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, BadInput>) -> Result<T, BadInput>
 }
 
 enum Work {
-    Simulated(SimulationTask, Simulation),
+    Simulated(SimulationTask, Box<Simulation>),
     Planned(OptimumTask, Box<Solution>),
 }
 

@@ -45,9 +45,9 @@ fn law(random: &mut Random, sliding: &str) -> String {
 fn corners(random: &mut Random, corners: &[(f64, f64)], (x, z, phi): (f64, f64, f64)) -> String {
     // The origin of coordinates is anywhere.
     let floor = random.within(-2.0, 2.0);
-    let mut text = format!(
-        "coordinates {{ x: m, z: m, phi: rad }}\n\
-         lagrangian 1 [kg]/2*|dot((x, z))|^2 + 0.02 [kg m^2]*dot(phi)^2 - 9.81 [N]*z\n"
+    let mut text = String::from(
+        "coordinates { x: m, z: m, phi: rad }\n\
+         lagrangian 1 [kg]/2*|dot((x, z))|^2 + 0.02 [kg m^2]*dot(phi)^2 - 9.81 [N]*z\n",
     );
     let kind = random.0;
     for (k, (r, angle)) in corners.iter().enumerate() {
