@@ -102,7 +102,7 @@ fn tables(
         counted(method.intervals, "interval"),
         counted(method.elements, "element"),
         method.control_shape,
-        starts(method, solution)
+        counted(method.starts, "start")
     );
     let _ = writeln!(text, "status        {}", ending.status);
     let Some(motion) = &solution.motion else {
@@ -120,7 +120,11 @@ fn tables(
         let _ = writeln!(text, "gain          {gain}");
     }
     let _ = writeln!(text, "stationarity  {}", certificate(solution.stationarity));
-    let _ = writeln!(text, "re-simulated  {}", resimulated(solution));
+    let _ = writeln!(
+        text,
+        "re-simulated  {:.1e} away from the plan at the end",
+        solution.resimulation_error
+    );
     if let Some(finer) = method.finer(solution) {
         let _ = writeln!(text, "elements      {finer}");
     }
@@ -151,29 +155,6 @@ fn tables(
     }
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
     text + &work(solution)
-}
-
-/// How far the re-simulation is from the plan: at the end, and in the objective where that is seen.
-fn resimulated(solution: &Solution) -> String {
-    let end = format!(
-        "{:.1e} away from the plan at the end",
-        solution.resimulation_error
-    );
-    if solution.resimulated_objective.is_nan() {
-        return end;
-    }
-    let difference = solution.resimulated_objective - solution.objective;
-    format!("{end}, {:.1e} in the objective", difference.abs())
-}
-
-/// How many starts were made, of those that are allowed.
-fn starts(method: &SolverSettings, solution: &Solution) -> String {
-    let most = counted(method.starts, "start");
-    match solution.starts {
-        0 => format!("up to {most}"),
-        made if made < method.starts => format!("{made} of {most}"),
-        _ => most,
-    }
 }
 
 /// What the publications of the scene measure the optimum by: how much a quantity grows, beside the published number

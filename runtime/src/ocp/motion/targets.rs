@@ -6,8 +6,7 @@ use crate::ocp::problem::{Horizon, Problem, bounds};
 /// Singular values below this are zero in the search for a state that fulfils the goals.
 const SINGULAR: f64 = 1e-12;
 
-/// Change of a coordinate that rounding may cause, relative to the larger of itself and the longest way that goals ask for, which counts
-/// as 1 where it is longer.
+/// Change of a coordinate that rounding may cause, relative to the larger of itself and 1.
 const MOVED: f64 = 1e-9;
 
 /// Steps of [`approach`].
@@ -48,10 +47,8 @@ pub(in crate::ocp) fn targets(problem: &Problem, model: &dyn Model) -> Vec<Optio
         z.resize(model.declaration().terminal_inputs(), 0.0);
         approach(model, &declared, &mut z);
         let (lower, upper) = bounds(model);
-        let ways = z.iter().zip(&problem.q).map(|(z, q)| (z - q).abs());
-        let longest = ways.fold(0.0, f64::max).min(1.0);
         for k in 0..n {
-            let moved = (z[k] - problem.q[k]).abs() > MOVED * problem.q[k].abs().max(longest);
+            let moved = (z[k] - problem.q[k]).abs() > MOVED * problem.q[k].abs().max(1.0);
             if moved && z[k].is_finite() && lower[k] <= upper[k] {
                 targets[k] = Some(z[k].clamp(lower[k], upper[k]));
             }
