@@ -135,7 +135,6 @@ fn surfaces_without_poles_on_the_way_are_no_poles() {
     let model = Pole {
         place: -2.0,
         strength: 1e-3,
-        ..Pole::default()
     };
     for method in methods() {
         let run = run(&*method, &model);

@@ -1,5 +1,7 @@
 //! What is said of ends that are no solutions, or are more than stationary, and what a file gives to start from.
 
+#![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
+
 use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nl::{self, Options, Program, SecondOrder, Solution, Status};
 
