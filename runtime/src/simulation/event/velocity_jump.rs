@@ -49,14 +49,16 @@ fn pass_edges(
     (closing, lowest): (Option<usize>, LowestBounce),
 ) -> Option<Impact> {
     let mut edges = Vec::new();
-    // Whether the piece that acts stands against a motion that another one sets free.
+    // Whether the piece that acts stands against a motion that another one sets free, where surfaces meet; the very edge of a
+    // single one is struck.
     let mut blocked = false;
     for &i in closed {
         let (ties, _, velocity) = leading(dynamics, i);
         let zero = dynamics.zero_normal_velocity(i);
         if ties && velocity >= -zero {
             edges.push(i);
-            blocked |= dynamics.point(i)[contact_point::NORMAL_VELOCITY] < -zero;
+            let approaches = dynamics.point(i)[contact_point::NORMAL_VELOCITY] < -zero;
+            blocked |= approaches && closed.len() > 1;
         }
     }
     if edges.is_empty() || edges.len() == closed.len() && !blocked {

@@ -54,9 +54,11 @@ pub(super) fn carry_out(driver: &mut Driver<'_>, touching: &[usize]) -> Result<I
 fn pass(driver: &mut Driver<'_>, touching: &[usize]) -> Option<Impact> {
     let (edges, others): (Vec<usize>, Vec<usize>) =
         touching.iter().partition(|&&i| is_passed(driver, i));
-    // Whether the piece that acts stands against a motion that another one sets free.
-    let blocked = edges
-        .iter()
+    // Whether the piece that acts stands against a motion that another one sets free, where surfaces meet; the very edge of a single one
+    // is struck.
+    let several = touching.len() > 1;
+    let mut passed = edges.iter().filter(|_| several);
+    let blocked = passed
         .any(|&i| driver.now.contacts.normal_velocity(i) < -driver.now.size(i).touching_velocity());
     if edges.is_empty() || others.is_empty() && !blocked {
         return None;
