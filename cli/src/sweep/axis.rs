@@ -146,7 +146,7 @@ mod tests {
             ("start_y", "a name and values are missing"),
             ("start_y=1:2", "a range has three parts"),
             ("start_y=1:2:0", "whole number from 1"),
-            ("start_y=1:inf:3", "not finite"),
+            ("start_y=1:inf:3", "does not begin with a number"),
             ("start_y=1:2:3kg", "NAME=from:to:count"),
             ("start=1", "did you mean `start_y`?"),
         ] {
