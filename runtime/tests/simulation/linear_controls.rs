@@ -168,11 +168,11 @@ fn trajectories_record_the_controls_of_each_instant() {
         },
         &Fesd::default().with_grid(10, 2),
         &FixedStep {
-            steps: 500,
+            steps: 50,
             ..FixedStep::default()
         },
         &Moreau {
-            steps: 500,
+            steps: 50,
             ..Moreau::default()
         },
         &Smooth::default(),
