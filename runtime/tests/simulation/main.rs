@@ -29,6 +29,7 @@ mod impulses;
 mod linear_controls;
 mod modes_after_events;
 mod moving_ground;
+mod named_ends;
 mod promises;
 mod restitution_event;
 mod starts;

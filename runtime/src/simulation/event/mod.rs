@@ -99,6 +99,24 @@ pub(crate) fn simulate_to(
     Ok(result)
 }
 
+/// The motion with at most the error `promise`, where another method that promises as much fails.
+pub(super) fn simulate_instead(
+    promise: f64,
+    scene: (&dyn Model, &InitialValueProblem),
+    watch: &mut Watch<'_>,
+) -> Simulation {
+    let settings = EventDriven::default();
+    let tolerance = settings.tolerance.min(accuracy::tolerance(promise));
+    accuracy::promised(
+        &EventDriven {
+            tolerance,
+            ..settings
+        },
+        scene,
+        watch,
+    )
+}
+
 /// The same to check another method's run, under its observer, which does not see the time.
 pub(super) fn simulate_to_check(
     tolerance: f64,

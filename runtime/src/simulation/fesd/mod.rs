@@ -50,11 +50,29 @@ mod switch;
 pub use settings::{Fesd, StepFormulation};
 pub use size::step_sizes;
 
+use super::hand_over::{self, Other};
 use super::watch::Watch;
-use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse};
+use super::{
+    InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse,
+};
 use crate::Observer;
 use crate::model::{Model, edge};
 use crate::refusal;
+
+const OTHER: Other = Other {
+    failed: "finite elements",
+    takes_over: "the event-driven method",
+};
+
+/// Whether a run may have ended for a reason of its elements. A gap that leaps has none of it, but is asked for again as well:
+/// the event-driven method sees it too.
+fn may_be_its_own(status: &SimulationStatus) -> bool {
+    use SimulationStatus::{AmbiguousContact, NotFinite, StepFailed, StepLimit};
+    matches!(
+        status,
+        AmbiguousContact(_) | NotFinite(_) | StepFailed(_) | StepLimit(_)
+    )
+}
 
 impl Simulator for Fesd {
     fn name(&self) -> &'static str {
@@ -80,7 +98,15 @@ impl Simulator for Fesd {
         let mut watch = Watch::new(problem, observer);
         let mut result = match self.promise() {
             Some(promise) => {
-                accuracy::promised(self, promise, &tableau, (model, problem), &mut watch)
+                let run = accuracy::promised(self, promise, &tableau, (model, problem), &mut watch);
+                let named = run.counts.elements >= self.most_elements;
+                if named || self.formulation != StepFormulation::ActiveSet {
+                    run
+                } else {
+                    hand_over::unless_solved(run, may_be_its_own, &OTHER, &mut watch, |watch| {
+                        event::simulate_instead(promise, (model, problem), watch)
+                    })
+                }
             }
             None if self.steps.is_none() => {
                 let promise = self.tolerance.unwrap_or(Self::PROMISE);
