@@ -164,9 +164,9 @@ pub(crate) struct SimulateArguments {
 /// The simulation method and its settings. A setting that the method does not have is refused.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct MethodArguments {
-    /// How to simulate.
-    #[arg(long, value_enum, default_value_t)]
-    pub(crate) method: Method,
+    /// How to simulate [default: fesd, and event where it fails and no setting of it is named].
+    #[arg(long, value_enum)]
+    pub(crate) method: Option<Method>,
     /// Runge-Kutta scheme (fesd) [default: radau-iia].
     #[arg(long, value_enum)]
     pub(crate) scheme: Option<SchemeName>,
@@ -194,6 +194,24 @@ pub(crate) struct MethodArguments {
     /// Leave out the condition that ends a contact where its force vanishes, as published (fesd).
     #[arg(long)]
     pub(crate) no_exit_condition: bool,
+}
+
+impl MethodArguments {
+    /// The method, whether named or not.
+    pub(crate) fn method(&self) -> Method {
+        self.method.unwrap_or_default()
+    }
+
+    /// Whether nothing is said but how accurate the motion has to be, so that any method will do.
+    pub(crate) fn leaves_the_method_open(&self) -> bool {
+        self.method.is_none()
+            && self.scheme.is_none()
+            && self.stages.is_none()
+            && self.steps.is_none()
+            && self.elements.is_none()
+            && self.formulation.is_none()
+            && !self.no_exit_condition
+    }
 }
 
 /// Simulation methods.

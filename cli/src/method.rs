@@ -132,7 +132,7 @@ impl ChosenMethod {
     pub(crate) fn from_arguments(arguments: &MethodArguments) -> Result<Self, BadInput> {
         refuse_foreign_settings(arguments)?;
         refuse_idle_settings(arguments)?;
-        let chosen = match arguments.method {
+        let chosen = match arguments.method() {
             Method::Fesd => fesd(arguments),
             Method::Event => {
                 let mut event = EventDriven::default();
@@ -213,6 +213,7 @@ fn stepping(steps: usize) -> MethodSettings {
 
 fn fesd(arguments: &MethodArguments) -> ChosenMethod {
     let mut fesd = Fesd::default();
+    fesd.hands_over = arguments.leaves_the_method_open();
     fesd.scheme = match arguments.scheme {
         Some(SchemeName::RadauIia) => Scheme::RadauIia,
         Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
@@ -271,12 +272,12 @@ fn refuse_foreign_settings(arguments: &MethodArguments) -> Result<(), BadInput> 
     ];
     let foreign = given
         .iter()
-        .find(|(_, given, methods)| *given && !methods.contains(&arguments.method));
+        .find(|(_, given, methods)| *given && !methods.contains(&arguments.method()));
     let Some((option, _, methods)) = foreign else {
         return Ok(());
     };
     let methods: Vec<String> = methods.iter().map(|method| name_of(*method)).collect();
-    let method = name_of(arguments.method);
+    let method = name_of(arguments.method());
     Err(BadInput::new(format!(
         "{option} has no meaning for --method {method}; leave it out, or choose the method: {}",
         methods.join(", ")

@@ -16,9 +16,8 @@ use crate::model::Model;
 
 /// Estimated error above which a run says so: what a curve in a figure shows.
 const SUSPECT: f64 = 1e-3;
-/// Estimated error from which a run that locates nothing is none: a tenth of the largest values, after which neither a place nor a direction is
-/// known.
-const WORTHLESS: f64 = 0.1;
+/// Estimated error above which a run that locates nothing is none: the largest values themselves, of which it then says nothing.
+const WORTHLESS: f64 = 1.0;
 /// Steps of a run that is compared with another one, besides half of them: what steps of one length do not see of an
 /// oscillation, because they are some of its periods, twice that length does not see either.
 const INCOMMENSURABLE: f64 = 0.618;

@@ -2,6 +2,8 @@
 
 use crate::common::start;
 use hangtime::model::Model;
+use hangtime::prelude::simulate;
+use hangtime::rk::Scheme;
 use hangtime::simulation::{
     EventDriven, Fesd, FixedStep, InitialValueProblem, Moreau, Simulation, SimulationStatus,
     Simulator, Smooth,
@@ -160,11 +162,33 @@ fn run_whose_error_is_as_large_as_the_motion_is_not_solved() {
             // z = cos(40 t).
             let exact = 200.0_f64.cos();
             let error = (run.trajectory.q.last().unwrap()[0] - exact).abs();
-            let words = format!("{} {steps}: {error:e}, {}", method.name(), run.status);
-            assert_eq!(run.status.is_solved(), error < 0.1, "{words}");
-            assert_eq!(run.status.is_solved(), steps == 4000, "{words}");
+            let estimate = run.error_estimate.unwrap();
+            let words = format!(
+                "{} {steps}: {error:e} {estimate:e}, {}",
+                method.name(),
+                run.status
+            );
+            assert_eq!(run.status.is_solved(), estimate <= 1.0, "{words}");
+            // What is solved and says nothing more is as it says.
+            assert!(error <= 5.0 * estimate, "{words}");
+            let noted = run
+                .notes
+                .iter()
+                .any(|note| note.contains("error is estimated"));
+            assert_eq!(noted, run.status.is_solved() && estimate > 1e-3, "{words}");
+            assert!(
+                steps == 60 || error < 0.1 && run.status.is_solved(),
+                "{words}"
+            );
         }
     }
+    // Steps beyond the stability of the method.
+    let few = FixedStep {
+        steps: 60,
+        ..FixedStep::default()
+    };
+    let few = run(&few, &model);
+    assert_eq!(few.status.name(), "inaccurate", "{}", few.status);
     let wide = run(
         &Smooth {
             width: 0.5,
@@ -234,10 +258,8 @@ fn number_of_impacts_that_pass_does_not_depend_on_the_horizon() {
 #[test]
 fn motion_at_which_elements_fail_is_that_of_the_other_method() {
     let model = Row::default();
-    let (default, event) = (
-        run(&Fesd::default(), &model),
-        run(&EventDriven::default(), &model),
-    );
+    let default = simulate(&model).run().expect("the scene is accepted");
+    let event = run(&EventDriven::default(), &model);
     assert!(event.status.is_solved(), "{}", event.status);
     assert!(default.status.is_solved(), "{}", default.status);
     let handed = |note: &String| note.contains("this is the motion by the event-driven method");
@@ -245,8 +267,12 @@ fn motion_at_which_elements_fail_is_that_of_the_other_method() {
     let apart = apart.zip(event.trajectory.q.last().unwrap());
     let apart = apart.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     assert!(apart < 1e-6, "{apart:e}");
-    // A run that has been handed over says so, and at which time.
-    if let Some(note) = default.notes.iter().find(|note| handed(note)) {
-        assert!(note.contains("finite elements ended with `"), "{note}");
-    }
+    // The run that has been handed over says so, and at which time; whoever names the method gets that method.
+    let elements = run(&Fesd::default(), &model);
+    let note = default.notes.iter().find(|note| handed(note));
+    assert_eq!(note.is_some(), !elements.status.is_solved());
+    assert!(!elements.notes.iter().any(handed));
+    assert!(note.is_none_or(|note| note.contains("finite elements ended with `")));
+    let asked = run(&Fesd::default().with_scheme(Scheme::RadauIia, 1), &model);
+    assert!(!asked.status.is_solved(), "{}", asked.status);
 }

@@ -20,6 +20,9 @@ pub(super) const MAX_SWITCHES: usize = 5_000;
 /// short elements is that of the contact law.
 const NEARLY_JAMMED: f64 = 1e-2;
 
+/// Share of the horizon after which a motion that cannot go on is looked at.
+const AHEAD: f64 = 1e-6;
+
 pub(super) fn diagnosis(
     driver: &Driver<'_>,
     step: usize,
@@ -48,7 +51,7 @@ pub(super) fn too_short(driver: &Driver<'_>, step: usize, end: f64) -> Simulatio
     if nearly_jams(driver) {
         return stopped(driver, step, &Stop::Mode(ModeError::Jammed));
     }
-    if driver.record.not_finite {
+    if driver.record.not_finite && not_finite_ahead(driver, end) {
         return stopped(driver, step, &Stop::Mode(ModeError::NotFinite));
     }
     let start = driver.setup.problem.input(driver.setup.model);
@@ -60,7 +63,8 @@ pub(super) fn too_short(driver: &Driver<'_>, step: usize, end: f64) -> Simulatio
         "an element of one stage has an order too low for the tolerance; error control needs 2 stages or more, or name \
          the steps"
     } else {
-        "forces grow without bound here, or the tolerance is below what the model's functions resolve; raise the tolerance"
+        "forces grow without bound, switches of the contact mode follow each other, or the tolerance is below what the model's \
+         functions resolve; raise the tolerance, or ask the method `event`"
     };
     SimulationStatus::StepLimit(diagnosis(
         driver,
@@ -71,6 +75,20 @@ pub(super) fn too_short(driver: &Driver<'_>, step: usize, end: f64) -> Simulatio
             end - driver.now.state.time
         ),
     ))
+}
+
+/// Whether the model is infinite or not a number soon after the present state, where elements up to `end` fail: within what they would
+/// cover, and a little more.
+fn not_finite_ahead(driver: &Driver<'_>, end: f64) -> bool {
+    let (model, state) = (driver.setup.model, &driver.now.state);
+    let n = state.q.len();
+    let soon = (end - state.time).max(AHEAD * driver.setup.horizon);
+    [0.0, soon].into_iter().any(|after| {
+        let mut x = driver.now.input().to_vec();
+        let later = x[..n].iter_mut().zip(&state.q).zip(&state.v);
+        later.for_each(|((x, q), v)| *x = q + after * v);
+        not_finite_at(model, &x).is_some()
+    })
 }
 
 /// The status of a run that takes more elements than allowed.

@@ -95,6 +95,9 @@ pub struct Fesd {
     /// velocity of the contact so far (the sum of its terms' sizes).
     /// Where several contacts touch, bounces that stay within rounding error of the gap end as well.
     pub rest_velocity: Option<f64>,
+    /// Whether the event-driven method takes over a motion at which the elements of an error-controlled run in active-set form fail; a
+    /// note says so. Default false: what is asked for runs. [`simulate`](crate::prelude::simulate) without a method sets it.
+    pub hands_over: bool,
 }
 
 impl Default for Fesd {
@@ -111,6 +114,7 @@ impl Default for Fesd {
             exit_condition: true,
             auxiliary_acceleration: 981.0,
             rest_velocity: None,
+            hands_over: false,
         }
     }
 }
