@@ -17,6 +17,7 @@ mod hand_over;
 mod impact_cluster;
 mod impulse;
 mod moreau;
+mod order_of_impacts;
 mod other_grid;
 mod problem;
 mod quantity;

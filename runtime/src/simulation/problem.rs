@@ -339,6 +339,21 @@ impl InitialValueProblem {
         }
     }
 
+    /// Refuses a scene that wants contacts to be struck one after the other, for methods whose impacts are all at once.
+    pub(crate) fn check_at_once(model: &dyn Model, method: &str) -> Result<(), InputError> {
+        let contacts = model.declaration().contacts;
+        match contacts.iter().find(|known| known.sequence) {
+            None => Ok(()),
+            Some(contact) => Err(refusal::unsupported(
+                format!(
+                    "the impact law of `{}`, in sequence, by {method}",
+                    contact.name
+                ),
+                "simulate by finite elements or from event to event, or leave `in sequence` out",
+            )),
+        }
+    }
+
     /// The input vector `x = (q, v, u)` at the start of a problem that was checked.
     pub(crate) fn input(&self, model: &dyn Model) -> Vec<f64> {
         let declaration = model.declaration();

@@ -25,6 +25,7 @@ mod front_door;
 mod hidden_switches;
 mod honest_estimates;
 mod impact_clusters;
+mod impacts_in_sequence;
 mod impulses;
 mod linear_controls;
 mod modes_after_events;

@@ -51,6 +51,7 @@ struct Parts {
     sliding: Option<(Place, Expr)>,
     along: Option<(Place, Expr)>,
     holding: Option<(Place, Vec<Name>)>,
+    sequence: Option<Place>,
 }
 
 fn law(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Law> {
@@ -101,6 +102,19 @@ impl Parts {
                 let names = held(cursor, diagnostics)?;
                 self.holding.replace((place, names)).is_none()
             }
+            "in" => {
+                if !cursor.eat_word("sequence") {
+                    let wanted =
+                        "`sequence` behind `in`, for contacts that are struck one after the other";
+                    return Err(unexpected(cursor, diagnostics, wanted));
+                }
+                self.sequence.replace(place).is_none()
+            }
+            "sequence" => {
+                let message =
+                    "contacts are struck one after the other `in sequence`; write both words";
+                return Err(diagnostics.syntax(place, message));
+            }
             "elastic" => {
                 return Err(diagnostics.syntax(
                     place,
@@ -108,9 +122,11 @@ impl Parts {
                 ));
             }
             other => {
-                let help = match closest(other, words::LAW_PARTS) {
+                let parts =
+                    words::LAW_PARTS.map(|part| if part == "in" { "in sequence" } else { part });
+                let help = match closest(other, parts) {
                     Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("the parts are {}", list(words::LAW_PARTS)),
+                    None => format!("the parts are {}", list(parts)),
                 };
                 return Err(diagnostics.syntax(
                     place,
@@ -172,6 +188,7 @@ impl Parts {
             sliding: expr(self.sliding),
             along: expr(self.along),
             holding: self.holding.map(|(_, names)| names).unwrap_or_default(),
+            sequence: self.sequence.is_some(),
         })
     }
 }

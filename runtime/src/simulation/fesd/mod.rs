@@ -54,6 +54,7 @@ use super::hand_over::{self, Other};
 use super::watch::Watch;
 use super::{
     InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse,
+    order_of_impacts,
 };
 use crate::Observer;
 use crate::model::{Model, edge};
@@ -95,12 +96,16 @@ impl Simulator for Fesd {
                 "use another formulation",
             ));
         }
+        if self.formulation == StepFormulation::Complementarity {
+            InitialValueProblem::check_at_once(model, "the complementarity problem")?;
+        }
         let mut watch = Watch::new(problem, observer);
         let mut result = match self.promise() {
             Some(promise) => {
                 let run = accuracy::promised(self, promise, &tableau, (model, problem), &mut watch);
                 let named = run.counts.elements >= self.most_elements;
-                if named || self.formulation != StepFormulation::ActiveSet {
+                let asked = self.hands_over && self.formulation == StepFormulation::ActiveSet;
+                if named || !asked {
                     run
                 } else {
                     hand_over::unless_solved(run, may_be_its_own, &OTHER, &mut watch, |watch| {
@@ -115,6 +120,7 @@ impl Simulator for Fesd {
             None => estimate::estimated(self, &tableau, (model, problem), &mut watch),
         };
         impulse::record(model, &mut result);
+        order_of_impacts::note(model, &mut result);
         watch.finish(model, &mut result);
         Ok(result)
     }
