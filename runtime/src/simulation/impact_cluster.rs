@@ -172,14 +172,7 @@ fn normal_velocities<B: Bodies>(bodies: &mut B, near: &[NearContact]) -> Vec<f64
 fn run<B: Bodies>(bodies: &mut B, near: &mut [NearContact]) -> Result<Cluster, B::Error> {
     let mut cluster = Cluster::default();
     loop {
-        let velocities: Vec<f64> = near
-            .iter()
-            .map(|near| {
-                let velocity = bodies.normal_velocity(near.contact);
-                let rests = velocity.abs() <= bodies.zero_velocity(near.contact);
-                if rests { 0.0 } else { velocity }
-            })
-            .collect();
+        let velocities = approaches(bodies, near);
         // The time of each is compared as it is: multiplied by the velocity again it need not give the gap.
         let after = near.iter().zip(&velocities).map(|(near, &v)| {
             if v < 0.0 {
@@ -228,6 +221,16 @@ fn run<B: Bodies>(bodies: &mut B, near: &mut [NearContact]) -> Result<Cluster, B
     }
     cluster.struck.sort_unstable();
     Ok(cluster)
+}
+
+/// The normal velocities, 0 of contacts that neither approach nor leave.
+fn approaches<B: Bodies>(bodies: &mut B, near: &[NearContact]) -> Vec<f64> {
+    let velocities = near.iter().map(|near| {
+        let velocity = bodies.normal_velocity(near.contact);
+        let rests = velocity.abs() <= bodies.zero_velocity(near.contact);
+        if rests { 0.0 } else { velocity }
+    });
+    velocities.collect()
 }
 
 /// An impact that does not raise the kinetic energy on ground at rest.

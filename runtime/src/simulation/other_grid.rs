@@ -117,7 +117,13 @@ pub(super) fn estimated<M>(
         run.error_estimate = Some(f64::INFINITY);
         return spent.charge(run);
     }
-    let (error, by, until) = error(&mut run, &compared, judge, scene);
+    let found = error(&mut run, &compared, judge, scene);
+    say(&mut run, found, judge);
+    spent.charge(run)
+}
+
+/// Says what a run with this `error` is worth, which is known by something `until` a time \[s\].
+fn say(run: &mut Simulation, (error, by, until): (f64, &'static str, f64), judge: &Judge) {
     run.error_estimate = Some(error);
     if error > WORTHLESS && !judge.locates {
         run.status = SimulationStatus::Inaccurate(Diagnosis {
@@ -136,7 +142,6 @@ pub(super) fn estimated<M>(
             judge.remedy
         ));
     }
-    spent.charge(run)
 }
 
 /// The error of a run by the distance to others and by what it knows itself, what says so, and the time \[s\] up to which all

@@ -110,29 +110,7 @@ impl Parts {
                 }
                 self.sequence.replace(place).is_none()
             }
-            "sequence" => {
-                let message =
-                    "contacts are struck one after the other `in sequence`; write both words";
-                return Err(diagnostics.syntax(place, message));
-            }
-            "elastic" => {
-                return Err(diagnostics.syntax(
-                    place,
-                    "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`",
-                ));
-            }
-            other => {
-                let parts =
-                    words::LAW_PARTS.map(|part| if part == "in" { "in sequence" } else { part });
-                let help = match closest(other, parts) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("the parts are {}", list(parts)),
-                };
-                return Err(diagnostics.syntax(
-                    place,
-                    format!("unknown part `{other}` of an impact law; {help}"),
-                ));
-            }
+            other => return Err(unknown_part(other, place, diagnostics)),
         };
         if new {
             return Ok(());
@@ -191,6 +169,29 @@ impl Parts {
             sequence: self.sequence.is_some(),
         })
     }
+}
+
+/// Says what to write instead of a part that there is not.
+fn unknown_part(word: &str, place: Place, diagnostics: &mut Diagnostics) -> Reported {
+    let message = match word {
+        "sequence" => {
+            "contacts are struck one after the other `in sequence`; write both words".to_owned()
+        }
+        "elastic" => {
+            "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`"
+                .to_owned()
+        }
+        other => {
+            let shown = |part| if part == "in" { "in sequence" } else { part };
+            let parts = words::LAW_PARTS.map(shown);
+            let help = match closest(other, parts) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the parts are {}", list(parts)),
+            };
+            format!("unknown part `{other}` of an impact law; {help}")
+        }
+    };
+    diagnostics.syntax(place, message)
 }
 
 /// Reads the expression of a part; whether the part is new.
