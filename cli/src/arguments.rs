@@ -196,24 +196,6 @@ pub(crate) struct MethodArguments {
     pub(crate) no_exit_condition: bool,
 }
 
-impl MethodArguments {
-    /// The method, whether named or not.
-    pub(crate) fn method(&self) -> Method {
-        self.method.unwrap_or_default()
-    }
-
-    /// Whether nothing is said but how accurate the motion has to be, so that any method will do.
-    pub(crate) fn leaves_the_method_open(&self) -> bool {
-        self.method.is_none()
-            && self.scheme.is_none()
-            && self.stages.is_none()
-            && self.steps.is_none()
-            && self.elements.is_none()
-            && self.formulation.is_none()
-            && !self.no_exit_condition
-    }
-}
-
 /// Simulation methods.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Method {

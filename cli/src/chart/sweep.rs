@@ -46,7 +46,7 @@ impl Sweep {
 
     /// Whether these are event-driven runs, which have to be measured against something else.
     pub(super) fn event_driven(&self) -> bool {
-        let event = |settings: &MethodArguments| settings.method() == Method::Event;
+        let event = |settings: &MethodArguments| settings.method == Some(Method::Event);
         self.settings.iter().any(event)
     }
 }
