@@ -289,11 +289,12 @@ pub(crate) enum ControlsName {
 /// Where `solve` looks for contact sequences.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SearchName {
-    /// On control grids, from coarse to fine.
+    /// Over orders of contact modes with phases of free length, put on the grid at last; on grids where that leads to no motion, and with
+    /// `--starts`.
     #[default]
-    Grids,
-    /// Over orders of contact modes with phases of free length, put on the grid at last.
     Words,
+    /// On control grids, from coarse to fine, from several starts.
+    Grids,
 }
 
 /// How `solve` finds the contact sequence.
