@@ -20,7 +20,7 @@ pub enum Status {
     Relaxed,
     /// A stationary point of the constraint violation: the rows are infeasible near it.
     Infeasible,
-    /// The iterates grew without bound.
+    /// The iterates grew without bound, or the objective improves without bound along a ray of feasible points.
     Unbounded,
     /// The observer asked to stop.
     Interrupted,

@@ -3,10 +3,10 @@
 use crate::clock::{Instant, ThreadTime};
 
 use super::program::Program;
-use super::second_order::{SecondOrder, Stationary, second_order};
+use super::second_order::{Stationary, second_order};
 use super::solution::{Solution, Status, Work};
 use crate::mpcc::{self, Mpcc, Stationarity, StationarityType};
-use crate::nlp::{self, InputError, NlpProblem as _, WarmStart};
+use crate::nlp::{self, InputError, NlpProblem as _, Residuals, Violation, WarmStart};
 
 /// What the caller may choose; change fields of [`Options::default`].
 #[derive(Debug, Clone, PartialEq)]
@@ -124,11 +124,26 @@ fn beside(own: &[f64], k: usize) -> Vec<f64> {
     moved.collect()
 }
 
+/// Why a program is called unbounded by a ray.
+const WITHOUT_BOUND: &str = "the objective improves without bound along a ray of feasible points";
+
 fn solve_once(
     program: &mut Program,
     options: &Options,
     observer: &mut nlp::Observer<'_>,
 ) -> Result<Solution, InputError> {
+    let began = Instant::now();
+    let end = run(program, options, observer)?;
+    let left = options.maximum_seconds - began.elapsed().as_secs_f64();
+    Ok(end.or_unbounded(program, left).in_file(program))
+}
+
+/// A run of the method that fits the program.
+fn run(
+    program: &mut Program,
+    options: &Options,
+    observer: &mut nlp::Observer<'_>,
+) -> Result<End, InputError> {
     if !program.complementarities().is_empty() {
         let mut settings = mpcc::Settings::default();
         settings.interior_point.tolerance = options.tolerance;
@@ -138,7 +153,7 @@ fn solve_once(
             settings.maximum_iterations = most;
         }
         let solution = mpcc::solve_observed(program, &settings, observer)?;
-        return Ok(of_complementary(program, solution));
+        return Ok(End::of_complementary(solution));
     }
     let defaults = nlp::Settings::default();
     let settings = nlp::Settings {
@@ -172,7 +187,7 @@ fn solve_once(
             nlp::solve_from(program, &settings, None, Some(&mut see))?
         }
     };
-    Ok(of_nonlinear(program, solution))
+    Ok(End::of_nonlinear(solution))
 }
 
 /// Range of the first barrier parameter of a warm start, and its part of the square of what the optimality conditions leave: what
@@ -246,26 +261,6 @@ fn warm_start(program: &mut Program, tolerance: f64) -> Option<(WarmStart, f64)>
     Some((start, barrier_parameter))
 }
 
-/// What second derivatives say of the point.
-fn ask(
-    program: &mut Program,
-    stationarity: Stationarity,
-    point: (&[f64], &[f64], &[f64], &[f64]),
-) -> Option<SecondOrder> {
-    let pairs = program.complementarities().to_vec();
-    let (x, multipliers, lower, upper) = point;
-    (stationarity == Stationarity::S).then(|| {
-        let point = Stationary {
-            x,
-            multipliers,
-            lower,
-            upper,
-            pairs: &pairs,
-        };
-        second_order(program, &point)
-    })
-}
-
 /// Rates of change of the objective with the bounds of the variables of the file; a variable that is measured downwards has its bounds
 /// the other way round.
 fn bound_multipliers(program: &Program, lower: &[f64], upper: &[f64]) -> [Vec<f64>; 2] {
@@ -285,93 +280,129 @@ fn bound_multipliers(program: &Program, lower: &[f64], upper: &[f64]) -> [Vec<f6
     [lower, upper]
 }
 
-fn of_nonlinear(program: &mut Program, solution: nlp::Solution) -> Solution {
-    let status = of_run(solution.status);
-    let stationarity = match status {
-        Status::Solved => Stationarity::S,
-        _ => Stationarity::None,
-    };
-    Solution {
-        reason: solution.status.to_string(),
-        second_order: ask(
-            program,
-            stationarity,
-            (
-                &solution.x,
-                &solution.multipliers,
-                &solution.multipliers_lower,
-                &solution.multipliers_upper,
-            ),
-        ),
-        bound_multipliers: bound_multipliers(
-            program,
-            &solution.multipliers_lower,
-            &solution.multipliers_upper,
-        ),
-        stationarity,
-        objective: program.sense() * solution.objective,
-        x: program.in_file(&solution.x),
-        multipliers: multipliers(program, &solution.multipliers),
-        residuals: solution.residuals,
-        violation_stationarity: solution.violation_stationarity,
-        work: Work {
-            iterations: solution.counts.iterations,
-            factorizations: solution.counts.factorizations,
-            ..Work::default()
-        },
-        violations: solution.violations,
-        status,
-    }
+/// Where a run ended, in the variables and rows of the program.
+struct End {
+    status: Status,
+    reason: String,
+    stationarity: Stationarity,
+    objective: f64,
+    x: Vec<f64>,
+    multipliers: Vec<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    residuals: Residuals,
+    violation_stationarity: Option<f64>,
+    violations: Vec<Violation>,
+    work: Work,
 }
 
-fn of_complementary(program: &mut Program, solution: mpcc::Solution) -> Solution {
-    let status = match solution.status {
-        mpcc::Status::Solved => Status::Solved,
-        mpcc::Status::Uncertified | mpcc::Status::NotStationary => Status::Uncertified,
-        mpcc::Status::Relaxed => Status::Relaxed,
-        mpcc::Status::Infeasible => Status::Infeasible,
-        // the sides of a run without a crossover need not vanish
-        mpcc::Status::Failed(nlp::Status::Degenerate) => Status::Failed,
-        mpcc::Status::Failed(status) => of_run(status),
-    };
-    let stationarity = match &solution.certificate {
-        Some(certificate) if status == Status::Solved => match certificate.stationarity {
-            StationarityType::Strong => Stationarity::S,
-            _ => Stationarity::B,
-        },
-        _ => Stationarity::None,
-    };
-    Solution {
-        reason: solution.status.to_string(),
-        second_order: ask(
-            program,
+impl End {
+    fn of_nonlinear(solution: nlp::Solution) -> Self {
+        let status = of_run(solution.status);
+        Self {
+            status,
+            reason: solution.status.to_string(),
+            stationarity: match status {
+                Status::Solved => Stationarity::S,
+                _ => Stationarity::None,
+            },
+            objective: solution.objective,
+            x: solution.x,
+            multipliers: solution.multipliers,
+            lower: solution.multipliers_lower,
+            upper: solution.multipliers_upper,
+            residuals: solution.residuals,
+            violation_stationarity: solution.violation_stationarity,
+            violations: solution.violations,
+            work: Work {
+                iterations: solution.counts.iterations,
+                factorizations: solution.counts.factorizations,
+                ..Work::default()
+            },
+        }
+    }
+
+    fn of_complementary(solution: mpcc::Solution) -> Self {
+        let status = match solution.status {
+            mpcc::Status::Solved => Status::Solved,
+            mpcc::Status::Uncertified | mpcc::Status::NotStationary => Status::Uncertified,
+            mpcc::Status::Relaxed => Status::Relaxed,
+            mpcc::Status::Infeasible => Status::Infeasible,
+            // the sides of a run without a crossover need not vanish
+            mpcc::Status::Failed(nlp::Status::Degenerate) => Status::Failed,
+            mpcc::Status::Failed(status) => of_run(status),
+        };
+        let stationarity = match &solution.certificate {
+            Some(certificate) if status == Status::Solved => match certificate.stationarity {
+                StationarityType::Strong => Stationarity::S,
+                _ => Stationarity::B,
+            },
+            _ => Stationarity::None,
+        };
+        Self {
+            status,
+            reason: solution.status.to_string(),
             stationarity,
-            (
-                &solution.x,
-                &solution.multipliers,
-                &solution.multipliers_lower,
-                &solution.multipliers_upper,
-            ),
-        ),
-        bound_multipliers: bound_multipliers(
-            program,
-            &solution.multipliers_lower,
-            &solution.multipliers_upper,
-        ),
-        stationarity,
-        objective: program.sense() * solution.objective,
-        x: program.in_file(&solution.x),
-        multipliers: multipliers(program, &solution.multipliers),
-        residuals: solution.residuals,
-        violation_stationarity: solution.violation_stationarity,
-        work: Work {
-            iterations: solution.iterations + solution.certificate_iterations,
-            crossover_iterations: solution.crossover_iterations,
-            factorizations: solution.factorizations,
-            ..Work::default()
-        },
-        violations: solution.violations,
-        status,
+            objective: solution.objective,
+            x: solution.x,
+            multipliers: solution.multipliers,
+            lower: solution.multipliers_lower,
+            upper: solution.multipliers_upper,
+            residuals: solution.residuals,
+            violation_stationarity: solution.violation_stationarity,
+            violations: solution.violations,
+            work: Work {
+                iterations: solution.iterations + solution.certificate_iterations,
+                crossover_iterations: solution.crossover_iterations,
+                factorizations: solution.factorizations,
+                ..Work::default()
+            },
+        }
+    }
+
+    /// An end without a solution is one of a program without bound where a ray shows that.
+    fn or_unbounded(mut self, program: &mut Program, seconds: f64) -> Self {
+        let may_be = matches!(
+            self.status,
+            Status::Uncertified | Status::Relaxed | Status::IterationLimit | Status::Failed
+        );
+        let mut start = vec![0.0; self.x.len()];
+        program.initial_point(&mut start);
+        if may_be && mpcc::falls_along_a_ray(program, (&self.x, &start), seconds) {
+            self.status = Status::Unbounded;
+            self.reason = WITHOUT_BOUND.into();
+            self.violations.clear();
+        }
+        self
+    }
+
+    /// The same in the terms of the file, with what second derivatives say of the point.
+    fn in_file(self, program: &mut Program) -> Solution {
+        let pairs = program.complementarities().to_vec();
+        let second_order = (self.stationarity == Stationarity::S).then(|| {
+            let point = Stationary {
+                x: &self.x,
+                multipliers: &self.multipliers,
+                lower: &self.lower,
+                upper: &self.upper,
+                pairs: &pairs,
+            };
+            second_order(program, &point)
+        });
+        Solution {
+            status: self.status,
+            reason: self.reason,
+            stationarity: self.stationarity,
+            second_order,
+            objective: program.sense() * self.objective,
+            x: program.in_file(&self.x),
+            multipliers: multipliers(program, &self.multipliers),
+            bound_multipliers: bound_multipliers(program, &self.lower, &self.upper),
+            residuals: self.residuals,
+            violation_stationarity: self.violation_stationarity,
+            work: self.work,
+            violations: self.violations,
+        }
     }
 }
 

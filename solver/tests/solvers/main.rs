@@ -7,6 +7,8 @@ mod mpcc_limits;
 mod mpcc_problems;
 mod nl_certificates;
 mod nl_files;
+mod nl_texts;
+mod nl_unbounded;
 mod nlp_elements;
 mod nlp_hock_schittkowski;
 mod nlp_second_round;

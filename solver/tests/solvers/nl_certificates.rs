@@ -3,48 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use hangtime_solver::mpcc::Stationarity;
-use hangtime_solver::nl::{self, Options, Program, SecondOrder, Solution, Status};
+use hangtime_solver::nl::{self, Options, Program, SecondOrder, Status};
 
-/// A program whose variables are nonlinear everywhere: bodies of the rows, the objective, the start, bounds of rows, bounds of variables and
-/// further segments, all in words.
-fn program(sizes: (usize, usize), rows: &[&str], objective: &str, rest: &str) -> String {
-    let (variables, count) = sizes;
-    let mut text = format!(
-        "g3 1 1 0\n {variables} {count} 1 0 0\n {count} 1\n 0 0\n {variables} {variables} {variables}\n 0 0 0 1\n \
-         0 0 0 0 0\n 0 0\n 0 0\n 0 0 0 0 0\n"
-    );
-    let lines = |words: &str| words.split_whitespace().collect::<Vec<_>>().join("\n") + "\n";
-    for (index, row) in rows.iter().enumerate() {
-        text += &format!("C{index}\n{}", lines(row));
-    }
-    text += &format!("O0 0\n{}", lines(objective));
-    text + rest
-}
-
-fn solve(text: &str) -> Solution {
-    let mut program = Program::read(text.as_bytes()).unwrap();
-    nl::solve(&mut program, 60.0, &mut |_| true).unwrap()
-}
-
-#[test]
-fn programs_without_bound_are_never_solved_by_a_row_that_outgrows_its_multiplier() {
-    // max of x, x^2, x^3 or 2 x where exp(k x), cosh(k x) or x exp(k x) must be at least 1: any x from the start on is feasible
-    let objectives = ["o16 v0", "o16 o5 v0 n2", "o16 o5 v0 n3", "o2 n-2 v0"];
-    for objective in objectives {
-        for k in ["0.7", "1.7", "3"] {
-            for row in [
-                format!("o44 o2 n{k} v0"),
-                format!("o45 o2 n{k} v0"),
-                format!("o2 v0 o44 o2 n{k} v0"),
-            ] {
-                let rest = "x1\n0 1.3\nr\n2 1.0\nb\n3\n";
-                let solution = solve(&program((1, 1), &[&row], objective, rest));
-                assert_ne!(solution.status, Status::Solved, "{objective}, {row}");
-                assert_eq!(solution.stationarity, Stationarity::None);
-            }
-        }
-    }
-}
+use crate::nl_texts::{program, solve};
 
 #[test]
 fn cusp_has_no_multipliers_and_a_sharp_corner_has() {
