@@ -20,6 +20,8 @@ pub struct Options {
     pub maximum_iterations: Option<usize>,
     /// Most seconds of wall-clock time; default infinite.
     pub maximum_seconds: f64,
+    /// Ends the solve from outside, within a step too; default never.
+    pub interrupt: nlp::Interrupt,
     /// Points to start from, that of the file and others beside it, of which the best end is kept; default 1.
     pub starts: usize,
     /// Whether multipliers in the file are started from; default true.
@@ -34,6 +36,7 @@ impl Default for Options {
             constraint_tolerance: settings.constraint_tolerance,
             maximum_iterations: None,
             maximum_seconds: f64::INFINITY,
+            interrupt: nlp::Interrupt::default(),
             starts: 1,
             warm: true,
         }
@@ -149,6 +152,7 @@ fn run(
         settings.interior_point.tolerance = options.tolerance;
         settings.interior_point.constraint_tolerance = options.constraint_tolerance;
         settings.interior_point.maximum_seconds = options.maximum_seconds;
+        settings.interior_point.interrupt = options.interrupt.clone();
         if let Some(most) = options.maximum_iterations {
             settings.maximum_iterations = most;
         }
@@ -160,6 +164,7 @@ fn run(
         tolerance: options.tolerance,
         constraint_tolerance: options.constraint_tolerance,
         maximum_seconds: options.maximum_seconds,
+        interrupt: options.interrupt.clone(),
         maximum_iterations: options
             .maximum_iterations
             .unwrap_or(defaults.maximum_iterations),

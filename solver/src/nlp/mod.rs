@@ -52,6 +52,7 @@ mod status;
 mod warm_start;
 
 pub use crate::InputError;
+pub use crate::until::Interrupt;
 pub use derivative_check::{DerivativeEntry, check_derivatives};
 pub use elements::{Element, ElementProblem, ElementProblemBuilder, Target};
 pub(crate) use error::Fault;

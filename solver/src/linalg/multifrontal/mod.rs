@@ -25,11 +25,12 @@ mod symbolic;
 use pulp::Simd;
 
 use factors::{Factors, FrontRecord};
-use front::{Front, Pivot};
+use front::{Front, LOOK, Pivot};
 use kernels::padded;
 use symbolic::{Node, Symbolic};
 
 use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
+use crate::until::Until;
 
 /// Multifrontal factorization with pivoting, `S P' L B L' P S` for a matrix equilibrated by a diagonal `S`.
 pub(crate) struct MultifrontalLdl {
@@ -50,8 +51,15 @@ pub(crate) struct MultifrontalLdl {
     stack: Stack,
     pivots: Vec<Pivot>,
     factors: Factors,
-    /// Most multiplications of a factorization.
+    limits: Limits,
+}
+
+/// How long a factorization may work.
+#[derive(Debug)]
+struct Limits {
+    /// Most multiplications.
     most_work: f64,
+    until: Until,
 }
 
 /// The stack of Schur complements.
@@ -118,9 +126,17 @@ impl MultifrontalLdl {
                 fronts: Vec::with_capacity(symbolic.nodes.len()),
                 inverse: Vec::with_capacity(n),
             },
-            most_work,
+            limits: Limits {
+                most_work,
+                until: Until::default(),
+            },
             symbolic,
         })
+    }
+
+    /// Until when factorizations may work; one that does not end then has no factors.
+    pub(crate) fn work_until(&mut self, until: Until) {
+        self.limits.until = until;
     }
 
     /// Entries of the factor, a measure of fill.
@@ -370,11 +386,16 @@ impl MultifrontalLdl {
         self.factors.values.clear();
         self.factors.rows.clear();
         self.factors.fronts.clear();
-        let mut done_work = 0.0;
+        let (mut done_work, mut looked_at) = (0.0, 0.0);
         for k in 0..self.symbolic.nodes.len() {
             let (rows, summed) = self.assemble(k);
             done_work += work(rows, summed);
-            if done_work > self.most_work {
+            let mut is_over = done_work > self.limits.most_work;
+            if done_work > looked_at + LOOK {
+                looked_at = done_work;
+                is_over |= self.limits.until.is_over();
+            }
+            if is_over {
                 self.factors.rows.truncate(self.factors.rows.len() - rows);
                 self.factors
                     .values
@@ -392,6 +413,7 @@ impl MultifrontalLdl {
                 square: &mut self.factors.values[start..],
                 index: &mut self.factors.rows[names..],
                 product: &mut self.product,
+                until: &self.limits.until,
             };
             let done = front.factorize(self.symbolic.nodes[k].is_root, &mut self.pivots);
             self.store(k, rows, summed, done);
@@ -420,6 +442,9 @@ impl KktFactorization for MultifrontalLdl {
     ) -> Result<Inertia, FactorizationError> {
         self.take_values(values, delta_w, delta_c)?;
         pulp::Arch::new().dispatch(Eliminate(self));
+        if self.limits.until.is_over() {
+            return Err(FactorizationError::Stopped);
+        }
         invert(&self.pivots, &mut self.factors.inverse);
         let mut inertia = inertia(&self.pivots).ok_or(FactorizationError::NotFinite)?;
         inertia.zero += self.scale.len() - self.pivots.len();
@@ -509,13 +534,13 @@ mod tests {
             values[position] += a;
         }
         let mut factorization = MultifrontalLdl::new(&pattern, 6).unwrap();
-        let most_work = std::mem::replace(&mut factorization.most_work, 20.0);
+        let most_work = std::mem::replace(&mut factorization.limits.most_work, 20.0);
         let stopped = factorization.factor(&values, 0.0, 0.0).unwrap();
         assert!(stopped.zero > 0, "{stopped:?}");
         assert_eq!(stopped.positive + stopped.negative + stopped.zero, n);
         // What is there can be solved with, whatever it is worth.
         factorization.solve(&mut vec![1.0; n]);
-        factorization.most_work = most_work;
+        factorization.limits.most_work = most_work;
         let whole = factorization.factor(&values, 0.0, 0.0).unwrap();
         assert_eq!((whole.positive, whole.negative, whole.zero), (6, 5, 0));
     }

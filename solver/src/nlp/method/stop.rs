@@ -160,8 +160,5 @@ pub(super) fn stop_test(
     if state.core.iterations >= settings.maximum_iterations {
         return Some(Status::IterationLimit);
     }
-    if state.core.seconds() > settings.maximum_seconds {
-        return Some(Status::TimeLimit);
-    }
-    None
+    state.core.is_over()
 }
