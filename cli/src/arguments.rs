@@ -241,8 +241,8 @@ pub(crate) enum FormulationName {
 pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
-    /// Length of the motion, in seconds or in the unit given, or the guess of it where the final time is free [default:
-    /// what the scene declares].
+    /// Length of the motion, in seconds or in the unit given, or the guess of it where the final time is free, which stays
+    /// free [default: what the scene declares].
     #[arg(long, value_name = "TIME[UNIT]", value_parser = duration, allow_negative_numbers = true)]
     pub(crate) horizon: Option<f64>,
     /// Control intervals of equal physical length [default: 30].

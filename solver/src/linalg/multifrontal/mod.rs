@@ -515,7 +515,44 @@ fn inertia(pivots: &[Pivot]) -> Option<Inertia> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
     use super::*;
+    use crate::until::Interrupt;
+
+    #[test]
+    fn factorization_that_is_asked_to_end_has_no_factors_and_does_little() {
+        let flag = Arc::new(AtomicBool::new(true));
+        // a dense front of some 1e8 multiplications, and many small ones
+        let dense: Vec<_> = (0..700)
+            .flat_map(|i| (0..=i).map(move |j| (i, j)))
+            .collect();
+        let chain: Vec<_> = (0..700).flat_map(|i| [(i, i), (i, i.max(1) - 1)]).collect();
+        for entries in [dense, chain] {
+            let (pattern, map) = SymmetricPattern::new(700, &entries).unwrap();
+            let mut values = vec![0.0; pattern.stored()];
+            for (&position, (i, j)) in map.iter().zip(&entries) {
+                values[position] = if i == j { 1e3 } else { 1.0 };
+            }
+            let mut factorization = MultifrontalLdl::new(&pattern, 700).unwrap();
+            let interrupt = Interrupt::by(Arc::clone(&flag));
+            flag.store(true, Ordering::Relaxed);
+            factorization.work_until(Until::new(&interrupt, f64::INFINITY));
+            let stopped = factorization.factor(&values, 0.0, 0.0);
+            assert_eq!(stopped, Err(FactorizationError::Stopped));
+            let is_dense = entries.len() > 10_000;
+            assert!(!is_dense || factorization.pivots.len() < 100);
+            // a limit on seconds that are over does the same
+            flag.store(false, Ordering::Relaxed);
+            factorization.work_until(Until::new(&interrupt, 0.0));
+            let stopped = factorization.factor(&values, 0.0, 0.0);
+            assert_eq!(stopped, Err(FactorizationError::Stopped));
+            factorization.work_until(Until::new(&interrupt, f64::INFINITY));
+            let whole = factorization.factor(&values, 0.0, 0.0).unwrap();
+            assert_eq!(whole.positive, 700);
+        }
+    }
 
     #[test]
     fn factorization_beyond_its_limit_of_work_counts_the_rest_as_zero() {
