@@ -12,8 +12,9 @@ use hangtime::simulation::{
 };
 use serde::Serialize;
 
-use crate::arguments::{FormulationName, MOST_STEPS, Method, MethodArguments, SchemeName};
+use crate::arguments::{FormulationName, Method, MethodArguments, SchemeName};
 use crate::failure::BadInput;
+use crate::numbers::MOST_STEPS;
 use crate::table::counted;
 
 /// The settings of a method, as JSON and people read them; what the method does not have is absent.

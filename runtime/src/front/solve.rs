@@ -41,7 +41,6 @@ pub fn solve(model: &dyn Model) -> Solve<'_> {
         model,
         intervals: INTERVALS,
         horizon: None,
-        final_time: None,
         start: StartValues::default(),
         settings: Settings::default(),
         observer: None,
@@ -84,7 +83,6 @@ pub struct Solve<'a> {
     model: &'a dyn Model,
     intervals: usize,
     horizon: Option<f64>,
-    final_time: Option<f64>,
     start: StartValues,
     settings: Settings,
     observer: Option<Box<Observer<'a>>>,
@@ -97,16 +95,9 @@ impl<'a> Solve<'a> {
         self
     }
 
-    /// Length of the motion \[s\], or the guess of it where the final time is free; default what the scene declares. `--horizon`
-    /// of the program means the same; [`final_time`](Self::final_time) fixes a free one.
+    /// Final time \[s\], where the declared one is not meant. A free one is fixed by it; `--horizon` of the command line is a guess of that.
     pub fn horizon(mut self, seconds: f64) -> Self {
         self.horizon = Some(seconds);
-        self
-    }
-
-    /// Final time \[s\], fixed even where the scene leaves it free.
-    pub fn final_time(mut self, seconds: f64) -> Self {
-        self.final_time = Some(seconds);
         self
     }
 
@@ -178,15 +169,7 @@ impl<'a> Solve<'a> {
         }
         let mut problem = Problem::of(self.model, self.intervals);
         if let Some(horizon) = self.horizon {
-            problem.horizon = match problem.horizon {
-                Horizon::Fixed(_) => Horizon::Fixed(horizon),
-                Horizon::Free { .. } => Horizon::Free {
-                    guess: Some(horizon),
-                },
-            };
-        }
-        if let Some(final_time) = self.final_time {
-            problem.horizon = Horizon::Fixed(final_time);
+            problem.horizon = Horizon::Fixed(horizon);
         }
         self.start
             .write(declaration, &mut problem.q, &mut problem.v)?;

@@ -28,6 +28,8 @@ const BARRIER: f64 = 1e-2;
 const ITERATIONS: usize = 150;
 /// Most iterations of its restoration phase.
 const RESTORED: usize = 5;
+/// Least share of the unit of an objective that counts as its size: smaller ones drown in rounding.
+const LEAST_SHARE: f64 = 1e-6;
 /// Price of a miss to start with, in sizes of the objective per size of a goal.
 const PRICE: f64 = 10.0;
 /// Miss of all goals, in their sizes, that is none.
@@ -65,6 +67,11 @@ impl Goals {
     /// The price of a miss where objectives are of that size.
     pub(super) fn price_of(objective: f64) -> f64 {
         PRICE * objective
+    }
+
+    /// The size of objectives where a miss has that price.
+    fn objective_of(price: f64) -> f64 {
+        price / PRICE
     }
 }
 
@@ -232,9 +239,12 @@ pub(super) fn solved(
     (barrier, iterations): (f64, usize),
 ) -> Option<nlp::Solution> {
     let mut settings = interior_point(runner.settings);
-    settings.tolerance = TOLERANCE;
+    // Products of bounds and multipliers are measured in the unit of the objective, which is that of the largest control that is allowed.
+    let small =
+        (Goals::objective_of(price) / program.program.objective_unit()).clamp(LEAST_SHARE, 1.0);
+    settings.tolerance = small * TOLERANCE;
     settings.constraint_tolerance = TOLERANCE;
-    settings.initial_barrier_parameter = barrier;
+    settings.initial_barrier_parameter = small * barrier;
     settings.maximum_iterations = iterations;
     program.penalize(price);
     let run = Run {
