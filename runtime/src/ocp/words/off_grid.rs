@@ -32,6 +32,8 @@ const RESTORED: usize = 5;
 const LEAST_SHARE: f64 = 1e-6;
 /// Price of a miss to start with, in sizes of the objective per size of a goal.
 const PRICE: f64 = 10.0;
+/// What a phase has to gain for a word to be better with it, as a share of the objective.
+const WORTH_OF_PHASE: f64 = 1e-3;
 /// Miss of all goals, in their sizes, that is none.
 pub(super) const NO_MISS: f64 = 1e-3;
 
@@ -383,9 +385,13 @@ impl Timed {
     pub(super) fn word(&self) -> &Word {
         &self.draft.word
     }
-}
 
-impl Timed {
+    /// What words are compared by, where objectives are of that size: with more phases there are more control pieces, which are worth a
+    /// little by themselves.
+    pub(super) fn value(&self, size: f64) -> f64 {
+        self.merit + WORTH_OF_PHASE * size * self.word().phases() as f64
+    }
+
     pub(in crate::ocp) fn trajectory(&self) -> &Trajectory {
         &self.motion.trajectory
     }

@@ -49,8 +49,6 @@ const REFINEMENTS: usize = 4;
 const KEPT: usize = 12;
 /// Excess over the best up to which a word is refined.
 const WORTH: f64 = 0.3;
-/// What a phase has to gain for a word to be better with it, as a share of the objective.
-const WORTH_OF_PHASE: f64 = 1e-3;
 
 /// A word that was looked at.
 struct Seen {
@@ -69,14 +67,6 @@ struct Waiting {
     rule: &'static str,
     draft: Draft,
     parent: usize,
-}
-
-impl Timed {
-    /// What words are compared by, where objectives are of that size: with more phases there are more control pieces, which are worth a
-    /// little by themselves.
-    fn value(&self, size: f64) -> f64 {
-        self.merit + WORTH_OF_PHASE * size * self.word().phases() as f64
-    }
 }
 
 /// A search over words.
