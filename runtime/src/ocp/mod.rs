@@ -97,7 +97,7 @@ pub use problem::{Horizon, Problem};
 pub use settings::{Formulation, Guess, PathPoints, SearchSpace, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{
-    Counts, Excess, Margin, Miss, Nearest, Optimum, RelaxedReport, Solution, Status,
-    TimeFreezingReport,
+    Counts, Excess, Improvement, Margin, Miss, Nearest, Optimum, RelaxedReport, Solution, Source,
+    Status, TimeFreezingReport,
 };
 pub use solve::solve;

@@ -119,6 +119,47 @@ pub struct Optimum {
     pub intervals: usize,
     /// The starts that ended there, from 0.
     pub starts: Vec<usize>,
+    /// Where all was looked that ended there, the starts among it.
+    pub sources: Vec<Source>,
+}
+
+/// Where a search looked for a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
+pub enum Source {
+    /// Among words, orders of contact modes.
+    Words,
+    /// From a start on grids, from 0.
+    Start(usize),
+    /// From motions under random controls, on grids.
+    Samples,
+    /// From gaits, on grids.
+    Gaits,
+}
+
+impl std::fmt::Display for Source {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Words => f.write_str("words"),
+            Self::Start(start) => write!(f, "start {start}"),
+            Self::Samples => f.write_str("samples"),
+            Self::Gaits => f.write_str("gaits"),
+        }
+    }
+}
+
+/// A motion that was confirmed and better than all before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Improvement {
+    /// CPU time of all runs up to the one that found it \[s\].
+    pub cpu: f64,
+    /// Its objective.
+    pub objective: f64,
+    /// Its status at that time.
+    pub status: Status,
+    /// Where it was found.
+    pub source: Source,
 }
 
 /// Work done.
@@ -285,6 +326,8 @@ pub struct Solution {
     pub previous: Option<Previous>,
     /// The distinct local optima that the starts ended at, the best first.
     pub optima: Vec<Optimum>,
+    /// The first motion that was confirmed and every better one after it, in order; of those found side by side in the order of their starts.
+    pub improvements: Vec<Improvement>,
 }
 
 /// Difference of objectives, as a share of what they are measured in, that the tolerance of the solver explains.
@@ -368,6 +411,7 @@ impl Solution {
             time_freezing: None,
             previous: None,
             optima: Vec::new(),
+            improvements: Vec::new(),
         }
     }
 

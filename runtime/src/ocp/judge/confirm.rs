@@ -337,6 +337,7 @@ fn confirm(
         seconds: runner.seconds,
         time_freezing: None,
         optima: Vec::new(),
+        improvements: Vec::new(),
     })
 }
 

@@ -22,7 +22,7 @@ use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
 use crate::ocp::search::candidates::Proved;
 use crate::ocp::settings::{Guess, Settings};
-use crate::ocp::solution::{Solution, Status};
+use crate::ocp::solution::{Solution, Source, Status};
 use crate::simulation::InputError;
 
 /// Fewest intervals of a grid that motions are looked for on by way of it.
@@ -93,6 +93,7 @@ pub(super) fn solve(
         // Finer elements have led to no motion, or to a poorer one than coarse ones, which may still lead to more.
         let mut failed = Found {
             start: 0,
+            source: Source::Start(0),
             solution: solution.clone(),
         };
         leave_its_work(&mut failed);
@@ -255,6 +256,7 @@ fn endless(task: &Task, found: &[Found], intervals: usize) -> Option<Found> {
     let endless = found.find(|found| ends_at_no_time(task.model, &found.solution))?;
     Some(Found {
         start: endless.start,
+        source: endless.source,
         solution: on_grid(&endless.solution, intervals)?,
     })
 }

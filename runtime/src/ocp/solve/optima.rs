@@ -4,7 +4,7 @@ use hangtime_solver::Seconds;
 use hangtime_solver::mpcc::Stationarity;
 
 use crate::model::Model;
-use crate::ocp::solution::{Counts, Optimum, Solution, Status};
+use crate::ocp::solution::{Counts, Improvement, Optimum, Solution, Source, Status};
 
 /// Relative difference of the objective within which two local optima count as the same.
 const SAME: f64 = 1e-6;
@@ -21,6 +21,7 @@ const NO_TIME: f64 = 2e-4;
 #[derive(Clone)]
 pub(super) struct Found {
     pub(super) start: usize,
+    pub(super) source: Source,
     pub(super) solution: Solution,
 }
 
@@ -99,6 +100,7 @@ pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solu
     let Some(best) = found.into_iter().next() else {
         return Solution::without_motion(Status::Interrupted, Vec::new(), counts);
     };
+    let improvements = improvements(&seen);
     let optima = optima(&best, seen);
     let (status, stationarity) = if stopped {
         (Status::Interrupted, Stationarity::None)
@@ -111,22 +113,56 @@ pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solu
         counts,
         seconds,
         optima,
+        improvements,
         ..best.solution
     }
+}
+
+/// The motions that were confirmed and better than all before them.
+fn improvements(seen: &[Found]) -> Vec<Improvement> {
+    let mut cpu = 0.0;
+    let mut found: Vec<Improvement> = Vec::new();
+    for Found {
+        source, solution, ..
+    } in seen
+    {
+        cpu += solution.seconds.total;
+        let (class, objective) = rank(solution);
+        let better = |last: &Improvement| objective < last.objective - solution.tolerated(SAME);
+        if class == 0 && found.last().is_none_or(better) {
+            found.push(Improvement {
+                cpu,
+                objective,
+                status: solution.status,
+                source: *source,
+            });
+        }
+    }
+    found
 }
 
 /// The distinct local optima: the result, and then the others, the best first.
 fn optima(best: &Found, seen: Vec<Found>) -> Vec<Optimum> {
     let mut optima: Vec<Optimum> = Vec::new();
     for found in std::iter::once(best.clone()).chain(seen) {
-        let Found { start, solution } = found;
+        let Found {
+            start,
+            source,
+            solution,
+        } = found;
+        let starts = if source == Source::Start(start) {
+            vec![start]
+        } else {
+            Vec::new()
+        };
         if solution.motion.is_none() || rank(&solution).0 == 2 {
             continue;
         }
         let switches = solution.planned_events.len();
         let same = |other: &&mut Optimum| agrees(&solution, other.objective, other.switches);
         if let Some(known) = optima.iter_mut().find(same) {
-            known.starts.push(start);
+            known.starts.extend(starts);
+            known.sources.push(source);
             continue;
         }
         optima.push(Optimum {
@@ -136,12 +172,15 @@ fn optima(best: &Found, seen: Vec<Found>) -> Vec<Optimum> {
             stationarity: solution.stationarity,
             switches,
             intervals: solution.elements.len(),
-            starts: vec![start],
+            starts,
+            sources: vec![source],
         });
     }
     for optimum in &mut optima {
         optimum.starts.sort_unstable();
         optimum.starts.dedup();
+        optimum.sources.sort_unstable();
+        optimum.sources.dedup();
     }
     if let Some((_, others)) = optima.split_first_mut() {
         others.sort_by(|a, b| a.objective.total_cmp(&b.objective));

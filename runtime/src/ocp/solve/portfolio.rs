@@ -22,7 +22,7 @@ use crate::model::Model;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::has_free_start;
 use crate::ocp::settings::{EulerStep, Formulation, Guess, Settings, TimeFreezingSettings};
-use crate::ocp::solution::{Counts, Solution, Status};
+use crate::ocp::solution::{Counts, Solution, Source, Status};
 use crate::simulation::InputError;
 
 /// Starts that are solved side by side before it is asked whether they are enough.
@@ -211,6 +211,7 @@ fn refused(start: usize) -> Found {
     let status = Status::Failed(nlp::Status::NotFinite);
     Found {
         start,
+        source: Source::Start(start),
         solution: Solution::without_motion(status, Vec::new(), Counts::default()),
     }
 }
@@ -219,6 +220,7 @@ fn refused(start: usize) -> Found {
 fn again(run: Found, other: &Found) -> Found {
     Found {
         start: run.start,
+        source: run.source,
         solution: Solution {
             counts: run.solution.counts,
             seconds: run.solution.seconds,
@@ -304,6 +306,7 @@ mod tests {
         let nothing = Solution::without_motion(Status::Solved, Vec::new(), Counts::default());
         Found {
             start,
+            source: Source::Start(start),
             solution: Solution {
                 objective,
                 ..nothing

@@ -16,8 +16,8 @@ use crate::ocp::previous::Previous;
 use crate::ocp::problem::Problem;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::progress::Watch;
-use crate::ocp::settings::{Formulation, Settings};
-use crate::ocp::solution::{Counts, Solution, Status};
+use crate::ocp::settings::{Formulation, Guess, Settings};
+use crate::ocp::solution::{Counts, Solution, Source, Status};
 use crate::simulation::InputError;
 
 /// Relative increase of the objective that rounding and tolerances explain.
@@ -53,8 +53,18 @@ impl Task<'_, '_> {
         known: Known,
     ) -> Result<(Found, Trace), InputError> {
         let start = known.start;
+        let source = match settings.guess {
+            Guess::Sampled => Source::Samples,
+            Guess::Stepping => Source::Gaits,
+            _ => Source::Start(start),
+        };
         let (solution, trace) = self.solve(settings, None, effort, known)?;
-        Ok((Found { start, solution }, trace))
+        let found = Found {
+            start,
+            source,
+            solution,
+        };
+        Ok((found, trace))
     }
 
     /// Carries a motion on a coarser grid, or on this one, to this grid, where that is known from searches before. Where
@@ -76,8 +86,8 @@ impl Task<'_, '_> {
             },
             _ => solution,
         };
-        let start = from.start;
-        Ok((Found { start, solution }, trace))
+        let found = Found { solution, ..*from };
+        Ok((found, trace))
     }
 
     /// Solves the complementarity problem of the time-freezing formulation, if that was asked for, with the contact sequence of the

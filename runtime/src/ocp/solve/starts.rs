@@ -11,7 +11,7 @@ use crate::model::Model;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
 use crate::ocp::settings::{Formulation, Guess, Settings};
-use crate::ocp::solution::{Solution, Status, TimeFreezingReport};
+use crate::ocp::solution::{Solution, Source, Status, TimeFreezingReport};
 use crate::simulation::InputError;
 use crate::{Observer, Progress};
 
@@ -113,8 +113,10 @@ fn in_phases(task: &Task, report: Option<TimeFreezingReport>) -> Result<Found, I
         report.relaxed.led_to_motion = false;
         report
     });
+    let start = task.settings.starts();
     Ok(Found {
-        start: task.settings.starts(),
+        start,
+        source: Source::Start(start),
         solution,
     })
 }

@@ -1,11 +1,12 @@
 //! The search over words, and what it finds on the grid of the problem.
 
 use hangtime_solver::Seconds;
+use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Stationarity;
 
 use super::nested::{self, decided};
 use super::one_grid::tableaus;
-use super::optima::{Found, result, sort};
+use super::optima::{Found, is_better, result, sort};
 use super::run::Task;
 use super::shared_observer::SharedObserver;
 use crate::model::Model;
@@ -19,7 +20,7 @@ use crate::ocp::program::units::Units;
 use crate::ocp::progress::Watch;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::settings::{Guess, Settings};
-use crate::ocp::solution::{Counts, Solution};
+use crate::ocp::solution::{Counts, Solution, Source, Status};
 use crate::ocp::words::beginnings::beginnings;
 use crate::ocp::words::off_grid::Timed;
 use crate::ocp::words::on_grid::{Grid, Placed};
@@ -47,7 +48,7 @@ pub(super) fn solve(
     settings: &Settings,
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
-    let found = {
+    let (best, mut seen, stopped) = {
         let observer = SharedObserver::new(observer);
         let task = Task {
             model,
@@ -59,15 +60,40 @@ pub(super) fn solve(
         let mut found = seen.clone();
         sort(&mut found);
         let best = decided(&task, found, Effort::Conclude, &mut seen)?;
-        best.map(|best| result(vec![best], seen, observer.stopped()))
+        (best, seen, observer.stopped())
     };
-    match found {
-        Some(found) if found.motion.is_some() => Ok(found),
-        _ => nested::solve(model, problem, settings, observer),
+    let best = best.filter(|best| best.solution.motion.is_some());
+    let Some(best) = best else {
+        let mut solution = nested::solve(model, problem, settings, observer)?;
+        for Found { solution: run, .. } in seen {
+            solution.counts.add(&run.counts);
+            solution.seconds += run.seconds;
+        }
+        return Ok(solution);
+    };
+    if stopped || best.solution.status == Status::Solved {
+        return Ok(result(vec![best], seen, stopped));
     }
+    // What is not proved here may be on grids, from one start.
+    let single = Settings {
+        starts: Some(1),
+        ..settings.clone()
+    };
+    let solution = nested::solve(model, problem, &single, observer)?;
+    let stopped = solution.status == Status::Interrupted;
+    let other = Found {
+        start: 0,
+        source: Source::Start(0),
+        solution,
+    };
+    seen.push(other.clone());
+    let better = is_better(&other, &best);
+    let found = vec![if better { other } else { best }];
+    Ok(result(found, seen, stopped))
 }
 
-/// The motions on the grid that the best words lead to, judged.
+/// The motions on the grid that the best words lead to, judged; without any the work alone. There is none where the best is as long as
+/// plans may be, or as short: their final times have to be looked for, which is done on grids.
 fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     let Task {
         model,
@@ -75,6 +101,7 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
         settings,
         observer,
     } = *task;
+    let clock = ThreadTime::try_now();
     let run = observer.begin();
     let mut watch = |progress: &Progress| observer.goes_on(run, progress);
     let mut runner = Runner::new(
@@ -118,7 +145,12 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
         .collect();
     let placed = placed(&mut runner, &words, &grids);
     let moved = moved(&mut runner, placed, &grids);
-    let locals = solved(&mut runner, &moved, &grids)?;
+    let mut locals = solved(&mut runner, &moved, &grids)?;
+    let range = setting.final_times();
+    let ends = |(local, _): &(Local, usize)| range.end_at(local.trajectory.horizon).is_some();
+    if locals.first().is_some_and(ends) {
+        locals.clear();
+    }
     let mut found = Vec::new();
     let mut known = f64::INFINITY;
     for (start, (local, index)) in locals.into_iter().enumerate().take(JUDGED) {
@@ -126,13 +158,25 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
         let local = (local, Stationarity::None);
         let solution = judge(&mut runner, setting, finer, local, known)?;
         known = known.min(solution.objective);
-        found.push(Found { start, solution });
+        let source = Source::Words;
+        found.push(Found {
+            start,
+            source,
+            solution,
+        });
     }
-    let (counts, seconds) = (runner.counts, runner.seconds);
-    match found.first_mut() {
-        Some(first) => (first.solution.counts, first.solution.seconds) = (counts, seconds),
-        None => return Ok(found),
+    let (counts, mut seconds) = (runner.counts, runner.seconds);
+    if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
+        seconds.total = elapsed.as_secs_f64();
     }
+    if found.is_empty() {
+        found.push(Found {
+            start: 0,
+            source: Source::Words,
+            solution: Solution::without_motion(Status::Infeasible, Vec::new(), counts),
+        });
+    }
+    (found[0].solution.counts, found[0].solution.seconds) = (counts, seconds);
     for other in found.iter_mut().skip(1) {
         (other.solution.counts, other.solution.seconds) = (Counts::default(), Seconds::default());
     }
