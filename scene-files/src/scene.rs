@@ -4,9 +4,14 @@ use crate::declaration;
 use crate::program::{Program, TooLarge};
 use crate::scratch::Scratch;
 use crate::system::zeros;
-use hangtime::model::{Declaration, Model, Picture, VariableDeclaration};
+use crate::thread::on_a_thread;
+use hangtime::model::{
+    Declaration, Model, ParameterDerivatives, Picture, VariableDeclaration, contact_point,
+    tangent_point,
+};
 use hangtime_dsl::description::{
-    Contact, Description, Friction, Functions, Motion, MotionDerivatives, OptimalControl, Rows,
+    Contact, Derivative, Description, Friction, Functions, Motion, MotionDerivatives,
+    OptimalControl, Pattern, Rows, Sensitivity,
 };
 use std::sync::Arc;
 
@@ -28,11 +33,17 @@ struct Shared {
     picture: Option<Picture>,
     description: Description,
     programs: Vec<Program>,
+    /// The text that it was derived from.
+    text: String,
     warnings: String,
 }
 
 impl TextScene {
-    pub(crate) fn new(description: Description, warnings: String) -> Result<Self, TooLarge> {
+    pub(crate) fn new(
+        description: Description,
+        text: &str,
+        warnings: String,
+    ) -> Result<Self, TooLarge> {
         let mut programs: Vec<Program> = Vec::with_capacity(description.kernels.len());
         for kernel in &description.kernels {
             let before = programs.last().map_or(0, |last| last.folded.end);
@@ -48,6 +59,7 @@ impl TextScene {
                 picture: description.picture.as_ref().map(declaration::picture),
                 description,
                 programs,
+                text: text.to_owned(),
                 warnings,
             }),
         };
@@ -134,7 +146,7 @@ impl TextScene {
         let y = std::mem::take(&mut scratch.solution.y);
         let values = self.values(scratch, *kernel, (x, &y));
         scratch.solution.y = y;
-        let inputs = self.description().inputs();
+        let inputs = self.description().columns();
         scratch.solution.differentiate(pattern, &values, inputs);
         scratch.values = values;
     }
@@ -466,7 +478,179 @@ impl Model for TextScene {
         }
     }
 
+    fn text(&self) -> Option<&str> {
+        Some(&self.shared.text)
+    }
+
+    fn parameter_derivatives(&self, parameters: &[usize]) -> Option<Box<dyn ParameterDerivatives>> {
+        let derivatives = differentiated(self, parameters)?;
+        Some(Box::new(derivatives))
+    }
+
     fn boxed(&self) -> Box<dyn Model> {
         Box::new(self.clone())
+    }
+}
+
+/// A scene whose Jacobians have columns for parameters.
+struct TextDerivatives {
+    scene: TextScene,
+    sensitivity: Sensitivity,
+}
+
+/// Derives `scene` once more; none if that is too large.
+fn differentiated(scene: &TextScene, parameters: &[usize]) -> Option<TextDerivatives> {
+    let declared = &scene.description().parameters;
+    let names: Vec<&str> = parameters
+        .iter()
+        .filter_map(|&index| Some(declared.get(index)?.name.as_str()))
+        .collect();
+    let text = scene.shared.text.as_str();
+    let derived = on_a_thread(&scene.description().name, |stem| {
+        hangtime_dsl::describe_differentiated(text, stem, &names)
+    });
+    let (description, _) = derived.ok()?.ok()?;
+    let sensitivity = description.sensitivity.clone()?;
+    let mut differentiated = TextScene::new(description, text, String::new()).ok()?;
+    differentiated.parameters.clone_from(&scene.parameters);
+    differentiated.fold();
+    Some(TextDerivatives {
+        scene: differentiated,
+        sensitivity,
+    })
+}
+
+impl TextDerivatives {
+    fn columns(&self) -> usize {
+        self.scene.description().columns()
+    }
+
+    /// Evaluates a kernel and puts its values into the rows that `row` names, of a matrix of zeros.
+    fn put(
+        &self,
+        derivative: &Derivative,
+        (x, weights): (&[f64], &[f64]),
+        row: impl Fn(usize) -> usize,
+        out: &mut [f64],
+    ) {
+        let mut values = vec![0.0; derivative.pattern.entries.len()];
+        self.scene
+            .evaluate(derivative.kernel, x, weights, &mut values);
+        scatter(&derivative.pattern, &values, row, out);
+    }
+
+    /// The derivatives of something that parameters alone decide.
+    fn of_parameters(&self, derivative: Option<&Derivative>, out: &mut [f64]) {
+        out.fill(0.0);
+        if let Some(derivative) = derivative {
+            self.put(derivative, (&[], &[]), |row| row, out);
+        }
+    }
+}
+
+/// Puts the nonzeros of a matrix into the rows that `row` names.
+fn scatter(pattern: &Pattern, values: &[f64], row: impl Fn(usize) -> usize, out: &mut [f64]) {
+    for (&(from, column), value) in pattern.entries.iter().zip(values) {
+        out[row(from) * pattern.columns + column] = *value;
+    }
+}
+
+impl ParameterDerivatives for TextDerivatives {
+    fn start(&self, values: &mut [f64]) {
+        self.of_parameters(Some(&self.sensitivity.start), values);
+    }
+
+    fn horizon(&self, values: &mut [f64]) {
+        self.of_parameters(self.sensitivity.horizon.as_ref(), values);
+    }
+
+    fn free_acceleration(&self, x: &[f64], values: &mut [f64]) {
+        let pattern = &self.scene.description().motion.jacobian;
+        let mut nonzeros = vec![0.0; pattern.entries.len()];
+        self.scene.free_jacobian(x, &mut nonzeros);
+        values.fill(0.0);
+        scatter(pattern, &nonzeros, |row| row, values);
+    }
+
+    fn contact(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+        let description = self.scene.description();
+        let (Some(known), Some(derived)) = (
+            description.contacts.get(contact),
+            self.sensitivity.contacts.get(contact),
+        ) else {
+            return values.fill(f64::NAN);
+        };
+        let n = description.coordinates.len();
+        let pattern = &known.rows.jacobian;
+        let mut nonzeros = vec![0.0; pattern.entries.len()];
+        self.scene.contact_jacobian(contact, x, &mut nonzeros);
+        values.fill(0.0);
+        let direction = contact_point::direction(n);
+        let place = |row: usize| match row {
+            0 => contact_point::GAP,
+            1 => contact_point::NORMAL_VELOCITY,
+            row => direction + row - 2,
+        };
+        scatter(pattern, &nonzeros, place, values);
+        let columns = self.columns();
+        if known.dry {
+            // What stands there is the given normal acceleration.
+            values[contact_point::NORMAL_VELOCITY * columns..][..columns].fill(0.0);
+        }
+        let place = |row: usize| match row {
+            0 => contact_point::CURVATURE,
+            1 => contact_point::INVERSE_INERTIA,
+            row => contact_point::NORMAL + row - 2,
+        };
+        self.put(&derived.geometry, (x, &[]), place, values);
+        if !derived.knows_inertia {
+            values[contact_point::INVERSE_INERTIA * columns..][..columns].fill(f64::NAN);
+        }
+    }
+
+    fn tangent(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+        let description = self.scene.description();
+        let known = description.contacts.get(contact);
+        let derived = self.sensitivity.contacts.get(contact);
+        let (Some(known), Some(derived)) = (
+            known.and_then(|known| known.friction.as_ref()),
+            derived.and_then(|derived| derived.friction.as_ref()),
+        ) else {
+            return values.fill(f64::NAN);
+        };
+        let n = description.coordinates.len();
+        let pattern = &known.rows.jacobian;
+        let mut nonzeros = vec![0.0; pattern.entries.len()];
+        self.scene.tangent_jacobian(contact, x, &mut nonzeros);
+        values.fill(0.0);
+        let direction = tangent_point::direction(n);
+        let place = |row: usize| match row {
+            0 => tangent_point::SLIDING_VELOCITY,
+            row => direction + row - 1,
+        };
+        scatter(pattern, &nonzeros, place, values);
+        let place = |row: usize| match row {
+            0 => tangent_point::CURVATURE,
+            row => tangent_point::TANGENT + row - 1,
+        };
+        self.put(&derived.geometry, (x, &[]), place, values);
+    }
+
+    fn restitution(&self, contact: usize, values: &mut [f64]) {
+        let known = self.sensitivity.contacts.get(contact);
+        self.of_parameters(known.and_then(|known| known.restitution.as_ref()), values);
+    }
+
+    fn friction(&self, contact: usize, values: &mut [f64]) {
+        let known = self.sensitivity.contacts.get(contact);
+        let friction = known.and_then(|known| known.friction.as_ref());
+        self.of_parameters(friction.map(|friction| &friction.coefficient), values);
+    }
+
+    fn outputs(&self, x: &[f64], contacts: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        if let Some(outputs) = &self.sensitivity.outputs {
+            self.put(outputs, (x, contacts), |row| row, values);
+        }
     }
 }

@@ -24,6 +24,8 @@ pub(crate) struct CheckedScene {
     pub(crate) optimal_control: Option<OptimalControl>,
     pub(crate) outputs: Vec<Output>,
     pub(crate) picture: Option<Picture>,
+    /// Parameters (indices) by which all functions are differentiated besides their inputs; none unless asked for.
+    pub(crate) differentiated: Vec<u16>,
 }
 
 /// A quantity that is recorded.

@@ -1,0 +1,6 @@
+//! Derivatives of simulated motions by parameters and initial values.
+
+mod closed_forms;
+mod differences;
+mod obstacles;
+mod support;
