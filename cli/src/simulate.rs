@@ -216,6 +216,9 @@ fn gradient_table(
         let name = format!("time of {kind} at {}", event.contact_name);
         rows.push(row(name, "s", values));
     }
+    if let Some(values) = &gradient.objective {
+        rows.push(row("objective".to_owned(), "", values));
+    }
     let mut text = "\n".to_owned() + &table(header, rows);
     if let Some(obstacle) = &gradient.obstacle {
         let _ = writeln!(text, "note        no derivatives: {obstacle}");

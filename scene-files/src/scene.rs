@@ -539,6 +539,23 @@ impl TextDerivatives {
         scatter(&derivative.pattern, &values, row, out);
     }
 
+    /// The derivatives of the first of some functions of optimal control.
+    fn first_of(&self, of: fn(&OptimalControl) -> &Functions, x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let task = self.scene.description().optimal_control.as_ref();
+        let (Some(task), Some(kernel)) = (task, self.scene.function(of, 1)) else {
+            return;
+        };
+        let pattern = &of(task).jacobian;
+        let mut values = vec![0.0; pattern.entries.len()];
+        self.scene.evaluate(kernel, x, &[], &mut values);
+        for (&(row, column), value) in pattern.entries.iter().zip(&values) {
+            if row == 0 {
+                out[column] = *value;
+            }
+        }
+    }
+
     /// The derivatives of something that parameters alone decide.
     fn of_parameters(&self, derivative: Option<&Derivative>, out: &mut [f64]) {
         out.fill(0.0);
@@ -652,5 +669,13 @@ impl ParameterDerivatives for TextDerivatives {
         if let Some(outputs) = &self.sensitivity.outputs {
             self.put(outputs, (x, contacts), |row| row, values);
         }
+    }
+
+    fn running_cost(&self, x: &[f64], values: &mut [f64]) {
+        self.first_of(|task| &task.path, x, values);
+    }
+
+    fn final_cost(&self, z: &[f64], values: &mut [f64]) {
+        self.first_of(|task| &task.terminal, z, values);
     }
 }

@@ -15,6 +15,9 @@ pub(super) struct GradientEntry<'a> {
     event_times: &'a [Vec<f64>],
     /// By name, with a row for each row of the trajectory.
     outputs: BTreeMap<&'static str, Vec<&'a [f64]>>,
+    /// Only of scenes that declare one that reads nothing of contacts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    objective: Option<&'a [f64]>,
     exists: Existence<'a>,
 }
 
@@ -53,6 +56,7 @@ impl<'a> GradientEntry<'a> {
                     (output.name, rows.map(Vec::as_slice).collect())
                 })
                 .collect(),
+            objective: gradient.objective.as_deref(),
             exists: Existence(gradient.obstacle.as_deref()),
         }
     }

@@ -31,4 +31,10 @@ pub trait ParameterDerivatives: Send + Sync {
     /// Of [`Model::output_values`](super::Model::output_values), by `(q, v, u, t)`, by the forces and impulses of `contacts`,
     /// and by the parameters.
     fn outputs(&self, x: &[f64], contacts: &[f64], values: &mut [f64]);
+
+    /// Of the running cost. Only for scenes whose costs read nothing of contacts.
+    fn running_cost(&self, x: &[f64], values: &mut [f64]);
+
+    /// Of the final cost, by `z = (q, v, T)` and by the parameters. Only for scenes whose costs read nothing of contacts.
+    fn final_cost(&self, z: &[f64], values: &mut [f64]);
 }

@@ -217,7 +217,7 @@ fn block_with_friction_that_stops() {
         surface floor: z >= 0
         impact floor: inelastic, friction mu, sliding dot(x)
         start { x: 0 [m], z: 0 [m], dot(x): v0 }
-        outputs { rubbing: N = friction(floor), load: N = force(floor) }
+        outputs { rubbing: N = friction_force(floor), load: N = force(floor) }
         horizon 1.5 [s]
     ";
     let at = [9.7, 0.35, 2.1, 3.0];
@@ -380,5 +380,36 @@ fn pendulum_that_strikes_a_wall() {
             let right = derivatives(|p| time(p, impact), &at);
             assert_row(&gradient.event_times[impact], &right, "time");
         }
+    }
+}
+
+#[test]
+fn objective_along_a_motion() {
+    // The integral of the height, and the square of the last velocity with a weight, of a ball that bounces once.
+    let text = BALL.replace(
+        "horizon 1 [s]",
+        "minimize integral(z/1[m*s]) + height/1[m]*(dot(z)/1[m/s])^2 horizon 0.7 + height/2[m/s] [s]",
+    );
+    let text = text.replace("0.7 + height/2[m/s] [s]", "0.3[s] + height/2[m/s]");
+    let at = [9.5, 0.7, 1.3, 0.4];
+    let objective = |p: &[Dual64]| {
+        let (g, e, height, v0) = (p[0], p[1], p[2], p[3]);
+        let end = height / 2.0 + 0.3;
+        let speed = (v0 * v0 + g * height * 2.0).sqrt();
+        let impact = (v0 + speed) / g;
+        let area =
+            |from: Dual64, up: Dual64, t: Dual64| from * t + up * t * t / 2.0 - g * t * t * t / 6.0;
+        let since = end - impact;
+        let last = e * speed - g * since;
+        area(height, v0, impact) + area(height * 0.0, e * speed, since) + height * last * last
+    };
+    for (run, gradient) in by_both(&scene(&text, &[]), &["g", "e", "height", "v0"]) {
+        assert_exists(&gradient);
+        assert_eq!(run.events.len(), 1);
+        assert_row(
+            &gradient.objective.unwrap(),
+            &derivatives(objective, &at),
+            "objective",
+        );
     }
 }

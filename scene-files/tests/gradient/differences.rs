@@ -6,7 +6,7 @@ use hangtime_scene_files::TextScene;
 use crate::support::{Random, TOLERANCE, assert_close, scene};
 
 /// Step of a parameter, relative to it.
-const STEP: f64 = 1e-3;
+const STEP: f64 = 2e-4;
 /// What differences of fourth order leave, relative to 1 or to the largest derivative.
 const CLOSE: f64 = 1e-6;
 

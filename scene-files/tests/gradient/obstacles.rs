@@ -5,7 +5,7 @@ use hangtime::prelude::*;
 use crate::support::{assert_exists, by_both, scene};
 
 const CEILING: &str = "
-    parameters { g: m/s^2 = 10, v0: m/s = 6, top: m = 1.8 }
+    parameters { g: m/s^2 = 8, v0: m/s = 4, top: m = 1 }
     coordinates { z: m }
     lagrangian 1[kg]*(dot(z)^2/2 - g*z)
     surface ceiling: top - z >= 0
@@ -16,21 +16,16 @@ const CEILING: &str = "
 
 #[test]
 fn grazing_impact_has_no_derivative() {
-    // Thrown at 6 m/s a ball has its apex at 1.8 m.
-    let mut touched = 0;
-    for (run, gradient) in by_both(&scene(CEILING, &[]), &["v0"]) {
-        if !run.events.is_empty() {
-            touched += 1;
-            let obstacle = gradient.obstacle.expect("a touch has no derivative");
-            assert!(obstacle.contains("`ceiling` only grazes"), "{obstacle}");
-            assert!(gradient.q[0][0].is_nan());
-        }
+    // Thrown at 4 m/s the ball has its apex at 1 m.
+    for (_, gradient) in by_both(&scene(CEILING, &[]), &["v0"]) {
+        let obstacle = gradient.obstacle.expect("a touch has no derivative");
+        assert!(obstacle.contains("`ceiling` only grazes"), "{obstacle}");
+        assert!(gradient.q[0][0].is_nan());
     }
-    assert!(touched > 0, "no method meets the ceiling");
-    for top in [1.79, 1.81] {
+    for top in [0.99, 1.01] {
         for (run, gradient) in by_both(&scene(CEILING, &[("top", top)]), &["v0"]) {
             assert_exists(&gradient);
-            assert_eq!(run.events.len(), usize::from(top < 1.8));
+            assert_eq!(run.events.len(), usize::from(top < 1.0));
         }
     }
 }
@@ -38,11 +33,11 @@ fn grazing_impact_has_no_derivative() {
 #[test]
 fn two_bodies_that_land_at_once_by_chance_have_none() {
     let text = "
-        parameters { h1: m = 1, h2: m = 1, k: N/m = 20, floor: m = 0 }
+        parameters { h1: m = 1, h2: m = 1, k: N/m = 20, ground: m = 0 }
         coordinates { a: m, b: m }
         lagrangian 1[kg]*(dot(a)^2 + dot(b)^2)/2 - 9.81[N]*(a + b) - k/2*(a - b)^2
-        surface first: a - floor >= 0
-        surface second: b - floor >= 0
+        surface first: a - ground >= 0
+        surface second: b - ground >= 0
         impact first: restitution 0.5
         impact second: restitution 0.5
         start { a: h1, b: h2 }
@@ -56,7 +51,7 @@ fn two_bodies_that_land_at_once_by_chance_have_none() {
         assert!(obstacle.contains("at once"), "{obstacle}");
     }
     // The floor moves both landings alike.
-    for (_, gradient) in by_both(&scene, &["floor"]) {
+    for (_, gradient) in by_both(&scene, &["ground"]) {
         assert_exists(&gradient);
     }
 }

@@ -5,7 +5,7 @@ use hangtime::simulation::{Gradient, Simulator};
 use hangtime_scene_files::{TextScene, of_text};
 
 /// The scene of a text, with some of its parameters changed.
-pub fn scene(text: &str, settings: &[(&str, f64)]) -> TextScene {
+pub(crate) fn scene(text: &str, settings: &[(&str, f64)]) -> TextScene {
     let mut scene = of_text("scene.hang", text).unwrap_or_else(|error| panic!("{error}"));
     for &(name, value) in settings {
         let index = parameter(&scene, name);
@@ -15,14 +15,14 @@ pub fn scene(text: &str, settings: &[(&str, f64)]) -> TextScene {
 }
 
 /// The place of a parameter.
-pub fn parameter(scene: &TextScene, name: &str) -> usize {
+pub(crate) fn parameter(scene: &TextScene, name: &str) -> usize {
     let parameters = scene.declaration().parameters;
     let place = parameters.iter().position(|known| known.name == name);
     place.unwrap_or_else(|| panic!("no parameter `{name}`"))
 }
 
 /// A motion by both methods that locate events, with its derivatives.
-pub fn by_both(scene: &TextScene, by: &[&str]) -> [(Simulation, Gradient); 2] {
+pub(crate) fn by_both(scene: &TextScene, by: &[&str]) -> [(Simulation, Gradient); 2] {
     let names = || by.iter().copied();
     [
         located(scene, Fesd::default(), names()),
@@ -42,11 +42,11 @@ fn located<'n>(
 }
 
 /// Tolerance of motions that are differentiated here: derivatives are as accurate as the motion.
-pub const TOLERANCE: f64 = 1e-12;
+pub(crate) const TOLERANCE: f64 = 1e-12;
 
 /// Compares a number with what it should be, relative to that or to 1.
 #[track_caller]
-pub fn assert_close(found: f64, right: f64, tolerance: f64, what: &str) {
+pub(crate) fn assert_close(found: f64, right: f64, tolerance: f64, what: &str) {
     let error = (found - right).abs() / right.abs().max(1.0);
     assert!(
         error <= tolerance,
@@ -56,22 +56,22 @@ pub fn assert_close(found: f64, right: f64, tolerance: f64, what: &str) {
 
 /// Whether there are derivatives; if not, why.
 #[track_caller]
-pub fn assert_exists(gradient: &Gradient) {
+pub(crate) fn assert_exists(gradient: &Gradient) {
     assert!(gradient.obstacle.is_none(), "{:?}", gradient.obstacle);
 }
 
 /// A random number in `0..1` (xorshift, G. Marsaglia 2003).
-pub struct Random(pub u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    pub fn number(&mut self) -> f64 {
+    pub(crate) fn number(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.number()
     }
 }

@@ -8,6 +8,7 @@
 //! in which each quantity is one right-hand side of the system of the last Newton iteration.
 
 use super::acceleration::{Acceleration, input, solved};
+use super::cost::Cost;
 use super::matrix::{Matrix, add, largest};
 use super::wanted::Wanted;
 use crate::linalg::dense;
@@ -29,11 +30,26 @@ pub(super) struct At<'s> {
     pub(super) v: &'s [f64],
 }
 
+/// One step, in the mode of an acceleration and under controls that are smooth in it.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'s> {
+    pub(super) from: At<'s>,
+    pub(super) to: At<'s>,
+    pub(super) controls: &'s ControlPiece,
+}
+
+impl Step<'_> {
+    fn length(&self) -> f64 {
+        self.to.time - self.from.time
+    }
+}
+
 /// The steps of a walk.
 pub(super) struct Arc {
     tableau: ButcherTableau,
-    /// Accelerations of the stages, and of each the acceleration and its derivatives.
+    /// Accelerations of the stages, and of each the input vector and the derivatives of the acceleration.
     stages: Vec<f64>,
+    inputs: Vec<Vec<f64>>,
     by: Vec<Matrix>,
     residual: Vec<f64>,
 }
@@ -43,30 +59,51 @@ impl Arc {
         Some(Self {
             tableau: ButcherTableau::new(Scheme::RadauIia, STAGES)?,
             stages: Vec::new(),
+            inputs: Vec::new(),
             by: Vec::new(),
             residual: Vec::new(),
         })
     }
 
-    /// Carries the derivatives `state` of `(q, v)` over the step. The largest distances of coordinates and velocities at its end
-    /// from the known ones; none if it has no solution.
+    /// Carries the derivatives `state` of `(q, v)` over the step, and counts its cost. The largest distances of coordinates
+    /// and velocities at its end from the known ones; none if it has no solution.
     pub(super) fn step(
         &mut self,
         acceleration: &mut Acceleration<'_>,
         wanted: &Wanted,
-        (from, to): (At<'_>, At<'_>),
-        controls: &ControlPiece,
+        step: Step<'_>,
         state: &mut Matrix,
+        cost: Option<&mut Cost<'_>>,
     ) -> Option<[f64; 2]> {
+        let (matrix, pivots) = self.solve(acceleration, step)?;
         let n = acceleration.n;
-        let h = to.time - from.time;
-        self.guess(acceleration, (from, to), controls)?;
-        let speed = largest(from.v)
-            .max(largest(to.v))
-            .max(h * largest(&self.stages));
+        let right = self.right(wanted, (n, step.length()), state);
+        let change = solved(&matrix, &pivots, right);
+        if let Some(cost) = cost {
+            for (m, x) in self.inputs.iter().enumerate() {
+                let weight = step.length() * self.tableau.b()[m];
+                let stage = self.stage_state((n, step.length()), state, &change, m);
+                cost.pass(acceleration, (x, weight), &stage);
+            }
+        }
+        let missed = self.missed(n, step);
+        self.carry((n, step.length()), state, &change);
+        Some(missed)
+    }
+
+    /// Solves for the accelerations of the stages; the factors of the last Newton matrix.
+    fn solve(
+        &mut self,
+        acceleration: &mut Acceleration<'_>,
+        step: Step<'_>,
+    ) -> Option<(Matrix, Vec<usize>)> {
+        let h = step.length();
+        self.guess(acceleration, step)?;
+        let reached = h * largest(&self.stages).max(largest(&acceleration.free));
+        let speed = largest(step.from.v).max(largest(step.to.v)).max(reached);
         let mut system = None;
         for _ in 0..MOST_ITERATIONS {
-            let (matrix, pivots) = self.linearize(acceleration, (from, h), controls)?;
+            let (matrix, pivots) = self.linearize(acceleration, step)?;
             dense::solve(&matrix.values, &pivots, &mut self.residual);
             add(&mut self.stages, -1.0, &self.residual);
             let change = h * largest(&self.residual);
@@ -78,40 +115,88 @@ impl Arc {
                 break;
             }
         }
-        let (matrix, pivots) = system?;
-        let right = self.right(wanted, (n, h), state);
-        let change = solved(&matrix, &pivots, right);
-        let weights = (self.tableau.b(), self.tableau.b_times_a());
+        system
+    }
+
+    /// Distances of the end from the known one.
+    fn missed(&self, n: usize, Step { from, to, .. }: Step<'_>) -> [f64; 2] {
+        let h = to.time - from.time;
         let mut missed = [0.0_f64; 2];
         for k in 0..n {
-            let column = |weights: &[f64]| -> f64 {
+            let sum = |weights: &[f64]| -> f64 {
                 let stages = self.stages.chunks_exact(n).zip(weights);
                 stages.map(|(stage, weight)| stage[k] * weight).sum()
             };
-            let v = from.v[k] + h * column(weights.0);
-            let q = from.q[k] + h * from.v[k] + h * h * column(weights.1);
+            let v = from.v[k] + h * sum(self.tableau.b());
+            let q = from.q[k] + h * from.v[k] + h * h * sum(self.tableau.b_times_a());
             missed[0] = missed[0].max((q - to.q[k]).abs());
             missed[1] = missed[1].max((v - to.v[k]).abs());
         }
+        missed
+    }
+
+    /// The derivatives at the end of the step.
+    fn carry(&self, (n, h): (usize, f64), state: &mut Matrix, change: &Matrix) {
+        let (b, b_times_a) = (self.tableau.b(), self.tableau.b_times_a());
+        let (coordinates, velocities) = state.values.split_at_mut(n * change.columns);
         for k in 0..n {
-            let (coordinates, velocities) = state.values.split_at_mut(n * change.columns);
             let own = k * change.columns..(k + 1) * change.columns;
             let (coordinates, velocities) = (&mut coordinates[own.clone()], &mut velocities[own]);
             add(coordinates, h, velocities);
             for j in 0..self.tableau.stages() {
-                add(coordinates, h * h * weights.1[j], change.row(j * n + k));
-                add(velocities, h * weights.0[j], change.row(j * n + k));
+                add(coordinates, h * h * b_times_a[j], change.row(j * n + k));
+                add(velocities, h * b[j], change.row(j * n + k));
             }
         }
-        Some(missed)
+    }
+
+    /// The derivatives at stage `m`.
+    fn stage_state(
+        &self,
+        (n, h): (usize, f64),
+        state: &Matrix,
+        change: &Matrix,
+        m: usize,
+    ) -> Matrix {
+        let c = self.tableau.c()[m];
+        let mut stage = state.clone();
+        for k in 0..n {
+            add(stage.row_mut(k), c * h, state.row(n + k));
+            for j in 0..self.tableau.stages() {
+                let change = change.row(j * n + k);
+                add(
+                    stage.row_mut(k),
+                    h * h * self.tableau.a_squared(m, j),
+                    change,
+                );
+                add(stage.row_mut(n + k), h * self.tableau.a(m, j), change);
+            }
+        }
+        stage
+    }
+
+    /// The state at the share `theta` of the step that was solved last.
+    pub(super) fn within(&self, step: Step<'_>, theta: f64) -> (Vec<f64>, Vec<f64>) {
+        let (n, h, stages) = (step.from.q.len(), step.length(), self.tableau.stages());
+        let mut weights = vec![0.0; stages];
+        self.tableau.dense_weights(theta, &mut weights);
+        let (mut q, mut v) = (step.from.q.to_vec(), step.from.v.to_vec());
+        for (j, weight) in weights.iter().enumerate() {
+            add(&mut v, h * weight, &self.stages[j * n..][..n]);
+            let mut rate = step.from.v.to_vec();
+            for (i, stage) in self.stages.chunks_exact(n).enumerate() {
+                add(&mut rate, h * self.tableau.a(j, i), stage);
+            }
+            add(&mut q, h * weight, &rate);
+        }
+        (q, v)
     }
 
     /// Accelerations of the stages on the cubic through both ends.
     fn guess(
         &mut self,
         acceleration: &mut Acceleration<'_>,
-        (from, to): (At<'_>, At<'_>),
-        controls: &ControlPiece,
+        Step { from, to, controls }: Step<'_>,
     ) -> Option<()> {
         let (n, h) = (acceleration.n, to.time - from.time);
         self.stages.clear();
@@ -137,14 +222,15 @@ impl Arc {
     fn linearize(
         &mut self,
         acceleration: &mut Acceleration<'_>,
-        (from, h): (At<'_>, f64),
-        controls: &ControlPiece,
+        step: Step<'_>,
     ) -> Option<(Matrix, Vec<usize>)> {
+        let (from, h) = (step.from, step.length());
         let (n, stages) = (acceleration.n, self.tableau.stages());
         let order = n * stages;
         let mut matrix = Matrix::zeros(order, order);
         self.residual.clear();
         self.by.clear();
+        self.inputs.clear();
         for m in 0..stages {
             let c = self.tableau.c()[m];
             let (mut q, mut v) = (from.q.to_vec(), from.v.to_vec());
@@ -153,7 +239,7 @@ impl Arc {
                 add(&mut v, h * self.tableau.a(m, j), stage);
                 add(&mut q, h * h * self.tableau.a_squared(m, j), stage);
             }
-            let x = stage_input(acceleration, (&q, &v), from.time + c * h, controls);
+            let x = stage_input(acceleration, (&q, &v), from.time + c * h, step.controls);
             if !acceleration.evaluate(&x) {
                 return None;
             }
@@ -171,6 +257,7 @@ impl Arc {
                 row[own] += 1.0;
             }
             self.by.push(acceleration.by.clone());
+            self.inputs.push(x);
         }
         let mut pivots = vec![0; order];
         dense::factorize(&mut matrix.values, &mut pivots).ok()?;
@@ -199,7 +286,8 @@ impl Arc {
     }
 }
 
-fn stage_input(
+/// The input vector at a state under some controls.
+pub(super) fn stage_input(
     acceleration: &Acceleration<'_>,
     (q, v): (&[f64], &[f64]),
     time: f64,

@@ -16,6 +16,7 @@
 mod acceleration;
 mod arc;
 mod cause;
+mod cost;
 mod jump;
 mod matrix;
 mod outputs;
@@ -47,6 +48,9 @@ pub struct Gradient {
     pub states: Vec<Vec<Vec<f64>>>,
     /// Of what the scene records: for each output a row an instant of the trajectory.
     pub outputs: Vec<Vec<Vec<f64>>>,
+    /// Of the objective that the scene declares with `minimize`, along this motion; none without one, without derivatives, and
+    /// where it reads contact forces or impulses.
+    pub objective: Option<Vec<f64>>,
     /// Why there are no derivatives from some instant on; values behind that are not numbers.
     pub obstacle: Option<String>,
 }
@@ -75,6 +79,7 @@ pub fn differentiate(
         event_times: vec![vec![f64::NAN; columns]; run.events.len()],
         states: vec![vec![vec![f64::NAN; columns]; 2 * n]; trajectory.time.len()],
         outputs: vec![vec![vec![f64::NAN; columns]; trajectory.time.len()]; model.outputs().len()],
+        objective: None,
         obstacle: None,
     };
     if !run.status.is_solved() {
@@ -91,7 +96,8 @@ pub fn differentiate(
     };
     match walk.run() {
         Ok(()) => {
-            let end = walk.end();
+            let (end, objective) = walk.end();
+            gradient.objective = objective;
             (gradient.q, gradient.v) = (end.rows(0..n), end.rows(n..2 * n));
         }
         Err(why) => gradient.obstacle = Some(why),

@@ -1,8 +1,9 @@
 //! Along a motion that is known: derivatives over its smooth arcs, and across its events.
 
 use super::acceleration::{Acceleration, Hold, input};
-use super::arc::{Arc, At};
+use super::arc::{Arc, At, Step, stage_input};
 use super::cause::{self, Before};
+use super::cost::Cost;
 use super::jump::{Impact, jump};
 use super::matrix::{Matrix, add, largest};
 use super::outputs::outputs;
@@ -12,10 +13,16 @@ use crate::simulation::{ContactMode, Event, EventKind, InitialValueProblem, Simu
 
 /// Distance of a step from the known motion, relative to the largest values of that, above which it is another motion.
 const ANOTHER: f64 = 1e-5;
+/// Share of accelerations that balance which rounding may leave.
+const BALANCED: f64 = 1e-12;
 /// Share of its terms that the derivative of what a contact holds may have.
 const HELD: f64 = 1e-6;
 /// Share of the largest derivative that rounding may leave of one.
 const ROUNDING: f64 = 1e-9;
+/// Share of the largest gap that counts as none where a contact passes its surface.
+const TOUCHED: f64 = 1e-9;
+/// Halvings of a step in search of the least gap: its value changes with their square.
+const BISECTIONS: usize = 30;
 
 /// The derivatives along a motion.
 // Many fields: what is known of the motion, and where in it the walk is.
@@ -31,6 +38,11 @@ pub(super) struct Walk<'w> {
     /// The same of the impulses of all impacts so far.
     impulses: Matrix,
     closing_speeds: Vec<f64>,
+    gap_sizes: Vec<f64>,
+    /// Gap and normal velocity of each contact at each instant.
+    open_sides: Vec<Vec<[f64; 2]>>,
+    /// The objective, if its derivatives are known.
+    cost: Option<Cost<'w>>,
     /// Largest coordinate and velocity of the motion.
     sizes: [f64; 2],
     /// Derivatives of the times of the events passed.
@@ -52,13 +64,27 @@ impl<'w> Walk<'w> {
         let contacts = model.declaration().contacts.len();
         let size = |rows: &[Vec<f64>]| rows.iter().map(|row| largest(row)).fold(0.0, f64::max);
         let trajectory = &run.trajectory;
+        let open_sides = sides(model, run);
+        let most = |side: usize| -> Vec<f64> {
+            let contact = |i: usize| {
+                open_sides
+                    .iter()
+                    .map(move |row: &Vec<[f64; 2]>| row[i][side].abs())
+            };
+            (0..contacts)
+                .map(|i| contact(i).fold(0.0, f64::max))
+                .collect()
+        };
         Some(Self {
             acceleration: Acceleration::new(model, wanted),
             arc: Arc::new()?,
             modes: run.initial_modes.clone(),
             state: start(model, problem, wanted),
             impulses: Matrix::zeros(2 * contacts, wanted.count()),
-            closing_speeds: closing_speeds(model, run),
+            gap_sizes: most(0),
+            closing_speeds: most(1),
+            cost: Cost::of(model, wanted),
+            open_sides,
             sizes: [
                 size(&trajectory.q).max(f64::MIN_POSITIVE),
                 size(&trajectory.v),
@@ -186,14 +212,24 @@ impl<'w> Walk<'w> {
             v: &trajectory.v[k],
         };
         let controls = self.controls(trajectory.time[k]);
-        let ends = (at(k), at(k + 1));
+        let step = Step {
+            from: at(k),
+            to: at(k + 1),
+            controls: &controls,
+        };
         let (acceleration, state) = (&mut self.acceleration, &mut self.state);
-        let missed = self
-            .arc
-            .step(acceleration, self.wanted, ends, &controls, state);
+        let cost = self.cost.as_mut();
+        let missed = self.arc.step(acceleration, self.wanted, step, state, cost);
         let missed = missed.ok_or_else(|| self.undetermined(k))?;
-        let mut ratios = missed.iter().zip(self.sizes);
-        if ratios.any(|(missed, size)| missed.is_nan() || *missed > ANOTHER * size) {
+        let h = trajectory.time[k + 1] - trajectory.time[k];
+        // What balances leaves its rounding.
+        let balanced = BALANCED * h * largest(&self.acceleration.free);
+        let limits = [
+            ANOTHER * self.sizes[0] + h * balanced,
+            ANOTHER * self.sizes[1] + balanced,
+        ];
+        let mut pairs = missed.iter().zip(limits);
+        if pairs.any(|(missed, limit)| missed.is_nan() || *missed > limit) {
             return Err(format!(
                 "between t = {} s and {} s the motion is not that of one contact mode without events; simulate with a smaller \
                  tolerance",
@@ -201,13 +237,66 @@ impl<'w> Walk<'w> {
                 trajectory.time[k + 1]
             ));
         }
+        self.check_touches(step, k)
+    }
+
+    /// No open contact touches its surface within the step that was solved last and opens again: a neighbouring motion
+    /// would strike it.
+    fn check_touches(&mut self, step: Step<'_>, k: usize) -> Result<(), String> {
+        let declared = self.acceleration.model.declaration().contacts;
+        for (contact, declared) in declared.iter().enumerate() {
+            let open = self.modes.get(contact) == Some(&ContactMode::Open);
+            let sides = &self.open_sides;
+            let ([gap, speed], [next_gap, next]) = (sides[k][contact], sides[k + 1][contact]);
+            let least = ROUNDING * self.closing_speeds[contact];
+            if !open || !declared.alternatives.is_empty() || speed >= -least || next < -least {
+                continue;
+            }
+            // The gap falls no faster than it ever does.
+            let fall = (step.to.time - step.from.time) * self.closing_speeds[contact];
+            let lowest = gap.min(next_gap) - fall;
+            let touched = TOUCHED * self.gap_sizes[contact];
+            if lowest > touched {
+                continue;
+            }
+            let (time, gap) = self.least_gap(step, contact);
+            if gap.abs() <= touched {
+                return Err(format!(
+                    "at t = {time} s `{}` only grazes: it touches and is not struck, but is so for other parameters",
+                    declared.name
+                ));
+            }
+        }
         Ok(())
+    }
+
+    /// Where the gap of a contact that closes at the start of a step and opens at its end is the least, and that.
+    fn least_gap(&mut self, step: Step<'_>, contact: usize) -> (f64, f64) {
+        let model = self.acceleration.model;
+        let mut point = vec![0.0; contact_point::length(self.acceleration.n)];
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut found = (step.from.time, f64::INFINITY);
+        for _ in 0..BISECTIONS {
+            let theta = 0.5 * (low + high);
+            let (q, v) = self.arc.within(step, theta);
+            let time = step.from.time + theta * (step.to.time - step.from.time);
+            let x = stage_input(&self.acceleration, (&q, &v), time, step.controls);
+            model.contact(contact, &x, &mut point);
+            found = (time, point[contact_point::GAP]);
+            if point[contact_point::NORMAL_VELOCITY] < 0.0 {
+                low = theta;
+            } else {
+                high = theta;
+            }
+        }
+        found
     }
 
     /// Passes the events between two instants of the same time.
     fn pass(&mut self, events: &[Event], (first, last): (usize, usize)) -> Result<(), String> {
         let (n, m) = (self.acceleration.n, self.wanted.count());
         let time = self.run.trajectory.time[first];
+        let (x_before, x_after) = (self.input(first), self.input(last));
         let mut times = vec![0.0; m];
         let mut before = vec![0.0; n];
         if first > 0 {
@@ -224,15 +313,14 @@ impl<'w> Walk<'w> {
         }
         let after_modes = events.last().map(|event| event.modes.clone());
         let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
-        if jumps || self.run.trajectory.v[first] != self.run.trajectory.v[last] {
+        if jumps || self.velocities_jump(first, last) {
             let struck = self.struck(events, after_modes.as_deref().unwrap_or_default());
             if first == 0 {
                 self.check_start(&struck)?;
             }
-            let (before, after) = (self.input(first), self.input(last));
             let impact = Impact {
-                before: &before,
-                after: &after,
+                before: &x_before,
+                after: &x_after,
                 struck: &struck,
                 time,
                 moved: &moved,
@@ -253,6 +341,12 @@ impl<'w> Walk<'w> {
             }
         }
         self.state = moved;
+        if let Some(cost) = &mut self.cost {
+            let model = self.acceleration.model;
+            for (x, sense) in [(&x_before, 1.0), (&x_after, -1.0)] {
+                cost.move_limit(model, x, &times, sense);
+            }
+        }
         self.event_times
             .extend(events.iter().map(|_| times.clone()));
         Ok(())
@@ -288,6 +382,13 @@ impl<'w> Walk<'w> {
                 events[0].kind, events[0].contact_name
             )),
         }
+    }
+
+    /// Whether velocities change by more than rounding between two instants of the same time.
+    fn velocities_jump(&self, first: usize, last: usize) -> bool {
+        let v = &self.run.trajectory.v;
+        let mut pairs = v[first].iter().zip(&v[last]);
+        pairs.any(|(before, after)| (after - before).abs() > ROUNDING * self.sizes[1])
     }
 
     /// Contacts that take part in a jump: those with impulses, and those that close.
@@ -360,23 +461,28 @@ impl<'w> Walk<'w> {
         Ok(())
     }
 
-    /// Derivatives of `(q, v)` at the end, which moves with the horizon.
-    pub(super) fn end(&self) -> Matrix {
+    /// Derivatives of `(q, v)` at the end, which moves with the horizon, and of the objective, if they are known.
+    pub(super) fn end(&mut self) -> (Matrix, Option<Vec<f64>>) {
         let n = self.acceleration.n;
         let mut state = self.state.clone();
         let moves = self
             .wanted
             .of_horizon(self.acceleration.model, self.problem);
-        let Some(v) = self.run.trajectory.v.last() else {
-            return state;
-        };
+        let last = self.run.trajectory.time.len() - 1;
+        let (q, v) = (&self.run.trajectory.q[last], &self.run.trajectory.v[last]);
         for k in 0..n {
             for (column, moves) in moves.iter().enumerate() {
                 state.row_mut(k)[column] += v[k] * moves;
                 state.row_mut(n + k)[column] += self.acceleration.value[k] * moves;
             }
         }
-        state
+        let x = self.input(last);
+        let objective = self.cost.as_mut().map(|cost| {
+            cost.move_limit(self.acceleration.model, &x, &moves, 1.0);
+            let z = [q, v, &[self.run.trajectory.time[last]][..]].concat();
+            cost.at_the_end(&z, &state, &moves)
+        });
+        (state, objective)
     }
 }
 
@@ -398,20 +504,21 @@ fn start(model: &dyn Model, problem: &InitialValueProblem, wanted: &Wanted) -> M
     state
 }
 
-/// Largest normal velocity of each contact along a motion.
-fn closing_speeds(model: &dyn Model, run: &Simulation) -> Vec<f64> {
+/// Gap and normal velocity of each contact at each instant of a motion.
+fn sides(model: &dyn Model, run: &Simulation) -> Vec<Vec<[f64; 2]>> {
     let declaration = model.declaration();
-    let n = declaration.coordinates.len();
-    let mut point = vec![0.0; contact_point::length(n)];
+    let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
     let trajectory = &run.trajectory;
-    let mut speeds = vec![0.0_f64; declaration.contacts.len()];
-    for k in 0..trajectory.time.len() {
+    let instants = 0..trajectory.time.len();
+    let mut of = |k: usize| {
         let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
         let x = input(model, (q, v, u), trajectory.time[k]);
-        for (contact, speed) in speeds.iter_mut().enumerate() {
+        let contacts = 0..declaration.contacts.len();
+        let sides = contacts.map(|contact| {
             model.contact(contact, &x, &mut point);
-            *speed = speed.max(point[contact_point::NORMAL_VELOCITY].abs());
-        }
-    }
-    speeds
+            [contact_point::GAP, contact_point::NORMAL_VELOCITY].map(|side| point[side])
+        });
+        sides.collect()
+    };
+    instants.map(&mut of).collect()
 }
