@@ -13,7 +13,7 @@ use hangtime_dsl::description::{
     Contact, Derivative, Description, Friction, Functions, Motion, MotionDerivatives,
     OptimalControl, Pattern, Rows, Sensitivity,
 };
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// A scene from a text: a model like those that the compiler makes, with the same operations in the same order.
 ///
@@ -35,6 +35,8 @@ struct Shared {
     programs: Vec<Program>,
     /// The text that it was derived from.
     text: String,
+    /// The same derived with derivatives by parameters, for all sets of them that were asked for.
+    differentiated: Mutex<Vec<(Vec<usize>, Arc<Self>)>>,
     warnings: String,
 }
 
@@ -60,6 +62,7 @@ impl TextScene {
                 description,
                 programs,
                 text: text.to_owned(),
+                differentiated: Mutex::default(),
                 warnings,
             }),
         };
@@ -498,8 +501,37 @@ struct TextDerivatives {
     sensitivity: Sensitivity,
 }
 
-/// Derives `scene` once more; none if that is too large.
+/// Derives `scene` once more, unless that was done before; none if it is too large.
 fn differentiated(scene: &TextScene, parameters: &[usize]) -> Option<TextDerivatives> {
+    let known = || {
+        let known = scene.shared.differentiated.lock().ok()?;
+        let (_, shared) = known.iter().find(|(of, _)| of == parameters)?;
+        Some(Arc::clone(shared))
+    };
+    let shared = match known() {
+        Some(shared) => shared,
+        None => {
+            let derived = derive_by(scene, parameters)?;
+            let mut known = scene.shared.differentiated.lock().ok()?;
+            known.push((parameters.to_vec(), Arc::clone(&derived)));
+            derived
+        }
+    };
+    let sensitivity = shared.description.sensitivity.clone()?;
+    let mut differentiated = TextScene {
+        parameters: scene.parameters.clone(),
+        folded: Vec::new(),
+        shared,
+    };
+    differentiated.fold();
+    Some(TextDerivatives {
+        scene: differentiated,
+        sensitivity,
+    })
+}
+
+/// Derives `scene` once more, with derivatives by parameters.
+fn derive_by(scene: &TextScene, parameters: &[usize]) -> Option<Arc<Shared>> {
     let declared = &scene.description().parameters;
     let names: Vec<&str> = parameters
         .iter()
@@ -510,14 +542,11 @@ fn differentiated(scene: &TextScene, parameters: &[usize]) -> Option<TextDerivat
         hangtime_dsl::describe_differentiated(text, stem, &names)
     });
     let (description, _) = derived.ok()?.ok()?;
-    let sensitivity = description.sensitivity.clone()?;
-    let mut differentiated = TextScene::new(description, text, String::new()).ok()?;
-    differentiated.parameters.clone_from(&scene.parameters);
-    differentiated.fold();
-    Some(TextDerivatives {
-        scene: differentiated,
-        sensitivity,
-    })
+    Some(
+        TextScene::new(description, text, String::new())
+            .ok()?
+            .shared,
+    )
 }
 
 impl TextDerivatives {

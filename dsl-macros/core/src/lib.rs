@@ -210,7 +210,7 @@ fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {
 }
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
-    let text = input.to_string();
+    let text = text::of_declaration(input.clone());
     let (declared, scene, description) = derived(input, &[], diagnostics)?;
     Ok(emit::scene(&declared, &scene, &description, &text))
 }

@@ -225,7 +225,8 @@ pub trait Model: Send + Sync {
     /// [`Picture::values`].
     fn picture_values(&self, _x: &[f64], _along: f64, _values: &mut [f64]) {}
 
-    /// The declaration as it may stand in a scene file; none for a scene that was written by hand.
+    /// The declaration as it may stand in a scene file, without its documentation; none for a scene that was written by
+    /// hand.
     fn text(&self) -> Option<&str> {
         None
     }

@@ -179,3 +179,60 @@ fn random_motions_have_the_derivatives_that_differences_show() {
         "{compared} compared of {scenes} scenes"
     );
 }
+
+/// A row of masses that depend on each other's places, held by springs, whose first strikes a wall and rubs on it.
+fn row(count: usize) -> String {
+    let all = |term: &dyn Fn(usize) -> String| -> String {
+        let terms: Vec<String> = (1..=count).map(term).collect();
+        terms.join(" + ")
+    };
+    let coordinates: Vec<String> = (1..=count).map(|i| format!("q{i}: m")).collect();
+    let next = |i: usize| i % count + 1;
+    let kinetic = all(&|i| {
+        format!(
+            "m/2*(1 + b/10*sin(q{0}/1[m]))*dot(q{i})^2 + m*b/20*dot(q{i})*dot(q{0})",
+            next(i)
+        )
+    });
+    let springs = all(&|i| format!("k/2*(q{i} - q{})^2 + k/20*q{i}^2", next(i)));
+    format!(
+        "parameters {{ m: kg = 1, k: N/m = 5, b = 0.6, e = 0.5, mu = 0.2, v0: m/s = 1.3 }}
+         coordinates {{ {} }}
+         lagrangian {kinetic} - ({springs})
+         surface wall: 0.2[m] + q1 + b/5*sin(q2/1[m])*1[m] >= 0
+         impact wall: restitution e, friction mu, sliding dot(q2) + b*dot(q3)
+         start {{ q1: 0.1[m], q2: 0.05[m]*b, dot(q1): -v0, dot(q3): v0/2 }}
+         horizon 1 [s]",
+        coordinates.join(", ")
+    )
+}
+
+#[test]
+fn motions_of_many_coordinates_have_the_derivatives_that_differences_show() {
+    // Accelerations are simplified formulas up to four coordinates, eliminations up to eight, and loops above.
+    for count in [4, 6, 9] {
+        let scene = scene(&row(count), &[]);
+        let names = ["m", "k", "b", "e", "mu", "v0"];
+        let run = simulate(&scene).tolerance(TOLERANCE);
+        let (run, gradient) = run.gradient(names).unwrap();
+        assert_eq!(gradient.obstacle, None, "{run}");
+        assert!(!run.events.is_empty());
+        for (k, name) in names.iter().enumerate() {
+            let parameter = crate::support::parameter(&scene, name);
+            let right = differences(&scene, parameter).unwrap();
+            let column = gradient
+                .q
+                .iter()
+                .chain(&gradient.v)
+                .chain(&gradient.event_times);
+            for (i, (found, right)) in column.map(|row| row[k]).zip(&right).enumerate() {
+                assert_close(
+                    found,
+                    *right,
+                    CLOSE,
+                    &format!("{count} coordinates, row {i} by {name}"),
+                );
+            }
+        }
+    }
+}

@@ -97,3 +97,29 @@ fn names_that_nothing_has_are_refused() {
     let all = simulate(&scene).gradient(["all", "z"]).unwrap().1;
     assert_eq!(all.with_respect_to, ["g", "v0", "top", "z"]);
 }
+
+#[test]
+fn coefficients_at_their_limit_have_none() {
+    let text = "
+        parameters { e = 0, mu = 0, g: m/s^2 = 9.81, u0: m/s = 1 }
+        coordinates { x: m, z: m }
+        lagrangian 1[kg]*((dot(x)^2 + dot(z)^2)/2 - g*z)
+        surface floor: z >= 0
+        impact floor: restitution e, friction mu, sliding dot(x)
+        start { z: 1 [m], dot(x): u0 }
+        horizon 0.6 [s]
+    ";
+    for (settings, by, word) in [
+        (&[("mu", 0.1)][..], "e", "restitution of 0"),
+        (&[("e", 0.5)], "mu", "friction of 0"),
+    ] {
+        let scene = scene(text, settings);
+        for (_, gradient) in by_both(&scene, &[by]) {
+            let obstacle = gradient.obstacle.expect("below 0 there is nothing");
+            assert!(obstacle.contains(word), "{obstacle}");
+        }
+        for (_, gradient) in by_both(&scene, &["g", "u0"]) {
+            assert_exists(&gradient);
+        }
+    }
+}

@@ -318,6 +318,9 @@ impl<'w> Walk<'w> {
             if first == 0 {
                 self.check_start(&struck)?;
             }
+            for &contact in &struck {
+                self.check_laws(contact, first)?;
+            }
             let impact = Impact {
                 before: &x_before,
                 after: &x_after,
@@ -424,6 +427,7 @@ impl<'w> Walk<'w> {
         for &hold in &self.acceleration.holds {
             match hold {
                 Hold::Normal { contact, .. } => {
+                    self.check_laws(contact, k)?;
                     self.check_zero(contact, contact_point::GAP, k)?;
                     self.check_zero(contact, contact_point::NORMAL_VELOCITY, k)?;
                 }
@@ -432,6 +436,37 @@ impl<'w> Walk<'w> {
                         .acceleration
                         .tangent(contact, tangent_point::SLIDING_VELOCITY);
                     self.check_row(contact, by, k)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// No coefficient of a law stands at its limit of 0 and is moved from there: what follows differs on both sides.
+    fn check_laws(&self, contact: usize, k: usize) -> Result<(), String> {
+        let model = self.acceleration.model;
+        let declared = &model.declaration().contacts[contact];
+        let (mu, friction_by) = self.acceleration.friction(contact);
+        let mut restitution_by = vec![0.0; self.wanted.parameters];
+        self.wanted
+            .derivatives
+            .restitution(contact, &mut restitution_by);
+        let e = model.restitution(contact);
+        for column in 0..self.wanted.count() {
+            let Some(parameter) = self.wanted.parameter(column) else {
+                continue;
+            };
+            let laws = [
+                ("restitution", e, restitution_by[parameter]),
+                ("friction", mu, friction_by[parameter]),
+            ];
+            for (law, value, by) in laws {
+                if value == 0.0 && by != 0.0 {
+                    return Err(format!(
+                        "at t = {} s `{}` has a coefficient of {law} of 0, below which there is nothing: by `{}` there is a \
+                         derivative to one side only",
+                        self.run.trajectory.time[k], declared.name, self.wanted.names[column]
+                    ));
                 }
             }
         }
