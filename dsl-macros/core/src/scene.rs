@@ -5,6 +5,7 @@ use crate::graph::Sym;
 use hangtime_units::Unit;
 use proc_macro2::TokenStream;
 
+// Many fields: the parts of a declaration.
 /// A checked scene.
 pub(crate) struct CheckedScene {
     pub(crate) documentation: Documentation,

@@ -32,6 +32,7 @@ use declared::text;
 /// Most operations of one kernel: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
 
+// Many fields: the parts of a declaration.
 /// Everything that is derived from a declaration. Kernels and systems are named by their index.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {

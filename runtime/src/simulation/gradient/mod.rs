@@ -44,7 +44,7 @@ pub struct Gradient {
     /// Of the times of the events, in their order.
     pub event_times: Vec<Vec<f64>>,
     /// Of coordinates and then velocities at each instant of the trajectory, at a fixed time: of two instants at the same time
-    /// the first belongs to the motion before an event there, the second to that behind it.
+    /// the first belongs to the motion before an event there, the second to that behind it; so does a single one.
     pub states: Vec<Vec<Vec<f64>>>,
     /// Of what the scene records: for each output a row an instant of the trajectory.
     pub outputs: Vec<Vec<Vec<f64>>>,

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use hangtime::prelude::*;
 use hangtime::simulation::{InitialValueProblem, Simulator, differentiate};
 
-use crate::support::scene;
+use super::support::scene;
 
 const SCENES: [&str; 3] = [
     // A ball that bounces.

@@ -3,7 +3,7 @@
 use hangtime::prelude::*;
 use hangtime_scene_files::TextScene;
 
-use crate::support::{Random, TOLERANCE, assert_close, scene};
+use super::support::{Random, TOLERANCE, assert_close, scene};
 
 /// Step of a parameter, relative to it.
 const STEP: f64 = 2e-4;
@@ -143,7 +143,7 @@ fn random_motions_have_the_derivatives_that_differences_show() {
             }
             existing += 1;
             for (k, name) in names.iter().enumerate() {
-                let Some(right) = differences(&scene, crate::support::parameter(&scene, name))
+                let Some(right) = differences(&scene, super::support::parameter(&scene, name))
                 else {
                     continue;
                 };
@@ -218,7 +218,7 @@ fn motions_of_many_coordinates_have_the_derivatives_that_differences_show() {
         assert_eq!(gradient.obstacle, None, "{run}");
         assert!(!run.events.is_empty());
         for (k, name) in names.iter().enumerate() {
-            let parameter = crate::support::parameter(&scene, name);
+            let parameter = super::support::parameter(&scene, name);
             let right = differences(&scene, parameter).unwrap();
             let column = gradient
                 .q

@@ -3,7 +3,7 @@
 use hangtime::prelude::*;
 use num_dual::{Dual64, DualNum, first_derivative};
 
-use crate::support::{assert_close, assert_exists, by_both, scene};
+use super::support::{assert_close, assert_exists, by_both, scene};
 
 /// Derivatives are as good as the motion: tolerances of 1e-12 leave this.
 const CLOSE: f64 = 1e-9;
@@ -411,5 +411,55 @@ fn objective_along_a_motion() {
             &derivatives(objective, &at),
             "objective",
         );
+    }
+}
+
+#[test]
+fn body_that_passes_an_edge() {
+    let text = "
+        parameters { m: kg = 1, g: m/s^2 = 9.6, a = 0.3, b = 0.1, v0: m/s = 3 }
+        coordinates { y: m, z: m }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        surface valley: z >= max(-a*y, b*y)
+        impact valley: inelastic
+        start { y: -1 [m], z: a*1[m], dot(y): v0, dot(z): -a*v0 }
+        horizon 0.6 [s]
+    ";
+    let at = [9.6, 0.3, 0.1, 3.0];
+    // Down one slope for 1 m, and up the other with what the second takes of the velocity.
+    let time = |p: &[Dual64]| {
+        let rate = p[0] * p[1] / (p[1] * p[1] + 1.0);
+        ((p[3] * p[3] + rate * 2.0).sqrt() - p[3]) / rate
+    };
+    let way = |p: &[Dual64]| {
+        let (a, b) = (p[1], p[2]);
+        let speed = p[3] + p[0] * a / (a * a + 1.0) * time(p);
+        let after = speed * (-a * b + 1.0) / (b * b + 1.0);
+        let since = -time(p) + 0.6;
+        after * since - p[0] * b / (b * b + 1.0) * since * since / 2.0
+    };
+    for (_, gradient) in by_both(&scene(text, &[]), &["g", "a", "b", "v0"]) {
+        assert_exists(&gradient);
+        assert_row(&gradient.event_times[0], &derivatives(time, &at), "time");
+        assert_row(&gradient.q[0], &derivatives(way, &at), "way");
+    }
+}
+
+#[test]
+fn end_of_infinitely_many_bounces() {
+    let text = BALL.replace("horizon 1 [s]", "horizon 4 [s]");
+    let rest = |p: &[Dual64]| {
+        let (g, e, height, v0) = (p[0], p[1], p[2], p[3]);
+        let speed = (v0 * v0 + g * height * 2.0).sqrt();
+        (v0 + speed) / g + speed * 2.0 * e / (g * (-e + 1.0))
+    };
+    let right = derivatives(rest, &[9.5, 0.7, 1.3, 0.4]);
+    for (_, gradient) in by_both(&scene(&text, &[]), &["g", "e", "height", "v0"]) {
+        assert_exists(&gradient);
+        assert_row(&gradient.q[0], &[0.0; 4], "rest");
+        // Bounces that are left out, slower than a millionth of the first, would take that share of the time.
+        for (found, right) in gradient.event_times.last().unwrap().iter().zip(&right) {
+            assert_close(*found, *right, 1e-4, "time of rest");
+        }
     }
 }

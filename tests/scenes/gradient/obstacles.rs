@@ -2,7 +2,7 @@
 
 use hangtime::prelude::*;
 
-use crate::support::{assert_exists, by_both, scene};
+use super::support::{assert_exists, by_both, scene};
 
 const CEILING: &str = "
     parameters { g: m/s^2 = 8, v0: m/s = 4, top: m = 1 }
