@@ -1,17 +1,17 @@
 //! A scene whose functions are evaluated without a compiler.
 
 use crate::declaration;
+use crate::places::{self, scatter};
 use crate::program::{Program, TooLarge};
 use crate::scratch::Scratch;
 use crate::system::zeros;
 use crate::thread::on_a_thread;
 use hangtime::model::{
     Declaration, Model, ParameterDerivatives, Picture, VariableDeclaration, contact_point,
-    tangent_point,
 };
 use hangtime_dsl::description::{
     Contact, Derivative, Description, Friction, Functions, Motion, MotionDerivatives,
-    OptimalControl, Pattern, Rows, Sensitivity,
+    OptimalControl, Rows, Sensitivity,
 };
 use std::sync::{Arc, Mutex};
 
@@ -594,13 +594,6 @@ impl TextDerivatives {
     }
 }
 
-/// Puts the nonzeros of a matrix into the rows that `row` names.
-fn scatter(pattern: &Pattern, values: &[f64], row: impl Fn(usize) -> usize, out: &mut [f64]) {
-    for (&(from, column), value) in pattern.entries.iter().zip(values) {
-        out[row(from) * pattern.columns + column] = *value;
-    }
-}
-
 impl ParameterDerivatives for TextDerivatives {
     fn start(&self, values: &mut [f64]) {
         self.of_parameters(Some(&self.sensitivity.start), values);
@@ -631,24 +624,13 @@ impl ParameterDerivatives for TextDerivatives {
         let mut nonzeros = vec![0.0; pattern.entries.len()];
         self.scene.contact_jacobian(contact, x, &mut nonzeros);
         values.fill(0.0);
-        let direction = contact_point::direction(n);
-        let place = |row: usize| match row {
-            0 => contact_point::GAP,
-            1 => contact_point::NORMAL_VELOCITY,
-            row => direction + row - 2,
-        };
-        scatter(pattern, &nonzeros, place, values);
+        scatter(pattern, &nonzeros, |row| places::of_contact(n, row), values);
         let columns = self.columns();
         if known.dry {
             // What stands there is the given normal acceleration.
             values[contact_point::NORMAL_VELOCITY * columns..][..columns].fill(0.0);
         }
-        let place = |row: usize| match row {
-            0 => contact_point::CURVATURE,
-            1 => contact_point::INVERSE_INERTIA,
-            row => contact_point::NORMAL + row - 2,
-        };
-        self.put(&derived.geometry, (x, &[]), place, values);
+        self.put(&derived.geometry, (x, &[]), places::of_geometry, values);
         if !derived.knows_inertia {
             values[contact_point::INVERSE_INERTIA * columns..][..columns].fill(f64::NAN);
         }
@@ -669,16 +651,13 @@ impl ParameterDerivatives for TextDerivatives {
         let mut nonzeros = vec![0.0; pattern.entries.len()];
         self.scene.tangent_jacobian(contact, x, &mut nonzeros);
         values.fill(0.0);
-        let direction = tangent_point::direction(n);
-        let place = |row: usize| match row {
-            0 => tangent_point::SLIDING_VELOCITY,
-            row => direction + row - 1,
-        };
-        scatter(pattern, &nonzeros, place, values);
-        let place = |row: usize| match row {
-            0 => tangent_point::CURVATURE,
-            row => tangent_point::TANGENT + row - 1,
-        };
+        scatter(
+            pattern,
+            &nonzeros,
+            |row| places::of_friction(n, row),
+            values,
+        );
+        let place = places::of_tangent_geometry;
         self.put(&derived.geometry, (x, &[]), place, values);
     }
 

@@ -7,7 +7,7 @@
 //! ```
 
 use super::acceleration::{Acceleration, Hold, solved};
-use super::matrix::{Matrix, largest};
+use super::matrix::{Matrix, add, largest};
 use super::wanted::Wanted;
 use crate::linalg::dense;
 use crate::model::{contact_point, tangent_point};
@@ -51,7 +51,7 @@ pub(super) fn jump(
     wanted: &Wanted,
     impact: &Impact<'_>,
 ) -> Result<Jump, String> {
-    let (n, m) = (acceleration.n, wanted.count());
+    let n = acceleration.n;
     let v = |x: &[f64]| x[n..2 * n].to_vec();
     let (v_before, v_after) = (v(impact.before), v(impact.after));
     let earlier = conditions_before(acceleration, wanted, impact);
@@ -82,36 +82,13 @@ pub(super) fn jump(
             return Err(together(impact.time));
         }
     }
-    // `w`: the change of the velocities with the impulses as they are.
-    let mut velocities = Matrix::zeros(n, m);
-    let mut by = vec![0.0; acceleration.columns];
-    for k in 0..n {
-        by.fill(0.0);
-        for (&hold, y) in holds.iter().zip(&impulses) {
-            acceleration.add_direction(hold, k, *y, &mut by);
-        }
-        for (column, value) in velocities.row_mut(k).iter_mut().enumerate() {
-            *value =
-                impact.moved.row(n + k)[column] + place(acceleration, wanted, impact, &by, column);
-        }
-    }
-    let mut right = Matrix::zeros(holds.len(), m);
-    for (i, &hold) in holds.iter().enumerate() {
-        for column in 0..m {
-            let (_, by) = velocity(acceleration, hold);
-            let mut wanted_rate = -place(acceleration, wanted, impact, by, column);
-            if let Hold::Normal { contact, .. } = hold {
-                wanted_rate -= earlier.row(contact)[column];
-            }
-            let had = (0..n).map(|k| acceleration.covector(hold, k).0 * velocities.row(k)[column]);
-            right.row_mut(i)[column] = wanted_rate - had.sum::<f64>();
-        }
-    }
+    let mut velocities = as_they_are(acceleration, wanted, impact, &impulses);
+    let right = wanted_changes(acceleration, wanted, impact, (&velocities, &earlier));
     let change = solved(&matrix, &pivots, right);
     for k in 0..n {
         for (j, &hold) in holds.iter().enumerate() {
             let component = acceleration.direction(hold, k);
-            super::matrix::add(velocities.row_mut(k), component, change.row(j));
+            add(velocities.row_mut(k), component, change.row(j));
         }
     }
     let impulses = of_impulses(acceleration, wanted, impact, (&impulses, &change));
@@ -119,6 +96,53 @@ pub(super) fn jump(
         velocities,
         impulses,
     })
+}
+
+/// The change of the velocities after the impact with the impulses as they are.
+fn as_they_are(
+    acceleration: &Acceleration<'_>,
+    wanted: &Wanted,
+    impact: &Impact<'_>,
+    impulses: &[f64],
+) -> Matrix {
+    let (n, m) = (acceleration.n, wanted.count());
+    let mut velocities = Matrix::zeros(n, m);
+    let mut by = vec![0.0; acceleration.columns];
+    for k in 0..n {
+        by.fill(0.0);
+        for (&hold, y) in acceleration.holds.iter().zip(impulses) {
+            acceleration.add_direction(hold, k, *y, &mut by);
+        }
+        for (column, value) in velocities.row_mut(k).iter_mut().enumerate() {
+            let turned = place(acceleration, wanted, impact, &by, column);
+            *value = impact.moved.row(n + k)[column] + turned;
+        }
+    }
+    velocities
+}
+
+/// What impulses have to change so that the law holds, with a row for each velocity that is held: with these changes of the
+/// velocities without them, and of what restitution gives back.
+fn wanted_changes(
+    acceleration: &Acceleration<'_>,
+    wanted: &Wanted,
+    impact: &Impact<'_>,
+    (velocities, earlier): (&Matrix, &Matrix),
+) -> Matrix {
+    let (n, m) = (acceleration.n, wanted.count());
+    let mut right = Matrix::zeros(acceleration.holds.len(), m);
+    for (i, &hold) in acceleration.holds.iter().enumerate() {
+        let (_, by) = velocity(acceleration, hold);
+        for column in 0..m {
+            let mut wants = -place(acceleration, wanted, impact, by, column);
+            if let Hold::Normal { contact, .. } = hold {
+                wants -= earlier.row(contact)[column];
+            }
+            let has = (0..n).map(|k| acceleration.covector(hold, k).0 * velocities.row(k)[column]);
+            right.row_mut(i)[column] = wants - has.sum::<f64>();
+        }
+    }
+    right
 }
 
 fn together(time: f64) -> String {

@@ -20,6 +20,7 @@ mod cost;
 mod jump;
 mod matrix;
 mod outputs;
+mod projection;
 mod walk;
 mod wanted;
 

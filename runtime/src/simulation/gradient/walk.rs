@@ -7,6 +7,7 @@ use super::cost::Cost;
 use super::jump::{Impact, jump};
 use super::matrix::{Matrix, add, largest};
 use super::outputs::outputs;
+use super::projection::project;
 use super::wanted::Wanted;
 use crate::model::{ControlPiece, Model, contact_point, tangent_point};
 use crate::simulation::{ContactMode, Event, EventKind, InitialValueProblem, Simulation};
@@ -17,6 +18,8 @@ const ANOTHER: f64 = 1e-5;
 const BALANCED: f64 = 1e-12;
 /// Share of its terms that the derivative of what a contact holds may have.
 const HELD: f64 = 1e-6;
+/// The same after a step, which has the error of the motion.
+const DRIFT: f64 = 1e-3;
 /// Share of the largest derivative that rounding may leave of one.
 const ROUNDING: f64 = 1e-9;
 /// Share of the largest gap that counts as none where a contact passes its surface.
@@ -124,7 +127,9 @@ impl<'w> Walk<'w> {
             } else {
                 self.pass(events, (first, last))?;
             }
-            self.check_holds(last)?;
+            let begins = first == 0 || !events.is_empty();
+            self.check_holds(last, if begins { HELD } else { DRIFT })?;
+            project(&self.acceleration, self.wanted, &mut self.state);
             self.record(last..last + 1);
             if last + 1 == times.len() {
                 return if here > 0 && first > 0 {
@@ -305,12 +310,8 @@ impl<'w> Walk<'w> {
             times = self.time_of(events, first)?;
         }
         let mut moved = self.state.clone();
-        for k in 0..n {
-            for (column, moves) in times.iter().enumerate() {
-                moved.row_mut(k)[column] += self.run.trajectory.v[first][k] * moves;
-                moved.row_mut(n + k)[column] += before[k] * moves;
-            }
-        }
+        let v = &self.run.trajectory.v;
+        shift(&mut moved, (&v[first], &before), &times, 1.0);
         let after_modes = events.last().map(|event| event.modes.clone());
         let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
         if jumps || self.velocities_jump(first, last) {
@@ -337,12 +338,8 @@ impl<'w> Walk<'w> {
             self.modes = modes;
         }
         self.enter(last)?;
-        for k in 0..n {
-            for (column, moves) in times.iter().enumerate() {
-                moved.row_mut(k)[column] -= self.run.trajectory.v[last][k] * moves;
-                moved.row_mut(n + k)[column] -= self.acceleration.value[k] * moves;
-            }
-        }
+        let after = (&v[last][..], &self.acceleration.value[..]);
+        shift(&mut moved, after, &times, -1.0);
         self.state = moved;
         if let Some(cost) = &mut self.cost {
             let model = self.acceleration.model;
@@ -417,25 +414,25 @@ impl<'w> Walk<'w> {
         let x = self.input(0);
         for &contact in struck {
             self.acceleration.load_contact(contact, &x);
-            self.check_zero(contact, contact_point::GAP, 0)?;
+            self.check_zero(contact, contact_point::GAP, (0, HELD))?;
         }
         Ok(())
     }
 
     /// What contacts hold does not change with what the motion is differentiated by.
-    fn check_holds(&self, k: usize) -> Result<(), String> {
+    fn check_holds(&self, k: usize, share: f64) -> Result<(), String> {
         for &hold in &self.acceleration.holds {
             match hold {
                 Hold::Normal { contact, .. } => {
                     self.check_laws(contact, k)?;
-                    self.check_zero(contact, contact_point::GAP, k)?;
-                    self.check_zero(contact, contact_point::NORMAL_VELOCITY, k)?;
+                    self.check_zero(contact, contact_point::GAP, (k, share))?;
+                    self.check_zero(contact, contact_point::NORMAL_VELOCITY, (k, share))?;
                 }
                 Hold::Tangent { contact } => {
                     let (_, by) = self
                         .acceleration
                         .tangent(contact, tangent_point::SLIDING_VELOCITY);
-                    self.check_row(contact, by, k)?;
+                    self.check_row(contact, by, (k, share))?;
                 }
             }
         }
@@ -473,11 +470,16 @@ impl<'w> Walk<'w> {
         Ok(())
     }
 
-    fn check_zero(&self, contact: usize, component: usize, k: usize) -> Result<(), String> {
-        self.check_row(contact, self.acceleration.point(contact, component).1, k)
+    fn check_zero(&self, contact: usize, component: usize, at: (usize, f64)) -> Result<(), String> {
+        self.check_row(contact, self.acceleration.point(contact, component).1, at)
     }
 
-    fn check_row(&self, contact: usize, by: &[f64], k: usize) -> Result<(), String> {
+    fn check_row(
+        &self,
+        contact: usize,
+        by: &[f64],
+        (k, share): (usize, f64),
+    ) -> Result<(), String> {
         let most = largest(&self.state.values) * largest(by);
         for column in 0..self.wanted.count() {
             let change = self.acceleration.along(by, &self.state, column);
@@ -485,7 +487,7 @@ impl<'w> Walk<'w> {
                 .map(|i| (by[i] * self.state.row(i)[column]).abs());
             let own = self.wanted.column(column).map_or(0.0, |own| by[own].abs());
             let size = terms.sum::<f64>() + own;
-            if change.abs() > (HELD * size).max(ROUNDING * most) {
+            if change.abs() > (share * size).max(ROUNDING * most) {
                 let name = self.acceleration.model.declaration().contacts[contact].name;
                 return Err(format!(
                     "at t = {} s `{name}` is closed, or struck, for these values only: another `{}` opens it or presses it in",
@@ -498,19 +500,13 @@ impl<'w> Walk<'w> {
 
     /// Derivatives of `(q, v)` at the end, which moves with the horizon, and of the objective, if they are known.
     pub(super) fn end(&mut self) -> (Matrix, Option<Vec<f64>>) {
-        let n = self.acceleration.n;
         let mut state = self.state.clone();
         let moves = self
             .wanted
             .of_horizon(self.acceleration.model, self.problem);
         let last = self.run.trajectory.time.len() - 1;
         let (q, v) = (&self.run.trajectory.q[last], &self.run.trajectory.v[last]);
-        for k in 0..n {
-            for (column, moves) in moves.iter().enumerate() {
-                state.row_mut(k)[column] += v[k] * moves;
-                state.row_mut(n + k)[column] += self.acceleration.value[k] * moves;
-            }
-        }
+        shift(&mut state, (v, &self.acceleration.value), &moves, 1.0);
         let x = self.input(last);
         let objective = self.cost.as_mut().map(|cost| {
             cost.move_limit(self.acceleration.model, &x, &moves, 1.0);
@@ -518,6 +514,13 @@ impl<'w> Walk<'w> {
             cost.at_the_end(&z, &state, &moves)
         });
         (state, objective)
+    }
+}
+
+/// Moves the instant of derivatives of `(q, v)` along a motion with these rates.
+fn shift(state: &mut Matrix, (v, a): (&[f64], &[f64]), moves: &[f64], sense: f64) {
+    for (k, rate) in v.iter().chain(a).enumerate() {
+        add(state.row_mut(k), sense * rate, moves);
     }
 }
 
