@@ -72,8 +72,11 @@ const KINDS: [Kind; 4] = [
     },
 ];
 
-/// The end of a motion and the kinds of its events.
-fn end(scene: &TextScene) -> Option<(Vec<f64>, Vec<(EventKind, usize)>, Vec<f64>)> {
+/// What happens at which contacts.
+type Kinds = Vec<(EventKind, usize)>;
+
+/// The end of a motion with the times of its events, and their kinds and contacts.
+fn end(scene: &TextScene) -> Option<(Vec<f64>, Kinds)> {
     let run = simulate(scene)
         .method(EventDriven::default())
         .tolerance(TOLERANCE)
@@ -83,14 +86,11 @@ fn end(scene: &TextScene) -> Option<(Vec<f64>, Vec<(EventKind, usize)>, Vec<f64>
         return None;
     }
     let last = run.trajectory.time.len() - 1;
-    let kinds = run
-        .events
-        .iter()
-        .map(|event| (event.kind, event.contact))
-        .collect();
-    let times = run.events.iter().map(|event| event.time).collect();
-    let state = [&run.trajectory.q[last][..], &run.trajectory.v[last]].concat();
-    Some((state, kinds, times))
+    let events = run.events.iter();
+    let kinds = events.map(|event| (event.kind, event.contact)).collect();
+    let mut values = [&run.trajectory.q[last][..], &run.trajectory.v[last]].concat();
+    values.extend(run.events.iter().map(|event| event.time));
+    Some((values, kinds))
 }
 
 /// Differences of fourth order of the end and of the event times by a parameter; none where the sequence of events differs.
@@ -100,7 +100,7 @@ fn differences(scene: &TextScene, parameter: usize) -> Option<Vec<f64>> {
     let at = |steps: f64| {
         let mut scene = scene.clone();
         scene.set_parameter(parameter, value + steps * step);
-        end(&scene).map(|(state, kinds, times)| ([state, times].concat(), kinds))
+        end(&scene)
     };
     let ends = [at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?];
     if ends.iter().any(|(_, kinds)| *kinds != ends[0].1) {
