@@ -129,7 +129,9 @@ fn answer(path: &Path, bytes: &[u8], words: &[OsString]) -> Result<(String, Stri
     };
     let bounds = Bounds::watch(name, &limits);
     let mut log = Log::new(wishes.print_level);
-    let solution = nl::solve_with(&mut program, &wishes.solve, &mut |info| {
+    let mut options = wishes.solve;
+    options.interrupt = bounds.interrupt();
+    let solution = nl::solve_with(&mut program, &options, &mut |info| {
         log.line(info);
         bounds.asked().is_none()
     })

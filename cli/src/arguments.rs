@@ -3,7 +3,10 @@
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use hangtime_units::Quantity;
+
+use crate::numbers::{
+    ROWS, above_zero, duration, elements, intervals, rows, shard, stages, starts, steps,
+};
 
 /// Simulation and optimal control of mechanical systems with impacts.
 #[derive(Debug, Parser)]
@@ -168,9 +171,9 @@ pub(crate) struct SimulateArguments {
 /// The simulation method and its settings. A setting that the method does not have is refused.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct MethodArguments {
-    /// How to simulate.
-    #[arg(long, value_enum, default_value_t)]
-    pub(crate) method: Method,
+    /// How to simulate [default: fesd, and event where it fails and no setting of it is named].
+    #[arg(long, value_enum)]
+    pub(crate) method: Option<Method>,
     /// Runge-Kutta scheme (fesd) [default: radau-iia].
     #[arg(long, value_enum)]
     pub(crate) scheme: Option<SchemeName>,
@@ -242,8 +245,8 @@ pub(crate) enum FormulationName {
 pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
-    /// Length of the motion, in seconds or in the unit given, or the guess of it where the final time is free [default:
-    /// what the scene declares].
+    /// Length of the motion, in seconds or in the unit given, or the guess of it where the final time is free, which stays
+    /// free [default: what the scene declares].
     #[arg(long, value_name = "TIME[UNIT]", value_parser = duration, allow_negative_numbers = true)]
     pub(crate) horizon: Option<f64>,
     /// Control intervals of equal physical length [default: 30].
@@ -293,11 +296,12 @@ pub(crate) enum ControlsName {
 /// Where `solve` looks for contact sequences.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SearchName {
-    /// On control grids, from coarse to fine.
+    /// Over orders of contact modes with phases of free length, put on the grid at last; on grids where that leads to no motion, and with
+    /// `--starts`.
     #[default]
-    Grids,
-    /// Over orders of contact modes with phases of free length, put on the grid at last.
     Words,
+    /// On control grids, from coarse to fine, from several starts.
+    Grids,
 }
 
 /// How `solve` finds the contact sequence.
@@ -504,128 +508,13 @@ pub(crate) struct ManArguments {
     pub(crate) command: Option<String>,
 }
 
-/// Most steps of a simulation: their states stay in memory until the end, about a kilobyte each.
-pub(crate) const MOST_STEPS: usize = 1_000_000;
-/// Default of `--rows`.
-pub(crate) const ROWS: usize = 20_000;
-/// Most rows of a trajectory in files.
-const MOST_ROWS: usize = 200_000;
-/// Most finite elements of a step, of an interval or of a phase.
-const MOST_ELEMENTS: usize = 1_000;
-/// Most stages of a scheme of any method.
-const MOST_STAGES: usize = 9;
-/// Most control intervals: one program holds the variables of all of them.
-const MOST_INTERVALS: usize = 10_000;
-/// Most starts; they are solved side by side.
-const MOST_STARTS: usize = 1_000;
-
-fn steps(text: &str) -> Result<usize, String> {
-    count(
-        text,
-        MOST_STEPS,
-        "the states of all steps stay in memory; simulate a part of the horizon, or give a tolerance",
-    )
-}
-
-fn elements(text: &str) -> Result<usize, String> {
-    count(
-        text,
-        MOST_ELEMENTS,
-        "the elements of a step are solved together; take more steps or intervals instead",
-    )
-}
-
-fn intervals(text: &str) -> Result<usize, String> {
-    count(
-        text,
-        MOST_INTERVALS,
-        "one program holds the variables of all intervals; more stages are a cheaper way to accuracy",
-    )
-}
-
-fn starts(text: &str) -> Result<usize, String> {
-    count(
-        text,
-        MOST_STARTS,
-        "run again with more intervals for other local optima",
-    )
-}
-
-fn stages(text: &str) -> Result<usize, String> {
-    // Each method has bounds of its own among these, which its refusal names.
-    match text.parse() {
-        Ok(number) if number > 0 => Ok(number),
-        _ => Err(format!("give a whole number from 1 to {MOST_STAGES}")),
-    }
-}
-
-fn rows(text: &str) -> Result<usize, String> {
-    count(
-        text,
-        MOST_ROWS,
-        "files and page hold them several times; use the library for more",
-    )
-}
-
-/// A whole number from 1 to `most`; `beyond` tells why there are no more.
-fn count(text: &str, most: usize, beyond: &str) -> Result<usize, String> {
-    if let Ok(number) = text.parse()
-        && (1..=most).contains(&number)
-    {
-        return Ok(number);
-    }
-    let too_many = text.bytes().all(|byte| byte.is_ascii_digit()) && text.contains(|c| c != '0');
-    Err(if too_many {
-        format!("give at most {most}: {beyond}")
-    } else {
-        format!("give a whole number from 1 to {most}")
-    })
-}
-
-/// A share of a sweep, `I/N` with 1 <= I <= N.
-fn shard(text: &str) -> Result<(usize, usize), String> {
-    let pair = text.split_once('/').and_then(|(index, count)| {
-        let [index, count] = [index, count].map(|part| part.trim().parse().ok());
-        Some((index?, count?))
-    });
-    pair.filter(|&(index, count)| 1 <= index && index <= count)
-        .ok_or_else(|| "give I/N with whole numbers 1 <= I <= N, such as 3/40".to_owned())
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
-        _ => Err("give a finite number above 0".into()),
-    }
-}
-
-/// A time above zero [s], in seconds or in the unit given.
-fn duration(text: &str) -> Result<f64, String> {
-    let not_finite = "give a finite time above 0, such as 5, 5s or 200ms";
-    if text
-        .trim()
-        .parse::<f64>()
-        .is_ok_and(|time| !time.is_finite())
-    {
-        return Err(not_finite.into());
-    }
-    let time = Quantity::parse(text)
-        .and_then(|time| time.in_unit("s"))
-        .map_err(|error| format!("{error}; give a time such as 5, 5s or 200ms"))?;
-    if time.is_finite() && time > 0.0 {
-        Ok(time)
-    } else {
-        Err(not_finite.into())
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory as _;
     use hangtime::ocp::{Formulation, Settings, TimeFreezingSettings};
     use hangtime::simulation::{EventDriven, Fesd, FixedStep, Moreau, Smooth};
 
-    use super::{Arguments, duration};
+    use super::Arguments;
     use crate::task::INTERVALS;
 
     fn help(command: &str) -> String {
@@ -712,15 +601,6 @@ mod tests {
                 text.contains(&words),
                 "`{words}` is missing in {name}:\n{text}"
             );
-        }
-    }
-
-    #[test]
-    fn duration_reads_units_and_refuses_what_is_no_time() {
-        assert_eq!(duration("5"), Ok(5.0));
-        assert_eq!(duration("3min"), Ok(180.0));
-        for text in ["0", "-1s", "5kg", "inf", "nan", "soon", ""] {
-            assert!(duration(text).is_err(), "{text}");
         }
     }
 }

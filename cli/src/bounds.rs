@@ -12,6 +12,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
+use hangtime::nlp::Interrupt;
 
 use crate::arguments::LimitArguments;
 use crate::ending::Stop;
@@ -40,6 +41,8 @@ static TERMINATED: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 pub(crate) struct Bounds {
     /// The first limit that was reached, as a number; 0 for none.
     reached: Arc<AtomicU8>,
+    /// Set once the run is to end, for what looks within a step.
+    asked: Arc<AtomicBool>,
     over: Arc<AtomicBool>,
 }
 
@@ -48,35 +51,45 @@ impl Bounds {
     pub(crate) fn watch(name: &'static str, limits: &LimitArguments) -> Self {
         listen();
         let reached = Arc::new(AtomicU8::new(0));
-        let over = Arc::new(AtomicBool::new(false));
+        let [asked, over] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));
         let watcher = Watcher {
             name,
             limits: limits.clone(),
             system: SystemLimits::read(),
             start: Instant::now(),
             reached: Arc::clone(&reached),
+            asked: Arc::clone(&asked),
             over: Arc::clone(&over),
         };
         // A system without threads to spare lets the run go on unwatched.
         let _ = thread::Builder::new()
             .name("bounds".to_owned())
             .spawn(move || watcher.run());
-        Self { reached, over }
+        Self {
+            reached,
+            asked,
+            over,
+        }
+    }
+
+    /// The same request for a solver, which looks for it within a step too.
+    pub(crate) fn interrupt(&self) -> Interrupt {
+        Interrupt::by(Arc::clone(&self.asked))
     }
 
     /// Why the run is to end, if it is.
     pub(crate) fn asked(&self) -> Option<Stop> {
-        if INTERRUPTED.load(Ordering::Relaxed) {
-            return Some(Stop::Interrupt);
-        }
-        if TERMINATED
-            .get()
-            .is_some_and(|asked| asked.load(Ordering::Relaxed))
-        {
-            return Some(Stop::Terminate);
-        }
-        Stop::of(self.reached.load(Ordering::Relaxed))
+        asked_from_outside().or_else(|| Stop::of(self.reached.load(Ordering::Relaxed)))
     }
+}
+
+/// The signal that asked every run of the program to end, if one did.
+fn asked_from_outside() -> Option<Stop> {
+    if INTERRUPTED.load(Ordering::Relaxed) {
+        return Some(Stop::Interrupt);
+    }
+    let asked = TERMINATED.get()?.load(Ordering::Relaxed);
+    asked.then_some(Stop::Terminate)
 }
 
 impl Drop for Bounds {
@@ -119,12 +132,16 @@ struct Watcher {
     system: SystemLimits,
     start: Instant,
     reached: Arc<AtomicU8>,
+    asked: Arc<AtomicBool>,
     over: Arc<AtomicBool>,
 }
 
 impl Watcher {
     fn run(self) {
         while !self.over.load(Ordering::Relaxed) {
+            if asked_from_outside().is_some() {
+                self.asked.store(true, Ordering::Relaxed);
+            }
             for (used, limit, grace, stop) in self.budgets() {
                 if used > limit {
                     let (none, this) = (0, stop as u8);
@@ -134,6 +151,7 @@ impl Watcher {
                         Ordering::Relaxed,
                         Ordering::Relaxed,
                     );
+                    self.asked.store(true, Ordering::Relaxed);
                 }
                 if used > limit + grace && !self.over.load(Ordering::Relaxed) {
                     complain(&format!(

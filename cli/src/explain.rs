@@ -151,6 +151,9 @@ fn laws(model: &dyn Model) -> String {
         if !held.is_empty() {
             let _ = write!(law, " with {} locked", held.join(", "));
         }
+        if contact.sequence {
+            law += ", in sequence";
+        }
         let others = contact.alternatives.iter();
         let others: Vec<&str> = others.map(|&i| declaration.contacts[i].name).collect();
         if !others.is_empty() {

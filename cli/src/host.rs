@@ -13,11 +13,12 @@ use hangtime::ocp::Solution;
 use hangtime::simulation::{Gradient, Simulation};
 
 use crate::arguments::{
-    Arguments, ExplainArguments, LimitArguments, ROWS, SimulateArguments, SolveArguments,
+    Arguments, ExplainArguments, LimitArguments, SimulateArguments, SolveArguments,
 };
 use crate::ending::{Ending, Stop};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
+use crate::numbers::ROWS;
 use crate::scene_file::{EXTENSION, entry, is_path, read_text};
 use crate::settings::{ChosenScene, find};
 use crate::task::{OptimumTask, SimulationTask, optimum_facts, simulation_facts};

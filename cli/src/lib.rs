@@ -22,6 +22,7 @@ mod json;
 mod kept;
 mod markup;
 mod method;
+mod numbers;
 mod published;
 mod quantity;
 #[cfg(feature = "terminal")]

@@ -12,8 +12,9 @@ use hangtime::simulation::{
 };
 use serde::Serialize;
 
-use crate::arguments::{FormulationName, MOST_STEPS, Method, MethodArguments, SchemeName};
+use crate::arguments::{FormulationName, Method, MethodArguments, SchemeName};
 use crate::failure::BadInput;
+use crate::numbers::MOST_STEPS;
 use crate::table::counted;
 
 /// The settings of a method, as JSON and people read them; what the method does not have is absent.
@@ -132,7 +133,7 @@ impl ChosenMethod {
     pub(crate) fn from_arguments(arguments: &MethodArguments) -> Result<Self, BadInput> {
         refuse_foreign_settings(arguments)?;
         refuse_idle_settings(arguments)?;
-        let chosen = match arguments.method {
+        let chosen = match arguments.method.unwrap_or_default() {
             Method::Fesd => fesd(arguments),
             Method::Event => {
                 let mut event = EventDriven::default();
@@ -213,6 +214,7 @@ fn stepping(steps: usize) -> MethodSettings {
 
 fn fesd(arguments: &MethodArguments) -> ChosenMethod {
     let mut fesd = Fesd::default();
+    fesd.hands_over = any_will_do(arguments);
     fesd.scheme = match arguments.scheme {
         Some(SchemeName::RadauIia) => Scheme::RadauIia,
         Some(SchemeName::GaussLegendre) => Scheme::GaussLegendre,
@@ -252,6 +254,17 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
     ChosenMethod::new(settings, fesd)
 }
 
+/// Whether nothing is said but how accurate the motion has to be, so that any method will do.
+fn any_will_do(arguments: &MethodArguments) -> bool {
+    arguments.method.is_none()
+        && arguments.scheme.is_none()
+        && arguments.stages.is_none()
+        && arguments.steps.is_none()
+        && arguments.elements.is_none()
+        && arguments.formulation.is_none()
+        && !arguments.no_exit_condition
+}
+
 /// Refuses a setting that the method does not have.
 fn refuse_foreign_settings(arguments: &MethodArguments) -> Result<(), BadInput> {
     use Method::{Event, Fesd, Fixed, Moreau, Smooth};
@@ -269,14 +282,14 @@ fn refuse_foreign_settings(arguments: &MethodArguments) -> Result<(), BadInput> 
         ("--width", arguments.width.is_some(), &[Smooth]),
         ("--no-exit-condition", arguments.no_exit_condition, &[Fesd]),
     ];
-    let foreign = given
-        .iter()
-        .find(|(_, given, methods)| *given && !methods.contains(&arguments.method));
+    let foreign = given.iter().find(|(_, given, methods)| {
+        *given && !methods.contains(&arguments.method.unwrap_or_default())
+    });
     let Some((option, _, methods)) = foreign else {
         return Ok(());
     };
     let methods: Vec<String> = methods.iter().map(|method| name_of(*method)).collect();
-    let method = name_of(arguments.method);
+    let method = name_of(arguments.method.unwrap_or_default());
     Err(BadInput::new(format!(
         "{option} has no meaning for --method {method}; leave it out, or choose the method: {}",
         methods.join(", ")

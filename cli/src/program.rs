@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use hangtime::mpcc::Mpcc as _;
 use hangtime::mpcc::Stationarity;
-use hangtime::nl::{self, Program, Solution};
+use hangtime::nl::{self, Options, Program, Solution};
 use hangtime::simulation::ProblemSize;
 
 use crate::arguments::NlpArguments;
@@ -45,8 +45,10 @@ pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
     drop(bytes);
     let size = ProblemSize::of(&program, program.complementarities().len());
     let mut display = SolveProgress::new(name);
-    let limit = f64::INFINITY;
-    let solution = nl::solve(&mut program, limit, &mut |info| {
+    let mut options = Options::default();
+    options.warm = false;
+    options.interrupt = bounds.interrupt();
+    let solution = nl::solve_with(&mut program, &options, &mut |info| {
         display.iteration(info, bounds.asked())
     })
     .map_err(|error| refused(error.to_string()))?;

@@ -50,7 +50,7 @@ pub(crate) fn run(
     let mut written = String::new();
     if let Some(directory) = directory {
         let files = ResultFiles {
-            stem: stem(chosen, arguments.method.method),
+            stem: stem(chosen, arguments.method.method.unwrap_or_default()),
             title: format!("{}, {}", chosen.scene.name, method.settings.name()),
             chosen,
             simulation: &simulation,

@@ -102,7 +102,7 @@ fn tables(
         counted(method.intervals, "interval"),
         counted(method.elements, "element"),
         method.control_shape,
-        counted(method.starts, "start")
+        method.counted_starts()
     );
     let _ = writeln!(text, "status        {}", ending.status);
     let Some(motion) = &solution.motion else {

@@ -112,6 +112,7 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         dry: contact.dry,
         custom_direction: contact.custom_direction,
         held: list(contact.held.iter().copied()),
+        sequence: contact.sequence,
         alternatives: list(contact.alternatives.iter().copied()),
         jacobian,
         hessian,

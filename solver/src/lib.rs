@@ -19,6 +19,7 @@ pub mod nl;
 pub mod nlp;
 mod problem_size;
 mod seconds;
+mod until;
 
 #[cfg(target_family = "wasm")]
 pub use clock::set_clock;

@@ -132,6 +132,30 @@ fn arrows_follow_the_order_of_the_architecture() {
     }
 }
 
+/// Names of an order that are those of no file and no folder, and those that stand in it twice.
+fn unknown(order: &Order) -> Vec<String> {
+    let folder = workspace().join(&order.folder);
+    let names: Vec<&String> = order.groups.iter().flatten().collect();
+    let places = names.iter().enumerate();
+    let unknown = places.filter(|(place, name)| {
+        let is_there = folder.join(format!("{name}.rs")).is_file() || folder.join(name).is_dir();
+        !is_there || names[..*place].contains(name)
+    });
+    unknown
+        .map(|(_, name)| format!("{}/{name}", order.folder.display()))
+        .collect()
+}
+
+#[test]
+fn order_of_the_architecture_names_files_that_exist_once_each() {
+    let document = fs::read_to_string(workspace().join("ARCHITECTURE.md")).expect("a document");
+    let none: Vec<String> = orders(&document).iter().flat_map(unknown).collect();
+    assert!(none.is_empty(), "no such file, or twice: {none:?}");
+    // a name that is gone and one that stands twice are found
+    let wrong = orders("```text order\nsolver/src/nlp: solve > gone, solve\n```");
+    assert_eq!(wrong.iter().flat_map(unknown).count(), 2);
+}
+
 #[test]
 fn methods_stand_in_the_file_of_their_type() {
     assert_none(crates().iter().flat_map(Modules::scattered));

@@ -79,7 +79,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let only = option("--only", "");
     let most: f64 = option("--seconds", "300").parse()?;
     println!(
-        "| scene | N | way | objective | gap | status | stationarity | CPU [s] | program |\n|---|---|---|---|---|---|---|---|---|"
+        "| scene | N | way | objective | gap | status | stationarity | iterations | CPU [s] | program |\n|---|---|---|---|---|---|---|---|---|---|"
     );
     let mut runs: Vec<Run> = Vec::new();
     for exhibit in exhibits() {
@@ -91,12 +91,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 let solution = solve(exhibit, intervals, way, most)?;
                 let gap = exhibit.gap(intervals, solution.objective);
                 println!(
-                    "| {} | {intervals} | {way} | {:.9} | {} | {} | {} | {:.2} | {} |",
+                    "| {} | {intervals} | {way} | {:.9} | {} | {} | {} | {} | {:.2} | {} |",
                     exhibit.name,
                     solution.objective,
                     gap.map_or("unknown".to_owned(), |gap| format!("{gap:.1e}")),
                     solution.status.name(),
                     solution.stationarity.name(),
+                    solution.counts.iterations + solution.counts.global_iterations,
                     solution.seconds.total,
                     program(&solution),
                 );

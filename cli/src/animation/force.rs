@@ -2,8 +2,8 @@
 //!
 //! A force `F` on a body at `p(q)` with the angle `a(q)`, and its moment `m` about `p`, are the generalized force
 //! `(dp/dq)' F + (da/dq)' m`. The one of a contact is `n lambda_n + b lambda_t`. The arrow belongs to the first body
-//! that can carry it, by least squares, and begins where the line on which `F` has the moment `m` enters the outline of
-//! the body.
+//! that can carry it, alone or against another body that takes the reaction, by least squares, and begins where the
+//! line on which `F` has the moment `m` enters the outline of the body.
 
 use hangtime::model::{Model, contact_point, tangent_point};
 use serde::Serialize;
@@ -39,10 +39,35 @@ impl Arrow {
 pub(super) fn arrows(drawing: &Drawing<'_>, model: &dyn Model, state: &State) -> Vec<Arrow> {
     let jacobians = jacobians(drawing, state);
     let placed = drawing.at(state);
+    let reach = |body: usize| drawing.bodies[body].reach();
+    let between = |one: usize, other: usize| {
+        let [[y, z], [b, c]] = [placed.places[one], placed.places[other]];
+        let reaches = [reach(one), reach(other)];
+        relative(
+            [&jacobians[one], &jacobians[other]],
+            [y - b, z - c],
+            reaches,
+        )
+    };
+    let bodies = 0..jacobians.len();
+    let pairs = bodies
+        .clone()
+        .flat_map(|one| bodies.clone().map(move |other| (one, other)));
+    let mut pairs: Vec<_> = pairs.filter(|(one, other)| one != other).collect();
+    // both bodies are touched where the force acts, and of a small one any place is near that
+    pairs.sort_by(|a, b| reach(a.0).total_cmp(&reach(b.0)));
+    let alone = jacobians.iter().cloned().enumerate().collect();
+    let pairs = pairs.into_iter();
+    let loaded = [
+        alone,
+        pairs
+            .map(|(one, other)| (one, between(one, other)))
+            .collect(),
+    ];
     (0..state.contact_force.len())
         .map(|contact| {
             let generalized = generalized_force(model, contact, state);
-            let Some((body, [y, z, moment])) = load(&jacobians, &generalized) else {
+            let Some((body, [y, z, moment])) = load(&loaded, &generalized) else {
                 return Arrow::default();
             };
             let outline = placed.outline(body, &drawing.bodies[body]);
@@ -58,20 +83,48 @@ pub(super) fn arrows(drawing: &Drawing<'_>, model: &dyn Model, state: &State) ->
         .collect()
 }
 
-/// The first body that carries a generalized force, and the load on it: a force through its place if one is enough.
-fn load(jacobians: &[Vec<[f64; 3]>], generalized: &[f64]) -> Option<(usize, [f64; 3])> {
+/// Bodies with the derivatives of what a load on them moves along.
+type Loaded = Vec<(usize, Vec<[f64; 3]>)>;
+
+/// The first body that carries a generalized force, and the load on it: a force through its place if one is enough, on the body alone
+/// (the first of `loaded`) rather than against another one.
+fn load(loaded: &[Loaded; 2], generalized: &[f64]) -> Option<(usize, [f64; 3])> {
     let size = generalized.iter().map(|q| q * q).sum::<f64>().sqrt();
-    let carried = |turning: f64| {
-        let mut loads = jacobians.iter().enumerate().map(|(body, jacobian)| {
+    let carried = |loaded: &Loaded, turning: f64| {
+        let mut loads = loaded.iter().map(|(body, jacobian)| {
             let columns = jacobian.iter();
             let columns = columns.map(|[y, z, angle]| [*y, *z, turning * angle]);
             let (load, residual) = least_squares(&columns.collect::<Vec<_>>(), generalized);
-            (residual, body, load)
+            (residual, *body, load)
         });
         loads.find(|(residual, ..)| size > 0.0 && *residual <= CARRIED * size)
     };
-    let (_, body, load) = carried(0.0).or_else(|| carried(1.0))?;
+    let ways = [0.0, 1.0].into_iter();
+    let mut ways = ways.flat_map(|turning| loaded.iter().map(move |loaded| (loaded, turning)));
+    let (_, body, load) = ways.find_map(|(loaded, turning)| carried(loaded, turning))?;
     Some((body, load))
+}
+
+/// Derivatives of the place and the angle of a body as seen from another one, which takes the reaction of a load where it acts: `apart` is
+/// the place of the first from that of the other.
+fn relative(
+    [one, other]: [&[[f64; 3]]; 2],
+    [y, z]: [f64; 2],
+    [reach, other_reach]: [f64; 2],
+) -> Vec<[f64; 3]> {
+    let seen = one.iter().zip(other).map(|(one, other)| {
+        let turn = if other_reach > 0.0 {
+            other[2] / other_reach
+        } else {
+            0.0
+        };
+        [
+            one[0] - (other[0] - turn * z),
+            one[1] - (other[1] + turn * y),
+            one[2] - reach * turn,
+        ]
+    });
+    seen.collect()
 }
 
 /// Where the line on which a force has the moment enters an outline, from the place of the body; the point of the line
@@ -194,7 +247,7 @@ fn least_squares(jacobian: &[[f64; 3]], generalized: &[f64]) -> ([f64; 3], f64) 
 
 #[cfg(test)]
 mod tests {
-    use super::{Arrow, arrows};
+    use super::{Arrow, Loaded, arrows, load, relative};
     use crate::drawing::Drawing;
     use crate::sampling::State;
     use crate::settings::{ChosenScene, find};
@@ -228,6 +281,29 @@ mod tests {
         // Central differences with a step of 1e-6 lose about 1e-10 of a slope.
         assert!((arrow.force[0] + 200.0 * slope).abs() < 1e-6, "{arrow:?}");
         assert!((arrow.force[1] - 200.0).abs() < 1e-6, "{arrow:?}");
+    }
+
+    #[test]
+    fn force_between_a_block_and_a_plank_that_turn_together_goes_through_the_block() {
+        // q = (angle of the plank, place along it, height above it), at an angle of 0.3, the block 1.2 out and 0.25 above its underside
+        let (angle, along, above) = (0.3_f64, 1.2, 0.25);
+        let (sin, cos) = angle.sin_cos();
+        let place = [along * cos - above * sin, along * sin + above * cos];
+        let plank = [[0.0, 0.0, 2.0], [0.0; 3], [0.0; 3]];
+        let block = [
+            [-place[1], place[0], 0.4],
+            [cos, sin, 0.0],
+            [-sin, cos, 0.0],
+        ];
+        // normal force 90 and friction -20 along the plank: nothing turns the plank, as the reaction acts on it
+        let generalized = [0.0, -20.0, 90.0];
+        let alone: Loaded = vec![(0, plank.to_vec()), (1, block.to_vec())];
+        let between = relative([&block, &plank], place, [0.4, 2.0]);
+        let (body, [y, z, moment]) = load(&[alone, vec![(1, between)]], &generalized).unwrap();
+        assert_eq!(body, 1);
+        assert!((y - (-20.0 * cos - 90.0 * sin)).abs() < 1e-5, "{y}");
+        assert!((z - (-20.0 * sin + 90.0 * cos)).abs() < 1e-5, "{z}");
+        assert!(moment.abs() < 1e-9, "{moment}");
     }
 
     #[test]

@@ -35,7 +35,7 @@ const PATIENCE: f64 = 2.0;
 /// theirs.
 fn methods() -> Vec<(&'static str, MethodArguments)> {
     let of = |method| MethodArguments {
-        method,
+        method: Some(method),
         ..MethodArguments::default()
     };
     let formulation = |formulation| MethodArguments {
@@ -43,7 +43,7 @@ fn methods() -> Vec<(&'static str, MethodArguments)> {
         ..MethodArguments::default()
     };
     vec![
-        ("finite elements (default)", MethodArguments::default()),
+        ("finite elements (default)", of(Method::Fesd)),
         ("time-freezing", formulation(FormulationName::TimeFreezing)),
         (
             "complementarity, 20 steps",

@@ -150,7 +150,7 @@ impl Reference {
                 .map_err(|error| chosen.refuse(&error))
         };
         let event = run(&MethodArguments {
-            method: Method::Event,
+            method: Some(Method::Event),
             tolerance: Some(EXACT_TOLERANCE),
             ..MethodArguments::default()
         })?;
@@ -158,6 +158,7 @@ impl Reference {
         let mut confirming = None;
         for tolerance in CONFIRMING {
             let elements = run(&MethodArguments {
+                method: Some(Method::Fesd),
                 tolerance: Some(tolerance),
                 ..MethodArguments::default()
             })?;

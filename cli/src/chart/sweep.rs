@@ -46,7 +46,7 @@ impl Sweep {
 
     /// Whether these are event-driven runs, which have to be measured against something else.
     pub(super) fn event_driven(&self) -> bool {
-        let event = |settings: &MethodArguments| settings.method == Method::Event;
+        let event = |settings: &MethodArguments| settings.method == Some(Method::Event);
         self.settings.iter().any(event)
     }
 }
@@ -190,7 +190,7 @@ fn controlled() -> Vec<Sweep> {
             6,
             false,
             MethodArguments {
-                method: Method::Event,
+                method: Some(Method::Event),
                 ..MethodArguments::default()
             },
         ),
@@ -223,7 +223,7 @@ fn others() -> Vec<Sweep> {
         (1, Method::Fixed, "fixed steps"),
     ] {
         let with_steps = |&steps| MethodArguments {
-            method,
+            method: Some(method),
             steps: Some(steps),
             ..MethodArguments::default()
         };
@@ -238,7 +238,7 @@ fn others() -> Vec<Sweep> {
         });
     }
     let with_width = |&width: &f64| MethodArguments {
-        method: Method::Smooth,
+        method: Some(Method::Smooth),
         width: Some(width),
         tolerance: Some(width * SMOOTHED_TOLERANCE),
         ..MethodArguments::default()

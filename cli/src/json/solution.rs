@@ -6,6 +6,8 @@ use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
 use serde::Serialize;
 
+use crate::table::counted;
+
 use super::parts::{
     EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA,
     SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
@@ -31,6 +33,9 @@ pub(crate) struct SolverSettings {
     pub(crate) elements: usize,
     /// Starts that were solved side by side.
     pub(crate) starts: usize,
+    /// Whether these are the most there may be: nobody asked for a number, and fewer may agree on the best.
+    #[serde(skip)]
+    up_to: bool,
     /// Finite elements of a phase, also of the motion that a time-freezing program leads to.
     #[serde(skip)]
     of_a_phase: usize,
@@ -59,7 +64,18 @@ impl SolverSettings {
             control_shape: settings.controls.name(),
             elements,
             starts: settings.starts(),
+            up_to: settings.starts.is_none(),
             of_a_phase: settings.elements,
+        }
+    }
+
+    /// How many starts there are, or may be.
+    pub(crate) fn counted_starts(&self) -> String {
+        let starts = counted(self.starts, "start");
+        if self.up_to && self.starts > 1 {
+            format!("up to {starts}")
+        } else {
+            starts
         }
     }
 

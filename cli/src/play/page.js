@@ -366,8 +366,22 @@ const choose = (name) => {
   open(name, page.edits.get(name) ?? original);
 };
 
-// A link that holds the scene: name, text and changed parameters, compressed.
-const through = async (bytes, stream) => new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());
+// A link that holds the scene: name, text and changed parameters, compressed. A short link unpacks to gigabytes if it was made to [bytes].
+const mostUnpacked = 4e6;
+const through = async (bytes, stream) => {
+  const reader = new Blob([bytes]).stream().pipeThrough(stream).getReader();
+  const parts = [];
+  let length = 0;
+  for (let read = await reader.read(); !read.done; read = await reader.read()) {
+    length += read.value.length;
+    if (length > mostUnpacked) {
+      reader.cancel().catch(() => {});
+      throw new RangeError(`a link holds at most ${mostUnpacked} bytes`);
+    }
+    parts.push(read.value);
+  }
+  return new Uint8Array(await new Blob(parts).arrayBuffer());
+};
 const packLink = async () => {
   const content = JSON.stringify({ name: page.name, text: text.value, values: Object.fromEntries(page.values) });
   const packed = await through(new TextEncoder().encode(content), new CompressionStream("deflate-raw"));

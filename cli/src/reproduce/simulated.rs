@@ -24,12 +24,19 @@ use crate::timing::{EXACT_TOLERANCE, fastest};
 /// of the published positions.
 fn methods() -> [(&'static str, &'static str, MethodArguments); 4] {
     [
-        ("FESD defaults", "fesd", MethodArguments::default()),
+        (
+            "FESD defaults",
+            "fesd",
+            MethodArguments {
+                method: Some(Method::Fesd),
+                ..MethodArguments::default()
+            },
+        ),
         (
             "event-driven, 1e-13",
             "exact",
             MethodArguments {
-                method: Method::Event,
+                method: Some(Method::Event),
                 tolerance: Some(EXACT_TOLERANCE),
                 ..MethodArguments::default()
             },

@@ -91,10 +91,11 @@ impl SimulationTask {
 
 /// Refuses to differentiate what a method finds that does not locate events.
 fn refuse_without_events(arguments: &SimulateArguments) -> Result<(), BadInput> {
-    let method = arguments.method.method;
-    if arguments.gradient.is_empty() || matches!(method, Method::Fesd | Method::Event) {
+    let located = |method: &Method| matches!(method, Method::Fesd | Method::Event);
+    let method = arguments.method.method.filter(|method| !located(method));
+    let Some(method) = method.filter(|_| !arguments.gradient.is_empty()) else {
         return Ok(());
-    }
+    };
     Err(BadInput::new(format!(
         "--gradient has no meaning for --method {}, which does not locate events; use fesd or event",
         name_of(method)

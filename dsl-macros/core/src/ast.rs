@@ -114,6 +114,8 @@ pub(crate) struct Law {
     pub(crate) along: Option<Expr>,
     /// Coordinates that are rigid under the impulse.
     pub(crate) holding: Vec<Name>,
+    /// Whether contacts that touch are struck one after the other.
+    pub(crate) sequence: bool,
 }
 
 /// An entry of `picture`.

@@ -148,6 +148,8 @@ pub(crate) struct Contact {
     pub(crate) along: Option<Vec<Sym>>,
     /// Coordinates that are rigid under the impulse, increasing.
     pub(crate) held: Vec<usize>,
+    /// Whether contacts that touch are struck one after the other.
+    pub(crate) sequence: bool,
     /// Coefficient of restitution; `None` for an inelastic contact.
     pub(crate) restitution: Option<Sym>,
     pub(crate) friction: Option<Friction>,

@@ -243,13 +243,14 @@ pub(crate) fn unknown_statement(text: &str, near: Option<&str>) -> Option<String
 }
 
 /// Words that begin a part of an impact law.
-pub(crate) const LAW_PARTS: [&str; 6] = [
+pub(crate) const LAW_PARTS: [&str; 7] = [
     "inelastic",
     "restitution",
     "friction",
     "sliding",
     "along",
     "holding",
+    "in",
 ];
 
 /// Words that begin a part of `dry friction`; the first may be taken by declarations.

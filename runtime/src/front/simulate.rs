@@ -8,7 +8,8 @@ use crate::simulation::{
 };
 use crate::{Observer, Progress};
 
-/// Simulates a scene as it declares: from its start over its horizon, without controls, by finite elements.
+/// Simulates a scene as it declares: from its start over its horizon, without controls, by finite elements, or from event to event
+/// where these fail.
 /// [`Simulate`] changes any of that.
 ///
 /// ```
@@ -36,7 +37,10 @@ use crate::{Observer, Progress};
 pub fn simulate(model: &dyn Model) -> Simulate<'_> {
     Simulate {
         model,
-        method: Box::new(Fesd::default()),
+        method: Box::new(Fesd {
+            hands_over: true,
+            ..Fesd::default()
+        }),
         tolerance: None,
         steps: None,
         horizon: None,
@@ -88,7 +92,7 @@ pub struct Simulate<'a> {
 }
 
 impl<'a> Simulate<'a> {
-    /// The method, with its settings; default [`Fesd`].
+    /// The method, with its settings; default [`Fesd`], and [`EventDriven`](crate::simulation::EventDriven) where that fails.
     pub fn method(mut self, method: impl Simulator + 'a) -> Self {
         self.method = Box::new(method);
         self

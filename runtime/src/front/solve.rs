@@ -95,7 +95,7 @@ impl<'a> Solve<'a> {
         self
     }
 
-    /// Final time \[s\], where the declared one, or a free one, is not meant.
+    /// Final time \[s\], where the declared one is not meant. A free one is fixed by it; `--horizon` of the command line is a guess of that.
     pub fn horizon(mut self, seconds: f64) -> Self {
         self.horizon = Some(seconds);
         self

@@ -110,6 +110,9 @@ pub struct ContactDeclaration {
     pub custom_direction: bool,
     /// Coordinates (indices) that are rigid under the contact force.
     pub held: &'static [usize],
+    /// Whether contacts that touch are struck one after the other: this one takes part in an impact only where it approaches, as if
+    /// there were a gap too small to be seen; at once with all others that touch otherwise (Moreau's law).
+    pub sequence: bool,
     /// Other contacts (indices) of the same edge, whose gaps are the pieces of a `max`: this one acts only where its gap
     /// is the largest of theirs. Empty for a surface without edges.
     pub alternatives: &'static [usize],

@@ -97,6 +97,7 @@ impl Problem {
         };
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
+        InitialValueProblem::check_at_once(model, "optimal control")?;
         let (lower, upper) = bounds(model);
         let declaration = model.declaration();
         let bounded = declaration

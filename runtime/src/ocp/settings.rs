@@ -102,11 +102,12 @@ pub enum Formulation {
 /// Where contact sequences are looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SearchSpace {
-    /// On control grids, from coarse to fine: each switch in one of the intervals.
+    /// Over words, orders of contact modes with phases of free length; the best are put on the grid at last. Where none of them leads to a
+    /// motion, and where a number of [`starts`](Settings::starts) is asked for, it is looked for on grids.
     #[default]
-    Grids,
-    /// Over words, orders of contact modes with phases of free length; the best are put on the grid at last.
     Words,
+    /// On control grids, from coarse to fine: each switch in one of the intervals.
+    Grids,
 }
 
 /// How a problem is transcribed; change fields of [`TimeFreezingSettings::default`].
@@ -207,7 +208,7 @@ pub enum PathPoints {
 pub struct Settings {
     /// How the contact sequence is found; default [`Formulation::Phases`].
     pub formulation: Formulation,
-    /// Where contact sequences are looked for by [`Formulation::Phases`]; default [`SearchSpace::Grids`].
+    /// Where contact sequences are looked for by [`Formulation::Phases`]; default [`SearchSpace::Words`].
     pub search: SearchSpace,
     /// Controls on each interval; default constant.
     pub controls: ControlShape,

@@ -47,6 +47,11 @@ impl Comparison {
         }
     }
 
+    /// Time up to which the two have the same events at the same places \[s\].
+    pub(super) fn until(&self) -> f64 {
+        self.until
+    }
+
     /// The difference, unless the finer run knows of a larger error.
     pub(super) fn apart(&self) -> Option<f64> {
         self.steps.is_none().then_some(self.error)
@@ -270,6 +275,7 @@ impl Spent {
     /// The result with the work of all runs; elements are those of the result.
     pub(super) fn charge(mut self, mut result: Simulation) -> Simulation {
         self.counts.elements = result.counts.elements;
+        self.counts.events = result.counts.events;
         result.counts = self.counts;
         result.seconds.total = self.seconds;
         result

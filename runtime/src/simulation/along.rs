@@ -5,6 +5,11 @@ use crate::model::{ImpactLaw, Model, Pieces, contact_point};
 
 /// Places in the whole horizon at which gaps are looked at.
 const PLACES: f64 = 4000.0;
+/// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
+/// without passing zero.
+const LEAPS: f64 = 1e-3;
+/// Share of the terms of a gap that is rounding error.
+const ROUNDING: f64 = 1e-12;
 /// Halvings of the way between two places to where a gap closes.
 const HALVINGS: usize = 50;
 
@@ -101,6 +106,39 @@ pub(super) fn passed_over(
     missed
 }
 
+/// The first contact whose gap changes its sign without passing zero between two instants of a run, and the time \[s\]: through
+/// infinity, or by a jump. Steps that locate no switches fly through it and notice nothing.
+pub(super) fn leap(run: &Simulation, model: &dyn Model) -> Option<(f64, usize)> {
+    let contacts = model.declaration().contacts;
+    let mut between = Between::new(run, model);
+    let mut largest = vec![0.0_f64; contacts.len()];
+    for next in 1..run.trajectory.time.len() {
+        let times = [run.trajectory.time[next - 1], run.trajectory.time[next]];
+        for i in (0..contacts.len()).filter(|&i| !contacts[i].dry) {
+            let first = between.gap(i, next, times[0]);
+            between.pieces.choose(model, &between.x);
+            if between.pieces.is_idle(i) {
+                continue;
+            }
+            largest[i] = largest[i].max(first.abs());
+            if first <= 0.0 || times[1] <= times[0] {
+                continue;
+            }
+            let rounding = between.rounding(i).max(ROUNDING * largest[i]);
+            let last = between.gap(i, next, times[1]);
+            if last >= 0.0 {
+                continue;
+            }
+            let (open, closed) = between.around_zero(i, next, (times[0], times[1]));
+            let left = between.gap(i, next, open) - between.gap(i, next, closed);
+            if left > (LEAPS * first.max(-last)).max(rounding) {
+                return Some((closed, i));
+            }
+        }
+    }
+    None
+}
+
 /// The motion between two instants of a trajectory.
 struct Between<'a> {
     run: &'a Simulation,
@@ -155,7 +193,7 @@ impl<'a> Between<'a> {
         let gaps: Vec<f64> = (0..=parts)
             .map(|part| self.gap(contact, next, at(part)))
             .collect();
-        let (mut open, mut closed) = match gaps.iter().position(|gap| *gap < 0.0) {
+        let (open, mut closed) = match gaps.iter().position(|gap| *gap < 0.0) {
             Some(closed) => (at(closed - 1), at(closed)),
             None => {
                 // A minimum that could reach the ground with the slopes beside it.
@@ -167,6 +205,19 @@ impl<'a> Between<'a> {
                 (at(lowest - 1), bottom?)
             }
         };
+        (_, closed) = self.around_zero(contact, next, (open, closed));
+        self.gap(contact, next, closed);
+        Some(closed)
+    }
+
+    /// Neighbouring times before instant `next` between which a gap becomes negative that is not so at the first of these
+    /// times and is at the second.
+    fn around_zero(
+        &mut self,
+        contact: usize,
+        next: usize,
+        (mut open, mut closed): (f64, f64),
+    ) -> (f64, f64) {
         for _ in 0..HALVINGS {
             let middle = 0.5 * (open + closed);
             if self.gap(contact, next, middle) < 0.0 {
@@ -175,8 +226,17 @@ impl<'a> Between<'a> {
                 open = middle;
             }
         }
-        self.gap(contact, next, closed);
-        Some(closed)
+        (open, closed)
+    }
+
+    /// Rounding error of a gap at the state that is loaded, by its slopes and the coordinates.
+    fn rounding(&mut self, contact: usize) -> f64 {
+        let n = self.run.trajectory.q[0].len();
+        self.pieces
+            .contact(self.model, contact, &self.x, &mut self.point);
+        let normal = &self.point[contact_point::NORMAL..][..n];
+        let terms = normal.iter().zip(&self.x).map(|(n, q)| (n * q).abs());
+        ROUNDING * terms.sum::<f64>()
     }
 
     /// Where the gap of a contact has its minimum between two times, if it is negative there: by golden section.

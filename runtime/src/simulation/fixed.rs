@@ -201,6 +201,7 @@ impl<'a> FixedRun<'a> {
             Err(status) => self.result.status = status,
         }
         self.result.counts.evaluations = self.dynamics.evaluations;
+        self.result.counts.events = self.result.events.len();
         self.result
     }
 

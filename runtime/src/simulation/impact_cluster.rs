@@ -4,7 +4,7 @@
 //! so the gaps change at constant rates between two impacts:
 //!
 //! 1. Of the contacts that approach, that with the least `g_i / -v_n,i` is struck, together with those that rest
-//!    on their bodies; the other gaps change by as much as they do until then.
+//!    on their bodies, unless these are struck `in sequence`; the other gaps change by as much as they do until then.
 //! 2. Each impact follows the impact law of the run; one that would raise the kinetic energy on ground at rest has no restitution.
 //! 3. The cluster ends when no contact approaches, or after [`MOST_IMPACTS`] with an impact without restitution of
 //!    all at once: what then still approaches does so by a share of its speed that falls with each impact.
@@ -60,6 +60,8 @@ pub(super) struct NearContact {
     pub(super) gap: f64,
     /// Rounding error of the gap, 0 for a contact that is held.
     pub(super) rounding: f64,
+    /// Whether it takes part only where it approaches, although it rests.
+    pub(super) sequence: bool,
 }
 
 /// What a cluster did.
@@ -83,11 +85,12 @@ const JOINED: &str = "impacts of several contacts that follow too fast to be tol
     other at one instant";
 
 impl Cluster {
-    /// What a user should know of it.
-    pub(super) fn note(&self) -> Option<&'static str> {
+    /// What a user should know of it, where its impacts follow `too_fast` to be told apart. Of those that a scene wants one after the other
+    /// nothing, unless rounding decides.
+    pub(super) fn note(&self, too_fast: bool) -> Option<&'static str> {
         if self.undecided {
             Some(UNDECIDED)
-        } else if self.impacts > 1 {
+        } else if too_fast && self.impacts > 1 {
             Some(JOINED)
         } else {
             None
@@ -139,6 +142,26 @@ pub(super) fn resolve<B: Bodies>(
     Ok(cluster)
 }
 
+/// By how much the normal velocities after the impact of all contacts `near` at once differ from those after impacts one after
+/// the other; the velocities are as before.
+///
+/// # Errors
+/// That of an impact without a solution.
+pub(super) fn order_matters<B: Bodies>(
+    bodies: &mut B,
+    near: &[NearContact],
+) -> Result<Vec<f64>, B::Error> {
+    let before = bodies.velocity().to_vec();
+    let sequence = run(bodies, &mut near.to_vec()).map(|_| normal_velocities(bodies, near));
+    bodies.velocity().copy_from_slice(&before);
+    let contacts: Vec<usize> = near.iter().map(|near| near.contact).collect();
+    let together = bodies.strike(&contacts, true);
+    let together = together.map(|_| normal_velocities(bodies, near));
+    bodies.velocity().copy_from_slice(&before);
+    let pairs = sequence?.into_iter().zip(together?);
+    Ok(pairs.map(|(one, other)| (one - other).abs()).collect())
+}
+
 fn normal_velocities<B: Bodies>(bodies: &mut B, near: &[NearContact]) -> Vec<f64> {
     near.iter()
         .map(|near| bodies.normal_velocity(near.contact))
@@ -149,28 +172,31 @@ fn normal_velocities<B: Bodies>(bodies: &mut B, near: &[NearContact]) -> Vec<f64
 fn run<B: Bodies>(bodies: &mut B, near: &mut [NearContact]) -> Result<Cluster, B::Error> {
     let mut cluster = Cluster::default();
     loop {
-        let velocities: Vec<f64> = near
-            .iter()
-            .map(|near| {
-                let velocity = bodies.normal_velocity(near.contact);
-                let rests = velocity.abs() <= bodies.zero_velocity(near.contact);
-                if rests { 0.0 } else { velocity }
-            })
-            .collect();
-        let approaching = near.iter().zip(&velocities).filter(|(_, v)| **v < 0.0);
-        let Some(time) = approaching.map(|(near, v)| near.gap / -v).reduce(f64::min) else {
+        let velocities = approaches(bodies, near);
+        // The time of each is compared as it is: multiplied by the velocity again it need not give the gap.
+        let after = near.iter().zip(&velocities).map(|(near, &v)| {
+            if v < 0.0 {
+                near.gap / -v
+            } else {
+                f64::INFINITY
+            }
+        });
+        let after: Vec<f64> = after.collect();
+        let time = after.iter().copied().fold(f64::INFINITY, f64::min);
+        if time == f64::INFINITY {
             break;
-        };
+        }
         let exhausted = cluster.impacts == MOST_IMPACTS;
         let mut together = Vec::new();
-        for (near, &velocity) in near.iter_mut().zip(&velocities) {
-            let struck = velocity < 0.0 && near.gap <= -velocity * time;
+        for ((near, &velocity), after) in near.iter_mut().zip(&velocities).zip(after) {
+            let struck = after <= time;
             near.gap = if struck {
                 0.0
             } else {
                 (near.gap + velocity * time).max(0.0)
             };
-            if exhausted || near.gap == 0.0 && velocity <= 0.0 {
+            let rests = velocity == 0.0 && !near.sequence;
+            if exhausted || near.gap == 0.0 && (velocity < 0.0 || rests) {
                 together.push(near.contact);
             }
             if (struck || exhausted && velocity < 0.0) && !cluster.struck.contains(&near.contact) {
@@ -195,6 +221,16 @@ fn run<B: Bodies>(bodies: &mut B, near: &mut [NearContact]) -> Result<Cluster, B
     }
     cluster.struck.sort_unstable();
     Ok(cluster)
+}
+
+/// The normal velocities, 0 of contacts that neither approach nor leave.
+fn approaches<B: Bodies>(bodies: &mut B, near: &[NearContact]) -> Vec<f64> {
+    let velocities = near.iter().map(|near| {
+        let velocity = bodies.normal_velocity(near.contact);
+        let rests = velocity.abs() <= bodies.zero_velocity(near.contact);
+        if rests { 0.0 } else { velocity }
+    });
+    velocities.collect()
 }
 
 /// An impact that does not raise the kinetic energy on ground at rest.

@@ -95,6 +95,7 @@ impl Simulator for Moreau {
     ) -> Result<Simulation, InputError> {
         super::fixed::check(self.steps, self.auxiliary_acceleration)?;
         problem.check(model)?;
+        InitialValueProblem::check_at_once(model, "Moreau's time stepping")?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
         let others = OtherGrid::of_steps(self.steps, |steps| Self {

@@ -9,12 +9,15 @@
 
 use super::agreement::{Comparison, Spent, share};
 use super::along;
+use super::problem::leaps;
 use super::watch::Watch;
-use super::{InitialValueProblem, Simulation, SimulationStatus};
+use super::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus};
 use crate::model::Model;
 
 /// Estimated error above which a run says so: what a curve in a figure shows.
 const SUSPECT: f64 = 1e-3;
+/// Estimated error above which a run that locates nothing is none: the largest values themselves, of which it then says nothing.
+const WORTHLESS: f64 = 1.0;
 /// Steps of a run that is compared with another one, besides half of them: what steps of one length do not see of an
 /// oscillation, because they are some of its periods, twice that length does not see either.
 const INCOMMENSURABLE: f64 = 0.618;
@@ -94,6 +97,13 @@ pub(super) fn estimated<M>(
     watch.restart(true);
     let mut run = simulate(asked, watch);
     spent.add(&run);
+    let interrupted = matches!(run.status, SimulationStatus::Interrupted(_));
+    if !judge.locates
+        && !interrupted
+        && let Some(status) = leapt(&run, scene.0)
+    {
+        run.status = status;
+    }
     if !run.status.is_solved() {
         return spent.charge(run);
     }
@@ -107,24 +117,41 @@ pub(super) fn estimated<M>(
         run.error_estimate = Some(f64::INFINITY);
         return spent.charge(run);
     }
-    let (error, by) = error(&mut run, &compared, judge, scene);
+    let found = error(&mut run, &compared, judge, scene);
+    say(&mut run, found, judge);
+    spent.charge(run)
+}
+
+/// Says what a run with this `error` is worth, which is known by something `until` a time \[s\].
+fn say(run: &mut Simulation, (error, by, until): (f64, &'static str, f64), judge: &Judge) {
     run.error_estimate = Some(error);
-    if error > SUSPECT {
+    if error > WORTHLESS && !judge.locates {
+        run.status = SimulationStatus::Inaccurate(Diagnosis {
+            time: until,
+            step: 0,
+            contact: None,
+            message: format!(
+                "the error is estimated at {error:.0e} of the largest values, by {by}, so that the run says nothing of the \
+                 motion; {}",
+                judge.remedy
+            ),
+        });
+    } else if error > SUSPECT {
         run.notes.push(format!(
             "the error is estimated at {error:.0e} of the largest values, by {by}; {}",
             judge.remedy
         ));
     }
-    spent.charge(run)
 }
 
-/// The error of a run by the distance to others and by what it knows itself, and what says so.
+/// The error of a run by the distance to others and by what it knows itself, what says so, and the time \[s\] up to which all
+/// have the same events.
 fn error(
     run: &mut Simulation,
     others: &[(Simulation, &'static str)],
     judge: &Judge,
     scene: (&dyn Model, &InitialValueProblem),
-) -> (f64, &'static str) {
+) -> (f64, &'static str, f64) {
     let own = run.error_estimate.take().unwrap_or(0.0);
     let mut largest = (own, "the errors of its steps");
     let mut take = |error: f64, by: &'static str| {
@@ -132,12 +159,12 @@ fn error(
             largest = (error, by);
         }
     };
+    let mut until = f64::INFINITY;
     for (other, words) in others {
         run.error_estimate = None;
-        take(
-            Comparison::of(other, run, scene, f64::INFINITY).error,
-            words,
-        );
+        let compared = Comparison::of(other, run, scene, SUSPECT);
+        take(compared.error, words);
+        until = until.min(compared.until());
         if !judge.locates {
             take(share(run, scene, &along::apart(other, run)), words);
         }
@@ -146,5 +173,20 @@ fn error(
         let missed = along::passed_over(run, scene);
         take(share(run, scene, &missed), "contacts between its steps");
     }
-    largest
+    let until = if until.is_finite() { until } else { 0.0 };
+    (largest.0, largest.1, until)
+}
+
+/// The status of a run that has flown through a surface whose gap changes its sign without passing zero.
+fn leapt(run: &Simulation, model: &dyn Model) -> Option<SimulationStatus> {
+    let (time, contact) = along::leap(run, model)?;
+    let steps = &run.trajectory.time;
+    Some(SimulationStatus::NotFinite(Diagnosis {
+        time,
+        step: steps
+            .partition_point(|start| *start < time)
+            .saturating_sub(1),
+        contact: Some(contact),
+        message: leaps(model.declaration().contacts[contact].name),
+    }))
 }

@@ -339,6 +339,21 @@ impl InitialValueProblem {
         }
     }
 
+    /// Refuses a scene that wants contacts to be struck one after the other, for methods whose impacts are all at once.
+    pub(crate) fn check_at_once(model: &dyn Model, method: &str) -> Result<(), InputError> {
+        let contacts = model.declaration().contacts;
+        match contacts.iter().find(|known| known.sequence) {
+            None => Ok(()),
+            Some(contact) => Err(refusal::unsupported(
+                format!(
+                    "the impact law of `{}`, in sequence, by {method}",
+                    contact.name
+                ),
+                "simulate by finite elements or from event to event, or leave `in sequence` out",
+            )),
+        }
+    }
+
     /// The input vector `x = (q, v, u)` at the start of a problem that was checked.
     pub(crate) fn input(&self, model: &dyn Model) -> Vec<f64> {
         let declaration = model.declaration();
@@ -350,6 +365,53 @@ impl InitialValueProblem {
             .write_checked(0.0, &mut x[2 * n..2 * n + declaration.controls.len()]);
         x
     }
+}
+
+/// What is wrong where the inertia has fallen to nothing: the first coordinate whose pivot in the mass matrix is below the share
+/// [`VANISHES`] of what it was at the start `begin`; `x` is the input here.
+pub(crate) fn vanishing_inertia(model: &dyn Model, begin: &[f64], x: &[f64]) -> Option<String> {
+    let coordinates = model.declaration().coordinates;
+    let (then, now) = (pivots(model, begin), pivots(model, x));
+    let pairs = coordinates.iter().zip(then.iter().zip(&now));
+    let fallen = |(then, now): (&f64, &f64)| *now < VANISHES * then;
+    pairs
+        .filter(|(_, pivots)| fallen(*pivots))
+        .map(|(coordinate, (then, now))| {
+            format!(
+                "the inertia of `{}` falls to nothing here, {:.1e} of what it was at the start, so that its velocity grows beyond \
+                 all bounds; check the kinetic energy of the scene",
+                coordinate.name,
+                now / then
+            )
+        })
+        .next()
+}
+
+/// Share of the inertia at the start that is none.
+const VANISHES: f64 = 1e-6;
+
+/// Pivots of the mass matrix without exchange of rows, each the inertia of its coordinate where those before it move freely.
+fn pivots(model: &dyn Model, x: &[f64]) -> Vec<f64> {
+    let n = model.declaration().coordinates.len();
+    let mut mass = vec![0.0; n * n];
+    model.mass_matrix(x, &mut mass);
+    for k in 0..n {
+        for row in k + 1..n {
+            let factor = mass[row * n + k] / mass[k * n + k];
+            for column in k..n {
+                mass[row * n + column] -= factor * mass[k * n + column];
+            }
+        }
+    }
+    (0..n).map(|k| mass[k * n + k]).collect()
+}
+
+/// What is wrong where a gap has one sign and then the other, and vanishes nowhere between.
+pub(crate) fn leaps(name: &str) -> String {
+    format!(
+        "the gap of `{name}` changes its sign without passing zero, through infinity or by a jump, so that nothing can close; \
+         check divisions, poles and angles of the scene"
+    )
 }
 
 /// What is wrong where the bound of a dry friction falls below zero.

@@ -48,7 +48,8 @@ pub struct Simulation {
     /// start only: [`Moreau`](super::Moreau) those of its first step, [`Smooth`](super::Smooth) which contacts are
     /// closed up to its width.
     pub initial_modes: Vec<ContactMode>,
-    /// Switches of the contact mode in order of time.
+    /// Switches of the contact mode in order of time. Of more than 200,000 one of so many is listed, which a note says;
+    /// [`Counts::events`] is the number of all.
     pub events: Vec<Event>,
     /// States at the accepted grid points; both sides of an impact are kept.
     pub trajectory: Trajectory,
@@ -248,6 +249,8 @@ pub enum SimulationStatus {
     AmbiguousContact(Diagnosis),
     /// The limit on the number of steps was reached before the horizon.
     StepLimit(Diagnosis),
+    /// The limit on the number of events was reached before the horizon.
+    EventLimit(Diagnosis),
     /// Reached the horizon, but not with the accuracy that is promised: the time of the diagnosis is that of the last
     /// event up to which two runs agree.
     Inaccurate(Diagnosis),
@@ -270,6 +273,7 @@ impl SimulationStatus {
             Self::NotFinite(_) => "not_finite",
             Self::AmbiguousContact(_) => "ambiguous_contact",
             Self::StepLimit(_) => "step_limit",
+            Self::EventLimit(_) => "event_limit",
             Self::Inaccurate(_) => "inaccurate",
         }
     }
@@ -284,6 +288,7 @@ impl SimulationStatus {
             | Self::NotFinite(diagnosis)
             | Self::AmbiguousContact(diagnosis)
             | Self::StepLimit(diagnosis)
+            | Self::EventLimit(diagnosis)
             | Self::Inaccurate(diagnosis) => Some(diagnosis),
         }
     }
@@ -357,7 +362,7 @@ pub struct Event {
     /// Velocities just after.
     pub v_after: Vec<f64>,
     /// Normal impulse of every contact in the impact \[N s for a gap in metres\], 0 for those that take no part; events
-    /// that are found together share it. Empty unless this is an impact.
+    /// that are found together share it. Empty unless this is an impact, and where not all events are listed.
     ///
     /// It follows from the jump of the velocities. Where contacts are so many that different impulses give the same
     /// jump, it is the smallest.
@@ -486,6 +491,21 @@ pub struct Counts {
     pub elements: usize,
     /// Steps that needed the interior point fallback.
     pub fallbacks: usize,
+    /// Switches of the contact mode, listed or not; 0 for methods without events.
+    pub events: usize,
+}
+
+impl Counts {
+    /// The work of both; elements are those of the first.
+    pub(super) fn with(mut self, other: &Self) -> Self {
+        self.interior_point += other.interior_point;
+        self.crossover += other.crossover;
+        self.newton += other.newton;
+        self.factorizations += other.factorizations;
+        self.evaluations += other.evaluations;
+        self.fallbacks += other.fallbacks;
+        self
+    }
 }
 
 fn outside(time: f64, bound: &str) -> InputError {

@@ -112,6 +112,7 @@ impl Simulator for Smooth {
         }
         problem.check(model)?;
         InitialValueProblem::check_inelastic(model, self.name())?;
+        InitialValueProblem::check_at_once(model, "smoothed steps")?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
         let other = OtherGrid {

@@ -68,6 +68,25 @@ impl Trajectory {
         self.friction_force.truncate(instants);
     }
 
+    /// Leaves out both sides of every second jump.
+    pub(super) fn thin_jumps(&mut self) {
+        let last = self.time.len().saturating_sub(1);
+        let (mut jumps, mut keeps) = (0_usize, vec![true; self.time.len()]);
+        let mut first = 0;
+        while first <= last && !keeps.is_empty() {
+            let now = self.time[first];
+            let together = self.time[first..].iter().take_while(|t| **t == now).count();
+            if together > 1 {
+                jumps += 1;
+                let ends = first == 0 || first + together > last;
+                let leaves = jumps.is_multiple_of(2) && !ends;
+                keeps[first..first + together].fill(!leaves);
+            }
+            first += together.max(1);
+        }
+        self.select(&keeps);
+    }
+
     /// Keeps one of `stride` instants from entry `first + skip` on, what stands before entry `first`, the last one, and
     /// both sides of every jump.
     pub(super) fn thin(&mut self, first: usize, skip: usize, stride: usize) {
@@ -82,19 +101,24 @@ impl Trajectory {
                 k < first || k == last || regular || jumps(k)
             })
             .collect();
+        self.select(&keeps);
+    }
+
+    /// Keeps the instants that are marked.
+    fn select(&mut self, keeps: &[bool]) {
         fn select<T>(rows: &mut Vec<T>, keeps: &[bool]) {
             let mut keeps = keeps.iter();
             rows.retain(|_| keeps.next().is_none_or(|&keep| keep));
         }
         self.columns.take();
         self.outputs.take();
-        select(&mut self.time, &keeps);
-        select(&mut self.numerical_time, &keeps);
-        select(&mut self.q, &keeps);
-        select(&mut self.v, &keeps);
-        select(&mut self.u, &keeps);
-        select(&mut self.contact_force, &keeps);
-        select(&mut self.friction_force, &keeps);
+        select(&mut self.time, keeps);
+        select(&mut self.numerical_time, keeps);
+        select(&mut self.q, keeps);
+        select(&mut self.v, keeps);
+        select(&mut self.u, keeps);
+        select(&mut self.contact_force, keeps);
+        select(&mut self.friction_force, keeps);
     }
 
     /// Appends one instant.

@@ -10,6 +10,9 @@ use super::{
 };
 use crate::{Observer, Progress};
 
+/// Times as many points as are asked for that a trajectory has where jumps alone take more.
+const WITH_JUMPS: usize = 4;
+
 /// The observer of a run and the length of its trajectory.
 pub(super) struct Watch<'o> {
     observer: &'o mut Observer<'o>,
@@ -27,6 +30,8 @@ pub(super) struct Watch<'o> {
     thinned: usize,
     /// Points after these before the next one that is kept.
     skip: usize,
+    /// Whether jumps have been left out as well.
+    jumps_left_out: bool,
     /// Whether no controls are given.
     uncontrolled: bool,
 }
@@ -43,6 +48,7 @@ impl<'o> Watch<'o> {
             stride: 1,
             thinned: 0,
             skip: 0,
+            jumps_left_out: false,
             uncontrolled: matches!(problem.controls, ControlSignal::Zero),
         }
     }
@@ -54,6 +60,7 @@ impl<'o> Watch<'o> {
         self.stride = 1;
         self.thinned = 0;
         self.skip = 0;
+        self.jumps_left_out = false;
         self.shown = shown;
     }
 
@@ -99,9 +106,14 @@ impl<'o> Watch<'o> {
             self.stride *= 2;
         }
         self.thinned = trajectory.time.len() - 1;
-        // Jumps are kept whatever their number.
         if 4 * self.thinned > 3 * self.points {
-            self.points *= 2;
+            if self.points < WITH_JUMPS * self.most_points {
+                self.points *= 2;
+            } else {
+                trajectory.thin_jumps();
+                self.thinned = trajectory.time.len() - 1;
+                self.jumps_left_out = true;
+            }
         }
     }
 
@@ -113,6 +125,18 @@ impl<'o> Watch<'o> {
                 "this method does not tell impacts from lasting forces: outputs with impulses are no numbers; take one \
                  with events"
                     .into(),
+            );
+        }
+        let listed = result.events.len();
+        if result.counts.events > listed {
+            result.notes.push(format!(
+                "{listed} of {} events are listed, evenly, and impulses are not recorded",
+                result.counts.events
+            ));
+        }
+        if self.jumps_left_out {
+            result.notes.push(
+                "impacts are so many that the trajectory leaves out some: between two of its points there may be others".into(),
             );
         }
         if self.uncontrolled {

@@ -127,3 +127,81 @@ fn words_and_grids_come_to_the_same_optimum_of_a_ball_that_is_thrown_against_a_f
         grids.objective
     );
 }
+
+hangtime::model! {
+    /// A hand shoves a puck towards a line that the hand must not pass; the puck slides on over a rough floor.
+    Shove {
+        parameters { mu = 0.15, g: m/s^2 = 9.81, most: N = 30 }
+        coordinates { hand: m, y: m, z: m }
+        controls { u: N in -most..=most }
+        lagrangian 1[kg]/2*dot(hand)^2 + 3[kg]*(dot(y)^2 + dot(z)^2) - 6[kg]*g*z
+        forces { hand: u }
+        surface grip: y - hand >= 0
+        surface floor: z >= 0
+        surface line: hand <= 0.7[m]
+        impact grip: inelastic
+        impact floor: inelastic, friction mu, sliding dot(y)
+        impact line: inelastic
+        minimize integral(u^2)
+        finally { y == 2.5[m] }
+        start { hand: -0.3 [m] }
+        horizon 3 [s]
+    }
+}
+
+hangtime::model! {
+    /// A pole on a cart between two walls is swung up.
+    Between {
+        parameters { l: m = 0.5, g: m/s^2 = 9.81, wall: m = 0.4 }
+        coordinates { y: m, theta }
+        controls { u: N in -20..=20 }
+        let bob = (y + l*sin(theta), -l*cos(theta))
+        lagrangian 1[kg]/2*dot(y)^2 + 0.15[kg]*|dot(bob)|^2 - 0.3[kg]*g*bob.z
+        forces { y: u }
+        surface left: y >= -wall
+        surface right: y <= wall
+        impact left, right: inelastic
+        minimize integral(u^2)
+        finally { y == 0, theta == pi, dot(y) == 0, dot(theta) == 0 }
+        horizon 2.4 [s]
+    }
+}
+
+#[test]
+fn bound_that_no_control_comes_near_does_not_change_the_optimum() {
+    let near = by_words(&Shove::default(), 10);
+    let far = Shove {
+        most: 4000.0,
+        ..Shove::default()
+    };
+    let far = by_words(&far, 10);
+    assert_eq!(near.status, Status::Solved, "{:?}", near.diagnosis());
+    assert_eq!(far.status, Status::Solved, "{:?}", far.diagnosis());
+    let largest = far.controls.iter().flatten();
+    let largest = largest.fold(0.0_f64, |most, u| most.max(u.abs()));
+    assert!(largest < 30.0, "{largest}");
+    let difference = (near.objective - far.objective).abs();
+    assert!(
+        difference < 1e-6 * near.objective,
+        "{} {}",
+        near.objective,
+        far.objective
+    );
+}
+
+#[test]
+fn wall_that_is_away_at_the_start_holds_nothing_before_it_is_struck() {
+    let cart = Between::default();
+    let words = by_words(&cart, 10);
+    assert_eq!(words.status, Status::Solved, "{:?}", words.diagnosis());
+    let mut single = Settings::default();
+    single.starts = Some(1);
+    let problem = Problem::of(&cart, 10);
+    let single = solve(&cart, &problem, &single, &mut |_| true).unwrap();
+    assert!(
+        words.objective <= single.objective * (1.0 + 1e-7),
+        "{} {}",
+        words.objective,
+        single.objective
+    );
+}

@@ -177,7 +177,7 @@ fn limit_on_events_ends_the_run_with_a_diagnosis() {
         &model,
         &start(&[0.0, 0.1, 0.1_f64.asin()], &[0.0; 3], 3.0),
     );
-    let SimulationStatus::AmbiguousContact(diagnosis) = &simulation.status else {
+    let SimulationStatus::EventLimit(diagnosis) = &simulation.status else {
         panic!("{:?}", simulation.status);
     };
     assert!(

@@ -307,14 +307,25 @@ fn ball_that_bounces_too_often_is_told_to_raise_the_rest_velocity() {
         ..Bouncing::default()
     };
     let rest = (2.0 * model.height / model.g).sqrt() * (1.0 + model.e) / (1.0 - model.e);
-    let simulation = run(&Fesd::default().with_grid(60, 1), &model, Some(1.1 * rest));
+    let limited = Fesd {
+        most_events: 5_000,
+        ..Fesd::default().with_grid(60, 1)
+    };
+    let simulation = run(&limited, &model, Some(1.1 * rest));
     let diagnosis = simulation.status.diagnosis().unwrap();
+    assert_eq!(simulation.status.name(), "event_limit");
     assert!(
         diagnosis.message.contains("raise the rest velocity"),
         "{}",
         diagnosis.message
     );
     assert_eq!(diagnosis.contact, Some(0));
+    // Without the limit it comes to rest, where the closed form says.
+    let simulation = run(&Fesd::default().with_grid(60, 1), &model, Some(1.1 * rest));
+    assert!(simulation.status.is_solved(), "{}", simulation.status);
+    assert!(simulation.events.len() > 5_000);
+    let last = simulation.events.last().unwrap().time;
+    assert!((last / rest - 1.0).abs() < 1e-3, "{last} {rest}");
 }
 
 #[test]

@@ -168,11 +168,11 @@ fn trajectories_record_the_controls_of_each_instant() {
         },
         &Fesd::default().with_grid(10, 2),
         &FixedStep {
-            steps: 50,
+            steps: 500,
             ..FixedStep::default()
         },
         &Moreau {
-            steps: 50,
+            steps: 500,
             ..Moreau::default()
         },
         &Smooth::default(),

@@ -19,6 +19,8 @@ pub(crate) enum FactorizationError {
     ZeroPivot,
     /// An entry or a pivot is not a finite number.
     NotFinite,
+    /// The time was over, or the run was asked to end.
+    Stopped,
     /// The analysis ran out of memory or index range.
     Analysis,
 }

@@ -1,7 +1,8 @@
 //! Solves with iterative refinement and a check of the residual.
 
 use super::norms::norm_inf;
-use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
+use super::{FactorizationError, Inertia, KktFactorization, MultifrontalLdl, SymmetricPattern};
+use crate::until::Until;
 
 /// A factorization together with the matrix it belongs to.
 ///
@@ -17,6 +18,13 @@ pub(crate) struct RefinedSolver<F> {
     shifts: (f64, f64),
     residual: Vec<f64>,
     best: Vec<f64>,
+}
+
+impl RefinedSolver<MultifrontalLdl> {
+    /// Until when factorizations may work; one that does not end then has no factors.
+    pub(crate) fn work_until(&mut self, until: Until) {
+        self.factorization.work_until(until);
+    }
 }
 
 impl<F: KktFactorization> RefinedSolver<F> {

@@ -3,7 +3,8 @@
 use super::Mpcc;
 use super::linear_program::{LinearProgram, Outcome};
 use super::watch::Watch;
-use crate::nlp;
+use crate::linalg::norms::norm_inf;
+use crate::nlp::{self, Astray, Cone, OFF_CONE};
 
 /// Kinds of stationary points, from the multipliers `nu_i`, `nu_j` of biactive pairs
 /// (`x_i = x_j = 0`); each kind implies those below it.
@@ -72,6 +73,45 @@ fn classify_pair(nu: [f64; 2], tolerance: [f64; 2]) -> StationarityType {
     }
 }
 
+/// Multipliers that balance the gradient of the Lagrangian and hold nothing, as [`Cone`] tells them, if it is not balanced without them;
+/// `rows` are the values of the rows and their bounds.
+fn astray(
+    point: &nlp::Solution,
+    gradient: &[f64],
+    (c, (row_lower, row_upper)): (&[f64], &(Vec<f64>, Vec<f64>)),
+    entries: impl Iterator<Item = ((usize, usize), f64)> + Clone,
+) -> Option<Astray> {
+    let mut lagrangian = gradient.to_vec();
+    for ((row, column), a) in entries.clone() {
+        lagrangian[column] += a * point.multipliers[row];
+    }
+    let bounds = point.multipliers_lower.iter().zip(&point.multipliers_upper);
+    for (entry, (below, above)) in lagrangian.iter_mut().zip(bounds) {
+        *entry -= below - above;
+    }
+    let distance = |(row, &y): (usize, &f64)| {
+        let (below, above) = (c[row] - row_lower[row], row_upper[row] - c[row]);
+        if row_lower[row] == row_upper[row] {
+            0.0
+        } else if y > 0.0 {
+            above
+        } else {
+            below
+        }
+    };
+    let distances: Vec<f64> = point.multipliers.iter().enumerate().map(distance).collect();
+    let size = norm_inf(gradient).max(1.0);
+    let cone = Cone {
+        x: &point.x,
+        lagrangian: &lagrangian,
+        y: &point.multipliers,
+        distances: &distances,
+        none: OFF_CONE * size,
+    };
+    let astray = cone.astray(entries.clone())?;
+    (cone.left_without(&astray, entries) > OFF_CONE * size).then_some(astray)
+}
+
 /// The derivatives of a problem at a point, and the pairs that count as biactive there.
 pub(crate) struct Certifier<'a> {
     point: &'a nlp::Solution,
@@ -85,6 +125,8 @@ pub(crate) struct Certifier<'a> {
     tolerance: Vec<f64>,
     pattern: Vec<(usize, usize)>,
     values: Vec<f64>,
+    /// Unit in which each variable moves: its own size where it measures a row of huge value, else 1. Derivatives are in these units.
+    sizes: Vec<f64>,
     /// Distances to the bounds of rows and variables, in units of the radius of the linear programs.
     row_lower: Vec<f64>,
     row_upper: Vec<f64>,
@@ -110,26 +152,41 @@ impl<'a> Certifier<'a> {
         problem.jacobian_values(x, &mut values);
         let mut c = vec![0.0; m];
         problem.constraint_values(x, &mut c);
+        let mut rows = (vec![0.0; m], vec![0.0; m]);
+        problem.constraint_bounds(&mut rows.0, &mut rows.1);
         // a multiplier is a sum of these terms
         let mut tolerance: Vec<f64> = gradient.iter().map(|g| g.abs()).collect();
-        let mut reach = vec![0.0; m];
         for (&(row, column), value) in pattern.iter().zip(&values) {
             tolerance[column] += (value * point.multipliers[row]).abs();
-            reach[row] += value.abs();
         }
         for tolerance in &mut tolerance {
             *tolerance = NO_DESCENT * tolerance.max(1.0);
         }
-        let largest = gradient.iter().fold(0.0, |a: f64, g| a.max(g.abs()));
+        let largest = norm_inf(&gradient);
+        let mut sizes = vec![1.0; n];
+        let entries = pattern.iter().copied().zip(values.iter().copied());
+        let astray = astray(point, &gradient, (&c, &rows), entries);
+        if let Some(astray) = &astray {
+            for &i in &astray.variables {
+                sizes[i] = x[i].abs();
+            }
+        }
+        for (gradient, size) in gradient.iter_mut().zip(&sizes) {
+            *gradient *= size;
+        }
+        let mut reach = vec![0.0; m];
+        for (&(row, column), value) in pattern.iter().zip(&mut values) {
+            *value *= sizes[column];
+            reach[row] += value.abs();
+        }
         let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
         problem.variable_bounds(&mut lower, &mut upper);
         for i in 0..n {
-            (lower[i], upper[i]) = room(x[i], (lower[i], upper[i]), radius);
+            (lower[i], upper[i]) = room(x[i], (lower[i], upper[i]), radius * sizes[i]);
             lower[i] = lower[i].max(-1.0);
             upper[i] = upper[i].min(1.0);
         }
-        let (mut row_lower, mut row_upper) = (vec![0.0; m], vec![0.0; m]);
-        problem.constraint_bounds(&mut row_lower, &mut row_upper);
+        let (mut row_lower, mut row_upper) = rows;
         for row in 0..m {
             let (below, above) = room(c[row], (row_lower[row], row_upper[row]), radius);
             // what no direction reaches is no constraint
@@ -139,13 +196,14 @@ impl<'a> Certifier<'a> {
         }
         Self {
             least: NO_DESCENT * (GRADIENT * largest).max(1.0),
-            is_rough: point.residuals.dual > ROUGH,
+            is_rough: point.residuals.dual > ROUGH || astray.is_some(),
             point,
             pairs,
             gradient,
             tolerance,
             pattern,
             values,
+            sizes,
             row_lower,
             row_upper,
             lower,
@@ -266,7 +324,8 @@ impl<'a> Certifier<'a> {
             match violated {
                 None => {
                     certificate.b_stationary = Some(false);
-                    certificate.descent = Some(d);
+                    let moved = d.iter().zip(&self.sizes).map(|(d, size)| d * size);
+                    certificate.descent = Some(moved.collect());
                     return;
                 }
                 Some((k, _)) => {
@@ -301,6 +360,9 @@ impl<'a> Certifier<'a> {
             if *z == 0.0 { 0.0 } else { z.abs() * room }
         });
         let left = left.fold(0.0, f64::max);
+        for (reduced, size) in reduced.iter_mut().zip(&self.sizes) {
+            *reduced /= size;
+        }
         Some((y.iter().map(|y| -y).collect(), reduced, left))
     }
 

@@ -62,7 +62,10 @@ impl LinearProgram {
     pub(crate) fn solve_below(&self, limit: f64, watch: &mut Watch<'_>) -> Outcome {
         let mut seconds = 0.0;
         let outcome = timed(&mut seconds, || match Method::new(self) {
-            Some(mut method) => method.run(limit, watch),
+            Some(mut method) => {
+                method.solver.work_until(watch.until());
+                method.run(limit, watch)
+            }
             None => Outcome::Failed,
         });
         watch.cpu.total += seconds;

@@ -37,7 +37,9 @@
 //!     min grad f'd  s.t.  c_l <= c + r J d <= c_u,  x_l <= x + r d <= x_u,  0 <= x_i + r d_i  _|_  x_j + r d_j >= 0,  |d|_inf <= 1
 //! ```
 //!
-//! with a small radius `r`: bounds count with their distances, so that none has to be called active. A side with a zero
+//! with a small radius `r`: bounds count with their distances, so that none has to be called active. The same program is asked
+//! where multipliers hold nothing: of the wrong sign, or of rows away from their bounds, by `|y|` times the distance; a variable that measures
+//! such a row moves in units of its own size there. A side with a zero
 //! multiplier ends at `sqrt(mu)`, not at zero. So all pairs whose sides are small on the scale of the central path count as
 //! biactive; where the verdict hangs on one of them, the program with both sides at zero decides whether it is.
 //!
@@ -76,6 +78,7 @@ mod moved;
 mod nearest;
 mod penalty;
 mod problem;
+mod ray;
 mod relaxation;
 mod run;
 mod second_round;
@@ -93,3 +96,5 @@ pub use settings::{RelaxationRule, Settings};
 pub use solution::{Solution, Status};
 pub use solve::{solve, solve_observed};
 pub use stationarity::Stationarity;
+
+pub(crate) use ray::falls_along_a_ray;

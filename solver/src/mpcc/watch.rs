@@ -5,6 +5,7 @@ use crate::seconds::Seconds;
 
 use super::Settings;
 use crate::nlp::{self, InputError, IterationInfo, Observer};
+use crate::until::Until;
 
 /// What an interior point run is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +22,7 @@ pub(crate) struct Watch<'o> {
     observer: &'o mut Observer<'o>,
     start: Instant,
     maximum_seconds: f64,
+    interrupt: nlp::Interrupt,
     maximum_iterations: usize,
     /// The limit of the whole solve, of which `maximum_iterations` may be a part.
     all_iterations: usize,
@@ -40,6 +42,7 @@ impl<'o> Watch<'o> {
             observer,
             start: Instant::now(),
             maximum_seconds: settings.interior_point.maximum_seconds,
+            interrupt: settings.interior_point.interrupt.clone(),
             maximum_iterations: settings.maximum_iterations,
             all_iterations: settings.maximum_iterations,
             iterations: 0,
@@ -75,6 +78,12 @@ impl<'o> Watch<'o> {
     /// Iterations of all runs and certificates so far.
     pub(crate) fn used(&self) -> usize {
         self.iterations + self.certificate_iterations
+    }
+
+    /// Until when the factorizations of a linear program may work.
+    pub(crate) fn until(&self) -> Until {
+        let left = self.maximum_seconds - self.start.elapsed().as_secs_f64();
+        Until::new(&self.interrupt, left)
     }
 
     fn iterations_left(&self) -> usize {
@@ -113,7 +122,7 @@ impl<'o> Watch<'o> {
                 self.crossover_iterations += iterations;
             }
         }
-        if interrupted {
+        if interrupted || self.interrupt.is_asked() {
             self.stop = Some(nlp::Status::Interrupted);
         } else if solution.status == nlp::Status::TimeLimit {
             self.stop = Some(nlp::Status::TimeLimit);
@@ -133,7 +142,7 @@ impl<'o> Watch<'o> {
         }
         self.certificate_iterations += 1;
         self.factorizations += 1;
-        if !(self.observer)(info) {
+        if !(self.observer)(info) || self.interrupt.is_asked() {
             self.stop = Some(nlp::Status::Interrupted);
         } else if self.start.elapsed().as_secs_f64() >= self.maximum_seconds {
             self.stop = Some(nlp::Status::TimeLimit);

@@ -20,7 +20,7 @@ pub enum Status {
     Relaxed,
     /// A stationary point of the constraint violation: the rows are infeasible near it.
     Infeasible,
-    /// The iterates grew without bound.
+    /// The iterates grew without bound, or the objective improves without bound along a ray of feasible points.
     Unbounded,
     /// The observer asked to stop.
     Interrupted,
@@ -80,6 +80,15 @@ pub struct Work {
     pub factorizations: usize,
     /// CPU time in seconds.
     pub seconds: f64,
+}
+
+impl Work {
+    /// Adds what another run took, its time apart.
+    pub(super) fn add(&mut self, other: Self) {
+        self.iterations += other.iterations;
+        self.crossover_iterations += other.crossover_iterations;
+        self.factorizations += other.factorizations;
+    }
 }
 
 /// The result of a solve, in the variables and rows of the file.

@@ -2,11 +2,12 @@
 
 use crate::clock::{Instant, ThreadTime};
 
+use super::components::{Component, components};
 use super::program::Program;
-use super::second_order::{SecondOrder, Stationary, second_order};
+use super::second_order::{Stationary, second_order};
 use super::solution::{Solution, Status, Work};
 use crate::mpcc::{self, Mpcc, Stationarity, StationarityType};
-use crate::nlp::{self, InputError, NlpProblem as _, WarmStart};
+use crate::nlp::{self, InputError, NlpProblem as _, Residuals, Violation, WarmStart};
 
 /// What the caller may choose; change fields of [`Options::default`].
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +21,8 @@ pub struct Options {
     pub maximum_iterations: Option<usize>,
     /// Most seconds of wall-clock time; default infinite.
     pub maximum_seconds: f64,
+    /// Ends the solve from outside, within a step too; default never.
+    pub interrupt: nlp::Interrupt,
     /// Points to start from, that of the file and others beside it, of which the best end is kept; default 1.
     pub starts: usize,
     /// Whether multipliers in the file are started from; default true.
@@ -34,6 +37,7 @@ impl Default for Options {
             constraint_tolerance: settings.constraint_tolerance,
             maximum_iterations: None,
             maximum_seconds: f64::INFINITY,
+            interrupt: nlp::Interrupt::default(),
             starts: 1,
             warm: true,
         }
@@ -124,27 +128,43 @@ fn beside(own: &[f64], k: usize) -> Vec<f64> {
     moved.collect()
 }
 
+/// Why a program is called unbounded by a ray.
+const WITHOUT_BOUND: &str = "the objective improves without bound along a ray of feasible points";
+
 fn solve_once(
     program: &mut Program,
     options: &Options,
     observer: &mut nlp::Observer<'_>,
 ) -> Result<Solution, InputError> {
+    let began = Instant::now();
+    let end = run(program, options, observer)?;
+    let left = options.maximum_seconds - began.elapsed().as_secs_f64();
+    Ok(end.or_unbounded(program, left).in_file(program))
+}
+
+/// A run of the method that fits the program.
+fn run(
+    program: &mut Program,
+    options: &Options,
+    observer: &mut nlp::Observer<'_>,
+) -> Result<End, InputError> {
     if !program.complementarities().is_empty() {
         let mut settings = mpcc::Settings::default();
         settings.interior_point.tolerance = options.tolerance;
         settings.interior_point.constraint_tolerance = options.constraint_tolerance;
         settings.interior_point.maximum_seconds = options.maximum_seconds;
+        settings.interior_point.interrupt = options.interrupt.clone();
         if let Some(most) = options.maximum_iterations {
             settings.maximum_iterations = most;
         }
-        let solution = mpcc::solve_observed(program, &settings, observer)?;
-        return Ok(of_complementary(program, solution));
+        return complementary(program, settings, observer);
     }
     let defaults = nlp::Settings::default();
     let settings = nlp::Settings {
         tolerance: options.tolerance,
         constraint_tolerance: options.constraint_tolerance,
         maximum_seconds: options.maximum_seconds,
+        interrupt: options.interrupt.clone(),
         maximum_iterations: options
             .maximum_iterations
             .unwrap_or(defaults.maximum_iterations),
@@ -172,7 +192,78 @@ fn solve_once(
             nlp::solve_from(program, &settings, None, Some(&mut see))?
         }
     };
-    Ok(of_nonlinear(program, solution))
+    Ok(End::of_nonlinear(solution))
+}
+
+/// A program with complementarity: part by part where it falls apart, and as a whole where a part is not solved then.
+fn complementary(
+    program: &mut Program,
+    mut settings: mpcc::Settings,
+    observer: &mut nlp::Observer<'_>,
+) -> Result<End, InputError> {
+    let began = Instant::now();
+    let parts = components(program);
+    let mut spent = Work::default();
+    if parts.len() > 1 {
+        let (solved, work) = part_by_part(program, parts, &settings, observer)?;
+        if let Some(end) = solved {
+            return Ok(end);
+        }
+        spent = work;
+        settings.maximum_iterations = settings.maximum_iterations.saturating_sub(work.iterations);
+        settings.interior_point.maximum_seconds -= began.elapsed().as_secs_f64();
+        settings.interior_point.maximum_seconds = settings
+            .interior_point
+            .maximum_seconds
+            .max(f64::MIN_POSITIVE);
+    }
+    let solution = mpcc::solve_observed(program, &settings, observer)?;
+    let mut end = End::of_complementary(solution);
+    end.work.add(spent);
+    Ok(end)
+}
+
+/// The end of a program whose parts are all solved, one after the other; `None` after the first one that is not. With the work so far.
+fn part_by_part(
+    program: &mut Program,
+    parts: Vec<Vec<usize>>,
+    settings: &mpcc::Settings,
+    observer: &mut nlp::Observer<'_>,
+) -> Result<(Option<End>, Work), InputError> {
+    let began = Instant::now();
+    let (n, m) = (program.variables(), program.constraints());
+    let mut x = vec![0.0; n];
+    program.initial_point(&mut x);
+    let mut whole: Option<End> = None;
+    let mut work = Work::default();
+    for variables in parts {
+        let mut settings = settings.clone();
+        settings.maximum_iterations -= work.iterations.min(settings.maximum_iterations);
+        settings.interior_point.maximum_seconds -= began.elapsed().as_secs_f64();
+        if settings.maximum_iterations == 0 || settings.interior_point.maximum_seconds <= 0.0 {
+            return Ok((None, work));
+        }
+        let mut part = Component::new(program, variables, &x);
+        let end = End::of_complementary(mpcc::solve_observed(&mut part, &settings, observer)?);
+        work.add(end.work);
+        if end.status != Status::Solved {
+            return Ok((None, work));
+        }
+        for (&i, value) in part.variables.iter().zip(&end.x) {
+            x[i] = *value;
+        }
+        let places = (part.variables, part.rows);
+        whole = Some(match whole {
+            Some(whole) => whole.and(end, &places),
+            None => End::empty(n, m, &end).and(end, &places),
+        });
+    }
+    let whole = whole.map(|whole| End {
+        objective: program.objective(&whole.x),
+        work,
+        ..whole
+    });
+    Ok((whole, work))
 }
 
 /// Range of the first barrier parameter of a warm start, and its part of the square of what the optimality conditions leave: what
@@ -246,26 +337,6 @@ fn warm_start(program: &mut Program, tolerance: f64) -> Option<(WarmStart, f64)>
     Some((start, barrier_parameter))
 }
 
-/// What second derivatives say of the point.
-fn ask(
-    program: &mut Program,
-    stationarity: Stationarity,
-    point: (&[f64], &[f64], &[f64], &[f64]),
-) -> Option<SecondOrder> {
-    let pairs = program.complementarities().to_vec();
-    let (x, multipliers, lower, upper) = point;
-    (stationarity == Stationarity::S).then(|| {
-        let point = Stationary {
-            x,
-            multipliers,
-            lower,
-            upper,
-            pairs: &pairs,
-        };
-        second_order(program, &point)
-    })
-}
-
 /// Rates of change of the objective with the bounds of the variables of the file; a variable that is measured downwards has its bounds
 /// the other way round.
 fn bound_multipliers(program: &Program, lower: &[f64], upper: &[f64]) -> [Vec<f64>; 2] {
@@ -285,93 +356,169 @@ fn bound_multipliers(program: &Program, lower: &[f64], upper: &[f64]) -> [Vec<f6
     [lower, upper]
 }
 
-fn of_nonlinear(program: &mut Program, solution: nlp::Solution) -> Solution {
-    let status = of_run(solution.status);
-    let stationarity = match status {
-        Status::Solved => Stationarity::S,
-        _ => Stationarity::None,
-    };
-    Solution {
-        reason: solution.status.to_string(),
-        second_order: ask(
-            program,
-            stationarity,
-            (
-                &solution.x,
-                &solution.multipliers,
-                &solution.multipliers_lower,
-                &solution.multipliers_upper,
-            ),
-        ),
-        bound_multipliers: bound_multipliers(
-            program,
-            &solution.multipliers_lower,
-            &solution.multipliers_upper,
-        ),
-        stationarity,
-        objective: program.sense() * solution.objective,
-        x: program.in_file(&solution.x),
-        multipliers: multipliers(program, &solution.multipliers),
-        residuals: solution.residuals,
-        violation_stationarity: solution.violation_stationarity,
-        work: Work {
-            iterations: solution.counts.iterations,
-            factorizations: solution.counts.factorizations,
-            ..Work::default()
-        },
-        violations: solution.violations,
-        status,
-    }
+/// Where a run ended, in the variables and rows of the program.
+struct End {
+    status: Status,
+    reason: String,
+    stationarity: Stationarity,
+    objective: f64,
+    x: Vec<f64>,
+    multipliers: Vec<f64>,
+    lower: Vec<f64>,
+    upper: Vec<f64>,
+    residuals: Residuals,
+    violation_stationarity: Option<f64>,
+    violations: Vec<Violation>,
+    work: Work,
 }
 
-fn of_complementary(program: &mut Program, solution: mpcc::Solution) -> Solution {
-    let status = match solution.status {
-        mpcc::Status::Solved => Status::Solved,
-        mpcc::Status::Uncertified | mpcc::Status::NotStationary => Status::Uncertified,
-        mpcc::Status::Relaxed => Status::Relaxed,
-        mpcc::Status::Infeasible => Status::Infeasible,
-        // the sides of a run without a crossover need not vanish
-        mpcc::Status::Failed(nlp::Status::Degenerate) => Status::Failed,
-        mpcc::Status::Failed(status) => of_run(status),
-    };
-    let stationarity = match &solution.certificate {
-        Some(certificate) if status == Status::Solved => match certificate.stationarity {
-            StationarityType::Strong => Stationarity::S,
-            _ => Stationarity::B,
-        },
-        _ => Stationarity::None,
-    };
-    Solution {
-        reason: solution.status.to_string(),
-        second_order: ask(
-            program,
+impl End {
+    fn of_nonlinear(solution: nlp::Solution) -> Self {
+        let status = of_run(solution.status);
+        Self {
+            status,
+            reason: solution.status.to_string(),
+            stationarity: match status {
+                Status::Solved => Stationarity::S,
+                _ => Stationarity::None,
+            },
+            objective: solution.objective,
+            x: solution.x,
+            multipliers: solution.multipliers,
+            lower: solution.multipliers_lower,
+            upper: solution.multipliers_upper,
+            residuals: solution.residuals,
+            violation_stationarity: solution.violation_stationarity,
+            violations: solution.violations,
+            work: Work {
+                iterations: solution.counts.iterations,
+                factorizations: solution.counts.factorizations,
+                ..Work::default()
+            },
+        }
+    }
+
+    fn of_complementary(solution: mpcc::Solution) -> Self {
+        let status = match solution.status {
+            mpcc::Status::Solved => Status::Solved,
+            mpcc::Status::Uncertified | mpcc::Status::NotStationary => Status::Uncertified,
+            mpcc::Status::Relaxed => Status::Relaxed,
+            mpcc::Status::Infeasible => Status::Infeasible,
+            // the sides of a run without a crossover need not vanish
+            mpcc::Status::Failed(nlp::Status::Degenerate) => Status::Failed,
+            mpcc::Status::Failed(status) => of_run(status),
+        };
+        let stationarity = match &solution.certificate {
+            Some(certificate) if status == Status::Solved => match certificate.stationarity {
+                StationarityType::Strong => Stationarity::S,
+                _ => Stationarity::B,
+            },
+            _ => Stationarity::None,
+        };
+        Self {
+            status,
+            reason: solution.status.to_string(),
             stationarity,
-            (
-                &solution.x,
-                &solution.multipliers,
-                &solution.multipliers_lower,
-                &solution.multipliers_upper,
-            ),
-        ),
-        bound_multipliers: bound_multipliers(
-            program,
-            &solution.multipliers_lower,
-            &solution.multipliers_upper,
-        ),
-        stationarity,
-        objective: program.sense() * solution.objective,
-        x: program.in_file(&solution.x),
-        multipliers: multipliers(program, &solution.multipliers),
-        residuals: solution.residuals,
-        violation_stationarity: solution.violation_stationarity,
-        work: Work {
-            iterations: solution.iterations + solution.certificate_iterations,
-            crossover_iterations: solution.crossover_iterations,
-            factorizations: solution.factorizations,
-            ..Work::default()
-        },
-        violations: solution.violations,
-        status,
+            objective: solution.objective,
+            x: solution.x,
+            multipliers: solution.multipliers,
+            lower: solution.multipliers_lower,
+            upper: solution.multipliers_upper,
+            residuals: solution.residuals,
+            violation_stationarity: solution.violation_stationarity,
+            violations: solution.violations,
+            work: Work {
+                iterations: solution.iterations + solution.certificate_iterations,
+                crossover_iterations: solution.crossover_iterations,
+                factorizations: solution.factorizations,
+                ..Work::default()
+            },
+        }
+    }
+
+    /// The end of a program of `n` variables and `m` rows of which nothing is solved yet, in the words of its first part.
+    fn empty(n: usize, m: usize, first: &Self) -> Self {
+        Self {
+            status: first.status,
+            reason: first.reason.clone(),
+            stationarity: Stationarity::S,
+            objective: 0.0,
+            x: vec![0.0; n],
+            multipliers: vec![0.0; m],
+            lower: vec![0.0; n],
+            upper: vec![0.0; n],
+            residuals: Residuals::default(),
+            violation_stationarity: None,
+            violations: Vec::new(),
+            work: Work::default(),
+        }
+    }
+
+    /// With a part that is solved, whose variables and rows are these.
+    fn and(mut self, part: Self, (variables, rows): &(Vec<usize>, Vec<usize>)) -> Self {
+        if part.stationarity != Stationarity::S {
+            self.stationarity = part.stationarity;
+        }
+        for (own, of_part, places) in [
+            (&mut self.x, part.x, variables),
+            (&mut self.lower, part.lower, variables),
+            (&mut self.upper, part.upper, variables),
+            (&mut self.multipliers, part.multipliers, rows),
+        ] {
+            for (&place, value) in places.iter().zip(of_part) {
+                own[place] = value;
+            }
+        }
+        let (all, own) = (&mut self.residuals, part.residuals);
+        all.primal = all.primal.max(own.primal);
+        all.dual = all.dual.max(own.dual);
+        all.complementarity = all.complementarity.max(own.complementarity);
+        self
+    }
+
+    /// An end without a solution is one of a program without bound where a ray shows that.
+    fn or_unbounded(mut self, program: &mut Program, seconds: f64) -> Self {
+        let may_be = matches!(
+            self.status,
+            Status::Uncertified | Status::Relaxed | Status::IterationLimit | Status::Failed
+        );
+        let mut start = vec![0.0; self.x.len()];
+        program.initial_point(&mut start);
+        if may_be && mpcc::falls_along_a_ray(program, (&self.x, &start), seconds) {
+            self.status = Status::Unbounded;
+            self.reason = WITHOUT_BOUND.into();
+            self.violations.clear();
+        }
+        self
+    }
+
+    /// The same in the terms of the file, with what second derivatives say of the point.
+    fn in_file(self, program: &mut Program) -> Solution {
+        let pairs = program.complementarities().to_vec();
+        let second_order = (self.stationarity == Stationarity::S).then(|| {
+            let point = Stationary {
+                x: &self.x,
+                multipliers: &self.multipliers,
+                lower: &self.lower,
+                upper: &self.upper,
+                pairs: &pairs,
+            };
+            second_order(program, &point)
+        });
+        Solution {
+            status: self.status,
+            reason: self.reason,
+            stationarity: self.stationarity,
+            second_order,
+            objective: program.sense() * self.objective,
+            x: program.in_file(&self.x),
+            multipliers: multipliers(program, &self.multipliers),
+            bound_multipliers: bound_multipliers(program, &self.lower, &self.upper),
+            residuals: self.residuals,
+            violation_stationarity: self.violation_stationarity,
+            work: self.work,
+            violations: self.violations,
+        }
     }
 }
 

@@ -29,6 +29,7 @@
 //! they are not at the end; a solution whose multipliers are huge is called
 //! [`Status::Degenerate`], not solved. Runs that would end without a solution go on by other means ([`Settings::persistent`]).
 
+mod cone;
 mod derivative_check;
 mod elements;
 mod error;
@@ -51,6 +52,7 @@ mod status;
 mod warm_start;
 
 pub use crate::InputError;
+pub use crate::until::Interrupt;
 pub use derivative_check::{DerivativeEntry, check_derivatives};
 pub use elements::{Element, ElementProblem, ElementProblemBuilder, Target};
 pub(crate) use error::Fault;
@@ -65,6 +67,7 @@ pub use solve::{solve, solve_from};
 pub use status::Status;
 pub use warm_start::WarmStart;
 
+pub(crate) use cone::{Astray, Cone, OFF_CONE};
 pub(crate) use least_squares::violation;
 pub(crate) use method::barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
 pub(crate) use products::Products;

@@ -1,6 +1,6 @@
 //! What the caller may choose.
 
-use super::{Fault, InputError};
+use super::{Fault, InputError, Interrupt};
 
 /// Settings of the interior point method; change fields of [`Settings::default`].
 #[derive(Debug, Clone, PartialEq)]
@@ -16,8 +16,10 @@ pub struct Settings {
     pub acceptable_iterations: usize,
     /// Most iterations, those of the restoration phase included; default 3000.
     pub maximum_iterations: usize,
-    /// Most seconds of wall-clock time; default infinite.
+    /// Most seconds of wall-clock time, looked at within a step too; default infinite.
     pub maximum_seconds: f64,
+    /// Ends the run from outside, within a step too; then its status is [`Interrupted`](super::Status::Interrupted). Default never.
+    pub interrupt: Interrupt,
     /// First barrier parameter; default 0.1, > 0. Small values suit warm starts.
     pub initial_barrier_parameter: f64,
     /// Least absolute distance of the first point from its bounds; default 1e-2, > 0.
@@ -44,6 +46,7 @@ impl Default for Settings {
             acceptable_iterations: 15,
             maximum_iterations: 3000,
             maximum_seconds: f64::INFINITY,
+            interrupt: Interrupt::default(),
             initial_barrier_parameter: 0.1,
             bound_push: 1e-2,
             bound_fraction: 1e-2,

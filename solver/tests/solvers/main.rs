@@ -7,8 +7,11 @@ mod mpcc_limits;
 mod mpcc_problems;
 mod nl_certificates;
 mod nl_files;
+mod nl_texts;
+mod nl_unbounded;
 mod nlp_elements;
 mod nlp_hock_schittkowski;
+mod nlp_interrupt;
 mod nlp_second_round;
 mod nlp_special;
 #[path = "../solver_support/mod.rs"]

@@ -3,48 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use hangtime_solver::mpcc::Stationarity;
-use hangtime_solver::nl::{self, Options, Program, SecondOrder, Solution, Status};
+use hangtime_solver::nl::{self, Options, Program, SecondOrder, Status};
 
-/// A program whose variables are nonlinear everywhere: bodies of the rows, the objective, the start, bounds of rows, bounds of variables and
-/// further segments, all in words.
-fn program(sizes: (usize, usize), rows: &[&str], objective: &str, rest: &str) -> String {
-    let (variables, count) = sizes;
-    let mut text = format!(
-        "g3 1 1 0\n {variables} {count} 1 0 0\n {count} 1\n 0 0\n {variables} {variables} {variables}\n 0 0 0 1\n \
-         0 0 0 0 0\n 0 0\n 0 0\n 0 0 0 0 0\n"
-    );
-    let lines = |words: &str| words.split_whitespace().collect::<Vec<_>>().join("\n") + "\n";
-    for (index, row) in rows.iter().enumerate() {
-        text += &format!("C{index}\n{}", lines(row));
-    }
-    text += &format!("O0 0\n{}", lines(objective));
-    text + rest
-}
-
-fn solve(text: &str) -> Solution {
-    let mut program = Program::read(text.as_bytes()).unwrap();
-    nl::solve(&mut program, 60.0, &mut |_| true).unwrap()
-}
-
-#[test]
-fn programs_without_bound_are_never_solved_by_a_row_that_outgrows_its_multiplier() {
-    // max of x, x^2, x^3 or 2 x where exp(k x), cosh(k x) or x exp(k x) must be at least 1: any x from the start on is feasible
-    let objectives = ["o16 v0", "o16 o5 v0 n2", "o16 o5 v0 n3", "o2 n-2 v0"];
-    for objective in objectives {
-        for k in ["0.7", "1.7", "3"] {
-            for row in [
-                format!("o44 o2 n{k} v0"),
-                format!("o45 o2 n{k} v0"),
-                format!("o2 v0 o44 o2 n{k} v0"),
-            ] {
-                let rest = "x1\n0 1.3\nr\n2 1.0\nb\n3\n";
-                let solution = solve(&program((1, 1), &[&row], objective, rest));
-                assert_ne!(solution.status, Status::Solved, "{objective}, {row}");
-                assert_eq!(solution.stationarity, Stationarity::None);
-            }
-        }
-    }
-}
+use crate::nl_texts::{program, solve};
 
 #[test]
 fn cusp_has_no_multipliers_and_a_sharp_corner_has() {
@@ -200,4 +161,65 @@ fn solution_file_has_the_suffixes_and_refused_files_get_one_without_values() {
         ["0", "0", "1", "0", "objno 0 500"]
     );
     assert_eq!(nl::refusal_text(b"x", "no"), None);
+}
+
+/// Copies of `min 2 x + 2.5 y - z` where `z <= 6 x`, `z <= 6 y` and `0 <= x` complements `y >= 0`: the solution 0 is B-stationary, and it takes
+/// both branches to see that. Behind them a variable without complementarity, `(w - 3)^2`.
+fn copies(count: usize) -> String {
+    let n = 3 * count + 1;
+    let (mut rows, mut complements) = (Vec::new(), Vec::new());
+    let mut sum = format!("o54 {} o5 o1 v{} n3 n2", count + 1, n - 1);
+    for k in 0..count {
+        let [x, y, z] = [3 * k, 3 * k + 1, 3 * k + 2];
+        rows.push(format!("o0 o2 n-6 v{x} v{z}"));
+        rows.push(format!("o0 o2 n-6 v{y} v{z}"));
+        complements.push(format!("v{y}"));
+        sum += &format!(" o0 o0 o2 n2 v{x} o2 n2.5 v{y} o16 v{z}");
+    }
+    let bounds = "1 0.0\n".repeat(2 * count);
+    let demands: String = (0..count).map(|k| format!("5 1 {}\n", 3 * k + 1)).collect();
+    let variables = "2 0.0\n2 0.0\n3\n".repeat(count);
+    let start: String = (0..n).map(|i| format!("{i} 0.{}\n", 3 + i % 4)).collect();
+    let rest = format!("x{n}\n{start}r\n{bounds}{demands}b\n{variables}3\n");
+    rows.extend(complements);
+    let rows: Vec<&str> = rows.iter().map(String::as_str).collect();
+    program((n, 3 * count), &rows, &sum, &rest)
+}
+
+#[test]
+fn copies_of_a_program_are_certified_one_by_one() {
+    let (one, many) = (solve(&copies(1)), solve(&copies(12)));
+    for solution in [&one, &many] {
+        assert_eq!(solution.status, Status::Solved, "{solution:?}");
+        assert_eq!(solution.stationarity, Stationarity::B);
+        assert!(solution.objective.abs() < 1e-7);
+        let last = solution.x.last().unwrap();
+        assert!((last - 3.0).abs() < 1e-6);
+    }
+    assert_eq!(many.multipliers.len(), 36);
+    // twelve times the work of one, and that of the variable behind them
+    let most = 12 * one.work.iterations + 20;
+    assert!(
+        many.work.iterations <= most,
+        "{} of {most} iterations",
+        many.work.iterations
+    );
+}
+
+#[test]
+fn parts_are_measured_and_maximized_as_the_whole() {
+    // max sum of -(x_i - i)^2 where x_0 >= 1/2 and x_1, x_2 complement each other
+    let objective = "o54 3 o16 o5 v0 n2 o16 o5 o1 v1 n1 n2 o16 o5 o1 v2 n2 n2";
+    let rest = "x3\n0 3\n1 0.2\n2 0.4\nr\n5 1 2\n2 0.5\nb\n3\n2 0.0\n2 0.0\n";
+    let text = program((3, 2), &["v2", "v0"], objective, rest).replace("O0 0", "O0 1");
+    let solution = solve(&text);
+    assert_eq!(solution.status, Status::Solved);
+    let signs = [0.5, 0.0, 2.0];
+    for (x, right) in solution.x.iter().zip(signs) {
+        assert!((x - right).abs() < 1e-6, "{solution:?}");
+    }
+    assert!((solution.objective + 1.25).abs() < 1e-6);
+    // the row x0 >= 1/2 costs 2 * 1/2
+    let sensitivity = solution.multipliers[1];
+    assert!((sensitivity + 1.0).abs() < 1e-6, "{sensitivity}");
 }

@@ -364,6 +364,8 @@ const look = () => ({ status: element("status").value, result: page.answer.resul
   await until(idle);
   report.slid = look();
   report.link = await unpackLink(await packLink());
+  const bomb = await through(new Uint8Array(3e8), new CompressionStream("deflate-raw"));
+  report.bomb = await through(bomb, new DecompressionStream("deflate-raw")).then(() => "unpacked", (error) => error.name);
   const press = (key) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
   press(" ");
   await until(() => page.player.time() > 0);
@@ -432,6 +434,7 @@ const look = () => ({ status: element("status").value, result: page.answer.resul
             &report["slid"]["result"],
             &simulated(&mended, &["--set", "start_y=9"]),
         );
+        assert_eq!(report["bomb"], "RangeError");
         assert_eq!(
             report["link"],
             json!({ "name": "ski-jump", "content": mended, "values": { "start_y": 9 } })

@@ -86,6 +86,7 @@ pub(super) struct CheckedLaw {
     pub(super) friction: Option<CheckedFriction>,
     pub(super) along: Option<Vec<Sym>>,
     pub(super) held: Vec<usize>,
+    pub(super) sequence: bool,
 }
 
 #[derive(Clone)]

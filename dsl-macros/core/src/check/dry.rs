@@ -109,6 +109,7 @@ pub(super) fn append(
             alternatives: Vec::new(),
             along: None,
             held: Vec::new(),
+            sequence: false,
             restitution: None,
             friction: Some(Friction {
                 coefficient: Sym::ONE,

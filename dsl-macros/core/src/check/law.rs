@@ -77,6 +77,7 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
                 }),
             along: along.clone(),
             held: held.clone(),
+            sequence: law.sequence,
         });
     }
     if checker.diagnostics.mistakes() > before {
@@ -386,6 +387,7 @@ pub(super) fn contacts(
             alternatives: surface.alternatives,
             along: law.along,
             held: law.held,
+            sequence: law.sequence,
             restitution: law.restitution,
             friction,
             bound: None,

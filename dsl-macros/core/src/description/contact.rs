@@ -19,6 +19,8 @@ pub struct Contact {
     pub custom_direction: bool,
     /// Coordinates that are rigid under the contact force.
     pub held: Vec<usize>,
+    /// Whether it is struck after the contacts that touch together with it instead of at once with them.
+    pub sequence: bool,
     /// Contacts that are pieces of the same maximum of gaps; empty for most.
     pub alternatives: Vec<usize>,
     /// Whether it is dry friction without a surface.
@@ -102,6 +104,7 @@ pub(super) fn contact(
         documentation: text(&declared.documentation),
         custom_direction: declared.along.is_some(),
         held: declared.held.clone(),
+        sequence: declared.sequence,
         alternatives: declared.alternatives.clone(),
         dry,
         gap,

@@ -117,7 +117,7 @@ fn contacts(contacts: &[Contact], code: &mut String) {
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
              ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, custom_direction: {}, held: &{:?}, \
-             alternatives: &{:?}, jacobian: {}, hessian: {}, documentation: {:?} }},",
+             sequence: {}, alternatives: &{:?}, jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name,
             contact.unit,
             if contact.restitution.is_some() {
@@ -128,6 +128,7 @@ fn contacts(contacts: &[Contact], code: &mut String) {
             contact.dry,
             contact.custom_direction,
             contact.held,
+            contact.sequence,
             contact.alternatives,
             pattern(&contact.rows.jacobian),
             pattern(&contact.rows.hessian),

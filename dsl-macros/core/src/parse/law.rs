@@ -51,6 +51,7 @@ struct Parts {
     sliding: Option<(Place, Expr)>,
     along: Option<(Place, Expr)>,
     holding: Option<(Place, Vec<Name>)>,
+    sequence: Option<Place>,
 }
 
 fn law(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Law> {
@@ -101,22 +102,15 @@ impl Parts {
                 let names = held(cursor, diagnostics)?;
                 self.holding.replace((place, names)).is_none()
             }
-            "elastic" => {
-                return Err(diagnostics.syntax(
-                    place,
-                    "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`",
-                ));
+            "in" => {
+                if !cursor.eat_word("sequence") {
+                    let wanted =
+                        "`sequence` behind `in`, for contacts that are struck one after the other";
+                    return Err(unexpected(cursor, diagnostics, wanted));
+                }
+                self.sequence.replace(place).is_none()
             }
-            other => {
-                let help = match closest(other, words::LAW_PARTS) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("the parts are {}", list(words::LAW_PARTS)),
-                };
-                return Err(diagnostics.syntax(
-                    place,
-                    format!("unknown part `{other}` of an impact law; {help}"),
-                ));
-            }
+            other => return Err(unknown_part(other, place, diagnostics)),
         };
         if new {
             return Ok(());
@@ -172,8 +166,32 @@ impl Parts {
             sliding: expr(self.sliding),
             along: expr(self.along),
             holding: self.holding.map(|(_, names)| names).unwrap_or_default(),
+            sequence: self.sequence.is_some(),
         })
     }
+}
+
+/// Says what to write instead of a part that there is not.
+fn unknown_part(word: &str, place: Place, diagnostics: &mut Diagnostics) -> Reported {
+    let message = match word {
+        "sequence" => {
+            "contacts are struck one after the other `in sequence`; write both words".to_owned()
+        }
+        "elastic" => {
+            "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`"
+                .to_owned()
+        }
+        other => {
+            let shown = |part| if part == "in" { "in sequence" } else { part };
+            let parts = words::LAW_PARTS.map(shown);
+            let help = match closest(other, parts) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => format!("the parts are {}", list(parts)),
+            };
+            format!("unknown part `{other}` of an impact law; {help}")
+        }
+    };
+    diagnostics.syntax(place, message)
 }
 
 /// Reads the expression of a part; whether the part is new.

@@ -405,6 +405,14 @@ texts! {
         "unknown part `fricton` of an impact law; did you mean `friction`?";
     law_that_is_called_otherwise: beside "surface a: y >= 0 impact a: elastic" =>
         "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`";
+    law_in_sequence: beside "surface a: y >= 0 surface b: z >= 0 impact a: inelastic, holding z, in sequence impact b: in sequence, restitution 0.2" =>
+        "accepted";
+    sequence_without_in: beside "surface a: y >= 0 impact a: inelastic, sequence" =>
+        "contacts are struck one after the other `in sequence`; write both words";
+    in_without_sequence: beside "surface a: y >= 0 impact a: inelastic, in order" =>
+        "expected `sequence` behind `in`, for contacts that are struck one after the other, found `order`";
+    sequence_twice: beside "surface a: y >= 0 impact a: in sequence, inelastic, in sequence" =>
+        "E20: `in` stands twice in one impact law; keep one";
     part_without_comma: beside "surface a: y >= 0 impact a: inelastic friction 0.3" =>
         "a comma is missing before `friction`";
     friction_as_a_statement: beside "surface a: y >= 0 impact a: inelastic friction a: 0.3" =>

@@ -37,3 +37,19 @@ pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> V
         })
         .collect()
 }
+
+/// Whether a contact may hold from the start on: it touches there, or free initial values may let it touch.
+pub(in crate::ocp) fn may_be_closed_at_start(setting: Setting, contact: usize) -> bool {
+    let Setting {
+        model,
+        problem,
+        units,
+        ..
+    } = setting;
+    if has_free_start(model) {
+        return true;
+    }
+    let mut input = problem.start();
+    input.resize(model.declaration().inputs(), 0.0);
+    model.gap(contact, &input) <= AT_START * units.gap[contact]
+}

@@ -40,7 +40,7 @@ pub fn solve(
     let mut solution = if search && problem.intervals > 1 && model.declaration().controls.is_empty()
     {
         undriven::solve(model, problem, settings, observer)
-    } else if search && settings.search == SearchSpace::Words {
+    } else if search && over_words(settings) {
         words::solve(model, problem, settings, observer)
     } else if search {
         nested::solve(model, problem, settings, observer)
@@ -53,4 +53,11 @@ pub fn solve(
         solution.nearest = nearest::nearest(model, problem, settings)?;
     }
     Ok(solution)
+}
+
+/// Whether words are searched: not where it is said from how many starts on grids, or from which guess.
+fn over_words(settings: &Settings) -> bool {
+    settings.search == SearchSpace::Words
+        && settings.starts.is_none()
+        && settings.guess == Guess::Straight
 }

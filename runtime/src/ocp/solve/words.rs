@@ -32,7 +32,7 @@ use crate::{Observer, Progress};
 const STAGES: usize = 3;
 /// Excess of the objective off the grid over the best on it beyond which a word is not put on it.
 const BEYOND: f64 = 1e-2;
-/// Words that are put on the grid, where one of them has a motion there.
+/// Words that are put on the grid, where one of them reaches the goals there.
 const PLACED: usize = 6;
 /// Words whose switches are moved on the grid, the best first, and the excess over the best up to which they are.
 const MOVED: usize = 2;
@@ -154,7 +154,7 @@ fn placed(runner: &mut Runner, words: &[Timed], grids: &[Grid]) -> Vec<OnGrid> {
     for (index, (word, grid)) in words.iter().zip(grids).enumerate() {
         let reached = placed.iter().find(|(best, _)| best.reaches());
         let least = reached.map_or(f64::INFINITY, |(best, _)| best.merit);
-        let enough = placed.len() >= PLACED && least.is_finite();
+        let enough = index >= PLACED && least.is_finite();
         if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
             continue;
         }

@@ -7,6 +7,8 @@ use super::library::Library;
 use super::off_grid::{Press, Pressed, Timed};
 use super::word::{Draft, Instant, Word, between, closed_modes, touch};
 use crate::model::Model;
+use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::global::start_modes::may_be_closed_at_start;
 use crate::simulation::ContactMode;
 
 /// A rule: its name, its price, and the drafts that it makes.
@@ -18,7 +20,7 @@ pub(super) struct Rule {
 
 /// What rules look at.
 pub(super) struct Parent<'p> {
-    pub(super) model: &'p dyn Model,
+    pub(super) setting: Setting<'p>,
     pub(super) timed: &'p Timed,
     pub(super) library: &'p Library,
 }
@@ -95,6 +97,23 @@ const TOUCHED: [f64; 2] = [0.5, 0.9];
 const APPENDED: f64 = 0.3;
 
 impl Parent<'_> {
+    fn model(&self) -> &dyn Model {
+        self.setting.model
+    }
+
+    /// The phases of no length.
+    fn vanished(&self) -> impl Iterator<Item = usize> {
+        let least = VANISHED * self.draft().horizon;
+        let phases = self.draft().phases().into_iter().enumerate();
+        phases
+            .filter(move |(_, (from, to))| to - from < least)
+            .map(|(phase, _)| phase)
+    }
+
+    pub(super) fn has_vanished(&self) -> bool {
+        self.vanished().next().is_some()
+    }
+
     fn draft(&self) -> &Draft {
         &self.timed.draft
     }
@@ -193,11 +212,8 @@ impl Parent<'_> {
 
 /// Without a phase of no length.
 fn vanish(parent: &Parent) -> Vec<Draft> {
-    let least = VANISHED * parent.draft().horizon;
-    let phases = parent.draft().phases().into_iter().enumerate();
-    let short = phases.filter(|(_, (from, to))| to - from < least);
     let mut found = Vec::new();
-    for (phase, _) in short {
+    for phase in parent.vanished() {
         found.extend(as_touch(parent, phase));
         found.extend(parent.without(phase));
     }
@@ -251,7 +267,7 @@ fn press(parent: &Parent) -> Vec<Draft> {
             let draft = parent.inserted(press.phase, &walk.instants, press.time, length);
             found.push((100.0 * press.share + 0.01 * often, draft));
         }
-        for cycle in plain_cycles(parent.model, now, press) {
+        for cycle in plain_cycles(parent.model(), now, press) {
             let draft = parent.inserted(press.phase, &cycle, press.time, length);
             found.push((100.0 * press.share, draft));
         }
@@ -301,10 +317,14 @@ fn flip(parent: &Parent) -> Vec<Draft> {
     for (phase, &(from, to)) in phases.iter().enumerate() {
         let now = &modes[phase];
         for contact in 0..now.len() {
-            if word.pieces.is_idle(contact) || parent.model.restitution(contact) > 0.0 {
+            if word.pieces.is_idle(contact) || parent.model().restitution(contact) > 0.0 {
                 continue;
             }
-            for mode in others(parent.model, now, contact) {
+            for mode in others(parent.model(), now, contact) {
+                let shut = phase == 0 && now[contact].is_open() && !mode.is_open();
+                if shut && !may_be_closed_at_start(parent.setting, contact) {
+                    continue;
+                }
                 let mut there = now.clone();
                 there[contact] = mode;
                 found.extend(flipped(parent, phase, &there));
@@ -430,11 +450,11 @@ fn touches(parent: &Parent) -> Vec<Draft> {
     let mut found = Vec::new();
     for (phase, (from, to)) in parent.draft().phases().into_iter().enumerate() {
         for (contact, mode) in modes[phase].iter().enumerate() {
-            let declared = &parent.model.declaration().contacts[contact];
+            let declared = &parent.model().declaration().contacts[contact];
             if !mode.is_open() || declared.dry || parent.word().pieces.is_idle(contact) {
                 continue;
             }
-            for impulse in closed_modes(parent.model, contact) {
+            for impulse in closed_modes(parent.model(), contact) {
                 for share in TOUCHED {
                     let time = from + share * (to - from);
                     let touch = [touch(contact, impulse)];

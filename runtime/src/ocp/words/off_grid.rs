@@ -28,8 +28,12 @@ const BARRIER: f64 = 1e-2;
 const ITERATIONS: usize = 150;
 /// Most iterations of its restoration phase.
 const RESTORED: usize = 5;
+/// Least share of the unit of an objective that counts as its size: smaller ones drown in rounding.
+const LEAST_SHARE: f64 = 1e-6;
 /// Price of a miss to start with, in sizes of the objective per size of a goal.
 const PRICE: f64 = 10.0;
+/// What a phase has to gain for a word to be better with it, as a share of the objective.
+const WORTH_OF_PHASE: f64 = 1e-3;
 /// Miss of all goals, in their sizes, that is none.
 pub(super) const NO_MISS: f64 = 1e-3;
 
@@ -65,6 +69,11 @@ impl Goals {
     /// The price of a miss where objectives are of that size.
     pub(super) fn price_of(objective: f64) -> f64 {
         PRICE * objective
+    }
+
+    /// The size of objectives where a miss has that price.
+    fn objective_of(price: f64) -> f64 {
+        price / PRICE
     }
 }
 
@@ -232,9 +241,12 @@ pub(super) fn solved(
     (barrier, iterations): (f64, usize),
 ) -> Option<nlp::Solution> {
     let mut settings = interior_point(runner.settings);
-    settings.tolerance = TOLERANCE;
+    // Products of bounds and multipliers are measured in the unit of the objective, which is that of the largest control that is allowed.
+    let small =
+        (Goals::objective_of(price) / program.program.objective_unit()).clamp(LEAST_SHARE, 1.0);
+    settings.tolerance = small * TOLERANCE;
     settings.constraint_tolerance = TOLERANCE;
-    settings.initial_barrier_parameter = barrier;
+    settings.initial_barrier_parameter = small * barrier;
     settings.maximum_iterations = iterations;
     program.penalize(price);
     let run = Run {
@@ -373,9 +385,13 @@ impl Timed {
     pub(super) fn word(&self) -> &Word {
         &self.draft.word
     }
-}
 
-impl Timed {
+    /// What words are compared by, where objectives are of that size: with more phases there are more control pieces, which are worth a
+    /// little by themselves.
+    pub(super) fn value(&self, size: f64) -> f64 {
+        self.merit + WORTH_OF_PHASE * size * self.word().phases() as f64
+    }
+
     pub(in crate::ocp) fn trajectory(&self) -> &Trajectory {
         &self.motion.trajectory
     }

@@ -47,9 +47,8 @@ const REFINED: Fineness = Fineness {
 /// Words that are refined, and those that may go on to the grid.
 const REFINEMENTS: usize = 4;
 const KEPT: usize = 12;
-/// Excess over the best, with a price for each phase, up to which a word is refined.
+/// Excess over the best up to which a word is refined.
 const WORTH: f64 = 0.3;
-const WORTH_OF_PHASE: f64 = 0.005;
 
 /// A word that was looked at.
 struct Seen {
@@ -138,7 +137,7 @@ impl<'a, 'r> Words<'a, 'r> {
             };
             let found = &self.solved[index];
             let size = self.size();
-            let better = found.merit < parent.merit - GAIN * size;
+            let better = found.value(size) < parent.value(size) - GAIN * size;
             let shorter = found.word().phases() < parent.word().phases()
                 && found.merit < self.best_merit() + SHORTER * size;
             if self.best == Some(index) {
@@ -159,6 +158,10 @@ impl<'a, 'r> Words<'a, 'r> {
 
     fn merit(&self, index: usize) -> f64 {
         self.solved[index].merit
+    }
+
+    fn value(&self, index: usize) -> f64 {
+        self.solved[index].value(self.size())
     }
 
     fn best_merit(&self) -> f64 {
@@ -210,8 +213,10 @@ impl<'a, 'r> Words<'a, 'r> {
             return None;
         }
         let index = self.solved.len();
-        let improves = self.best.is_none() || merit < self.best_merit() - GAIN * self.size();
         self.solved.push(timed);
+        let improves = self
+            .best
+            .is_none_or(|best| self.value(index) < self.value(best) - GAIN * self.size());
         let seen = &mut self.seen[place];
         seen.merit = seen.merit.min(merit);
         if improves {
@@ -249,13 +254,16 @@ impl<'a, 'r> Words<'a, 'r> {
         let merit = self.merit(index);
         let excess = (merit - self.best_merit()) / self.size();
         let parent = Parent {
-            model: self.setting.model,
+            setting: self.setting,
             timed: &self.solved[index],
             library: &self.library,
         };
         let phases = self.solved[index].word().phases();
         let mut waiting = Vec::new();
-        for rule in &RULES {
+        // A phase of no length is not edited further: what it leads to, the word without it does.
+        let vanished = parent.has_vanished();
+        let rules = RULES.iter().filter(|rule| !vanished || rule.price == 0.0);
+        for rule in rules {
             for (rank, draft) in (rule.drafts)(&parent).into_iter().enumerate() {
                 self.order += 1;
                 let own = rule.price + NEXT_OF_RULE * rank as f64;
@@ -303,12 +311,10 @@ impl<'a, 'r> Words<'a, 'r> {
     /// The best words that reach the goals, refined, the best first.
     fn refined(mut self, runner: &mut Runner) -> (Vec<Timed>, Goals) {
         let size = self.size();
-        let rank =
-            |timed: &Timed| timed.merit + WORTH_OF_PHASE * size * timed.word().phases() as f64;
         let best = self.best_merit();
         let mut all = std::mem::take(&mut self.solved);
         all.retain(|timed| timed.merit <= best + WORTH * size);
-        all.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+        all.sort_by(|a, b| a.value(size).total_cmp(&b.value(size)));
         let mut kept: Vec<Timed> = Vec::new();
         for timed in all {
             let same = kept.iter().filter(|other| other.word() == timed.word());
@@ -337,7 +343,7 @@ impl<'a, 'r> Words<'a, 'r> {
                 };
             }
         }
-        kept.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
+        kept.sort_by(|a, b| a.value(size).total_cmp(&b.value(size)));
         (kept, self.goals)
     }
 }

@@ -28,6 +28,11 @@ const SHORTER: f64 = 0.77;
 /// Longest step where none is named, as a share of the horizon.
 const LONGEST: f64 = 1.0 / 16.0;
 
+/// Tolerance with which this error is promised, as far as one can be asked for.
+pub(super) fn tolerance(promise: f64) -> f64 {
+    (promise / TOLERANCES).max(FINEST)
+}
+
 /// Simulates until two runs agree within what is promised, or ends with a status that says otherwise.
 pub(super) fn promised(
     settings: &EventDriven,

@@ -6,31 +6,41 @@ use super::small_system;
 use crate::model::contact_point;
 use crate::simulation::impact_cluster::{self, Cluster, NearContact};
 
-/// The contacts of a cluster at the state loaded, if the impact of those `closed` is one of several that follow too fast
+/// Whether the impact of those `closed` at the state loaded is one of several that follow too fast
 /// to be told apart: a contact among them has left its surface and goes on leaving, so it is not struck at the same
 /// instant. At the start only its gap tells.
-pub(super) fn collapsing(dynamics: &Dynamics<'_>, t: f64, closed: &[usize]) -> Vec<NearContact> {
+pub(super) fn collapses(dynamics: &Dynamics<'_>, t: f64, closed: &[usize]) -> bool {
     let velocity = |i: usize| dynamics.point(i)[contact_point::NORMAL_VELOCITY];
     let gap = |i: usize| dynamics.point(i)[contact_point::GAP];
-    let struck = |&i: &usize| velocity(i) < -dynamics.zero_normal_velocity(i);
     let leaves = |&i: &usize| {
         !dynamics.is_active(i)
             && (t > 0.0 || gap(i) > dynamics.gap_rounding(i))
             && velocity(i) > dynamics.zero_normal_velocity(i)
     };
-    if !closed.iter().any(struck) || !closed.iter().any(leaves) {
-        return Vec::new();
-    }
+    closed.iter().any(leaves)
+}
+
+/// Whether the scene wants contacts that touch to be struck one after the other.
+pub(super) fn in_sequence(dynamics: &Dynamics<'_>, closed: &[usize]) -> bool {
+    let contacts = dynamics.model.declaration().contacts;
+    closed.len() > 1 && closed.iter().any(|&i| contacts[i].sequence)
+}
+
+/// The contacts of a cluster at the state loaded.
+pub(super) fn near(dynamics: &Dynamics<'_>, closed: &[usize]) -> Vec<NearContact> {
+    let contacts = dynamics.model.declaration().contacts;
     let near = |&contact: &usize| {
         let (gap, rounding) = if dynamics.is_active(contact) {
             (0.0, 0.0)
         } else {
-            (gap(contact).max(0.0), dynamics.closed_gap(contact))
+            let gap = dynamics.point(contact)[contact_point::GAP];
+            (gap.max(0.0), dynamics.closed_gap(contact))
         };
         NearContact {
             contact,
             gap,
             rounding,
+            sequence: contacts[contact].sequence,
         }
     };
     closed.iter().map(near).collect()

@@ -3,8 +3,8 @@
 use super::contact_problem;
 use super::dynamics::{Dynamics, Switch};
 use super::impact::Undetermined;
-use crate::simulation::problem::zero_parameters;
-use crate::simulation::{Diagnosis, Event, SimulationStatus};
+use crate::simulation::problem::{leaps, zero_parameters};
+use crate::simulation::{Diagnosis, SimulationStatus};
 
 /// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
 const JAMMING: f64 = 1e-2;
@@ -70,9 +70,19 @@ impl Place<'_, '_> {
         SimulationStatus::NotFinite(self.diagnosis(None, message))
     }
 
-    /// A switching function changes its sign through infinity.
-    pub(super) fn pole(self, switch: Switch) -> SimulationStatus {
+    /// The inertia falls to nothing, as it is said.
+    pub(super) fn without_inertia(self, why: String) -> SimulationStatus {
+        SimulationStatus::NotFinite(self.diagnosis(None, why))
+    }
+
+    /// A switching function changes its sign through infinity, or a gap by a jump, after `h` more.
+    pub(super) fn pole(mut self, switch: Switch, h: f64) -> SimulationStatus {
+        self.time += h;
         let contact = switch.contact();
+        if matches!(switch, Switch::Gap(_)) {
+            let message = leaps(self.contact_name(contact));
+            return SimulationStatus::NotFinite(self.diagnosis(Some(contact), message));
+        }
         let message = format!(
             "{} of `{}` changes its sign through infinity; check divisions and poles of the scene",
             switch.words(),
@@ -125,16 +135,12 @@ impl Place<'_, '_> {
         SimulationStatus::AmbiguousContact(self.diagnosis(Some(contact), message))
     }
 
-    /// More events than are allowed, of which the last is one of the contact that is named.
-    pub(super) fn too_many_events(self, events: &[Event]) -> SimulationStatus {
-        let count = events.len();
-        let tenth = events[count - 1 - count / 10].time;
+    /// More events than are allowed, `count`, of which the last is one of this contact.
+    pub(super) fn too_many_events(self, count: usize, last: Option<usize>) -> SimulationStatus {
         let message = format!(
-            "{count} switches of the contact mode, the last tenth within {:.1e} s; raise the limit \
-             on events unless they accumulate",
-            self.time - tenth
+            "{count} switches of the contact mode until here; shorten the horizon, or raise the limit on events unless they \
+             accumulate"
         );
-        let contact = events.last().map(|event| event.contact);
-        SimulationStatus::AmbiguousContact(self.diagnosis(contact, message))
+        SimulationStatus::EventLimit(self.diagnosis(last, message))
     }
 }

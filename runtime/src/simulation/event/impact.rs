@@ -50,6 +50,8 @@ pub(in crate::simulation) struct Impact {
     pub(in crate::simulation) impulse: f64,
     /// Contacts with restitution that were struck and stay.
     pub(in crate::simulation) ended: Vec<EndOfBounces>,
+    /// Whether the impacts have been carried out one after the other.
+    pub(in crate::simulation) in_turn: bool,
     /// What a user should know of a cluster of impacts.
     pub(in crate::simulation) cluster: Option<&'static str>,
     /// Kinetic energy before and after, if the law has raised it on ground at rest.

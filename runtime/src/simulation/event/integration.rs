@@ -1,7 +1,10 @@
 //! The run: steps, events, records.
 
+mod outputs;
+
 use hangtime_solver::clock::ThreadTime;
 
+use self::outputs::Outputs;
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};
 use super::diagnosis::Place;
@@ -17,7 +20,9 @@ use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
 use crate::model::Model;
+use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
+use crate::simulation::problem::vanishing_inertia;
 use crate::simulation::watch::Watch;
 use crate::simulation::{InitialValueProblem, Residuals, Simulation, SimulationStatus};
 
@@ -33,9 +38,12 @@ const SAME_INSTANT: f64 = 1e-14;
 const REPEATS: usize = 20;
 /// Where inside a step the signs of forces and gaps are measured.
 const AUDITED: [f64; 3] = [0.25, 0.5, 0.75];
+/// Steps that an event takes, which do not count against the limit on steps: events have their own.
+const STEPS_AN_EVENT: usize = 4;
 /// Steps at the same instant after which a contact mode is chosen by what follows later.
 const PATIENCE: usize = 2;
 
+// Many fields: a task, where it stands, and the memory of its steps, kept so that nothing allocates.
 /// A run.
 pub(super) struct Integration<'a> {
     settings: &'a EventDriven,
@@ -51,9 +59,10 @@ pub(super) struct Integration<'a> {
     h: f64,
     step: StepEnds,
     forces: Forces,
-    dense: DenseState,
+    dense: Outputs,
     counts: Attempts,
     checks: Checks<'a>,
+    log: EventLog,
     result: Simulation,
 }
 
@@ -68,14 +77,6 @@ struct StepEnds {
     at_end: Residuals,
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
-}
-
-/// A state inside a step.
-struct DenseState {
-    state: Vec<f64>,
-    slope: Vec<f64>,
-    /// Index of the next output time.
-    next: usize,
 }
 
 /// What is limited.
@@ -124,17 +125,14 @@ impl<'a> Integration<'a> {
                 orientation: 1.0,
             },
             forces: Forces::new(contacts),
-            dense: DenseState {
-                state: vec![0.0; dimension],
-                slope: vec![0.0; dimension],
-                next: 1,
-            },
+            dense: Outputs::new(dimension, problem.horizon, settings.output_times),
             counts: Attempts::default(),
             checks: Checks {
                 remarks: Remarks::default(),
                 audit: Audit::new(settings.tolerance),
                 explicit_time,
             },
+            log: EventLog::default(),
             result: dynamics.empty_result(),
             dynamics,
         }
@@ -160,6 +158,7 @@ impl<'a> Integration<'a> {
             .and_then(ExplicitTime::note);
         self.result.notes.extend(note);
         self.result.counts.evaluations = self.dynamics.evaluations;
+        self.result.counts.events = self.log.count(self.result.events.len());
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             self.result.seconds.total = elapsed.as_secs_f64();
         }
@@ -200,8 +199,9 @@ impl<'a> Integration<'a> {
             let event = match self.find_event(h) {
                 Outcome::Nothing => None,
                 Outcome::Event(event) => Some(event),
-                Outcome::Pole(function) => {
-                    return Err(self.place().pole(self.dynamics.switch(function)));
+                Outcome::Pole(found) => {
+                    let switch = self.dynamics.switch(found.function);
+                    return Err(self.place().pole(switch, found.h));
                 }
                 Outcome::Unresolved(function) => {
                     self.shorten(h, self.dynamics.switch(function).contact())?;
@@ -346,7 +346,8 @@ impl<'a> Integration<'a> {
 
     /// Tries a step of length `h`; `false` if it was rejected and `self.h` reduced.
     fn try_step(&mut self, h: f64) -> Result<bool, SimulationStatus> {
-        if self.counts.steps >= self.settings.max_steps {
+        let most = self.settings.max_steps + STEPS_AN_EVENT * self.events();
+        if self.counts.steps >= most {
             return Err(self.place().step_limit(self.counts.steps, h));
         }
         self.counts.steps += 1;
@@ -399,8 +400,14 @@ impl<'a> Integration<'a> {
         Ok(true)
     }
 
+    fn write_outputs(&mut self, h: f64, until: f64) {
+        let run = (&mut self.dynamics, &self.method);
+        let trajectory = &mut self.result.trajectory;
+        self.dense.write(run, trajectory, (self.t, h, until));
+    }
+
     fn find_event(&mut self, h: f64) -> Outcome {
-        let outputs_due = self.output_due(h);
+        let outputs_due = self.dense.are_due(self.t, h);
         let horizon = self.problem.horizon;
         let search = EventSearch::is_needed(&self.dynamics)
             || EventSearch::may_pass_posts(&self.dynamics, h, horizon);
@@ -508,10 +515,17 @@ impl<'a> Integration<'a> {
         };
         let events = instant.events(&impact.struck, at_start);
         self.result.events.extend(events);
-        if self.result.events.len() > self.settings.max_events {
-            return Err(self.place().too_many_events(&self.result.events));
+        let last = self.result.events.last().map(|event| event.contact);
+        self.log.tidy(&mut self.result.events);
+        if self.events() > self.settings.max_events {
+            return Err(self.place().too_many_events(self.events(), last));
         }
         Ok(())
+    }
+
+    /// Events so far, listed or not.
+    fn events(&self) -> usize {
+        self.log.count(self.result.events.len())
     }
 
     /// Lets the next piece of an edge act if it has come to be the largest: nothing else happens there.
@@ -620,50 +634,6 @@ impl<'a> Integration<'a> {
         }
     }
 
-    fn output_time(&self, index: usize) -> f64 {
-        self.problem.horizon * index as f64 / self.settings.output_times as f64
-    }
-
-    /// Whether an output time lies inside the next `h`.
-    fn output_due(&self, h: f64) -> bool {
-        self.dense.next < self.settings.output_times
-            && self.output_time(self.dense.next) < self.t + h
-    }
-
-    /// Writes the output times inside the first `until` of the step of length `h` just made.
-    fn write_outputs(&mut self, h: f64, until: f64) {
-        let n = self.dynamics.n;
-        while self.output_due(until) {
-            let time = self.output_time(self.dense.next);
-            self.dense.next += 1;
-            if time <= self.t {
-                continue;
-            }
-            self.method
-                .interpolate((time - self.t) / h, &mut self.dense.state);
-            if !motion::project(&mut self.dynamics, time, &mut self.dense.state) {
-                continue;
-            }
-            self.dynamics
-                .derivative(time, &self.dense.state, &mut self.dense.slope);
-            let mut forces = vec![0.0; self.forces.normal.len()];
-            self.dynamics.forces(&mut forces);
-            let trajectory = &mut self.result.trajectory;
-            trajectory.push(
-                time,
-                self.dense.state[2 * n],
-                &self.dense.state[..n],
-                &self.dense.state[n..2 * n],
-                &self.dynamics.u,
-                &forces,
-            );
-            if self.dynamics.laws.declares_friction {
-                self.dynamics.friction_forces(&mut forces);
-                trajectory.friction_force.push(forces);
-            }
-        }
-    }
-
     /// The present place, for what has to be said of it.
     fn place(&self) -> Place<'_, 'a> {
         Place {
@@ -683,6 +653,12 @@ impl<'a> Integration<'a> {
     fn step_failure(&mut self, error: f64) -> SimulationStatus {
         if let Some(status) = self.jamming() {
             return status;
+        }
+        self.dynamics.load(self.t, &self.y);
+        let start = self.problem.input(self.dynamics.model);
+        let here = self.dynamics.input();
+        if let Some(why) = vanishing_inertia(self.dynamics.model, &start, here) {
+            return self.place().without_inertia(why);
         }
         if error.is_finite() {
             self.place().step_too_short(self.h, self.settings.tolerance)

@@ -37,7 +37,7 @@ use integration::Integration;
 
 use super::explicit_time::ExplicitTime;
 use super::watch::Watch;
-use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse};
+use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse, order_of_impacts};
 use crate::model::Model;
 use crate::refusal;
 use crate::{Observer, Progress};
@@ -57,6 +57,7 @@ impl Simulator for EventDriven {
         let mut watch = Watch::new(problem, observer);
         let mut result = accuracy::promised(self, (model, problem), &mut watch);
         impulse::record(model, &mut result);
+        order_of_impacts::note(model, &mut result);
         watch.finish(model, &mut result);
         Ok(result)
     }
@@ -97,6 +98,24 @@ pub(crate) fn simulate_to(
     impulse::record(model, &mut result);
     watch.finish(model, &mut result);
     Ok(result)
+}
+
+/// The motion with at most the error `promise`, where another method that promises as much fails.
+pub(super) fn simulate_instead(
+    promise: f64,
+    scene: (&dyn Model, &InitialValueProblem),
+    watch: &mut Watch<'_>,
+) -> Simulation {
+    let settings = EventDriven::default();
+    let tolerance = settings.tolerance.min(accuracy::tolerance(promise));
+    accuracy::promised(
+        &EventDriven {
+            tolerance,
+            ..settings
+        },
+        scene,
+        watch,
+    )
 }
 
 /// The same to check another method's run, under its observer, which does not see the time.

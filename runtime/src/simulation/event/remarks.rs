@@ -32,7 +32,7 @@ struct Ends {
 impl Remarks {
     /// Remembers what an impact at `time` has to say.
     pub(super) fn add(&mut self, time: f64, impact: &Impact) {
-        self.simultaneous |= impact.struck.len() > 1;
+        self.simultaneous |= impact.struck.len() > 1 && !impact.in_turn;
         if let Some(note) = impact.cluster
             && !self.clusters.contains(&note)
         {

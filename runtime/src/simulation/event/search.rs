@@ -9,6 +9,9 @@ use crate::model::contact_point;
 /// Crossings of one switching function on the continuous extension that true steps may refute before the step
 /// counts as too long.
 const FALSE_ALARMS: usize = 20;
+/// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
+/// without passing zero.
+const LEAPS: f64 = 1e-3;
 /// A crossing less deep than this share of the range of values within the step is confirmed by a true
 /// step: it may be an error of the continuous extension.
 const SHALLOW: f64 = 1e-4;
@@ -91,8 +94,8 @@ pub(super) enum Outcome {
     Nothing,
     /// The earliest event.
     Event(Found),
-    /// This function changes its sign through infinity.
-    Pole(usize),
+    /// This function changes its sign through infinity, or by a jump.
+    Pole(Found),
     /// The continuous extension is too far from the solution to find the zeros of this function: the step
     /// is too long.
     Unresolved(usize),
@@ -183,11 +186,15 @@ impl EventSearch {
             let function = crossing.function;
             match self.polish(dynamics, method, step, crossing) {
                 Ok(h) => {
-                    // A function changes its sign at a pole as well.
+                    // A function changes its sign at a pole as well, and a gap where it jumps.
                     let Crossing { left, right, .. } = crossing;
                     let largest = left.value.abs().max(right.value.abs());
-                    return if self.root_value.abs() > largest.max(self.zero[function]) {
-                        Outcome::Pole(function)
+                    let kept = match dynamics.switch(function) {
+                        Switch::Gap(_) if left.value > self.zero[function] => LEAPS * largest,
+                        _ => largest,
+                    };
+                    return if self.root_value.abs() > kept.max(self.zero[function]) {
+                        Outcome::Pole(Found { function, h })
                     } else {
                         Outcome::Event(Found { function, h })
                     };

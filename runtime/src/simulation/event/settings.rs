@@ -95,9 +95,9 @@ pub struct EventDriven {
     /// the range of the gap so far, are left out.
     pub rest_velocity: Option<f64>,
     /// Largest number of events before the run ends as
-    /// [`AmbiguousContact`](crate::simulation::SimulationStatus::AmbiguousContact); default 100 000.
+    /// [`EventLimit`](crate::simulation::SimulationStatus::EventLimit); default 2 000 000, whatever the horizon.
     pub max_events: usize,
-    /// Largest number of accepted and rejected steps; default 1 000 000.
+    /// Largest number of accepted and rejected steps beside those that end in events; default 1 000 000.
     pub max_steps: usize,
     /// Number of equal intervals of the horizon at whose ends the trajectory has a point, from the
     /// continuous extension, besides those at the ends of steps; default 0, none.
@@ -117,7 +117,7 @@ impl Default for EventDriven {
             tolerance: 1e-9,
             max_step: None,
             rest_velocity: None,
-            max_events: 100_000,
+            max_events: 2_000_000,
             max_steps: 1_000_000,
             output_times: 0,
             auxiliary_acceleration: 981.0,

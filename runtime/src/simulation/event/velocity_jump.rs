@@ -146,10 +146,12 @@ fn strike_together(
             .collect(),
         ..Impact::default()
     };
-    let near = cluster::collapsing(dynamics, t, &closed);
-    if !near.is_empty() {
+    let too_fast = !outcome.struck.is_empty() && cluster::collapses(dynamics, t, &closed);
+    if too_fast || !outcome.struck.is_empty() && cluster::in_sequence(dynamics, &closed) {
+        let near = cluster::near(dynamics, &closed);
         let carried_out = cluster::resolve(dynamics, t, y, &near, lowest, &mut outcome)?;
-        outcome.cluster = carried_out.note();
+        outcome.cluster = carried_out.note(too_fast);
+        outcome.in_turn = true;
         dynamics.load(t, y);
         closed = near.iter().map(|near| near.contact).collect();
         velocities.clear();

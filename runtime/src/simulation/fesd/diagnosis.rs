@@ -6,17 +6,22 @@ use super::stop::Stop;
 use crate::fesd::active_contact::find;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
-use crate::simulation::problem::{negative_bound, not_finite_at, zero_parameters};
+use crate::simulation::problem::{
+    leaps, negative_bound, not_finite_at, vanishing_inertia, zero_parameters,
+};
 use crate::simulation::watch::interrupted;
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
 
-/// Switches within a hundredth of the horizon before the contact mode counts as ambiguous. A ball that keeps
-/// all but a hundredth of its speed takes about 1,400 bounces to rest.
+/// Switches while time nearly stands still before the contact mode counts as ambiguous. A ball that keeps all but a hundredth
+/// of its speed takes about 1,400 bounces to rest.
 pub(super) const MAX_SWITCHES: usize = 5_000;
 
 /// Normal acceleration for a unit force of a sliding contact, 1 without friction, below which the failure of
 /// short elements is that of the contact law.
 const NEARLY_JAMMED: f64 = 1e-2;
+
+/// Share of the horizon after which a motion that cannot go on is looked at.
+const AHEAD: f64 = 1e-6;
 
 pub(super) fn diagnosis(
     driver: &Driver<'_>,
@@ -46,15 +51,20 @@ pub(super) fn too_short(driver: &Driver<'_>, step: usize, end: f64) -> Simulatio
     if nearly_jams(driver) {
         return stopped(driver, step, &Stop::Mode(ModeError::Jammed));
     }
-    if driver.record.not_finite {
+    if driver.record.not_finite && not_finite_ahead(driver, end) {
         return stopped(driver, step, &Stop::Mode(ModeError::NotFinite));
+    }
+    let start = driver.setup.problem.input(driver.setup.model);
+    if let Some(why) = vanishing_inertia(driver.setup.model, &start, driver.now.input()) {
+        return SimulationStatus::NotFinite(diagnosis(driver, step, None, why));
     }
     let settings = driver.setup.settings;
     let why = if settings.stage_count() == 1 && settings.promise().is_some() {
         "an element of one stage has an order too low for the tolerance; error control needs 2 stages or more, or name \
          the steps"
     } else {
-        "forces grow without bound here, or the tolerance is below what the model's functions resolve; raise the tolerance"
+        "forces grow without bound, switches of the contact mode follow each other, or the tolerance is below what the model's \
+         functions resolve; raise the tolerance, or ask the method `event`"
     };
     SimulationStatus::StepLimit(diagnosis(
         driver,
@@ -65,6 +75,20 @@ pub(super) fn too_short(driver: &Driver<'_>, step: usize, end: f64) -> Simulatio
             end - driver.now.state.time
         ),
     ))
+}
+
+/// Whether the model is infinite or not a number soon after the present state, where elements up to `end` fail: within what they would
+/// cover, and a little more.
+fn not_finite_ahead(driver: &Driver<'_>, end: f64) -> bool {
+    let (model, state) = (driver.setup.model, &driver.now.state);
+    let n = state.q.len();
+    let soon = (end - state.time).max(AHEAD * driver.setup.horizon);
+    [0.0, soon].into_iter().any(|after| {
+        let mut x = driver.now.input().to_vec();
+        let later = x[..n].iter_mut().zip(&state.q).zip(&state.v);
+        later.for_each(|((x, q), v)| *x = q + after * v);
+        not_finite_at(model, &x).is_some()
+    })
 }
 
 /// The status of a run that takes more elements than allowed.
@@ -81,8 +105,8 @@ pub(super) fn too_many(driver: &Driver<'_>, step: usize) -> SimulationStatus {
     ))
 }
 
-/// The status of a run whose contact mode switches without end.
-pub(super) fn unsettled(driver: &Driver<'_>, step: usize) -> SimulationStatus {
+/// The status of a run whose contact mode switches without end since the time `burst` \[s\], in that step.
+pub(super) fn unsettled(driver: &Driver<'_>, step: usize, burst: f64) -> SimulationStatus {
     let last = driver.record.events.last();
     let contact = last.map(|event| event.contact);
     let why = match last {
@@ -90,17 +114,10 @@ pub(super) fn unsettled(driver: &Driver<'_>, step: usize) -> SimulationStatus {
             if event.kind == EventKind::Impact && driver.setup.restitution[event.contact] > 0.0 =>
         {
             let name = driver.setup.name(event.contact);
-            if driver.setup.restitution[event.contact] < 1.0 {
-                let rest = bounces::rest_velocity(driver, event.contact);
-                format!(
-                    "`{name}` bounces too often before it rests: raise the rest velocity, {rest:.1e} now, or lower the \
-                     restitution"
-                )
-            } else {
-                format!(
-                    "`{name}` bounces without losing speed, so it never rests: shorten the horizon, or lower the restitution"
-                )
-            }
+            let rest = bounces::rest_velocity(driver, event.contact);
+            format!(
+                "`{name}` bounces too often before it rests: raise the rest velocity, {rest:.1e} now, or lower the restitution"
+            )
         }
         _ => "the contact mode does not settle: look at the surfaces that meet here, or take more steps"
             .into(),
@@ -110,10 +127,20 @@ pub(super) fn unsettled(driver: &Driver<'_>, step: usize) -> SimulationStatus {
         step,
         contact,
         format!(
-            "more than {MAX_SWITCHES} switches within {} s; {why}",
-            0.01 * driver.setup.horizon
+            "more than {MAX_SWITCHES} switches within {:.1e} s; {why}",
+            driver.now.state.time - burst
         ),
     ))
+}
+
+/// The status of a run with more events than are allowed.
+pub(super) fn too_many_events(driver: &Driver<'_>, step: usize) -> SimulationStatus {
+    let contact = driver.record.events.last().map(|event| event.contact);
+    let message = format!(
+        "{} switches of the contact mode until here; shorten the horizon, raise the rest velocity where bounces die away, or raise `most_events`",
+        driver.events()
+    );
+    SimulationStatus::EventLimit(diagnosis(driver, step, contact, message))
 }
 
 /// What of the model is infinite or not a number at the present state, and where to look.
@@ -239,6 +266,12 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
         Stop::Program(what) => {
             SimulationStatus::StepFailed(diagnosis(driver, step, contact, describe(what)))
         }
+        &Stop::Leap(contact, time) => SimulationStatus::NotFinite(Diagnosis {
+            time,
+            step,
+            contact: Some(contact),
+            message: leaps(driver.setup.name(contact)),
+        }),
         Stop::Unresolved => SimulationStatus::StepFailed(diagnosis(
             driver,
             step,

@@ -9,6 +9,7 @@ use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{FiniteElement, State};
 use crate::model::{ImpactLaw, Model};
 use crate::rk::ButcherTableau;
+use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, Event, EventKind, InitialValueProblem, ProblemSize,
@@ -82,6 +83,7 @@ pub(super) struct Record {
     /// Modes of the contacts right after the start.
     pub(super) initial_modes: Vec<ContactMode>,
     pub(super) events: Vec<Event>,
+    pub(super) log: EventLog,
     pub(super) trajectory: Trajectory,
     /// Whether the trajectory is left out, but for its end.
     pub(super) forgetful: bool,
@@ -285,6 +287,11 @@ impl<'a> Driver<'a> {
             contact_impulse: Vec::new(),
             friction_impulse: Vec::new(),
         });
+    }
+
+    /// Events so far, listed or not.
+    pub(super) fn events(&self) -> usize {
+        self.record.log.count(self.record.events.len())
     }
 
     pub(super) fn note(&mut self, text: &str) {

@@ -37,8 +37,9 @@ pub(super) fn carry_out(driver: &mut Driver<'_>, touching: &[usize]) -> Result<I
     if closing.is_empty() {
         return Ok(Impact::default());
     }
-    if collapses(driver, touching) {
-        return cluster(driver, touching);
+    let too_fast = collapses(driver, touching);
+    if too_fast || in_sequence(driver, touching) {
+        return cluster(driver, touching, too_fast);
     }
     match strike(driver, touching, &closing) {
         Ok(ended) => Ok(Impact {
@@ -48,7 +49,7 @@ pub(super) fn carry_out(driver: &mut Driver<'_>, touching: &[usize]) -> Result<I
         }),
         // At the end of bounces contacts may strike one after the other where together they jam.
         Err(ModeError::Jammed) if touching.len() > 1 && are_slow(driver, &closing) => {
-            cluster(driver, touching)
+            cluster(driver, touching, true)
         }
         Err(error) => Err(error),
     }
@@ -67,6 +68,12 @@ fn collapses(driver: &Driver<'_>, touching: &[usize]) -> bool {
     })
 }
 
+/// Whether the scene wants contacts that touch to be struck one after the other.
+fn in_sequence(driver: &Driver<'_>, touching: &[usize]) -> bool {
+    let contacts = driver.setup.model.declaration().contacts;
+    touching.len() > 1 && touching.iter().any(|&i| contacts[i].sequence)
+}
+
 /// Whether contacts close with little of what their velocities have been.
 fn are_slow(driver: &Driver<'_>, closing: &[usize]) -> bool {
     closing
@@ -76,6 +83,7 @@ fn are_slow(driver: &Driver<'_>, closing: &[usize]) -> bool {
 
 /// The gaps of contacts that may strike one after the other.
 fn near(driver: &Driver<'_>, touching: &[usize]) -> Vec<NearContact> {
+    let contacts = driver.setup.model.declaration().contacts;
     let near = |&contact: &usize| {
         let held = find(&driver.now.active, contact).is_some();
         let (gap, touching) = (
@@ -87,19 +95,24 @@ fn near(driver: &Driver<'_>, touching: &[usize]) -> Vec<NearContact> {
             contact,
             gap,
             rounding,
+            sequence: contacts[contact].sequence,
         }
     };
     touching.iter().map(near).collect()
 }
 
 /// Carries out the impacts of a cluster.
-fn cluster(driver: &mut Driver<'_>, touching: &[usize]) -> Result<Impact, ModeError> {
+fn cluster(
+    driver: &mut Driver<'_>,
+    touching: &[usize],
+    too_fast: bool,
+) -> Result<Impact, ModeError> {
     let near = near(driver, touching);
     let cluster = impact_cluster::resolve(&mut Bodies(driver), &near)?;
     let contacts = driver.setup.contacts();
     driver.now.evaluate_contacts(contacts);
     driver.now.numerical_time += cluster.numerical_time;
-    if let Some(note) = cluster.note() {
+    if let Some(note) = cluster.note(too_fast) {
         driver.note(note);
     }
     Ok(Impact {

@@ -12,6 +12,9 @@ use crate::fesd::finite_element::newton;
 const CROSSED: f64 = 1e-9;
 /// Size of a force that changes its sign, relative to its terms, above which it does so through infinity.
 const POLE: f64 = 1e-3;
+/// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
+/// without passing zero.
+const LEAPS: f64 = 1e-3;
 /// Evaluations of the switch condition that locate one switch.
 const MAX_LOCATIONS: usize = 60;
 
@@ -226,8 +229,12 @@ pub(super) fn locate_one(
     let mut length = length_at(switch.theta);
     let mut slope = switch.slope * count as f64;
     let mut previous: Option<(f64, f64)> = None;
+    let mut largest = driver.now.gaps[switch.contact].abs();
     for _ in 0..MAX_LOCATIONS {
         let value = switch_condition(driver, switch, length, count)?;
+        if previous.is_none() {
+            largest = largest.max(value.abs());
+        }
         if let Some((earlier, earlier_value)) = previous {
             let secant = (value - earlier_value) / (length - earlier);
             if secant.is_finite() && secant != 0.0 {
@@ -244,9 +251,26 @@ pub(super) fn locate_one(
         // What the switch is told apart by is its own time: an element may be far longer than the flight that ends in it.
         let tolerance = 2.0 * f64::EPSILON * begin.max(length * count as f64);
         if value == 0.0 || step.abs() <= tolerance || after - before <= tolerance {
-            let force = matches!(switch.kind, SwitchKind::Exit | SwitchKind::Slipping);
-            let pole = force && value.abs() > POLE * driver.now.contacts.phi_scale(switch.contact);
-            return if pole { Err(Stop::Location) } else { Ok(()) };
+            return match switch.kind {
+                SwitchKind::Exit | SwitchKind::Slipping => {
+                    let bound = POLE * driver.now.contacts.phi_scale(switch.contact);
+                    if value.abs() > bound {
+                        Err(Stop::Location)
+                    } else {
+                        Ok(())
+                    }
+                }
+                SwitchKind::Entry | SwitchKind::Reentry => {
+                    let bound =
+                        (LEAPS * largest).max(driver.now.size(switch.contact).touching_gap());
+                    if value.abs() > bound {
+                        Err(Stop::Leap(switch.contact, begin + length * count as f64))
+                    } else {
+                        Ok(())
+                    }
+                }
+                SwitchKind::Stopping => Ok(()),
+            };
         }
         length -= step;
         if !(before < length && length < after) {

@@ -50,11 +50,30 @@ mod switch;
 pub use settings::{Fesd, StepFormulation};
 pub use size::step_sizes;
 
+use super::hand_over::{self, Other};
 use super::watch::Watch;
-use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse};
+use super::{
+    InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse,
+    order_of_impacts,
+};
 use crate::Observer;
 use crate::model::{Model, edge};
 use crate::refusal;
+
+const OTHER: Other = Other {
+    failed: "finite elements",
+    takes_over: "the event-driven method",
+};
+
+/// Whether a run may have ended for a reason of its elements. A gap that leaps has none of it, but is asked for again as well:
+/// the event-driven method sees it too.
+fn may_be_its_own(status: &SimulationStatus) -> bool {
+    use SimulationStatus::{AmbiguousContact, NotFinite, StepFailed, StepLimit};
+    matches!(
+        status,
+        AmbiguousContact(_) | NotFinite(_) | StepFailed(_) | StepLimit(_)
+    )
+}
 
 impl Simulator for Fesd {
     fn name(&self) -> &'static str {
@@ -77,10 +96,22 @@ impl Simulator for Fesd {
                 "use another formulation",
             ));
         }
+        if self.formulation == StepFormulation::Complementarity {
+            InitialValueProblem::check_at_once(model, "the complementarity problem")?;
+        }
         let mut watch = Watch::new(problem, observer);
         let mut result = match self.promise() {
             Some(promise) => {
-                accuracy::promised(self, promise, &tableau, (model, problem), &mut watch)
+                let run = accuracy::promised(self, promise, &tableau, (model, problem), &mut watch);
+                let named = run.counts.elements >= self.most_elements;
+                let asked = self.hands_over && self.formulation == StepFormulation::ActiveSet;
+                if named || !asked {
+                    run
+                } else {
+                    hand_over::unless_solved(run, may_be_its_own, &OTHER, &mut watch, |watch| {
+                        event::simulate_instead(promise, (model, problem), watch)
+                    })
+                }
             }
             None if self.steps.is_none() => {
                 let promise = self.tolerance.unwrap_or(Self::PROMISE);
@@ -89,6 +120,7 @@ impl Simulator for Fesd {
             None => estimate::estimated(self, &tableau, (model, problem), &mut watch),
         };
         impulse::record(model, &mut result);
+        order_of_impacts::note(model, &mut result);
         watch.finish(model, &mut result);
         Ok(result)
     }

@@ -74,7 +74,10 @@ pub struct Fesd {
     /// one; where they differ by more than is promised, tighter ones follow, and where these still differ the
     /// status is [`Inaccurate`](crate::simulation::SimulationStatus::Inaccurate).
     pub tolerance: Option<f64>,
-    /// Elements of a run before it ends with
+    /// Events of a run before it ends with
+    /// [`EventLimit`](crate::simulation::SimulationStatus::EventLimit), whatever the horizon. Default 2,000,000.
+    pub most_events: usize,
+    /// Elements of a run beside those that end in events before it ends with
     /// [`StepLimit`](crate::simulation::SimulationStatus::StepLimit): a bound on memory and time. Default
     /// 300,000, which take some hundred megabytes.
     pub most_elements: usize,
@@ -92,6 +95,9 @@ pub struct Fesd {
     /// velocity of the contact so far (the sum of its terms' sizes).
     /// Where several contacts touch, bounces that stay within rounding error of the gap end as well.
     pub rest_velocity: Option<f64>,
+    /// Whether the event-driven method takes over a motion at which the elements of an error-controlled run in active-set form fail; a
+    /// note says so. Default false: what is asked for runs. [`simulate`](crate::prelude::simulate) without a method sets it.
+    pub hands_over: bool,
 }
 
 impl Default for Fesd {
@@ -102,11 +108,13 @@ impl Default for Fesd {
             steps: None,
             elements: 3,
             tolerance: None,
+            most_events: 2_000_000,
             most_elements: 300_000,
             formulation: StepFormulation::ActiveSet,
             exit_condition: true,
             auxiliary_acceleration: 981.0,
             rest_velocity: None,
+            hands_over: false,
         }
     }
 }

@@ -20,6 +20,14 @@ use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
 /// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
 const MAX_ATTEMPTS: usize = 20_000;
 
+/// Attempts that lead to one switch, which do not count.
+const ATTEMPTS_A_SWITCH: usize = 10;
+/// Elements that an event takes, which do not count against the limit on elements: events have their own.
+const ELEMENTS_AN_EVENT: usize = 4;
+/// Time of a burst of switches, as a share of the time reached and of the horizon.
+const BURST: f64 = 1e-6;
+const SHORTEST_BURST: f64 = 1e-9;
+
 /// How a segment ended.
 enum Segment {
     /// At its planned end.
@@ -49,6 +57,7 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
     impacts::note_energy_gains(&mut driver);
     let newton = driver.element.counts;
     let other = driver.next_element.counts;
+    driver.record.counts.events = driver.events();
     driver.record.counts.newton = newton.iterations + other.iterations;
     driver.record.counts.factorizations = newton.factorizations + other.factorizations;
     driver.record.counts.evaluations =
@@ -153,19 +162,21 @@ fn leave_the_ground(driver: &mut Driver<'_>) {
 }
 
 /// A step of the grid, and how it goes.
-struct Step {
+pub(super) struct Step {
     /// Its number, from 0.
-    number: usize,
+    pub(super) number: usize,
     begin: f64,
     end: f64,
     /// What is left of it where it has been made, up to rounding error \[s\].
     shortest: f64,
     /// How often its elements have been halved.
     halvings: usize,
-    /// Switches and attempts at segments since `counted_from` \[s\].
-    switches: usize,
+    /// Attempts at segments since `counted_from` \[s\], but for those that a switch takes.
     attempts: usize,
     counted_from: f64,
+    /// Switches of a burst, and its begin \[s\].
+    switches: usize,
+    pub(super) burst: f64,
     size: ProblemSize,
 }
 
@@ -177,11 +188,22 @@ impl Step {
             end,
             shortest,
             halvings: 0,
-            switches: 0,
             attempts: 0,
             counted_from: begin,
+            switches: 0,
+            burst: begin,
             size: ProblemSize::default(),
         }
+    }
+
+    /// Counts a switch at this `time` of a run to `horizon`; true if they come so fast that time stands still.
+    fn bursts(&mut self, time: f64, horizon: f64) -> bool {
+        if time - self.burst > (BURST * time).max(SHORTEST_BURST * horizon) {
+            (self.switches, self.burst) = (0, time);
+        }
+        self.switches += 1;
+        self.attempts = self.attempts.saturating_sub(ATTEMPTS_A_SWITCH);
+        self.switches > MAX_SWITCHES
     }
 
     /// Halves the elements after a segment of this `length` that led to nothing.
@@ -242,11 +264,12 @@ fn attempt(
     let (end, elements) = driver.control.plan(time, piece_end, share, step.halvings);
     let end = foreseen(driver, end, elements);
     if time - step.counted_from > 0.01 * driver.setup.horizon {
-        (step.switches, step.attempts) = (0, 0);
+        step.attempts = 0;
         step.counted_from = time;
     }
     step.attempts += 1;
-    if driver.record.counts.elements >= driver.setup.settings.most_elements {
+    let most = driver.setup.settings.most_elements + ELEMENTS_AN_EVENT * driver.events();
+    if driver.record.counts.elements >= most {
         return Err(diagnosis::too_many(driver, step.number));
     }
     let control = &driver.control;
@@ -261,14 +284,18 @@ fn attempt(
         Ok(Segment::Completed) => step.halvings = step.halvings.saturating_sub(1),
         Ok(Segment::Switched) => {
             driver.record.not_finite = false;
-            step.switches += 1;
+            let bursts = step.bursts(driver.now.state.time, driver.setup.horizon);
             // A switch at the start that changes nothing is an error of an element that is much too long.
             if driver.now.state.time == time && driver.record.events.len() == events {
                 step.halve(&mut driver.control, end - time);
             }
-            if step.switches > MAX_SWITCHES {
-                return Err(diagnosis::unsettled(driver, step.number));
+            if bursts {
+                return Err(diagnosis::unsettled(driver, step.number, step.burst));
             }
+            if driver.events() > driver.setup.settings.most_events {
+                return Err(diagnosis::too_many_events(driver, step.number));
+            }
+            driver.record.log.tidy(&mut driver.record.events);
         }
         Err(stop) => recover(driver, step, (end, stop), watch)?,
     }
@@ -305,6 +332,9 @@ fn recover(
     (end, stop): (f64, Stop),
     watch: &mut Watch<'_>,
 ) -> Result<(), SimulationStatus> {
+    if matches!(stop, Stop::Leap(..)) {
+        return Err(diagnosis::stopped(driver, step.number, &stop));
+    }
     let mode = matches!(stop, Stop::Mode(_));
     let not_finite = matches!(
         stop,

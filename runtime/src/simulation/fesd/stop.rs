@@ -11,6 +11,8 @@ pub(super) enum Stop {
     Mode(ModeError),
     /// A switch could not be located; shorter elements may help.
     Location,
+    /// The gap of this contact changes its sign at this time \[s\] without passing zero: through infinity or by a jump.
+    Leap(usize, f64),
     /// A gap varies too fast for the samples of an element; shorter elements help.
     Unresolved,
     /// The complementarity problem of the step was not solved.

@@ -5,6 +5,8 @@ use faer::{Accum, MatMut, MatRef, Par};
 
 use pulp::Simd;
 
+use crate::until::Until;
+
 use super::kernels::{largest, multiply, subtract, subtract_four, subtract_two, transform_two};
 
 /// A pivot block of `B`.
@@ -26,6 +28,9 @@ pub(crate) const THRESHOLD: f64 = 1e-6;
 /// Columns whose entries are all below this, in a matrix scaled to entries of size one, are zero.
 const ZERO: f64 = 1e-13;
 
+/// Multiplications after which a factorization looks whether it may go on, about a millisecond.
+pub(crate) const LOOK: f64 = 1e6;
+
 /// A dense symmetric front whose first `summed` columns may be eliminated.
 ///
 /// `square` holds all columns, padded to `stride` entries, a multiple of four. The summed columns hold all rows, so that
@@ -41,6 +46,7 @@ pub(crate) struct Front<'m, S> {
     pub(crate) index: &'m mut [u32],
     /// Work array.
     pub(crate) product: &'m mut Vec<f64>,
+    pub(crate) until: &'m Until,
 }
 
 impl<S: Simd> Front<'_, S> {
@@ -106,7 +112,14 @@ impl<S: Simd> Front<'_, S> {
         let mut done = 0;
         // columns tried since the last success; success makes the others worth another try
         let mut tried = 0;
+        let mut looked_at = 0;
         while done < self.summed {
+            if (done - looked_at) as f64 * self.square.len() as f64 > LOOK {
+                looked_at = done;
+                if self.until.is_over() {
+                    return done;
+                }
+            }
             if tried >= self.summed - done {
                 if !is_root {
                     break;
@@ -403,6 +416,7 @@ mod tests {
             square: &mut square,
             index: &mut index,
             product: &mut product,
+            until: &Until::default(),
         };
         let done = front.factorize(is_root, &mut pivots);
         let columns = square.chunks_exact(stride).map(|c| c[..rows].to_vec());

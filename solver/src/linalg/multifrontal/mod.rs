@@ -25,11 +25,12 @@ mod symbolic;
 use pulp::Simd;
 
 use factors::{Factors, FrontRecord};
-use front::{Front, Pivot};
+use front::{Front, LOOK, Pivot};
 use kernels::padded;
 use symbolic::{Node, Symbolic};
 
 use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
+use crate::until::Until;
 
 /// Multifrontal factorization with pivoting, `S P' L B L' P S` for a matrix equilibrated by a diagonal `S`.
 pub(crate) struct MultifrontalLdl {
@@ -50,8 +51,15 @@ pub(crate) struct MultifrontalLdl {
     stack: Stack,
     pivots: Vec<Pivot>,
     factors: Factors,
-    /// Most multiplications of a factorization.
+    limits: Limits,
+}
+
+/// How long a factorization may work.
+#[derive(Debug)]
+struct Limits {
+    /// Most multiplications.
     most_work: f64,
+    until: Until,
 }
 
 /// The stack of Schur complements.
@@ -118,9 +126,17 @@ impl MultifrontalLdl {
                 fronts: Vec::with_capacity(symbolic.nodes.len()),
                 inverse: Vec::with_capacity(n),
             },
-            most_work,
+            limits: Limits {
+                most_work,
+                until: Until::default(),
+            },
             symbolic,
         })
+    }
+
+    /// Until when factorizations may work; one that does not end then has no factors.
+    pub(crate) fn work_until(&mut self, until: Until) {
+        self.limits.until = until;
     }
 
     /// Entries of the factor, a measure of fill.
@@ -370,11 +386,16 @@ impl MultifrontalLdl {
         self.factors.values.clear();
         self.factors.rows.clear();
         self.factors.fronts.clear();
-        let mut done_work = 0.0;
+        let (mut done_work, mut looked_at) = (0.0, 0.0);
         for k in 0..self.symbolic.nodes.len() {
             let (rows, summed) = self.assemble(k);
             done_work += work(rows, summed);
-            if done_work > self.most_work {
+            let mut is_over = done_work > self.limits.most_work;
+            if done_work > looked_at + LOOK {
+                looked_at = done_work;
+                is_over |= self.limits.until.is_over();
+            }
+            if is_over {
                 self.factors.rows.truncate(self.factors.rows.len() - rows);
                 self.factors
                     .values
@@ -392,6 +413,7 @@ impl MultifrontalLdl {
                 square: &mut self.factors.values[start..],
                 index: &mut self.factors.rows[names..],
                 product: &mut self.product,
+                until: &self.limits.until,
             };
             let done = front.factorize(self.symbolic.nodes[k].is_root, &mut self.pivots);
             self.store(k, rows, summed, done);
@@ -420,6 +442,9 @@ impl KktFactorization for MultifrontalLdl {
     ) -> Result<Inertia, FactorizationError> {
         self.take_values(values, delta_w, delta_c)?;
         pulp::Arch::new().dispatch(Eliminate(self));
+        if self.limits.until.is_over() {
+            return Err(FactorizationError::Stopped);
+        }
         invert(&self.pivots, &mut self.factors.inverse);
         let mut inertia = inertia(&self.pivots).ok_or(FactorizationError::NotFinite)?;
         inertia.zero += self.scale.len() - self.pivots.len();
@@ -490,7 +515,44 @@ fn inertia(pivots: &[Pivot]) -> Option<Inertia> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
     use super::*;
+    use crate::until::Interrupt;
+
+    #[test]
+    fn factorization_that_is_asked_to_end_has_no_factors_and_does_little() {
+        let flag = Arc::new(AtomicBool::new(true));
+        // a dense front of some 1e8 multiplications, and many small ones
+        let dense: Vec<_> = (0..700)
+            .flat_map(|i| (0..=i).map(move |j| (i, j)))
+            .collect();
+        let chain: Vec<_> = (0..700).flat_map(|i| [(i, i), (i, i.max(1) - 1)]).collect();
+        for entries in [dense, chain] {
+            let (pattern, map) = SymmetricPattern::new(700, &entries).unwrap();
+            let mut values = vec![0.0; pattern.stored()];
+            for (&position, (i, j)) in map.iter().zip(&entries) {
+                values[position] = if i == j { 1e3 } else { 1.0 };
+            }
+            let mut factorization = MultifrontalLdl::new(&pattern, 700).unwrap();
+            let interrupt = Interrupt::by(Arc::clone(&flag));
+            flag.store(true, Ordering::Relaxed);
+            factorization.work_until(Until::new(&interrupt, f64::INFINITY));
+            let stopped = factorization.factor(&values, 0.0, 0.0);
+            assert_eq!(stopped, Err(FactorizationError::Stopped));
+            let is_dense = entries.len() > 10_000;
+            assert!(!is_dense || factorization.pivots.len() < 100);
+            // a limit on seconds that are over does the same
+            flag.store(false, Ordering::Relaxed);
+            factorization.work_until(Until::new(&interrupt, 0.0));
+            let stopped = factorization.factor(&values, 0.0, 0.0);
+            assert_eq!(stopped, Err(FactorizationError::Stopped));
+            factorization.work_until(Until::new(&interrupt, f64::INFINITY));
+            let whole = factorization.factor(&values, 0.0, 0.0).unwrap();
+            assert_eq!(whole.positive, 700);
+        }
+    }
 
     #[test]
     fn factorization_beyond_its_limit_of_work_counts_the_rest_as_zero() {
@@ -509,13 +571,13 @@ mod tests {
             values[position] += a;
         }
         let mut factorization = MultifrontalLdl::new(&pattern, 6).unwrap();
-        let most_work = std::mem::replace(&mut factorization.most_work, 20.0);
+        let most_work = std::mem::replace(&mut factorization.limits.most_work, 20.0);
         let stopped = factorization.factor(&values, 0.0, 0.0).unwrap();
         assert!(stopped.zero > 0, "{stopped:?}");
         assert_eq!(stopped.positive + stopped.negative + stopped.zero, n);
         // What is there can be solved with, whatever it is worth.
         factorization.solve(&mut vec![1.0; n]);
-        factorization.most_work = most_work;
+        factorization.limits.most_work = most_work;
         let whole = factorization.factor(&values, 0.0, 0.0).unwrap();
         assert_eq!((whole.positive, whole.negative, whole.zero), (6, 5, 0));
     }

@@ -24,6 +24,7 @@ use crate::nlp::program::formulation::Formulation;
 use crate::nlp::program::iterate::Iterate;
 use crate::nlp::{Fault, InputError};
 use crate::seconds::Seconds;
+use crate::until::Until;
 
 /// Assembly, factorization and solution of Newton systems on one pattern.
 pub(crate) struct KktSystem {
@@ -106,6 +107,11 @@ impl KktSystem {
             factorizations: 0,
             seconds: Seconds::default(),
         })
+    }
+
+    /// Until when factorizations may work; one that does not end then has no factors.
+    pub(crate) fn work_until(&mut self, until: Until) {
+        self.solver.work_until(until);
     }
 
     /// Number of explicit rows, the negative eigenvalues of a matrix that gives descent.

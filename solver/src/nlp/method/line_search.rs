@@ -100,7 +100,7 @@ fn backtrack(state: &mut State<'_, '_, '_, '_>, reference: &Reference, alpha_max
             }
         }
         alpha *= 0.5;
-        if alpha < alpha_min || alpha < 1e-16 {
+        if alpha < alpha_min || alpha < 1e-16 || state.core.is_over().is_some() {
             return Search::failed(search.trials);
         }
     }

@@ -40,6 +40,10 @@ pub(super) fn run(state: &mut State<'_, '_, '_, '_>, mut leave: Option<&mut Leav
         } else {
             Search::failed(0)
         };
+        // the step under way is left, and the point before it is the end
+        if let Some(status) = state.core.is_over() {
+            return state.outcome(status);
+        }
         state.core.iterations += 1;
         if state.is_restoration {
             state.core.restoration_iterations += 1;

@@ -2,6 +2,7 @@
 
 use crate::clock::{Instant, ThreadTime};
 use crate::seconds::Seconds;
+use crate::until::Until;
 
 use super::barrier::BarrierPath;
 use super::filter::Filter;
@@ -44,7 +45,7 @@ impl<'a, 'o> Core<'a, 'o> {
         observer: Option<&'o mut Observer<'o>>,
     ) -> Result<Self, InputError> {
         let kkt = KktSystem::new(&formulation)?;
-        Ok(Self {
+        let mut core = Self {
             formulation,
             kkt,
             settings: settings.clone(),
@@ -57,7 +58,9 @@ impl<'a, 'o> Core<'a, 'o> {
             start: Instant::now(),
             clock: ThreadTime::now(),
             earlier: (0.0, 0.0),
-        })
+        };
+        core.limit();
+        Ok(core)
     }
 
     /// Adds the work of an earlier run on the same problem, so that counts, times and the log go on from there, and limits hold
@@ -70,6 +73,22 @@ impl<'a, 'o> Core<'a, 'o> {
         self.kkt.seconds += earlier.cpu;
         self.formulation.evaluate += earlier.cpu.evaluate;
         self.earlier = (earlier.seconds, earlier.cpu.total);
+        self.limit();
+    }
+
+    /// Factorizations end with the run.
+    fn limit(&mut self) {
+        let left = self.settings.maximum_seconds - self.seconds();
+        let until = Until::new(&self.settings.interrupt, left);
+        self.kkt.work_until(until);
+    }
+
+    /// How the run ends if it has to now, whatever it has come to.
+    pub(super) fn is_over(&self) -> Option<Status> {
+        if self.settings.interrupt.is_asked() {
+            return Some(Status::Interrupted);
+        }
+        (self.seconds() > self.settings.maximum_seconds).then_some(Status::TimeLimit)
     }
 
     pub(crate) fn seconds(&self) -> f64 {

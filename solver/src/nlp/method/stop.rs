@@ -3,16 +3,12 @@
 use super::state::State;
 use crate::linalg::norms::norm_inf;
 use crate::nlp::Status;
+use crate::nlp::cone::{Cone, OFF_CONE};
 use crate::nlp::program::residuals::OptimalityError;
 use crate::nlp::program::scaling::GRADIENT;
 
 /// Multipliers of the scaled problem, whose gradients are at most 100, beyond which none seem to exist.
 pub(super) const LARGEST_MULTIPLIER: f64 = 1e8;
-
-/// Product of a multiplier and its distance that belongs to no solution, in the scale of the program, and part of the gradient of the objective
-/// (or of 1 where that is less) that such multipliers may account for: far above what the tolerance, 1e-8, leaves of rows whose
-/// derivatives are 1e2 at the start, and far below what holds a point that is none.
-const OFF_CONE: f64 = 1e-4;
 
 /// Size of a point beyond which the objective seems unbounded where this many steps in a row lower it below this value, and
 /// the size beyond which it seems so in any case. Rows of size 1 have no digits left where their terms are beyond 1e16.
@@ -84,40 +80,39 @@ fn has_meaning(state: &State<'_, '_, '_, '_>, error: &OptimalityError) -> bool {
     exist && error.dual <= absolute && error.complementarity <= absolute
 }
 
-/// Whether the gradient of the Lagrangian vanishes without the multipliers that have no business there: those of the wrong sign, and those
-/// of rows away from their bounds, by `|y|` times the distance. Such a multiplier may be tiny, so that neither it nor what it leaves of
-/// the residual of its slack is seen, while the derivatives of a row that has grown since the start make up for that.
+/// Whether the gradient of the Lagrangian vanishes without the multipliers that have no business there, as [`Cone`] tells them.
 pub(super) fn is_in_cone(state: &State<'_, '_, '_, '_>) -> bool {
-    // runs for complementarity problems weigh their objectives, and judge multipliers themselves
+    // runs for complementarity problems weigh their objectives, and are judged by their certificates
     if !state.core.settings.persistent {
         return true;
     }
     let (n, m) = (state.problem.n, state.problem.m);
-    let mut astray = vec![0.0; m];
+    let iterate = &state.point.iterate;
+    let mut distances = vec![0.0; m];
     for (k, slack) in state.problem.slacks.iter().enumerate() {
         if slack.row < m {
-            let y = state.point.iterate.y[slack.row];
-            let v = state.point.iterate.v[n + k];
-            let distance = if slack.sign * y > 0.0 {
+            let v = iterate.v[n + k];
+            distances[slack.row] = if slack.sign * iterate.y[slack.row] > 0.0 {
                 v - state.problem.lower[n + k]
             } else {
                 state.problem.upper[n + k] - v
             };
-            if y.abs() * distance > OFF_CONE {
-                astray[slack.row] = y;
-            }
         }
     }
-    if norm_inf(&astray) == 0.0 {
+    let cone = Cone {
+        x: &iterate.v[..n],
+        lagrangian: &state.point.lagrangian[..n],
+        y: &iterate.y[..m],
+        distances: &distances,
+        none: OFF_CONE,
+    };
+    let values = state.core.kkt.jacobian_values.iter().copied();
+    let entries = state.core.formulation.jacobian_entries().zip(values);
+    let Some(astray) = cone.astray(entries.clone()) else {
         return true;
-    }
-    let mut projected = state.point.lagrangian[..n].to_vec();
-    let values = state.core.kkt.jacobian_values.iter();
-    for ((row, column), a) in state.core.formulation.jacobian_entries().zip(values) {
-        projected[column] -= a * astray[row];
-    }
+    };
     let size = norm_inf(&state.point.gradient[..n]).max(1.0);
-    norm_inf(&projected) <= OFF_CONE * size
+    cone.left_without(&astray, entries) <= OFF_CONE * size
 }
 
 /// Whether the point is a solution by what is seen at it alone.
@@ -165,8 +160,5 @@ pub(super) fn stop_test(
     if state.core.iterations >= settings.maximum_iterations {
         return Some(Status::IterationLimit);
     }
-    if state.core.seconds() > settings.maximum_seconds {
-        return Some(Status::TimeLimit);
-    }
-    None
+    state.core.is_over()
 }
