@@ -152,6 +152,10 @@ pub(crate) struct LimitArguments {
 pub(crate) struct SimulateArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
+    /// Differentiate the motion by these, separated by commas: parameters, coordinates (z, dot(z)) for their initial values,
+    /// controls; `all` stands for all parameters.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub(crate) gradient: Vec<String>,
     #[command(flatten)]
     pub(crate) method: MethodArguments,
     /// Length of the simulation, in seconds or in the unit given: `--horizon 200ms` [default: what the scene

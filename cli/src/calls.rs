@@ -326,9 +326,10 @@ fn simulated(
         }
         true
     })?;
+    let gradient = task.gradient(&simulation)?;
     let ending = Ending::of_whole(&simulation);
     Ok(Answer::Done {
-        result: raw(task.json(&simulation, &ending)),
+        result: raw(task.json(&simulation, gradient.as_ref(), &ending)),
         facts: simulation_facts(&task.method, &simulation, &ending),
         motion: drawn(&task.chosen, Some(&simulation)),
     })

@@ -10,7 +10,7 @@ use std::sync::Mutex;
 use clap::{Args, CommandFactory as _};
 use hangtime::Progress;
 use hangtime::ocp::Solution;
-use hangtime::simulation::Simulation;
+use hangtime::simulation::{Gradient, Simulation};
 
 use crate::arguments::{
     Arguments, ExplainArguments, LimitArguments, SimulateArguments, SolveArguments,
@@ -183,9 +183,10 @@ impl HostScene {
         let task = SimulationTask::new(chosen, &arguments)?;
         let mut bound = Bound::new(&arguments.limits);
         let simulation = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
+        let gradient = task.gradient(&simulation)?;
         let ending = Ending::of_simulation(&simulation, bound.stop, &arguments.limits);
         Ok(HostRun {
-            work: Work::Simulated(task, Box::new(simulation)),
+            work: Work::Simulated(task, Box::new(simulation), gradient),
             ending,
         })
     }
@@ -272,7 +273,7 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, BadInput>) -> Result<T, BadInput>
 }
 
 enum Work {
-    Simulated(SimulationTask, Box<Simulation>),
+    Simulated(SimulationTask, Box<Simulation>, Option<Gradient>),
     Planned(OptimumTask, Box<Solution>),
 }
 
@@ -311,7 +312,7 @@ impl HostRun {
 
     fn motion(&self) -> Option<&Simulation> {
         match &self.work {
-            Work::Simulated(_, simulation) => Some(simulation),
+            Work::Simulated(_, simulation, _) => Some(simulation),
             Work::Planned(_, solution) => solution.motion.as_ref(),
         }
     }
@@ -320,7 +321,9 @@ impl HostRun {
     #[must_use]
     pub fn json(&self) -> String {
         match &self.work {
-            Work::Simulated(task, simulation) => task.json(simulation, &self.ending),
+            Work::Simulated(task, simulation, gradient) => {
+                task.json(simulation, gradient.as_ref(), &self.ending)
+            }
             Work::Planned(task, solution) => task.json(solution, &self.ending),
         }
     }
@@ -331,7 +334,7 @@ impl HostRun {
     pub fn files(&self) -> Vec<(String, String)> {
         let json = self.json();
         let (chosen, title, facts) = match &self.work {
-            Work::Simulated(task, simulation) => (
+            Work::Simulated(task, simulation, _) => (
                 &task.chosen,
                 task.method.settings.name().to_owned(),
                 simulation_facts(&task.method, simulation, &self.ending),

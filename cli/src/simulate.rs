@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::{PublishedData, Scene};
 use hangtime::model::Declaration;
-use hangtime::simulation::{Event, Simulation};
+use hangtime::simulation::{Event, Gradient, Simulation};
 
 use crate::arguments::{Method, SimulateArguments};
 use crate::bounds::Bounds;
@@ -41,7 +41,8 @@ pub(crate) fn run(
     drop(progress);
     let ending = Ending::of_simulation(&simulation, bounds.asked(), &arguments.limits);
     drop(bounds);
-    let json = task.json(&simulation, &ending);
+    let gradient = task.gradient(&simulation)?;
+    let json = task.json(&simulation, gradient.as_ref(), &ending);
     let mut report = Report::default();
     report
         .diagnoses
@@ -64,7 +65,11 @@ pub(crate) fn run(
     report.text = if arguments.result.json {
         json
     } else {
-        tables(chosen, horizon, method, &simulation, &ending) + &written
+        let mut text = tables(chosen, horizon, method, &simulation, &ending);
+        if let Some(gradient) = &gradient {
+            text += &gradient_table(chosen.model.declaration(), &simulation, gradient);
+        }
+        text + &written
     };
     Ok(report)
 }
@@ -172,6 +177,73 @@ fn event_table(declaration: &Declaration, events: &[Event]) -> String {
         let _ = writeln!(text, "  and {more} more, which --json and --out give");
     }
     text + "  (velocities right after the event)\n\n"
+}
+
+/// Derivatives of the end and of the events, with their units.
+fn gradient_table(
+    declaration: &Declaration,
+    simulation: &Simulation,
+    gradient: &Gradient,
+) -> String {
+    let units = gradient
+        .with_respect_to
+        .iter()
+        .map(|name| unit_of(declaration, name));
+    let units: Vec<String> = units.collect();
+    let names = gradient.with_respect_to.iter().zip(&units);
+    let header = ["derivative of".to_owned()]
+        .into_iter()
+        .chain(names.map(|(name, unit)| headed(&format!("by {name}"), unit)));
+    let row = |name: String, unit: &str, values: &[f64]| {
+        let values = values.iter().copied().map(digits);
+        [headed(&name, unit)].into_iter().chain(values).collect()
+    };
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (k, c) in declaration.coordinates.iter().enumerate() {
+        rows.push(row(
+            format!("{} at the end", c.name),
+            c.unit,
+            &gradient.q[k],
+        ));
+    }
+    for (k, c) in declaration.coordinates.iter().enumerate() {
+        let name = format!("d{}/dt at the end", c.name);
+        rows.push(row(name, &per_second(c.unit), &gradient.v[k]));
+    }
+    let events = simulation.events.iter().zip(&gradient.event_times);
+    for (event, values) in events.take(MOST_EVENTS) {
+        let kind = event.kind.name().replace('_', " ");
+        let name = format!("time of {kind} at {}", event.contact_name);
+        rows.push(row(name, "s", values));
+    }
+    if let Some(values) = &gradient.objective {
+        rows.push(row("objective".to_owned(), "", values));
+    }
+    let mut text = "\n".to_owned() + &table(header, rows);
+    if let Some(obstacle) = &gradient.obstacle {
+        let _ = writeln!(text, "note        no derivatives: {obstacle}");
+    }
+    text
+}
+
+/// The unit of something that a motion is differentiated by.
+fn unit_of(declaration: &Declaration, name: &str) -> String {
+    let parameter = declaration
+        .parameters
+        .iter()
+        .find(|known| known.name == name);
+    let mut variables = declaration.coordinates.iter().chain(declaration.controls);
+    if let Some(parameter) = parameter {
+        return parameter.unit.to_owned();
+    }
+    let rate = name
+        .strip_prefix("dot(")
+        .and_then(|rest| rest.strip_suffix(')'));
+    let known = variables.find(|known| known.name == rate.unwrap_or(name));
+    known.map_or_else(String::new, |known| match rate {
+        Some(_) => per_second(known.unit),
+        None => known.unit.to_owned(),
+    })
 }
 
 /// Residuals, counts, CPU time, notes.

@@ -26,6 +26,7 @@
 //! A file is data: it can name no path and no command, and whatever it holds takes bounded time and memory.
 
 mod declaration;
+mod places;
 mod program;
 mod report;
 mod run;
@@ -33,23 +34,32 @@ mod scene;
 mod scratch;
 mod steps;
 mod system;
+mod thread;
 
 pub use hangtime_dsl::TextMistake;
 pub use scene::TextScene;
 
+use hangtime::model::Model;
 use program::TooLarge;
 use std::fmt;
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::Path;
-#[cfg(not(target_family = "wasm"))]
-use std::thread;
 
 /// Most bytes that are read of a file; a longer one is refused by the language.
 const LONGEST: u64 = 1 << 17;
-/// Stack for a derivation, whose recursion is bounded.
-#[cfg(not(target_family = "wasm"))]
-const STACK: usize = 64 << 20;
+/// Ending of the names of scene files.
+const ENDING: &str = "hang";
+
+/// As [`thread::on_a_thread`], for the text of a file.
+fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
+    let stem = Path::new(file).file_stem().unwrap_or_default();
+    thread::on_a_thread(&stem.to_string_lossy(), work).map_err(|error| {
+        SceneError::Unreadable(format!(
+            "scene file `{file}`: no thread for its derivation: {error}"
+        ))
+    })
+}
 
 /// Why a scene was refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -136,33 +146,40 @@ pub fn read_text(file: &Path) -> Result<String, SceneError> {
     })
 }
 
-/// Does work on a text on a thread of its own, whose stack is known, and whose memory of expressions and places ends
-/// with it; it gets the name of the file without its ending.
-#[cfg(not(target_family = "wasm"))]
-fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
-    let stem = Path::new(file).file_stem().unwrap_or_default();
-    let stem = stem.to_string_lossy();
-    let done = thread::scope(|scope| {
-        let worker = thread::Builder::new().stack_size(STACK);
-        let worker = worker.spawn_scoped(scope, || work(&stem));
-        worker.map(|worker| worker.join())
-    });
-    match done {
-        Ok(Ok(value)) => Ok(value),
-        Ok(Err(panic)) => std::panic::resume_unwind(panic),
-        Err(error) => Err(SceneError::Unreadable(format!(
-            "scene file `{file}`: no thread for its derivation: {error}"
-        ))),
+/// The scene of a compiled model, with its parameters, evaluated without a compiler: what a compiled scene cannot do, such as
+/// to be differentiated by its parameters, this one can. None of a model that was written by hand.
+///
+/// ```
+/// use hangtime::prelude::*;
+///
+/// hangtime::model! {
+///     /// A ball above a floor.
+///     pub Ball {
+///         parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0.8 }
+///         coordinates { z: m }
+///         lagrangian m/2*dot(z)^2 - m*g*z
+///         surface floor: z >= 0
+///         impact floor: restitution e
+///         start { z: 1 [m] }
+///         horizon 1 [s]
+///     }
+/// }
+/// let ball = Ball { e: 0.5, ..Ball::default() };
+/// let ball = hangtime_scene_files::of_model(&ball).expect("declared, not written by hand");
+/// let (_, gradient) = simulate(&ball).gradient(["e"])?;
+/// // The velocity right after the bounce is `e sqrt(2 g)`, so that the height grows by `sqrt(2 g) t` for one of `e`.
+/// let impact = (2.0_f64 / 9.81).sqrt();
+/// assert!((gradient.q[0][0] - (2.0 * 9.81_f64).sqrt() * (1.0 - impact)).abs() < 1e-9);
+/// # Ok::<(), InputError>(())
+/// ```
+#[must_use]
+pub fn of_model(model: &dyn Model) -> Option<TextScene> {
+    let name = model.declaration().name;
+    let mut scene = of_text(&format!("{name}.{ENDING}"), model.text()?).ok()?;
+    for index in 0..model.declaration().parameters.len() {
+        scene.set_parameter(index, model.parameter(index));
     }
-}
-
-/// Does work on a text where there are no threads: on the stack of the host, whose memory of places is given back.
-#[cfg(target_family = "wasm")]
-fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
-    let stem = Path::new(file).file_stem().unwrap_or_default();
-    let done = work(&stem.to_string_lossy());
-    hangtime_dsl::forget_places();
-    Ok(done)
+    Some(scene)
 }
 
 /// Derives a scene from a text; `file` is what its messages call the file, and the name of a scene without one follows
@@ -180,7 +197,7 @@ pub fn of_text(file: &str, text: &str) -> Result<TextScene, SceneError> {
     let derived = on_a_thread(file, |stem| hangtime_dsl::describe_text(text, stem))?;
     let (description, warnings) = derived.map_err(refuse)?;
     let report = report::report(file, text, &warnings);
-    TextScene::new(description, report).map_err(|TooLarge| {
+    TextScene::new(description, text, report).map_err(|TooLarge| {
         refuse(vec![TextMistake {
             code: Some("E22"),
             message:

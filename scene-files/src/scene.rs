@@ -1,14 +1,19 @@
 //! A scene whose functions are evaluated without a compiler.
 
 use crate::declaration;
+use crate::places::{self, scatter};
 use crate::program::{Program, TooLarge};
 use crate::scratch::Scratch;
 use crate::system::zeros;
-use hangtime::model::{Declaration, Model, Picture, VariableDeclaration};
-use hangtime_dsl::description::{
-    Contact, Description, Friction, Functions, Motion, MotionDerivatives, OptimalControl, Rows,
+use crate::thread::on_a_thread;
+use hangtime::model::{
+    Declaration, Model, ParameterDerivatives, Picture, VariableDeclaration, contact_point,
 };
-use std::sync::Arc;
+use hangtime_dsl::description::{
+    Contact, Derivative, Description, Friction, Functions, Motion, MotionDerivatives,
+    OptimalControl, Rows, Sensitivity,
+};
+use std::sync::{Arc, Mutex};
 
 /// A scene from a text: a model like those that the compiler makes, with the same operations in the same order.
 ///
@@ -28,11 +33,19 @@ struct Shared {
     picture: Option<Picture>,
     description: Description,
     programs: Vec<Program>,
+    /// The text that it was derived from.
+    text: String,
+    /// The same derived with derivatives by parameters, for all sets of them that were asked for.
+    differentiated: Mutex<Vec<(Vec<usize>, Arc<Self>)>>,
     warnings: String,
 }
 
 impl TextScene {
-    pub(crate) fn new(description: Description, warnings: String) -> Result<Self, TooLarge> {
+    pub(crate) fn new(
+        description: Description,
+        text: &str,
+        warnings: String,
+    ) -> Result<Self, TooLarge> {
         let mut programs: Vec<Program> = Vec::with_capacity(description.kernels.len());
         for kernel in &description.kernels {
             let before = programs.last().map_or(0, |last| last.folded.end);
@@ -48,6 +61,8 @@ impl TextScene {
                 picture: description.picture.as_ref().map(declaration::picture),
                 description,
                 programs,
+                text: text.to_owned(),
+                differentiated: Mutex::default(),
                 warnings,
             }),
         };
@@ -134,7 +149,7 @@ impl TextScene {
         let y = std::mem::take(&mut scratch.solution.y);
         let values = self.values(scratch, *kernel, (x, &y));
         scratch.solution.y = y;
-        let inputs = self.description().inputs();
+        let inputs = self.description().columns();
         scratch.solution.differentiate(pattern, &values, inputs);
         scratch.values = values;
     }
@@ -466,7 +481,209 @@ impl Model for TextScene {
         }
     }
 
+    fn text(&self) -> Option<&str> {
+        Some(&self.shared.text)
+    }
+
+    fn parameter_derivatives(&self, parameters: &[usize]) -> Option<Box<dyn ParameterDerivatives>> {
+        let derivatives = differentiated(self, parameters)?;
+        Some(Box::new(derivatives))
+    }
+
     fn boxed(&self) -> Box<dyn Model> {
         Box::new(self.clone())
+    }
+}
+
+/// A scene whose Jacobians have columns for parameters.
+struct TextDerivatives {
+    scene: TextScene,
+    sensitivity: Sensitivity,
+}
+
+/// Derives `scene` once more, unless that was done before; none if it is too large.
+fn differentiated(scene: &TextScene, parameters: &[usize]) -> Option<TextDerivatives> {
+    let known = || {
+        let known = scene.shared.differentiated.lock().ok()?;
+        let (_, shared) = known.iter().find(|(of, _)| of == parameters)?;
+        Some(Arc::clone(shared))
+    };
+    let shared = match known() {
+        Some(shared) => shared,
+        None => {
+            let derived = derive_by(scene, parameters)?;
+            let mut known = scene.shared.differentiated.lock().ok()?;
+            known.push((parameters.to_vec(), Arc::clone(&derived)));
+            derived
+        }
+    };
+    let sensitivity = shared.description.sensitivity.clone()?;
+    let mut differentiated = TextScene {
+        parameters: scene.parameters.clone(),
+        folded: Vec::new(),
+        shared,
+    };
+    differentiated.fold();
+    Some(TextDerivatives {
+        scene: differentiated,
+        sensitivity,
+    })
+}
+
+/// Derives `scene` once more, with derivatives by parameters.
+fn derive_by(scene: &TextScene, parameters: &[usize]) -> Option<Arc<Shared>> {
+    let declared = &scene.description().parameters;
+    let names: Vec<&str> = parameters
+        .iter()
+        .filter_map(|&index| Some(declared.get(index)?.name.as_str()))
+        .collect();
+    let text = scene.shared.text.as_str();
+    let derived = on_a_thread(&scene.description().name, |stem| {
+        hangtime_dsl::describe_differentiated(text, stem, &names)
+    });
+    let (description, _) = derived.ok()?.ok()?;
+    Some(
+        TextScene::new(description, text, String::new())
+            .ok()?
+            .shared,
+    )
+}
+
+impl TextDerivatives {
+    fn columns(&self) -> usize {
+        self.scene.description().columns()
+    }
+
+    /// Evaluates a kernel and puts its values into the rows that `row` names, of a matrix of zeros.
+    fn put(
+        &self,
+        derivative: &Derivative,
+        (x, weights): (&[f64], &[f64]),
+        row: impl Fn(usize) -> usize,
+        out: &mut [f64],
+    ) {
+        let mut values = vec![0.0; derivative.pattern.entries.len()];
+        self.scene
+            .evaluate(derivative.kernel, x, weights, &mut values);
+        scatter(&derivative.pattern, &values, row, out);
+    }
+
+    /// The derivatives of the first of some functions of optimal control.
+    fn first_of(&self, of: fn(&OptimalControl) -> &Functions, x: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        let task = self.scene.description().optimal_control.as_ref();
+        let (Some(task), Some(kernel)) = (task, self.scene.function(of, 1)) else {
+            return;
+        };
+        let pattern = &of(task).jacobian;
+        let mut values = vec![0.0; pattern.entries.len()];
+        self.scene.evaluate(kernel, x, &[], &mut values);
+        for (&(row, column), value) in pattern.entries.iter().zip(&values) {
+            if row == 0 {
+                out[column] = *value;
+            }
+        }
+    }
+
+    /// The derivatives of something that parameters alone decide.
+    fn of_parameters(&self, derivative: Option<&Derivative>, out: &mut [f64]) {
+        out.fill(0.0);
+        if let Some(derivative) = derivative {
+            self.put(derivative, (&[], &[]), |row| row, out);
+        }
+    }
+}
+
+impl ParameterDerivatives for TextDerivatives {
+    fn start(&self, values: &mut [f64]) {
+        self.of_parameters(Some(&self.sensitivity.start), values);
+    }
+
+    fn horizon(&self, values: &mut [f64]) {
+        self.of_parameters(self.sensitivity.horizon.as_ref(), values);
+    }
+
+    fn free_acceleration(&self, x: &[f64], values: &mut [f64]) {
+        let pattern = &self.scene.description().motion.jacobian;
+        let mut nonzeros = vec![0.0; pattern.entries.len()];
+        self.scene.free_jacobian(x, &mut nonzeros);
+        values.fill(0.0);
+        scatter(pattern, &nonzeros, |row| row, values);
+    }
+
+    fn contact(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+        let description = self.scene.description();
+        let (Some(known), Some(derived)) = (
+            description.contacts.get(contact),
+            self.sensitivity.contacts.get(contact),
+        ) else {
+            return values.fill(f64::NAN);
+        };
+        let n = description.coordinates.len();
+        let pattern = &known.rows.jacobian;
+        let mut nonzeros = vec![0.0; pattern.entries.len()];
+        self.scene.contact_jacobian(contact, x, &mut nonzeros);
+        values.fill(0.0);
+        scatter(pattern, &nonzeros, |row| places::of_contact(n, row), values);
+        let columns = self.columns();
+        if known.dry {
+            // What stands there is the given normal acceleration.
+            values[contact_point::NORMAL_VELOCITY * columns..][..columns].fill(0.0);
+        }
+        self.put(&derived.geometry, (x, &[]), places::of_geometry, values);
+        if !derived.knows_inertia {
+            values[contact_point::INVERSE_INERTIA * columns..][..columns].fill(f64::NAN);
+        }
+    }
+
+    fn tangent(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+        let description = self.scene.description();
+        let known = description.contacts.get(contact);
+        let derived = self.sensitivity.contacts.get(contact);
+        let (Some(known), Some(derived)) = (
+            known.and_then(|known| known.friction.as_ref()),
+            derived.and_then(|derived| derived.friction.as_ref()),
+        ) else {
+            return values.fill(f64::NAN);
+        };
+        let n = description.coordinates.len();
+        let pattern = &known.rows.jacobian;
+        let mut nonzeros = vec![0.0; pattern.entries.len()];
+        self.scene.tangent_jacobian(contact, x, &mut nonzeros);
+        values.fill(0.0);
+        scatter(
+            pattern,
+            &nonzeros,
+            |row| places::of_friction(n, row),
+            values,
+        );
+        let place = places::of_tangent_geometry;
+        self.put(&derived.geometry, (x, &[]), place, values);
+    }
+
+    fn restitution(&self, contact: usize, values: &mut [f64]) {
+        let known = self.sensitivity.contacts.get(contact);
+        self.of_parameters(known.and_then(|known| known.restitution.as_ref()), values);
+    }
+
+    fn friction(&self, contact: usize, values: &mut [f64]) {
+        let known = self.sensitivity.contacts.get(contact);
+        let friction = known.and_then(|known| known.friction.as_ref());
+        self.of_parameters(friction.map(|friction| &friction.coefficient), values);
+    }
+
+    fn outputs(&self, x: &[f64], contacts: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        if let Some(outputs) = &self.sensitivity.outputs {
+            self.put(outputs, (x, contacts), |row| row, values);
+        }
+    }
+
+    fn running_cost(&self, x: &[f64], values: &mut [f64]) {
+        self.first_of(|task| &task.path, x, values);
+    }
+
+    fn final_cost(&self, z: &[f64], values: &mut [f64]) {
+        self.first_of(|task| &task.terminal, z, values);
     }
 }

@@ -5,6 +5,7 @@
 //! and `10.2759` stays `10.2759`. What is not finite is never written: the rows of a trajectory end
 //! before the first such number, and elsewhere `null` stands in its place.
 
+mod gradient;
 mod parts;
 mod program;
 mod simulation;

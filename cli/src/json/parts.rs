@@ -161,8 +161,7 @@ pub(super) struct TrajectoryEntry<'a> {
 impl<'a> TrajectoryEntry<'a> {
     /// At most `most` of the rows before the first state that is not finite; other such numbers are null.
     pub(super) fn new(model: &dyn Model, trajectory: &'a Trajectory, most: usize) -> Self {
-        let rows = finite_instants(trajectory);
-        let kept = thinning::kept(&trajectory.time[..rows], most);
+        let kept = kept_instants(trajectory, most);
         let numbers = |column: &[f64]| kept.iter().map(|&k| column[k]).collect();
         let vectors = |column: &'a [Vec<f64>]| -> Vec<&'a [f64]> {
             kept.iter()
@@ -198,6 +197,11 @@ impl<'a> TrajectoryEntry<'a> {
             v: self.v.last()?,
         })
     }
+}
+
+/// At most `most` of the instants before the first whose state is not finite.
+pub(super) fn kept_instants(trajectory: &Trajectory, most: usize) -> Vec<usize> {
+    thinning::kept(&trajectory.time[..finite_instants(trajectory)], most)
 }
 
 /// Instants before the first whose state is not finite. Forces may be infinite where the motion goes on.

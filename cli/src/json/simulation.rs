@@ -1,11 +1,14 @@
 //! The JSON document of a simulation.
 
-use hangtime::simulation::{Counts, ProblemSize, Residuals, Seconds, Simulation};
+use hangtime::model::Model;
+use hangtime::simulation::{Counts, Gradient, ProblemSize, Residuals, Seconds, Simulation};
 use serde::Serialize;
 
+use super::gradient::GradientEntry;
 use super::parts::{
     DiagnosisEntry, EventEntry, FinalEntry, InitialEntry, IterationsEntry, ParameterValues,
-    QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
+    QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry,
+    kept_instants, to_line,
 };
 use crate::ending::Ending;
 use crate::method::MethodSettings;
@@ -40,6 +43,9 @@ pub(crate) struct Document<'a> {
     notes: Vec<String>,
     quantities: QuantitiesEntry,
     initially: Vec<InitialEntry>,
+    /// Only where it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gradient: Option<GradientEntry<'a>>,
 }
 
 impl<'a> Document<'a> {
@@ -83,6 +89,22 @@ impl<'a> Document<'a> {
             seconds: simulation.seconds,
             notes: notes.collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
+            gradient: None,
+        }
+    }
+
+    /// The same with derivatives, those of outputs in the rows of the trajectory.
+    pub(crate) fn with_gradient(
+        self,
+        model: &'a dyn Model,
+        simulation: &Simulation,
+        gradient: Option<&'a Gradient>,
+        rows: usize,
+    ) -> Self {
+        let kept = || kept_instants(&simulation.trajectory, rows);
+        Self {
+            gradient: gradient.map(|gradient| GradientEntry::new(model, gradient, &kept())),
+            ..self
         }
     }
 

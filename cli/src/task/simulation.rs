@@ -1,14 +1,15 @@
 //! One simulation.
 
 use hangtime::Observer;
-use hangtime::simulation::{InitialValueProblem, Simulation};
+use hangtime::model::Model;
+use hangtime::simulation::{self, Gradient, InitialValueProblem, Simulation};
 
-use crate::arguments::SimulateArguments;
+use crate::arguments::{Method, SimulateArguments};
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::json::Document;
 use crate::kept;
-use crate::method::ChosenMethod;
+use crate::method::{ChosenMethod, name_of};
 use crate::settings::ChosenScene;
 use crate::table::seconds;
 
@@ -21,6 +22,8 @@ pub(crate) struct SimulationTask {
     /// Start and horizon.
     pub(crate) problem: InitialValueProblem,
     rows: usize,
+    /// Names of what the motion is differentiated by; none if it is not.
+    gradient: Vec<String>,
 }
 
 impl SimulationTask {
@@ -30,6 +33,7 @@ impl SimulationTask {
         arguments: &SimulateArguments,
     ) -> Result<Self, BadInput> {
         let method = ChosenMethod::from_arguments(&arguments.method)?;
+        refuse_without_events(arguments)?;
         let problem = InitialValueProblem::of(chosen.model.as_ref(), arguments.horizon)
             .and_then(|problem| problem.check(chosen.model.as_ref()).map(|()| problem))
             .map_err(|error| chosen.refuse(&error))?;
@@ -38,7 +42,28 @@ impl SimulationTask {
             method,
             problem,
             rows: arguments.result.rows(),
+            gradient: arguments.gradient.clone(),
         })
+    }
+
+    /// The derivatives of the motion, if they were asked for.
+    pub(crate) fn gradient(&self, simulation: &Simulation) -> Result<Option<Gradient>, BadInput> {
+        if self.gradient.is_empty() {
+            return Ok(None);
+        }
+        let model = self.chosen.model.as_ref();
+        let text = self
+            .chosen
+            .scene
+            .text
+            .is_none()
+            .then(|| hangtime_scene_files::of_model(model));
+        let text = text.flatten();
+        let model = text.as_ref().map_or(model, |scene| scene as &dyn Model);
+        let gradient = simulation::differentiate(model, &self.problem, simulation, &self.gradient);
+        gradient
+            .map(Some)
+            .map_err(|error| self.chosen.refuse(&error))
     }
 
     /// The motion.
@@ -51,10 +76,30 @@ impl SimulationTask {
     }
 
     /// The JSON document of a motion that ended as `ending` tells.
-    pub(crate) fn json(&self, simulation: &Simulation, ending: &Ending) -> String {
+    pub(crate) fn json(
+        &self,
+        simulation: &Simulation,
+        gradient: Option<&Gradient>,
+        ending: &Ending,
+    ) -> String {
         let (horizon, method) = (self.problem.horizon, &self.method.settings);
-        Document::new(&self.chosen, horizon, method, simulation, ending, self.rows).text()
+        Document::new(&self.chosen, horizon, method, simulation, ending, self.rows)
+            .with_gradient(self.chosen.model.as_ref(), simulation, gradient, self.rows)
+            .text()
     }
+}
+
+/// Refuses to differentiate what a method finds that does not locate events.
+fn refuse_without_events(arguments: &SimulateArguments) -> Result<(), BadInput> {
+    let located = |method: &Method| matches!(method, Method::Fesd | Method::Event);
+    let method = arguments.method.method.filter(|method| !located(method));
+    let Some(method) = method.filter(|_| !arguments.gradient.is_empty()) else {
+        return Ok(());
+    };
+    Err(BadInput::new(format!(
+        "--gradient has no meaning for --method {}, which does not locate events; use fesd or event",
+        name_of(method)
+    )))
 }
 
 /// What a page tells about a simulation.

@@ -131,10 +131,34 @@ pub fn describe_text(
     text: &str,
     stem: &str,
 ) -> Result<(Description, Vec<TextMistake>), Vec<TextMistake>> {
+    describe_differentiated(text, stem, &[])
+}
+
+/// The same with derivatives of everything by `parameters`, which are names, as [`Description::sensitivity`]; names that no
+/// parameter has are left out.
+///
+/// # Errors
+/// Every mistake and every warning found, in the order of the text.
+///
+/// ```
+/// let ball = "
+///     parameters { m: kg = 1, g: m/s^2 = 9.81 }
+///     coordinates { z: m }
+///     lagrangian m/2*dot(z)^2 - m*g*z
+/// ";
+/// let (derived, _) = hangtime_dsl::describe_differentiated(ball, "ball", &["g"]).expect("no mistakes");
+/// assert_eq!((derived.inputs(), derived.columns()), (2, 3));
+/// assert_eq!(derived.motion.jacobian.entries, [(0, 2)]);
+/// ```
+pub fn describe_differentiated(
+    text: &str,
+    stem: &str,
+    parameters: &[&str],
+) -> Result<(Description, Vec<TextMistake>), Vec<TextMistake>> {
     let tokens = text::tokens(text, stem)?;
     let mut diagnostics = Diagnostics::default();
     diagnostics.is_data = true;
-    match derived(tokens, &mut diagnostics) {
+    match derived(tokens, parameters, &mut diagnostics) {
         Ok((_, _, description)) if diagnostics.mistakes() == 0 => {
             Ok((description, in_text(diagnostics.into_mistakes())))
         }
@@ -186,18 +210,23 @@ fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {
 }
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
-    let (declared, scene, description) = derived(input, diagnostics)?;
-    Ok(emit::scene(&declared, &scene, &description))
+    let text = text::of_declaration(input.clone());
+    let (declared, scene, description) = derived(input, &[], diagnostics)?;
+    Ok(emit::scene(&declared, &scene, &description, &text))
 }
 
-/// From tokens to everything that is derived from them.
+/// From tokens to everything that is derived from them, differentiated by those parameters besides the inputs.
 fn derived(
     input: TokenStream,
+    parameters: &[&str],
     diagnostics: &mut Diagnostics,
 ) -> Checked<(ast::Scene, scene::CheckedScene, Description)> {
     graph::reset();
     let declared = parse::scene(input, diagnostics)?;
-    let scene = check::scene(&declared, diagnostics)?;
+    let mut scene = check::scene(&declared, diagnostics)?;
+    let known = scene.parameters.iter().zip(0_u16..);
+    let chosen = known.filter(|(known, _)| parameters.contains(&known.name.text.as_str()));
+    scene.differentiated = chosen.map(|(_, index)| index).collect();
     // Only what happens to constants from here on is of interest.
     graph::take_fault();
     let equations = derive::equations(&scene).map_err(|failure| match failure {

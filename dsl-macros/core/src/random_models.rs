@@ -267,7 +267,7 @@ fn random_models_agree_with_nested_dual_numbers_and_have_minimal_patterns() {
         };
         let evaluator = Evaluator::new(&declared);
         let n = scene.coordinates.len();
-        let inputs = equations.inputs;
+        let inputs = equations.inputs.len();
         let mut first = vec![false; solution.jacobian.entries.len()];
         let mut second = vec![false; solution.hessian.entries.len()];
         for _ in 0..2 {

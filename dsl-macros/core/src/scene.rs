@@ -5,6 +5,7 @@ use crate::graph::Sym;
 use hangtime_units::Unit;
 use proc_macro2::TokenStream;
 
+// Many fields: the parts of a declaration.
 /// A checked scene.
 pub(crate) struct CheckedScene {
     pub(crate) documentation: Documentation,
@@ -24,6 +25,8 @@ pub(crate) struct CheckedScene {
     pub(crate) optimal_control: Option<OptimalControl>,
     pub(crate) outputs: Vec<Output>,
     pub(crate) picture: Option<Picture>,
+    /// Parameters (indices) by which all functions are differentiated besides their inputs; none unless asked for.
+    pub(crate) differentiated: Vec<u16>,
 }
 
 /// A quantity that is recorded.

@@ -80,6 +80,30 @@ pub(crate) fn tokens(text: &str, stem: &str) -> Result<TokenStream, Vec<TextMist
     }
 }
 
+/// The text of a declaration, without its documentation.
+pub(crate) fn of_declaration(tokens: TokenStream) -> String {
+    undocumented(tokens).to_string()
+}
+
+/// Tokens without attributes.
+fn undocumented(tokens: TokenStream) -> TokenStream {
+    let mut tokens = tokens.into_iter().peekable();
+    let mut kept: Vec<TokenTree> = Vec::new();
+    while let Some(token) = tokens.next() {
+        match token {
+            TokenTree::Punct(mark) if mark.as_char() == '#' => {
+                tokens.next_if(|next| matches!(next, TokenTree::Group(_)));
+            }
+            TokenTree::Group(group) => {
+                let inner = undocumented(group.stream());
+                kept.push(Group::new(group.delimiter(), inner).into());
+            }
+            other => kept.push(other),
+        }
+    }
+    kept.into_iter().collect()
+}
+
 /// The declaration with `pub Name { ... }` around it if it is without.
 fn with_header(tokens: TokenStream, stem: &str) -> TokenStream {
     let mut tokens = tokens.into_iter().peekable();
@@ -372,6 +396,19 @@ mod tests {
         ] {
             assert!(characters(text).is_empty(), "{text}");
         }
+    }
+
+    #[test]
+    fn text_of_a_declaration_can_be_read_again() {
+        let declared = "/// A ball.\npub Ball { parameters { /// Its [mass] # 1.\n m: kg = 1, g: m/s^2 = 1.5e1 } \
+                        coordinates { z: m } lagrangian m/2*dot(z)^2 - m*g*z start { z: -1[m] } }";
+        let tokens = || declared.parse().expect("tokens");
+        let text = super::of_declaration(tokens());
+        assert!(!text.contains('#'), "{text}");
+        let [first, again] = [declared, &text]
+            .map(|text| crate::describe_text(text, "ball").expect("no mistakes").0);
+        assert_eq!((first.kernels, first.name), (again.kernels, again.name));
+        assert_eq!(again.documentation, "");
     }
 
     #[test]

@@ -3,7 +3,8 @@
 use super::StartValues;
 use crate::model::Model;
 use crate::simulation::{
-    ControlSignal, Fesd, InitialValueProblem, InputError, Simulation, Simulator,
+    ControlSignal, Fesd, Gradient, InitialValueProblem, InputError, Simulation, Simulator,
+    differentiate,
 };
 use crate::{Observer, Progress};
 
@@ -148,7 +149,27 @@ impl<'a> Simulate<'a> {
     /// # Errors
     /// [`InputError`] if anything that was asked for is refused before the first step; what happens later is the
     /// [`status`](Simulation::status) of the result.
-    pub fn run(mut self) -> Result<Simulation, InputError> {
+    pub fn run(self) -> Result<Simulation, InputError> {
+        Ok(self.simulated()?.1)
+    }
+
+    /// Simulates, and differentiates the motion by the quantities of these names, as
+    /// [`differentiate`](crate::simulation::differentiate) says. The method is to be one that locates events.
+    ///
+    /// # Errors
+    /// As of [`run`](Self::run), and [`InputError`] for names that are unknown and scenes without derivatives by parameters.
+    pub fn gradient<'n>(
+        self,
+        names: impl IntoIterator<Item = &'n str>,
+    ) -> Result<(Simulation, Gradient), InputError> {
+        let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
+        let model = self.model;
+        let (problem, run) = self.simulated()?;
+        let gradient = differentiate(model, &problem, &run, &names)?;
+        Ok((run, gradient))
+    }
+
+    fn simulated(mut self) -> Result<(InitialValueProblem, Simulation), InputError> {
         if let Some(steps) = self.steps {
             self.method.set_steps(steps)?;
         }
@@ -161,9 +182,10 @@ impl<'a> Simulate<'a> {
             .write(declaration, &mut problem.q, &mut problem.v)?;
         problem.controls = self.controls;
         problem.points = self.points;
-        match self.observer {
+        let run = match self.observer {
             Some(mut observer) => self.method.simulate(self.model, &problem, &mut *observer),
             None => self.method.simulate(self.model, &problem, &mut |_| true),
-        }
+        }?;
+        Ok((problem, run))
     }
 }

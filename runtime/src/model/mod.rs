@@ -39,6 +39,7 @@
 
 mod control_piece;
 mod declaration;
+mod parameter_derivatives;
 mod picture;
 mod pieces;
 pub(crate) mod rounding;
@@ -51,6 +52,7 @@ pub use declaration::{
     FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
     SparsityPattern, VariableDeclaration,
 };
+pub use parameter_derivatives::ParameterDerivatives;
 pub use picture::{Picture, Shape};
 
 /// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.
@@ -222,6 +224,21 @@ pub trait Model: Send + Sync {
     /// `x = (q, v, u, t)`, the physical time `t` in every scene; `along` is the number along every curve. Length
     /// [`Picture::values`].
     fn picture_values(&self, _x: &[f64], _along: f64, _values: &mut [f64]) {}
+
+    /// The declaration as it may stand in a scene file, without its documentation; none for a scene that was written by
+    /// hand.
+    fn text(&self) -> Option<&str> {
+        None
+    }
+
+    /// Derivatives of the functions of the scene by some of its `parameters` (indices, increasing), at their present values.
+    /// None where they would have to be compiled, and where they are too large.
+    fn parameter_derivatives(
+        &self,
+        _parameters: &[usize],
+    ) -> Option<Box<dyn ParameterDerivatives>> {
+        None
+    }
 
     /// A copy behind a fresh box.
     fn boxed(&self) -> Box<dyn Model>;

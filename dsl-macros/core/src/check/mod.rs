@@ -290,6 +290,7 @@ fn finish(
         optimal_control,
         outputs: checker.shown.outputs,
         picture: checker.shown.picture,
+        differentiated: Vec::new(),
     })
 }
 

@@ -70,11 +70,13 @@ pub(super) fn equations(
     let forces = |read: bool| if read { &provided[..] } else { &[] };
     let sums: Vec<Variable> = (0..task.sums.len() as u16).map(Variable::Sum).collect();
     let states = &inputs[..2 * scene.coordinates.len()];
+    let parameters = &inputs[inputs.len() - scene.differentiated.len()..];
     let at_the_end = [
         states,
         &[Variable::Time],
         &sums,
         forces(terminal_reads_forces),
+        parameters,
     ];
     Ok(ControlEquations {
         path: explicit(&path, &[inputs, forces(path_reads_forces)]),

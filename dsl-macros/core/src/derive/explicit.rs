@@ -118,7 +118,7 @@ impl Explicit {
 }
 
 /// Nonzero derivatives of `outputs` with respect to `inputs`, row by row.
-pub(super) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
+pub(crate) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     let columns: Vec<Vec<Sym>> = inputs
         .iter()
         .map(|&input| graph::partial(outputs, input))
@@ -132,7 +132,12 @@ pub(super) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
 /// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers, by two ways of which
 /// now one and now the other takes fewer operations: adjoints, then a sweep of dual numbers for
 /// each input; or one sweep that carries second derivatives, over the shortest evaluation.
+///
+/// None with respect to parameters: nothing that differentiates a motion by those reads second derivatives.
 pub(super) fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
+    if by_parameters(inputs) {
+        return Sparse::nonzeros(inputs.len(), inputs.len(), std::iter::empty());
+    }
     let weighted: Sym = outputs
         .iter()
         .enumerate()
@@ -154,6 +159,12 @@ pub(super) fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     let entries = graph::hessian(evaluation[0], inputs);
     let at_once = Sparse::nonzeros(inputs.len(), inputs.len(), entries.into_iter());
     by_columns.cheaper(at_once)
+}
+
+/// Whether parameters are among what is differentiated by.
+pub(super) fn by_parameters(inputs: &[Variable]) -> bool {
+    let mut inputs = inputs.iter();
+    inputs.any(|input| matches!(input, Variable::Parameter(_)))
 }
 
 /// The nonzeros of a matrix, in their cheapest common form.

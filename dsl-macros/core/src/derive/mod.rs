@@ -17,7 +17,7 @@ mod simplify;
 
 pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
 pub(crate) use control::ControlEquations;
-pub(crate) use explicit::{Explicit, Sparse};
+pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
 pub(crate) use implicit::Implicit;
 pub(crate) use simplify::simplify;
@@ -46,8 +46,8 @@ pub(crate) enum Solution {
 
 /// Everything derived from a scene.
 pub(crate) struct Equations {
-    /// Number of components of the input vector `x`.
-    pub(crate) inputs: usize,
+    /// What all functions are differentiated by: the input vector `x`, and parameters where that was asked for.
+    pub(crate) inputs: Vec<Variable>,
     /// Mass matrix, row-major.
     pub(crate) mass: Vec<Sym>,
     /// `r` of `M a = r`.
@@ -130,7 +130,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         .map(|task| control::equations(task, scene, &contacts, &inertia))
         .transpose()?;
     Ok(Equations {
-        inputs: inputs.len(),
+        inputs,
         right,
         readable: n <= EXPLICIT,
         mass,
@@ -141,7 +141,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     })
 }
 
-/// The input vector `(q, v, u[, t])`.
+/// The input vector `(q, v, u[, t])`, and behind it the parameters by which all is differentiated.
 fn inputs(scene: &CheckedScene) -> Vec<Variable> {
     let n = scene.coordinates.len() as u16;
     let controls = scene.controls.len() as u16;
@@ -151,6 +151,13 @@ fn inputs(scene: &CheckedScene) -> Vec<Variable> {
     if scene.explicit_time {
         inputs.push(Variable::Time);
     }
+    inputs.extend(
+        scene
+            .differentiated
+            .iter()
+            .copied()
+            .map(Variable::Parameter),
+    );
     inputs
 }
 

@@ -4,6 +4,7 @@
 //! one quantity ([`graph::Node::Kept`]), so the entries of the inverse are never multiplied out. That takes
 //! fewer operations than differentiating the solution from two or three coordinates on.
 
+use super::explicit::by_parameters;
 use super::ldl::Factorization;
 use super::{Explicit, Implicit, Sparse};
 use crate::graph::{self, Compose, Sym, Variable};
@@ -156,7 +157,12 @@ pub(super) fn derivatives(
     for (entry, value) in at_solution(&system.residual_hessian) {
         terms.entry(entry).or_default().push((value, -1.0));
     }
-    for ((k, i), value) in at_solution(&system.cross) {
+    let cross = if by_parameters(inputs) {
+        BTreeMap::new()
+    } else {
+        at_solution(&system.cross)
+    };
+    for ((k, i), value) in cross {
         for (j, column) in columns.iter().enumerate() {
             // P'A and its transpose: on the diagonal both are the same product.
             let factor = if i == j { -2.0 } else { -1.0 };

@@ -9,6 +9,7 @@ mod equations;
 mod kernel;
 mod optimal_control;
 mod readable;
+mod sensitivity;
 mod shown;
 
 pub use crate::graph::{Function, Function2, Profile};
@@ -19,6 +20,7 @@ pub use declared::{Parameter, Variable};
 pub use kernel::{Kernel, Operation};
 pub use optimal_control::{Condition, ContactTerms, Functions, OptimalControl};
 pub(crate) use readable::formula;
+pub use sensitivity::{ContactSensitivity, Derivative, FrictionSensitivity, Sensitivity};
 pub use shown::{Outputs, Picture, Shape};
 
 use crate::derive::{Equations, Explicit, Solution};
@@ -30,6 +32,7 @@ use declared::text;
 /// Most operations of one kernel: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
 
+// Many fields: the parts of a declaration.
 /// Everything that is derived from a declaration. Kernels and systems are named by their index.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
@@ -59,6 +62,9 @@ pub struct Description {
     pub outputs: Option<Outputs>,
     /// What is drawn, if it is declared.
     pub picture: Option<Picture>,
+    /// Derivatives by parameters; none unless they were asked for. With them, every Jacobian has a column for each of these
+    /// parameters behind those of the inputs, and Hessians are empty.
+    pub sensitivity: Option<Sensitivity>,
     /// All straight-line functions.
     pub kernels: Vec<Kernel>,
     /// All linear systems.
@@ -116,7 +122,7 @@ impl Description {
     pub(crate) fn of(scene: &CheckedScene, equations: &Equations) -> Result<Self, Unfit> {
         let mut builder = Builder {
             scene,
-            inputs: equations.inputs,
+            inputs: equations.inputs.len(),
             at_the_end: false,
             kernels: Vec::new(),
             systems: Vec::new(),
@@ -138,6 +144,7 @@ impl Description {
         let outputs = shown::outputs(&mut builder);
         let picture = shown::picture(&mut builder);
         let given = given(&mut builder);
+        let sensitivity = sensitivity::sensitivity(&mut builder, equations);
         let description = Self {
             name: scene.name.text.clone(),
             documentation: text(&scene.documentation),
@@ -152,6 +159,7 @@ impl Description {
             optimal_control,
             outputs,
             picture,
+            sensitivity,
             kernels: builder.kernels,
             systems: builder.systems,
         };
@@ -192,6 +200,13 @@ impl Description {
     #[must_use]
     pub fn inputs(&self) -> usize {
         2 * self.coordinates.len() + self.controls.len() + usize::from(self.explicit_time)
+    }
+
+    /// Number of columns of the Jacobians: the inputs, and the parameters by which all is differentiated.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        let parameters = self.sensitivity.as_ref();
+        self.inputs() + parameters.map_or(0, |known| known.parameters.len())
     }
 }
 

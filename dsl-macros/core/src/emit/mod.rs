@@ -15,8 +15,13 @@ use crate::scene::CheckedScene;
 use proc_macro2::TokenStream;
 use std::fmt::Write;
 
-/// Emits a scene.
-pub(crate) fn scene(declared: &Scene, scene: &CheckedScene, derived: &Description) -> TokenStream {
+/// Emits a scene, which says what it was declared by.
+pub(crate) fn scene(
+    declared: &Scene,
+    scene: &CheckedScene,
+    derived: &Description,
+    text: &str,
+) -> TokenStream {
     let mut code = String::new();
     code.push_str(
         "#[allow(unused, non_snake_case, non_upper_case_globals, clippy::all, clippy::pedantic, \
@@ -36,7 +41,7 @@ pub(crate) fn scene(declared: &Scene, scene: &CheckedScene, derived: &Descriptio
         methods::helpers(derived, system, &name, &mut code);
     }
     declaration::write(derived, &mut code);
-    implementation(scene, derived, &mut code);
+    implementation(scene, derived, text, &mut code);
     if cfg!(feature = "oracle")
         && let Some((helpers, methods)) = oracle::write(declared, scene)
     {
@@ -54,7 +59,7 @@ pub(crate) fn scene(declared: &Scene, scene: &CheckedScene, derived: &Descriptio
     tokens
 }
 
-fn implementation(scene: &CheckedScene, derived: &Description, code: &mut String) {
+fn implementation(scene: &CheckedScene, derived: &Description, text: &str, code: &mut String) {
     let name = scene.name.rust();
     let mut read = String::new();
     let mut write = String::new();
@@ -96,6 +101,7 @@ fn implementation(scene: &CheckedScene, derived: &Description, code: &mut String
             fn contact_hessian(&self, contact: __usize, x: &[__f64], multipliers: &[__f64], values: &mut \
          [__f64]) {{ match contact {{ {} _ => values.fill(__f64::NAN) }} }}
             {further}
+            fn text(&self) -> __Option<&str> {{ __Option::Some({text:?}) }}
             fn boxed(&self) -> ::std::boxed::Box<dyn ::hangtime::model::Model> {{ \
          ::std::boxed::Box::new(::core::clone::Clone::clone(self)) }}
         }}",

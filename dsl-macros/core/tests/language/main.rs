@@ -5,6 +5,7 @@ mod format;
 mod fuzz;
 mod messages;
 mod pages;
+mod sensitivities;
 mod shown;
 mod slips;
 mod stumbles;

@@ -1,0 +1,97 @@
+//! `simulate --gradient`.
+
+use serde_json::Value;
+
+use crate::support::{hangtime, json, solved};
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().unwrap().iter();
+    list.map(|number| number.as_f64().unwrap()).collect()
+}
+
+#[track_caller]
+fn assert_close(found: &[f64], right: &[f64]) {
+    assert_eq!(found.len(), right.len());
+    for (found, right) in found.iter().zip(right) {
+        assert!((found - right).abs() < 1e-9, "{found} instead of {right}");
+    }
+}
+
+#[test]
+fn gradient_of_a_shipped_scene_has_the_fields_of_the_contract() {
+    // Before the first impact at sqrt(2 h / g); its speed there is sqrt(2 g h).
+    let words = [
+        "simulate",
+        "bouncing-ball",
+        "--set",
+        "g=8",
+        "--set",
+        "height=1",
+        "--set",
+        "e=0.5",
+    ];
+    let behind = ["--horizon", "0.8", "--gradient", "e,g,height", "--json"];
+    let document = json(&[&words[..], &behind].concat());
+    let gradient = &document["gradient"];
+    assert_eq!(
+        gradient["with_respect_to"],
+        serde_json::json!(["e", "g", "height"])
+    );
+    assert_eq!(gradient["exists"], true);
+    // The impact is at 0.5 s with 4 m/s; 0.3 s later z = 2*0.3 - 8/2*0.09 at e = 0.5.
+    let times = gradient["event_times"].as_array().unwrap();
+    assert_close(&numbers(&times[0]), &[0.0, -0.5 / 16.0, 0.25]);
+    let rows = document["quantities"]["q"].as_array().unwrap();
+    let height = rows.iter().position(|row| row["name"] == "z").unwrap();
+    // dz = e dv t' - v' dt with the speed v' = 2 - 8*0.3 there, and dv = 4/16 by g, 2 by h; by g also -0.09/2.
+    let (rate, since) = (2.0 - 8.0 * 0.3, 0.3);
+    let right = [
+        4.0 * since,
+        0.5 * 0.25 * since - since * since / 2.0 + rate * 0.5 / 16.0,
+        0.5 * 2.0 * since - rate * 0.25,
+    ];
+    assert_close(&numbers(&gradient["final"]["q"][height]), &right);
+}
+
+#[test]
+fn gradient_is_a_table_with_units_for_people() {
+    let text = solved(&[
+        "simulate",
+        "bouncing-ball",
+        "--horizon",
+        "1",
+        "--gradient",
+        "all",
+    ]);
+    let line = |begin: &str| {
+        let mut lines = text.lines().map(str::trim);
+        lines
+            .find(|line| line.starts_with(begin))
+            .unwrap_or_else(|| panic!("{begin}\n{text}"))
+    };
+    assert!(line("derivative of").contains("by g [m/s^2]"), "{text}");
+    assert!(
+        line("time of impact at").ends_with(|c: char| c.is_ascii_digit()),
+        "{text}"
+    );
+    let without = solved(&["simulate", "bouncing-ball", "--horizon", "1"]);
+    assert!(!without.contains("derivative"), "{without}");
+    let document = json(&["simulate", "bouncing-ball", "--horizon", "1", "--json"]);
+    assert!(document.get("gradient").is_none());
+}
+
+#[test]
+fn gradient_without_sense_is_refused() {
+    for (words, refusal) in [
+        (&["--gradient", "springiness"][..], "no gradient of"),
+        (
+            &["--gradient", "e", "--method", "moreau"],
+            "does not locate events",
+        ),
+    ] {
+        let run = hangtime(&[&["simulate", "bouncing-ball"], words].concat());
+        let said = String::from_utf8_lossy(&run.stderr);
+        assert_eq!(run.status.code(), Some(2), "{said}");
+        assert!(said.contains(refusal), "{said}");
+    }
+}

@@ -1,0 +1,63 @@
+//! Derivatives of a motion.
+
+use std::collections::BTreeMap;
+
+use hangtime::model::Model;
+use hangtime::simulation::Gradient;
+use serde::{Serialize, Serializer};
+
+/// Matrices with a row for each value, and a column for each quantity that it is differentiated by.
+#[derive(Serialize)]
+pub(super) struct GradientEntry<'a> {
+    with_respect_to: &'a [String],
+    #[serde(rename = "final")]
+    last: LastEntry<'a>,
+    event_times: &'a [Vec<f64>],
+    /// By name, with a row for each row of the trajectory.
+    outputs: BTreeMap<&'static str, Vec<&'a [f64]>>,
+    /// Only of scenes that declare one that reads nothing of contacts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    objective: Option<&'a [f64]>,
+    exists: Existence<'a>,
+}
+
+#[derive(Serialize)]
+struct LastEntry<'a> {
+    q: &'a [Vec<f64>],
+    v: &'a [Vec<f64>],
+}
+
+/// Why there are no derivatives, if there are none.
+struct Existence<'a>(Option<&'a str>);
+
+impl Serialize for Existence<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0 {
+            None => serializer.serialize_bool(true),
+            Some(reason) => serializer.serialize_str(reason),
+        }
+    }
+}
+
+impl<'a> GradientEntry<'a> {
+    /// Of a motion of whose trajectory the instants `kept` are written.
+    pub(super) fn new(model: &dyn Model, gradient: &'a Gradient, kept: &[usize]) -> Self {
+        let outputs = model.outputs().iter().zip(&gradient.outputs);
+        Self {
+            with_respect_to: &gradient.with_respect_to,
+            last: LastEntry {
+                q: &gradient.q,
+                v: &gradient.v,
+            },
+            event_times: &gradient.event_times,
+            outputs: outputs
+                .map(|(output, rows)| {
+                    let rows = kept.iter().filter_map(|&k| rows.get(k));
+                    (output.name, rows.map(Vec::as_slice).collect())
+                })
+                .collect(),
+            objective: gradient.objective.as_deref(),
+            exists: Existence(gradient.obstacle.as_deref()),
+        }
+    }
+}

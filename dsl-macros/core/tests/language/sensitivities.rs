@@ -1,0 +1,66 @@
+//! Derivatives by parameters are derived where they are asked for, and only there.
+
+use hangtime_dsl::description::Description;
+use hangtime_dsl::{describe_differentiated, describe_text};
+
+const BALL: &str = "
+    parameters { m: kg = 2, g: m/s^2 = 9.81, e = 0.5, mu = 0.1, height: m = 3, unused_by_motion: s = 4 }
+    coordinates { y: m, z: m }
+    lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+    surface floor: z >= 0
+    impact floor: restitution e^2, friction mu, sliding dot(y)
+    outputs { energy: J = m*g*z }
+    start { z: height }
+    horizon 2*unused_by_motion
+";
+
+fn derived(parameters: &[&str]) -> Description {
+    describe_differentiated(BALL, "ball", parameters)
+        .expect("no mistakes")
+        .0
+}
+
+#[test]
+fn nothing_is_derived_that_nobody_asks_for() {
+    let plain = describe_text(BALL, "ball").expect("no mistakes").0;
+    assert!(plain.sensitivity.is_none());
+    assert_eq!(plain.columns(), plain.inputs());
+    assert_eq!(derived(&[]), plain);
+    assert_eq!(derived(&["no_parameter"]), plain);
+    let names = |scene: &Description| -> Vec<String> {
+        scene
+            .kernels
+            .iter()
+            .map(|kernel| kernel.name.clone())
+            .collect()
+    };
+    assert!(
+        names(&plain)
+            .iter()
+            .all(|name| !name.ends_with("derivative"))
+    );
+    assert!(names(&derived(&["g"])).contains(&"start_derivative".to_owned()));
+}
+
+#[test]
+fn columns_of_parameters_stand_behind_those_of_the_inputs() {
+    let scene = derived(&["height", "g", "e", "mu", "unused_by_motion"]);
+    assert_eq!((scene.inputs(), scene.columns()), (4, 9));
+    let sensitivity = scene.sensitivity.as_ref().expect("asked for");
+    // In order of declaration: g, e, mu, height, unused_by_motion.
+    assert_eq!(sensitivity.parameters, [1, 2, 3, 4, 5]);
+    assert_eq!(scene.motion.jacobian.entries, [(1, 4)]);
+    assert!(scene.motion.hessian.entries.is_empty());
+    assert_eq!(sensitivity.start.pattern.entries, [(1, 3)]);
+    let horizon = sensitivity.horizon.as_ref().expect("declared");
+    assert_eq!(horizon.pattern.entries, [(0, 4)]);
+    let contact = &sensitivity.contacts[0];
+    let restitution = contact.restitution.as_ref().expect("declared");
+    assert_eq!(restitution.pattern.entries, [(0, 1)]);
+    let friction = contact.friction.as_ref().expect("declared");
+    assert_eq!(friction.coefficient.pattern.entries, [(0, 2)]);
+    // The energy, by z and g; behind the inputs stand the time and four numbers of the contact.
+    let outputs = sensitivity.outputs.as_ref().expect("declared");
+    assert_eq!(outputs.pattern.entries, [(0, 1), (0, 4 + 1 + 4)]);
+    assert_eq!(scene.kernels[outputs.kernel].outputs.len(), 2);
+}

@@ -1,0 +1,300 @@
+//! One step between two known states of a smooth motion, and how its end changes with its start and with what the motion
+//! is differentiated by: collocation of `q' = v`, `v' = A(q, v, u, t)` and of its variational equations
+//!
+//! ```text
+//! dA_m = A_q dq_m + A_v dv_m + A_p        dv_m = dv_0 + h sum_j a_mj dA_j        dq_m = dq_0 + h c_m dv_0 + h^2 sum_j (a^2)_mj dA_j
+//! ```
+//!
+//! in which each quantity is one right-hand side of the system of the last Newton iteration.
+
+use super::acceleration::{Acceleration, input, solved};
+use super::cost::Cost;
+use super::matrix::{Matrix, add, largest};
+use super::wanted::Wanted;
+use crate::linalg::dense;
+use crate::model::ControlPiece;
+use crate::rk::{ButcherTableau, Scheme};
+
+/// Stages of a step: one more than the finest elements of a run have, so that the error of the run is what counts.
+const STAGES: usize = 7;
+/// Newton iterations of a step.
+const MOST_ITERATIONS: usize = 8;
+/// Change of the velocity, relative to its size, that leaves nothing but rounding in derivatives.
+const CONVERGED: f64 = 1e-12;
+
+/// A state with its time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct At<'s> {
+    pub(super) time: f64,
+    pub(super) q: &'s [f64],
+    pub(super) v: &'s [f64],
+}
+
+/// One step, in the mode of an acceleration and under controls that are smooth in it.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'s> {
+    pub(super) from: At<'s>,
+    pub(super) to: At<'s>,
+    pub(super) controls: &'s ControlPiece,
+}
+
+impl Step<'_> {
+    fn length(&self) -> f64 {
+        self.to.time - self.from.time
+    }
+}
+
+/// The steps of a walk.
+pub(super) struct Arc {
+    tableau: ButcherTableau,
+    /// Accelerations of the stages, and of each the input vector and the derivatives of the acceleration.
+    stages: Vec<f64>,
+    inputs: Vec<Vec<f64>>,
+    by: Vec<Matrix>,
+    residual: Vec<f64>,
+}
+
+impl Arc {
+    pub(super) fn new() -> Option<Self> {
+        Some(Self {
+            tableau: ButcherTableau::new(Scheme::RadauIia, STAGES)?,
+            stages: Vec::new(),
+            inputs: Vec::new(),
+            by: Vec::new(),
+            residual: Vec::new(),
+        })
+    }
+
+    /// Carries the derivatives `state` of `(q, v)` over the step, and counts its cost. The largest distances of coordinates
+    /// and velocities at its end from the known ones; none if it has no solution.
+    pub(super) fn step(
+        &mut self,
+        acceleration: &mut Acceleration<'_>,
+        wanted: &Wanted,
+        step: Step<'_>,
+        state: &mut Matrix,
+        cost: Option<&mut Cost<'_>>,
+    ) -> Option<[f64; 2]> {
+        let (matrix, pivots) = self.solve(acceleration, step)?;
+        let n = acceleration.n;
+        let right = self.right(wanted, (n, step.length()), state);
+        let change = solved(&matrix, &pivots, right);
+        if let Some(cost) = cost {
+            for (m, x) in self.inputs.iter().enumerate() {
+                let weight = step.length() * self.tableau.b()[m];
+                let stage = self.stage_state((n, step.length()), state, &change, m);
+                cost.pass(acceleration, (x, weight), &stage);
+            }
+        }
+        let missed = self.missed(n, step);
+        self.carry((n, step.length()), state, &change);
+        Some(missed)
+    }
+
+    /// Solves for the accelerations of the stages; the factors of the last Newton matrix.
+    fn solve(
+        &mut self,
+        acceleration: &mut Acceleration<'_>,
+        step: Step<'_>,
+    ) -> Option<(Matrix, Vec<usize>)> {
+        let h = step.length();
+        self.guess(acceleration, step)?;
+        let reached = h * largest(&self.stages).max(largest(&acceleration.free));
+        let speed = largest(step.from.v).max(largest(step.to.v)).max(reached);
+        let mut system = None;
+        for _ in 0..MOST_ITERATIONS {
+            let (matrix, pivots) = self.linearize(acceleration, step)?;
+            dense::solve(&matrix.values, &pivots, &mut self.residual);
+            add(&mut self.stages, -1.0, &self.residual);
+            let change = h * largest(&self.residual);
+            if change.is_nan() {
+                return None;
+            }
+            system = Some((matrix, pivots));
+            if change <= CONVERGED * speed {
+                break;
+            }
+        }
+        system
+    }
+
+    /// Distances of the end from the known one.
+    fn missed(&self, n: usize, Step { from, to, .. }: Step<'_>) -> [f64; 2] {
+        let h = to.time - from.time;
+        let mut missed = [0.0_f64; 2];
+        for k in 0..n {
+            let sum = |weights: &[f64]| -> f64 {
+                let stages = self.stages.chunks_exact(n).zip(weights);
+                stages.map(|(stage, weight)| stage[k] * weight).sum()
+            };
+            let v = from.v[k] + h * sum(self.tableau.b());
+            let q = from.q[k] + h * from.v[k] + h * h * sum(self.tableau.b_times_a());
+            missed[0] = missed[0].max((q - to.q[k]).abs());
+            missed[1] = missed[1].max((v - to.v[k]).abs());
+        }
+        missed
+    }
+
+    /// The derivatives at the end of the step.
+    fn carry(&self, (n, h): (usize, f64), state: &mut Matrix, change: &Matrix) {
+        let (b, b_times_a) = (self.tableau.b(), self.tableau.b_times_a());
+        let (coordinates, velocities) = state.values.split_at_mut(n * change.columns);
+        for k in 0..n {
+            let own = k * change.columns..(k + 1) * change.columns;
+            let (coordinates, velocities) = (&mut coordinates[own.clone()], &mut velocities[own]);
+            add(coordinates, h, velocities);
+            for j in 0..self.tableau.stages() {
+                add(coordinates, h * h * b_times_a[j], change.row(j * n + k));
+                add(velocities, h * b[j], change.row(j * n + k));
+            }
+        }
+    }
+
+    /// The derivatives at stage `m`.
+    fn stage_state(
+        &self,
+        (n, h): (usize, f64),
+        state: &Matrix,
+        change: &Matrix,
+        m: usize,
+    ) -> Matrix {
+        let c = self.tableau.c()[m];
+        let mut stage = state.clone();
+        for k in 0..n {
+            add(stage.row_mut(k), c * h, state.row(n + k));
+            for j in 0..self.tableau.stages() {
+                let change = change.row(j * n + k);
+                add(
+                    stage.row_mut(k),
+                    h * h * self.tableau.a_squared(m, j),
+                    change,
+                );
+                add(stage.row_mut(n + k), h * self.tableau.a(m, j), change);
+            }
+        }
+        stage
+    }
+
+    /// The state at the share `theta` of the step that was solved last.
+    pub(super) fn within(&self, step: Step<'_>, theta: f64) -> (Vec<f64>, Vec<f64>) {
+        let (n, h, stages) = (step.from.q.len(), step.length(), self.tableau.stages());
+        let mut weights = vec![0.0; stages];
+        self.tableau.dense_weights(theta, &mut weights);
+        let (mut q, mut v) = (step.from.q.to_vec(), step.from.v.to_vec());
+        for (j, weight) in weights.iter().enumerate() {
+            add(&mut v, h * weight, &self.stages[j * n..][..n]);
+            let mut rate = step.from.v.to_vec();
+            for (i, stage) in self.stages.chunks_exact(n).enumerate() {
+                add(&mut rate, h * self.tableau.a(j, i), stage);
+            }
+            add(&mut q, h * weight, &rate);
+        }
+        (q, v)
+    }
+
+    /// Accelerations of the stages on the cubic through both ends.
+    fn guess(
+        &mut self,
+        acceleration: &mut Acceleration<'_>,
+        Step { from, to, controls }: Step<'_>,
+    ) -> Option<()> {
+        let (n, h) = (acceleration.n, to.time - from.time);
+        self.stages.clear();
+        let mut q = vec![0.0; n];
+        let mut v = vec![0.0; n];
+        for &s in self.tableau.c() {
+            for k in 0..n {
+                let rise = to.q[k] - from.q[k];
+                let (a, b) = (h * from.v[k] - rise, rise - h * to.v[k]);
+                q[k] = from.q[k] + s * (rise + (1.0 - s) * ((1.0 - s) * a + s * b));
+                v[k] = from.v[k] + s * (to.v[k] - from.v[k]);
+            }
+            let x = stage_input(acceleration, (&q, &v), from.time + s * h, controls);
+            if !acceleration.evaluate_values(&x) {
+                return None;
+            }
+            self.stages.extend(&acceleration.value);
+        }
+        Some(())
+    }
+
+    /// Evaluates all stages: their residuals, and the factors of the Newton matrix.
+    fn linearize(
+        &mut self,
+        acceleration: &mut Acceleration<'_>,
+        step: Step<'_>,
+    ) -> Option<(Matrix, Vec<usize>)> {
+        let (from, h) = (step.from, step.length());
+        let (n, stages) = (acceleration.n, self.tableau.stages());
+        let order = n * stages;
+        let mut matrix = Matrix::zeros(order, order);
+        self.residual.clear();
+        self.by.clear();
+        self.inputs.clear();
+        for m in 0..stages {
+            let c = self.tableau.c()[m];
+            let (mut q, mut v) = (from.q.to_vec(), from.v.to_vec());
+            add(&mut q, c * h, from.v);
+            for (j, stage) in self.stages.chunks_exact(n).enumerate() {
+                add(&mut v, h * self.tableau.a(m, j), stage);
+                add(&mut q, h * h * self.tableau.a_squared(m, j), stage);
+            }
+            let x = stage_input(acceleration, (&q, &v), from.time + c * h, step.controls);
+            if !acceleration.evaluate(&x) {
+                return None;
+            }
+            for k in 0..n {
+                let own = m * n + k;
+                self.residual.push(self.stages[own] - acceleration.value[k]);
+                let by = acceleration.by.row(k);
+                let row = matrix.row_mut(own);
+                for j in 0..stages {
+                    let (first, second) = (self.tableau.a(m, j), self.tableau.a_squared(m, j));
+                    for i in 0..n {
+                        row[j * n + i] = -h * (first * by[n + i] + h * second * by[i]);
+                    }
+                }
+                row[own] += 1.0;
+            }
+            self.by.push(acceleration.by.clone());
+            self.inputs.push(x);
+        }
+        let mut pivots = vec![0; order];
+        dense::factorize(&mut matrix.values, &mut pivots).ok()?;
+        Some((matrix, pivots))
+    }
+
+    /// Right-hand sides of the variational equations of the stages.
+    fn right(&self, wanted: &Wanted, (n, h): (usize, f64), state: &Matrix) -> Matrix {
+        let stages = self.tableau.stages();
+        let mut right = Matrix::zeros(n * stages, state.columns);
+        for (m, by) in self.by.iter().enumerate() {
+            let c = self.tableau.c()[m];
+            for k in 0..n {
+                let by = by.row(k);
+                let row = right.row_mut(m * n + k);
+                for i in 0..n {
+                    add(row, by[i], state.row(i));
+                    add(row, c * h * by[i] + by[n + i], state.row(n + i));
+                }
+                for (column, value) in row.iter_mut().enumerate() {
+                    *value += wanted.column(column).map_or(0.0, |column| by[column]);
+                }
+            }
+        }
+        right
+    }
+}
+
+/// The input vector at a state under some controls.
+pub(super) fn stage_input(
+    acceleration: &Acceleration<'_>,
+    (q, v): (&[f64], &[f64]),
+    time: f64,
+    controls: &ControlPiece,
+) -> Vec<f64> {
+    let model = acceleration.model;
+    let mut u = vec![0.0; model.declaration().controls.len()];
+    controls.write(time, &mut u);
+    input(model, (q, v, &u), time)
+}

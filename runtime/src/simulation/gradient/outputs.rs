@@ -1,0 +1,101 @@
+//! Derivatives of what a scene records.
+
+use super::acceleration::{Acceleration, Hold};
+use super::matrix::Matrix;
+use super::wanted::Wanted;
+use crate::model::contact_point;
+use crate::simulation::Trajectory;
+
+/// Derivatives of the outputs at instant `k` of a trajectory, a row an output. The `acceleration` is evaluated there.
+pub(super) fn outputs(
+    acceleration: &Acceleration<'_>,
+    wanted: &Wanted,
+    (trajectory, k): (&Trajectory, usize),
+    state: &Matrix,
+    impulses: &Matrix,
+) -> Matrix {
+    let model = acceleration.model;
+    let declaration = model.declaration();
+    let (n, controls) = (declaration.coordinates.len(), declaration.controls.len());
+    let contacts = declaration.contacts.len();
+    let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
+    let x = [q, v, u, &[trajectory.time[k]][..]].concat();
+    let mut read = trajectory.contact_force[k].clone();
+    read.extend(trajectory.friction_force.get(k).into_iter().flatten());
+    read.resize(2 * contacts, 0.0);
+    read.extend(trajectory.impulses(k));
+    let behind = 2 * n + controls + 1;
+    let count = model.outputs().len();
+    let mut by = Matrix::zeros(count, behind + 4 * contacts + wanted.parameters);
+    wanted.derivatives.outputs(&x, &read, &mut by.values);
+    let mut values = Matrix::zeros(count, wanted.count());
+    for column in 0..wanted.count() {
+        let forces = forces(acceleration, wanted, state, column);
+        for output in 0..count {
+            let by = by.row(output);
+            let mut sum: f64 = (0..2 * n).map(|i| by[i] * state.row(i)[column]).sum();
+            for (i, force) in forces.iter().enumerate() {
+                sum += times(by[behind + i], *force);
+            }
+            for i in 0..2 * contacts {
+                sum += times(by[behind + 2 * contacts + i], impulses.row(i)[column]);
+            }
+            let own = wanted.parameter(column).map(|p| behind + 4 * contacts + p);
+            let own = own.or_else(|| wanted.control(column).map(|u| 2 * n + u));
+            sum += own.map_or(0.0, |own| by[own]);
+            values.row_mut(output)[column] = sum;
+        }
+    }
+    values
+}
+
+/// A product in which what is not read may be unknown.
+fn times(factor: f64, value: f64) -> f64 {
+    if factor == 0.0 { 0.0 } else { factor * value }
+}
+
+/// Derivatives of the normal forces of all contacts and then of the tangential ones, by one quantity at a fixed time.
+fn forces(
+    acceleration: &Acceleration<'_>,
+    wanted: &Wanted,
+    state: &Matrix,
+    column: usize,
+) -> Vec<f64> {
+    let contacts = acceleration.model.declaration().contacts.len();
+    let mut forces = vec![0.0; 2 * contacts];
+    let of = |contact: usize, (provided, by): (f64, &[f64])| {
+        let (inertia, inertia_by) = acceleration.point(contact, contact_point::INVERSE_INERTIA);
+        let force = provided / inertia;
+        let inertia_by = acceleration.along(inertia_by, state, column);
+        (
+            force,
+            (acceleration.along(by, state, column) - force * inertia_by) / inertia,
+        )
+    };
+    let slides = |contact: usize, sense: f64, (force, change): (f64, f64)| {
+        let (mu, mu_by) = acceleration.friction(contact);
+        let mu_by = wanted.parameter(column).map_or(0.0, |p| mu_by[p]);
+        sense * (mu * change + mu_by * force)
+    };
+    for (j, &hold) in acceleration.holds.iter().enumerate() {
+        let provided = (acceleration.forces[j], acceleration.forces_by.row(j));
+        match hold {
+            Hold::Normal { contact, sense } => {
+                let normal = of(contact, provided);
+                forces[contact] = normal.1;
+                if sense != 0.0 {
+                    forces[contacts + contact] = slides(contact, sense, normal);
+                }
+            }
+            Hold::Tangent { contact } => forces[contacts + contact] = of(contact, provided).1,
+        }
+    }
+    for &(contact, sense) in &acceleration.given {
+        let (curvature, by) = acceleration.point(contact, contact_point::CURVATURE);
+        let negative: Vec<f64> = by.iter().map(|by| -by).collect();
+        let normal = of(contact, (-curvature, &negative));
+        forces[contact] = normal.1;
+        forces[contacts + contact] = slides(contact, sense, normal);
+    }
+    forces
+}

@@ -1,0 +1,238 @@
+//! Derivatives of random motions against differences of motions.
+
+use hangtime::prelude::*;
+use hangtime_scene_files::TextScene;
+
+use super::support::{Random, TOLERANCE, assert_close, scene};
+
+/// Step of a parameter, relative to it.
+const STEP: f64 = 2e-4;
+/// What differences of fourth order leave, relative to 1 or to the largest derivative.
+const CLOSE: f64 = 1e-6;
+
+/// Kinds of scenes: each a text, the range of each of its parameters, and which of them are asked for.
+struct Kind {
+    text: &'static str,
+    ranges: &'static [(&'static str, f64, f64)],
+}
+
+const KINDS: [Kind; 4] = [
+    // A ball on hills with friction.
+    Kind {
+        text: "
+            parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.2, w: 1/m = 2, e = 0.5, mu = 0.2, u0: m/s = 1, height: m = 1 }
+            coordinates { x: m, z: m }
+            lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
+            surface hills: z - a*sin(w*x) >= 0
+            impact hills: restitution e, friction mu, sliding dot(x) + a*w*cos(w*x)*dot(z)
+            start { x: 0 [m], z: height, dot(x): u0 }
+            horizon 1.1 [s]
+        ",
+        ranges: &[("a", 0.05, 0.3), ("w", 1.0, 3.0), ("e", 0.3, 0.9), ("mu", 0.05, 0.4), ("u0", 0.5, 3.0), ("height", 0.6, 1.5)],
+    },
+    // Two links that strike a wall.
+    Kind {
+        text: "
+            parameters { m: kg = 1, g: m/s^2 = 9.81, l: m = 0.8, e = 0.5, a0: rad = 1, b0: rad = 0.5, wall: m = -0.1 }
+            coordinates { a: rad, b: rad }
+            lagrangian m/2*l^2*(2*dot(a)^2 + dot(b)^2 + 2*dot(a)*dot(b)*cos(a - b)) + m*g*l*(2*cos(a) + cos(b))
+            surface wall_at: l*sin(a) + l*sin(b) - wall >= 0
+            impact wall_at: restitution e
+            start { a: a0, b: b0 }
+            horizon 1.2 [s]
+        ",
+        ranges: &[("m", 0.5, 2.0), ("l", 0.5, 1.2), ("e", 0.2, 0.9), ("a0", 0.4, 1.3), ("b0", 0.2, 1.0), ("wall", -0.3, 0.1)],
+    },
+    // A block on a belt, held by a spring: it sticks, slips and sticks again.
+    Kind {
+        text: "
+            parameters { m: kg = 1, k: N/m = 20, mu = 0.3, g: m/s^2 = 9.81, belt: m/s = 0.3, x0: m = 0.1 }
+            coordinates { x: m, z: m }
+            lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z - k/2*x^2
+            surface floor: z >= 0
+            impact floor: inelastic, friction mu, sliding dot(x) - belt
+            start { x: x0, z: 0 [m] }
+            horizon 3 [s]
+        ",
+        ranges: &[("m", 0.7, 2.0), ("k", 15.0, 40.0), ("mu", 0.1, 0.4), ("belt", 0.1, 0.6), ("x0", -0.3, 0.3)],
+    },
+    // A body that slides over a hump, leaves it and lands.
+    Kind {
+        text: "
+            parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.5, s: m = 1, u0: m/s = 4, c: N*s/m = 0.1 }
+            coordinates { x: m, z: m }
+            lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
+            forces { x: -c*dot(x), z: -c*dot(z) }
+            surface hump: z - a*exp(-(x/s)^2) >= 0
+            impact hump: inelastic
+            start { x: -2*s, z: a*exp(-4), dot(x): u0, dot(z): u0*4*a/s*exp(-4) }
+            horizon 1.2 [s]
+        ",
+        ranges: &[("a", 0.3, 0.7), ("s", 0.7, 1.2), ("u0", 4.0, 6.0), ("c", 0.0, 0.4), ("g", 8.0, 11.0)],
+    },
+];
+
+/// What happens at which contacts.
+type Kinds = Vec<(EventKind, usize)>;
+
+/// The end of a motion with the times of its events, and their kinds and contacts.
+fn end(scene: &TextScene) -> Option<(Vec<f64>, Kinds)> {
+    let run = simulate(scene)
+        .method(EventDriven::default())
+        .tolerance(TOLERANCE)
+        .run()
+        .ok()?;
+    if !run.status.is_solved() {
+        return None;
+    }
+    let last = run.trajectory.time.len() - 1;
+    let events = run.events.iter();
+    let kinds = events.map(|event| (event.kind, event.contact)).collect();
+    let mut values = [&run.trajectory.q[last][..], &run.trajectory.v[last]].concat();
+    values.extend(run.events.iter().map(|event| event.time));
+    Some((values, kinds))
+}
+
+/// Differences of fourth order of the end and of the event times by a parameter; none where the sequence of events differs.
+fn differences(scene: &TextScene, parameter: usize) -> Option<Vec<f64>> {
+    let value = scene.parameter(parameter);
+    let step = STEP * value.abs().max(0.1);
+    let at = |steps: f64| {
+        let mut scene = scene.clone();
+        scene.set_parameter(parameter, value + steps * step);
+        end(&scene)
+    };
+    let ends = [at(-2.0)?, at(-1.0)?, at(1.0)?, at(2.0)?];
+    if ends.iter().any(|(_, kinds)| *kinds != ends[0].1) {
+        return None;
+    }
+    let rows = 0..ends[0].0.len();
+    let difference = |i: usize| {
+        let f = |k: usize| ends[k].0[i];
+        (f(0) - 8.0 * f(1) + 8.0 * f(2) - f(3)) / (12.0 * step)
+    };
+    Some(rows.map(difference).collect())
+}
+
+#[test]
+fn random_motions_have_the_derivatives_that_differences_show() {
+    let scenes = std::env::var("HANGTIME_GRADIENTS").ok();
+    let scenes: usize = scenes.and_then(|count| count.parse().ok()).unwrap_or(32);
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let (mut compared, mut existing) = (0, 0);
+    for number in 0..scenes {
+        let kind = &KINDS[number % KINDS.len()];
+        let settings: Vec<(&str, f64)> = kind
+            .ranges
+            .iter()
+            .map(|&(name, low, high)| (name, random.within(low, high)))
+            .collect();
+        let scene = scene(kind.text, &settings);
+        let names: Vec<&str> = settings.iter().map(|(name, _)| *name).collect();
+        for event_driven in [false, true] {
+            let run = simulate(&scene).tolerance(TOLERANCE);
+            let run = if event_driven {
+                run.method(EventDriven::default()).tolerance(TOLERANCE)
+            } else {
+                run
+            };
+            let (run, gradient) = run.gradient(names.iter().copied()).unwrap();
+            if gradient.obstacle.is_some() {
+                println!("{number} {settings:?}: {:?}", gradient.obstacle);
+                continue;
+            }
+            existing += 1;
+            for (k, name) in names.iter().enumerate() {
+                let Some(right) = differences(&scene, super::support::parameter(&scene, name))
+                else {
+                    continue;
+                };
+                let column: Vec<f64> = (gradient
+                    .q
+                    .iter()
+                    .chain(&gradient.v)
+                    .chain(&gradient.event_times))
+                .map(|row| row[k])
+                .collect();
+                if column.len() != right.len() {
+                    continue;
+                }
+                compared += 1;
+                let largest = right
+                    .iter()
+                    .fold(1.0_f64, |most, value| most.max(value.abs()));
+                for (i, (found, right)) in column.iter().zip(&right).enumerate() {
+                    let what = format!("scene {number} {settings:?}, row {i} by {name}\n{run}");
+                    assert_close(found / largest, right / largest, CLOSE, &what);
+                }
+            }
+        }
+    }
+    println!("{scenes} scenes, {existing} motions with derivatives, {compared} compared");
+    assert!(
+        existing >= 2 * scenes * 8 / 10,
+        "{existing} of {}",
+        2 * scenes
+    );
+    assert!(
+        compared >= 3 * scenes,
+        "{compared} compared of {scenes} scenes"
+    );
+}
+
+/// A row of masses that depend on each other's places, held by springs, whose first strikes a wall and rubs on it.
+fn row(count: usize) -> String {
+    let all = |term: &dyn Fn(usize) -> String| -> String {
+        let terms: Vec<String> = (1..=count).map(term).collect();
+        terms.join(" + ")
+    };
+    let coordinates: Vec<String> = (1..=count).map(|i| format!("q{i}: m")).collect();
+    let next = |i: usize| i % count + 1;
+    let kinetic = all(&|i| {
+        format!(
+            "m/2*(1 + b/10*sin(q{0}/1[m]))*dot(q{i})^2 + m*b/20*dot(q{i})*dot(q{0})",
+            next(i)
+        )
+    });
+    let springs = all(&|i| format!("k/2*(q{i} - q{})^2 + k/20*q{i}^2", next(i)));
+    format!(
+        "parameters {{ m: kg = 1, k: N/m = 5, b = 0.6, e = 0.5, mu = 0.2, v0: m/s = 1.3 }}
+         coordinates {{ {} }}
+         lagrangian {kinetic} - ({springs})
+         surface wall: 0.2[m] + q1 + b/5*sin(q2/1[m])*1[m] >= 0
+         impact wall: restitution e, friction mu, sliding dot(q2) + b*dot(q3)
+         start {{ q1: 0.1[m], q2: 0.05[m]*b, dot(q1): -v0, dot(q3): v0/2 }}
+         horizon 1 [s]",
+        coordinates.join(", ")
+    )
+}
+
+#[test]
+fn motions_of_many_coordinates_have_the_derivatives_that_differences_show() {
+    // Accelerations are simplified formulas up to four coordinates, eliminations up to eight, and loops above.
+    for count in [4, 6, 9] {
+        let scene = scene(&row(count), &[]);
+        let names = ["m", "k", "b", "e", "mu", "v0"];
+        let run = simulate(&scene).tolerance(TOLERANCE);
+        let (run, gradient) = run.gradient(names).unwrap();
+        assert_eq!(gradient.obstacle, None, "{run}");
+        assert!(!run.events.is_empty());
+        for (k, name) in names.iter().enumerate() {
+            let parameter = super::support::parameter(&scene, name);
+            let right = differences(&scene, parameter).unwrap();
+            let column = gradient
+                .q
+                .iter()
+                .chain(&gradient.v)
+                .chain(&gradient.event_times);
+            for (i, (found, right)) in column.map(|row| row[k]).zip(&right).enumerate() {
+                assert_close(
+                    found,
+                    *right,
+                    CLOSE,
+                    &format!("{count} coordinates, row {i} by {name}"),
+                );
+            }
+        }
+    }
+}

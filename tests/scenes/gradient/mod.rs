@@ -1,0 +1,9 @@
+//! Derivatives of simulated motions by parameters and initial values.
+
+#![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
+
+mod closed_forms;
+mod cost;
+mod differences;
+mod obstacles;
+mod support;
