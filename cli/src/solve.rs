@@ -120,11 +120,7 @@ fn tables(
         let _ = writeln!(text, "gain          {gain}");
     }
     let _ = writeln!(text, "stationarity  {}", certificate(solution.stationarity));
-    let _ = writeln!(
-        text,
-        "re-simulated  {:.1e} away from the plan at the end",
-        solution.resimulation_error
-    );
+    let _ = writeln!(text, "re-simulated  {}", resimulated(solution));
     if let Some(finer) = method.finer(solution) {
         let _ = writeln!(text, "elements      {finer}");
     }
@@ -155,6 +151,19 @@ fn tables(
     }
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
     text + &work(solution)
+}
+
+/// How far the re-simulation is from the plan: at the end, and in the objective where that is seen.
+fn resimulated(solution: &Solution) -> String {
+    let end = format!(
+        "{:.1e} away from the plan at the end",
+        solution.resimulation_error
+    );
+    if solution.resimulated_objective.is_nan() {
+        return end;
+    }
+    let difference = solution.resimulated_objective - solution.objective;
+    format!("{end}, {:.1e} in the objective", difference.abs())
 }
 
 /// What the publications of the scene measure the optimum by: how much a quantity grows, beside the published number

@@ -244,6 +244,9 @@ pub(crate) struct SolutionDocument<'a> {
     objective: f64,
     stationarity: &'static str,
     resimulation_error: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resimulated_objective: Option<f64>,
+    starts: usize,
     controls: &'a [Vec<f64>],
     #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
@@ -311,6 +314,9 @@ impl<'a> SolutionDocument<'a> {
             objective: solution.objective,
             stationarity: solution.stationarity.name(),
             resimulation_error: solution.resimulation_error,
+            resimulated_objective: Some(solution.resimulated_objective)
+                .filter(|cost| cost.is_finite()),
+            starts: solution.starts,
             controls: &solution.controls,
             residuals: solution.residuals,
             size: solution.size,

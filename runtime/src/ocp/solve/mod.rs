@@ -2,6 +2,7 @@
 //! a guess, a search and the judge. The top of the layers; nothing else knows it.
 
 mod final_times;
+mod impossible;
 mod nearest;
 mod nested;
 mod one_grid;
@@ -13,6 +14,7 @@ mod starts;
 mod undriven;
 mod words;
 
+use self::impossible::Shown;
 use super::problem::Problem;
 use super::settings::{Formulation, Guess, SearchSpace, Settings};
 use super::solution::{Solution, Status};
@@ -35,6 +37,7 @@ pub fn solve(
 ) -> Result<Solution, InputError> {
     settings.check()?;
     problem.check(model)?;
+    let problem = &problem.on_the_ground(model);
     let search = matches!(settings.formulation, Formulation::Phases)
         && !matches!(settings.guess, Guess::Previous(_));
     let mut solution = if search && problem.intervals > 1 && model.declaration().controls.is_empty()
@@ -47,9 +50,12 @@ pub fn solve(
     } else {
         starts::solve(model, problem, settings, observer)
     }?;
-    if matches!(solution.status, Status::Infeasible | Status::Failed(_))
-        && solution.motion.is_none()
+    if matches!(solution.status, Status::NotFound | Status::Failed(_)) && solution.motion.is_none()
     {
+        if let Shown::Impossible { least_time } = impossible::shown(model, problem) {
+            solution.status = Status::Infeasible;
+            solution.least_time = least_time;
+        }
         solution.nearest = nearest::nearest(model, problem, settings)?;
     }
     Ok(solution)

@@ -1,5 +1,7 @@
 //! What several runs come to: the best of them, and the distinct local optima that they saw.
 
+use std::collections::BTreeSet;
+
 use hangtime_solver::Seconds;
 use hangtime_solver::mpcc::Stationarity;
 
@@ -99,6 +101,7 @@ pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solu
     let Some(best) = found.into_iter().next() else {
         return Solution::without_motion(Status::Interrupted, Vec::new(), counts);
     };
+    let starts: BTreeSet<usize> = seen.iter().map(|run| run.start).collect();
     let optima = optima(&best, seen);
     let (status, stationarity) = if stopped {
         (Status::Interrupted, Stationarity::None)
@@ -110,6 +113,7 @@ pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solu
         stationarity,
         counts,
         seconds,
+        starts: starts.len(),
         optima,
         ..best.solution
     }
