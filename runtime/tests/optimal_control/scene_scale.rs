@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use hangtime::ocp::{self, Problem, Settings, Status};
+use crate::support::one_start;
+use hangtime::model::Model;
+use hangtime::ocp::{self, Horizon, Problem, Settings, Status};
 
 hangtime::model! {
     /// A cart that is pushed to a place with least effort, by up to four times what constant acceleration asks for.
@@ -91,4 +93,191 @@ fn wall_behind_the_goal_is_about_to_be_struck_at_no_scale() {
         );
         assert_eq!(solution.struck_after_the_end(&cart), [], "{far}");
     }
+}
+
+hangtime::model! {
+    /// A lander with an engine that only pushes up and one to the side is to be down and at rest soon.
+    Lander {
+        parameters { m: kg = 2, g: m/s^2 = 9, ground: m = 0, height: m = 11, far: m = 4, up: N = 30, side: N = 9 }
+        coordinates { z: m, y: m }
+        controls { u: N in 0..=up, w: N in -side..=side }
+        lagrangian m/2*(dot(z)^2 + dot(y)^2) - m*g*z
+        forces { z: u, y: w }
+        surface floor: z >= ground
+        impact floor: inelastic
+        minimize time
+        finally { z == ground, dot(z) == 0, y == far, dot(y) == 0 }
+        start { z: ground + height }
+    }
+}
+
+hangtime::model! {
+    /// The same with coordinates, controls and goals in another order.
+    Permuted {
+        parameters { far: m = 4, side: N = 9, up: N = 30, height: m = 11, ground: m = 0, g: m/s^2 = 9, m: kg = 2 }
+        coordinates { y: m, z: m }
+        controls { w: N in -side..=side, u: N in 0..=up }
+        lagrangian m/2*(dot(z)^2 + dot(y)^2) - m*g*z
+        forces { y: w, z: u }
+        surface floor: z >= ground
+        impact floor: inelastic
+        minimize time
+        finally { dot(y) == 0, y == far, dot(z) == 0, z == ground }
+        start { z: ground + height }
+    }
+}
+
+hangtime::model! {
+    /// A block with friction is pushed from rest to rest with least effort.
+    Block {
+        parameters { m: kg = 1.3, g: m/s^2 = 9, mu = 0.2, from: m = 0, way: m = 2.5, duration: s = 1.7, limit: N = 60 }
+        coordinates { x: m, z: m }
+        controls { u: N in -limit..=limit }
+        lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
+        forces { x: u }
+        surface floor: z >= 0
+        impact floor: inelastic, friction mu
+        minimize integral(u^2)
+        finally { x == from + way, dot(x) == 0 }
+        start { x: from }
+        horizon duration
+    }
+}
+
+/// How a scene is measured, mirrored and moved.
+#[derive(Debug, Clone, Copy)]
+struct Measured {
+    length: f64,
+    mass: f64,
+    time: f64,
+    /// 1 or -1, and a number of its lengths by which all is moved.
+    mirror: f64,
+    shift: f64,
+}
+
+impl Measured {
+    const fn in_units(length: f64, mass: f64, time: f64) -> Self {
+        let (mirror, shift) = (1.0, 0.0);
+        Self {
+            length,
+            mass,
+            time,
+            mirror,
+            shift,
+        }
+    }
+
+    const fn moved(self, mirror: f64, shift: f64) -> Self {
+        Self {
+            mirror,
+            shift,
+            ..self
+        }
+    }
+
+    fn force(self) -> f64 {
+        self.mass * self.length / self.time.powi(2)
+    }
+
+    /// The status and the objective, in the units of the scene, of a lander, of the same permuted, and of a block.
+    fn results(self) -> [(Status, f64); 3] {
+        let Self {
+            length,
+            mass,
+            time,
+            mirror,
+            shift,
+        } = self;
+        let (m, g, far) = (
+            2.0 * mass,
+            9.0 * length / time.powi(2),
+            mirror * 4.0 * length,
+        );
+        let (ground, height) = (shift * length, 11.0 * length);
+        let (up, side) = (30.0 * self.force(), 9.0 * self.force());
+        let lander = Lander {
+            m,
+            g,
+            ground,
+            height,
+            far,
+            up,
+            side,
+        };
+        let permuted = Permuted {
+            m,
+            g,
+            ground,
+            height,
+            far,
+            up,
+            side,
+        };
+        let block = Block {
+            m: 1.3 * mass,
+            g,
+            mu: 0.2,
+            from: shift * length,
+            way: mirror * 2.5 * length,
+            duration: 1.7 * time,
+            limit: 60.0 * self.force(),
+        };
+        let soon = Horizon::Free {
+            guess: Some(2.2 * time),
+        };
+        let solved = |model: &dyn Model, horizon: Horizon, unit: f64| {
+            let problem = Problem {
+                horizon,
+                ..Problem::of(model, 5)
+            };
+            let solution = ocp::solve(model, &problem, &one_start(), &mut |_| true).unwrap();
+            (solution.status, solution.objective / unit)
+        };
+        [
+            solved(&lander, soon, time),
+            solved(&permuted, soon, time),
+            solved(
+                &block,
+                Horizon::Fixed(1.7 * time),
+                self.force().powi(2) * time,
+            ),
+        ]
+    }
+}
+
+/// The same status and the same objectives as in units of one.
+fn assert_the_same(measured: &[Measured]) {
+    let ones = Measured::in_units(1.0, 1.0, 1.0);
+    let usual = ones.results();
+    assert_eq!((usual[0].0, usual[2].0), (Status::Solved, Status::Solved));
+    for way in measured {
+        for ((status, objective), (wanted, least)) in way.results().into_iter().zip(usual) {
+            assert_eq!(status, wanted, "{way:?}: {objective} {least}");
+            let apart = (objective / least - 1.0).abs();
+            assert!(apart < 1e-8, "{way:?}: {objective} {least}, {apart:e}");
+        }
+    }
+}
+
+#[test]
+fn scenes_in_other_units_mirrored_and_moved_have_the_same_result() {
+    assert_the_same(&[
+        Measured::in_units(1e-9, 3e4, 1.0),
+        Measured::in_units(1e9, 1.0, 2e-3),
+        Measured::in_units(1.0, 1.0, 1.0).moved(-1.0, 6.0),
+    ]);
+}
+
+#[test]
+#[ignore = "long"]
+fn scenes_in_all_units_have_the_same_result() {
+    let powers = || (-3..=3).map(|power| 1e3_f64.powi(power));
+    let ones = Measured::in_units(1.0, 1.0, 1.0);
+    let lengths = powers().map(|length| Measured { length, ..ones });
+    let masses = powers().map(|mass| Measured { mass, ..ones });
+    let times = powers().map(|time| Measured { time, ..ones });
+    let all: Vec<Measured> = lengths.chain(masses).chain(times).collect();
+    let moved = all.iter().map(|way| way.moved(-1.0, 3.0));
+    let all: Vec<Measured> = all.iter().copied().chain(moved).collect();
+    assert_the_same(&all);
 }
