@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use hangtime::model::{Declaration, Model};
 use hangtime::mpcc;
-use hangtime::ocp::{ControlShape, Solution};
+use hangtime::ocp::{ControlShape, Solution, Source};
 use hangtime::simulation::{EventKind, Trajectory};
 
 use crate::arguments::{ControlsName, SolveArguments, SolveFormulation};
@@ -102,7 +102,7 @@ fn tables(
         counted(method.intervals, "interval"),
         counted(method.elements, "element"),
         method.control_shape,
-        method.counted_starts()
+        method.searched(solution)
     );
     let _ = writeln!(text, "status        {}", ending.status);
     let Some(motion) = &solution.motion else {
@@ -120,11 +120,7 @@ fn tables(
         let _ = writeln!(text, "gain          {gain}");
     }
     let _ = writeln!(text, "stationarity  {}", certificate(solution.stationarity));
-    let _ = writeln!(
-        text,
-        "re-simulated  {:.1e} away from the plan at the end",
-        solution.resimulation_error
-    );
+    let _ = writeln!(text, "re-simulated  {}", resimulated(solution));
     if let Some(finer) = method.finer(solution) {
         let _ = writeln!(text, "elements      {finer}");
     }
@@ -155,6 +151,19 @@ fn tables(
     }
     let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
     text + &work(solution)
+}
+
+/// How far the re-simulation is from the plan: at the end, and in the objective where that is seen.
+fn resimulated(solution: &Solution) -> String {
+    let end = format!(
+        "{:.1e} away from the plan at the end",
+        solution.resimulation_error
+    );
+    if solution.resimulated_objective.is_nan() {
+        return end;
+    }
+    let difference = solution.resimulated_objective - solution.objective;
+    format!("{end}, {:.1e} in the objective", difference.abs())
 }
 
 /// What the publications of the scene measure the optimum by: how much a quantity grows, beside the published number
@@ -327,12 +336,16 @@ fn relaxed_and_optima(solution: &Solution) -> String {
     if solution
         .optima
         .iter()
-        .map(|o| o.starts.len())
+        .map(|o| o.sources.len())
         .sum::<usize>()
         > 1
     {
         let rows = solution.optima.iter().map(|optimum| {
-            let starts: Vec<String> = optimum.starts.iter().map(usize::to_string).collect();
+            let sources = optimum.sources.iter().map(|source| match source {
+                Source::Start(start) => start.to_string(),
+                other => other.to_string(),
+            });
+            let sources: Vec<String> = sources.collect();
             vec![
                 format!("{:.10}", optimum.objective),
                 format!("{:.10}", optimum.horizon),
@@ -340,7 +353,7 @@ fn relaxed_and_optima(solution: &Solution) -> String {
                 optimum.stationarity.name().to_owned(),
                 optimum.switches.to_string(),
                 optimum.intervals.to_string(),
-                starts.join(" "),
+                sources.join(" "),
             ]
         });
         let header = [
@@ -350,7 +363,7 @@ fn relaxed_and_optima(solution: &Solution) -> String {
             "stationarity",
             "switches",
             "intervals",
-            "starts",
+            "words, starts",
         ];
         text += &table(header, rows);
         text += "\n";

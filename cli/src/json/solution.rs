@@ -1,7 +1,10 @@
 //! The JSON document of an optimal control problem.
 
 use hangtime::model::Model;
-use hangtime::ocp::{Excess, Formulation, Margin, Optimum, Settings, Solution, TimeFreezingReport};
+use hangtime::ocp::{
+    Excess, Formulation, Improvement, Margin, Optimum, Settings, Solution, Source,
+    TimeFreezingReport,
+};
 use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
 use serde::Serialize;
@@ -31,11 +34,11 @@ pub(crate) struct SolverSettings {
     pub(crate) control_shape: &'static str,
     /// Finite elements: of a phase, or of an interval with time-freezing.
     pub(crate) elements: usize,
-    /// Starts that were solved side by side.
+    /// Starts that may be solved side by side.
     pub(crate) starts: usize,
-    /// Whether these are the most there may be: nobody asked for a number, and fewer may agree on the best.
+    /// Whether words are searched before.
     #[serde(skip)]
-    up_to: bool,
+    words: bool,
     /// Finite elements of a phase, also of the motion that a time-freezing program leads to.
     #[serde(skip)]
     of_a_phase: usize,
@@ -64,18 +67,18 @@ impl SolverSettings {
             control_shape: settings.controls.name(),
             elements,
             starts: settings.starts(),
-            up_to: settings.starts.is_none(),
+            words: settings.searches_words(),
             of_a_phase: settings.elements,
         }
     }
 
-    /// How many starts there are, or may be.
-    pub(crate) fn counted_starts(&self) -> String {
-        let starts = counted(self.starts, "start");
-        if self.up_to && self.starts > 1 {
-            format!("up to {starts}")
-        } else {
-            starts
+    /// Where motions were looked for: among words, and from how many starts.
+    pub(crate) fn searched(&self, solution: &Solution) -> String {
+        let starts = counted(solution.starts, "start");
+        match (self.words, solution.starts) {
+            (true, 0) => "words".to_owned(),
+            (true, _) => format!("words, then {starts}"),
+            (false, _) => starts,
         }
     }
 
@@ -208,6 +211,27 @@ struct OptimumEntry<'a> {
     switches: usize,
     intervals: usize,
     starts: &'a [usize],
+    sources: Vec<String>,
+}
+
+/// A motion that was confirmed and better than all before it.
+#[derive(Serialize)]
+struct ImprovementEntry {
+    cpu: f64,
+    objective: f64,
+    status: &'static str,
+    source: String,
+}
+
+impl ImprovementEntry {
+    fn new(improvement: &Improvement) -> Self {
+        Self {
+            cpu: improvement.cpu,
+            objective: improvement.objective,
+            status: improvement.status.name(),
+            source: improvement.source.to_string(),
+        }
+    }
 }
 
 impl<'a> OptimumEntry<'a> {
@@ -220,6 +244,7 @@ impl<'a> OptimumEntry<'a> {
             switches: optimum.switches,
             intervals: optimum.intervals,
             starts: &optimum.starts,
+            sources: optimum.sources.iter().map(Source::to_string).collect(),
         }
     }
 }
@@ -244,6 +269,9 @@ pub(crate) struct SolutionDocument<'a> {
     objective: f64,
     stationarity: &'static str,
     resimulation_error: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    resimulated_objective: Option<f64>,
+    starts: usize,
     controls: &'a [Vec<f64>],
     #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
@@ -255,6 +283,7 @@ pub(crate) struct SolutionDocument<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     time_freezing: Option<TimeFreezingEntry>,
     optima: Vec<OptimumEntry<'a>>,
+    improvements: Vec<ImprovementEntry>,
     excess: Vec<ExcessEntry<'a>>,
     margins: Vec<MarginEntry<'a>>,
     notes: Vec<String>,
@@ -311,6 +340,9 @@ impl<'a> SolutionDocument<'a> {
             objective: solution.objective,
             stationarity: solution.stationarity.name(),
             resimulation_error: solution.resimulation_error,
+            resimulated_objective: Some(solution.resimulated_objective)
+                .filter(|cost| cost.is_finite()),
+            starts: solution.starts,
             controls: &solution.controls,
             residuals: solution.residuals,
             size: solution.size,
@@ -326,6 +358,11 @@ impl<'a> SolutionDocument<'a> {
             seconds: solution.seconds,
             time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
             optima: solution.optima.iter().map(OptimumEntry::new).collect(),
+            improvements: solution
+                .improvements
+                .iter()
+                .map(ImprovementEntry::new)
+                .collect(),
             excess: solution.excess.iter().map(ExcessEntry::new).collect(),
             margins: solution.margins.iter().map(MarginEntry::new).collect(),
             notes: (method.finer(solution).into_iter())

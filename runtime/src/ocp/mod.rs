@@ -26,7 +26,7 @@
 //! to its size, so that its tolerance means the same for a scene in millimetres and kilonewtons as in metres and
 //! newtons. Path constraints are not measured, terminal conditions only where they are far smaller: state those in numbers of the order of one. What
 //! stays in the units of the scene is what belongs to it: [`Settings::gap_margin`] and [`Settings::largest_distance`], but in motions that
-//! are far smaller than those units.
+//! are far smaller or far larger than those units, as the goals say, or else the motion itself.
 //!
 //! # Time
 //! A model may depend on the time itself (`t` in forces, surfaces or costs). Where the final time is free, the time of
@@ -81,6 +81,7 @@ mod previous;
 mod problem;
 mod program;
 mod progress;
+mod scale;
 mod search;
 mod settings;
 mod size;

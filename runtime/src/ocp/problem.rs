@@ -7,8 +7,13 @@ use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 /// Most control intervals: the programs are kept in memory.
 const MOST_INTERVALS: usize = 10_000;
 
-/// Normal velocity into a surface that rounding may cause at the start.
+/// Normal velocity into a surface, relative to the largest velocities, and violation of a constraint, relative to its terms, that
+/// rounding may cause at the start.
 const AT_REST: f64 = 1e-9;
+
+/// Depth of a start below a surface, relative to the terms of the gap, from which on it is more than rounding of these: the same motion
+/// over a shorter time would be refused.
+const BELOW: f64 = 1e-9;
 
 /// An optimal control problem on a [`Model`]:
 ///
@@ -204,7 +209,11 @@ impl Problem {
             model.contact(i, &input, &mut point);
             let velocity = point[contact_point::NORMAL_VELOCITY];
             let touches = !pieces.is_idle(i) && point[contact_point::GAP] <= 0.0;
-            if touches && velocity < -AT_REST {
+            let normal = &point[contact_point::NORMAL..][..n];
+            let along: f64 = normal.iter().zip(&self.v).map(|(n, v)| n * v).sum();
+            let largest = |values: &[f64]| values.iter().fold(0.0, |l: f64, x| l.max(x.abs()));
+            let size = largest(normal) * largest(&self.v) + (velocity - along).abs();
+            if touches && velocity < -AT_REST * size {
                 return Err(refusal(
                     format!("initial normal velocity of `{}`", contact.name),
                     velocity,
@@ -214,6 +223,31 @@ impl Problem {
             }
         }
         Ok(())
+    }
+
+    /// The same with a start that lies below a surface by no more than is let pass, but by more than rounding, moved onto it: what is so
+    /// little over the whole motion is not over a part of it, which would be refused.
+    pub(in crate::ocp) fn on_the_ground(&self, model: &dyn Model) -> Self {
+        let n = self.q.len();
+        let mut moved = self.clone();
+        let mut point = vec![0.0; contact_point::length(n)];
+        for contact in 0..model.declaration().contacts.len() {
+            let input = moved
+                .initial_value_problem(&moved.start(), 1.0, ControlSignal::Zero)
+                .input(model);
+            model.contact(contact, &input, &mut point);
+            let gap = point[contact_point::GAP];
+            let normal = &point[contact_point::NORMAL..][..n];
+            let terms = normal.iter().zip(&moved.q).map(|(n, q)| (n * q).abs());
+            let below = gap < -BELOW * terms.sum::<f64>();
+            if below && !Pieces::at(model, &input).is_idle(contact) {
+                let direction = &point[contact_point::direction(n)..][..n];
+                for (q, d) in moved.q.iter_mut().zip(direction) {
+                    *q -= gap * d;
+                }
+            }
+        }
+        moved
     }
 
     fn check_free_start(&self, model: &dyn Model) -> Result<(), InputError> {

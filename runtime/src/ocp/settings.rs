@@ -304,6 +304,15 @@ impl Settings {
             })
     }
 
+    /// Whether words are searched: not where it is said from how many starts on grids, or from which guess.
+    #[must_use]
+    pub fn searches_words(&self) -> bool {
+        self.search == SearchSpace::Words
+            && self.formulation == Formulation::Phases
+            && self.starts.is_none()
+            && self.guess == Guess::Straight
+    }
+
     /// Checks every field against its range.
     ///
     /// # Errors

@@ -14,6 +14,7 @@ use super::motion::sequence::Sequence;
 use super::problem::{Problem, bounds};
 use super::program::purposes::groups;
 use super::program::units::Units;
+use super::scale::Scale;
 use super::search::ride::ride;
 use super::settings::{Formulation, Settings, TimeFreezingSettings};
 use crate::model::{Declaration, Kernel, Model};
@@ -101,7 +102,7 @@ fn phases(
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
     let guessed = guess(model, problem, &settings.guess, bounds)?;
-    let units = Units::new(model, &guessed, bounds);
+    let units = Units::new(model, &Scale::of(model, problem), &guessed, bounds);
     let Some(tableau) = ButcherTableau::new(Scheme::RadauIia, settings.stages) else {
         return Err(settings.refuse_stages());
     };

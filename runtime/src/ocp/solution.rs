@@ -10,7 +10,7 @@ use crate::model::{Model, Pieces, contact_point};
 use crate::ocp::motion::control_grid::{ControlShape, signal};
 use crate::refusal;
 use crate::simulation::{
-    ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State,
+    ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State, number,
 };
 
 /// Why a run ended.
@@ -24,9 +24,11 @@ pub enum Status {
     Uncertified,
     /// The independent simulation does not follow the plan: other events, or another end.
     Unconfirmed,
-    /// The programs converged to points of local infeasibility: the goal cannot be reached from the guess
-    /// within the bounds.
+    /// It is shown that no controls within their bounds reach the goals: these lie beyond the bounds of coordinates, or beyond what
+    /// controls do in the given time, see [`Solution::least_time`], where they alone make up the accelerations and nothing is touched.
     Infeasible,
+    /// No motion to the goals was found: the programs converged to points of local infeasibility, which says nothing of others.
+    NotFound,
     /// The objective still improves at an end of the final times that were looked at,
     /// [`Solution::final_times`], however far they were moved: a control without bound, or an objective that rewards
     /// ever longer motions.
@@ -52,6 +54,7 @@ impl Status {
             Self::Uncertified => "uncertified",
             Self::Unconfirmed => "unconfirmed",
             Self::Infeasible => "infeasible",
+            Self::NotFound => "not_found",
             Self::Unbounded => "unbounded",
             Self::Interrupted => "interrupted",
             Self::Failed(_) => "failed",
@@ -288,6 +291,15 @@ pub struct Solution {
     pub stationarity: Stationarity,
     /// Largest difference of a final coordinate between plan and re-simulation.
     pub resimulation_error: f64,
+    /// That difference as one of a motion of the order of a metre and a radian: what is judged.
+    pub(in crate::ocp) departure: f64,
+    /// Objective of the re-simulated motion, by its own quadrature; NaN without a motion, and where the objective reads forces or
+    /// impulses of contacts, of which the re-simulation is looked at more coarsely.
+    pub resimulated_objective: f64,
+    /// Its difference from that of the plan, as a share of what is let pass.
+    pub(in crate::ocp) cost_departure: f64,
+    /// The least distance, of all coordinates, that is let pass between plan and re-simulation.
+    pub(in crate::ocp) let_pass: f64,
     /// The first contact event in which plan and re-simulation differ, in words.
     pub disagreement: Option<String>,
     /// Residuals of the plan: violation of its equations and bounds, gradient of the Lagrangian,
@@ -311,6 +323,8 @@ pub struct Solution {
     pub motion: Option<Simulation>,
     /// Worst violated rows, if a program failed.
     pub violations: Vec<Violation>,
+    /// Least final time \[s\], to a thousandth, in which the goals are not known to be out of reach, where they are in the given one.
+    pub least_time: Option<f64>,
     /// What the nearest of many simulated motions misses, where no plan was found.
     pub nearest: Option<Nearest>,
     /// Size of a program.
@@ -324,6 +338,8 @@ pub struct Solution {
     /// The motion as a start for a neighbouring problem, for [`Guess::Previous`](super::Guess::Previous); absent
     /// without a plan.
     pub previous: Option<Previous>,
+    /// Starts from which motions were looked for: fewer than are allowed where several agree.
+    pub starts: usize,
     /// The distinct local optima that the starts ended at, the best first.
     pub optima: Vec<Optimum>,
     /// The first motion that was confirmed and every better one after it, in order; of those found side by side in the order of their starts.
@@ -332,11 +348,6 @@ pub struct Solution {
 
 /// Difference of objectives, as a share of what they are measured in, that the tolerance of the solver explains.
 const EXPLAINED: f64 = 1e-8;
-
-/// Gap at the end below which a contact is about to be struck, by a normal velocity beyond this: the distance that is let pass
-/// between plan and re-simulation, and that in a second.
-const TOUCHES: f64 = 1e-6;
-const STRIKES: f64 = 1e-6;
 
 /// Most conditions that are named.
 const NAMED: usize = 3;
@@ -390,6 +401,10 @@ impl Solution {
             final_times: (f64::NAN, f64::NAN),
             stationarity: Stationarity::None,
             resimulation_error: f64::INFINITY,
+            departure: f64::INFINITY,
+            resimulated_objective: f64::NAN,
+            cost_departure: 0.0,
+            let_pass: 0.0,
             disagreement: None,
             residuals: Residuals {
                 primal: f64::NAN,
@@ -404,15 +419,22 @@ impl Solution {
             elements: Vec::new(),
             motion: None,
             violations,
+            least_time: None,
             nearest: None,
             size: ProblemSize::default(),
             counts,
             seconds: Seconds::default(),
             time_freezing: None,
             previous: None,
+            starts: 0,
             optima: Vec::new(),
             improvements: Vec::new(),
         }
+    }
+
+    /// Whether the objective of the re-simulated motion is another one than that of the plan.
+    pub(in crate::ocp) fn costs_otherwise(&self) -> bool {
+        self.cost_departure > 1.0
     }
 
     /// The controls over time; none without a plan.
@@ -426,7 +448,8 @@ impl Solution {
 
     /// Contacts that are struck right after the end of the re-simulated motion, and their normal velocity `v_n` before that, in the
     /// unit of the gap per second: what such an impact does and costs is no part of the result. These are the ones with a gap of
-    /// at most 1e-6 and `v_n < -1e-6` at the end. None without a motion.
+    /// at most the distance `d` that is let pass between plan and re-simulation (1e-6 in scenes of the order of a metre, see
+    /// [`Settings::largest_distance`](super::Settings::largest_distance)) and `v_n < -d/T` at the end. None without a motion.
     #[must_use]
     pub fn struck_after_the_end(&self, model: &dyn Model) -> Vec<(usize, f64)> {
         let Some(motion) = &self.motion else {
@@ -449,8 +472,8 @@ impl Solution {
         for contact in 0..model.declaration().contacts.len() {
             model.contact(contact, &input, &mut point);
             let velocity = point[contact_point::NORMAL_VELOCITY];
-            let touches = point[contact_point::GAP].abs() <= TOUCHES;
-            if touches && velocity < -STRIKES && !pieces.is_idle(contact) {
+            let touches = point[contact_point::GAP].abs() <= self.let_pass;
+            if touches && velocity < -self.let_pass / self.horizon && !pieces.is_idle(contact) {
                 struck.push((contact, velocity));
             }
         }
@@ -493,6 +516,11 @@ impl Solution {
             Status::Unconfirmed => {
                 let difference = match &self.disagreement {
                     Some(event) => format!("has other contact events than the plan ({event})"),
+                    None if self.costs_otherwise() => format!(
+                        "costs {} and the plan {}",
+                        number(self.resimulated_objective),
+                        number(self.objective)
+                    ),
                     None => "ends too far from the plan".to_owned(),
                 };
                 Some(format!(
@@ -502,9 +530,14 @@ impl Solution {
                 ))
             }
             Status::Infeasible => Some(format!(
-                "no motion to the goal within the bounds was found from this guess, nor from the motion without \
-                 controls, with {}; try more starts or more intervals; {worst}",
-                self.times_looked_at()
+                "no controls within their bounds reach the goals, with {}; {}; {worst}",
+                self.times_looked_at(),
+                self.enough_time()
+            )),
+            Status::NotFound => Some(format!(
+                "no motion to the goals was found, with {}, which does not show that there is none; {}; {worst}",
+                self.times_looked_at(),
+                self.advice()
             )),
             Status::Unbounded => Some(format!(
                 "the objective still improves at a final time of {:.3e} s, the end of those from {:.3e} to {:.3e} s that \
@@ -531,6 +564,28 @@ impl Solution {
             || "no row is violated".to_owned(),
             |row| format!("worst row: {}, violated by {:.1e}", row.name, row.amount),
         )
+    }
+
+    /// What would make goals possible that are not.
+    fn enough_time(&self) -> String {
+        match self.least_time {
+            Some(time) => format!(
+                "a `horizon` of {} s or more may do, or wider bounds of the controls",
+                number(time)
+            ),
+            None => "no other `horizon` helps: ask for other goals, within the bounds and of what the controls move".to_owned(),
+        }
+    }
+
+    /// What may lead to a motion: first what a search with more effort cannot change.
+    fn advice(&self) -> &'static str {
+        if self.final_times.0 == self.final_times.1 {
+            "try a longer `horizon`, or let `time` occur in `minimize` or `finally`; wider bounds of the controls; goals as \
+             inequalities; then more intervals or starts"
+        } else {
+            "try wider bounds of the controls or of the time; goals as inequalities; a `start` or `horizon` nearer to the \
+             motion meant; then more intervals or starts"
+        }
     }
 
     /// The final times among which a motion was looked for, in words.

@@ -159,9 +159,9 @@ fn hopping_mass_that_must_stay_high_does_not_land() {
 }
 
 #[test]
-fn goal_beyond_the_thrust_is_named_infeasible() {
+fn goal_beyond_the_thrust_is_not_found() {
     let solution = hop(100.0);
-    assert_eq!(solution.status, Status::Infeasible);
+    assert_eq!(solution.status, Status::NotFound);
     assert!(solution.motion.is_none());
     let diagnosis = solution.diagnosis().unwrap();
     let nearest = solution.nearest.as_ref().unwrap();

@@ -55,13 +55,13 @@ fn previous_motion_of_the_block_is_a_start_for_less_friction_on_another_grid() {
 }
 
 #[test]
-fn friction_that_holds_against_the_largest_force_is_named_infeasible() {
+fn friction_that_holds_against_the_largest_force_leaves_no_motion_to_be_found() {
     let block = Block {
         mu: 0.6,
         ..Block::default()
     };
     let solution = attempt(&block, 2, &one_start());
-    assert_eq!(solution.status, Status::Infeasible);
+    assert_eq!(solution.status, Status::NotFound);
     assert!(solution.motion.is_none() && solution.diagnosis().is_some());
 }
 

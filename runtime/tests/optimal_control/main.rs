@@ -23,6 +23,7 @@ mod refinement;
 #[path = "../shared/root.rs"]
 mod root;
 mod scaling;
+mod scene_scale;
 mod sizes;
 mod support;
 mod swings;

@@ -4,6 +4,7 @@ use crate::model::{Model, contact_point, tangent_point};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::mode::is_frictional;
+use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Problem;
 use crate::ocp::program::units::Units;
 use crate::ocp::settings::{PathPoints, Settings};
@@ -54,9 +55,18 @@ impl<'a> Setting<'a> {
         }
     }
 
-    /// Largest distance between a plan and its re-simulation that is let pass.
-    pub(in crate::ocp) fn largest_distance(&self, settings: &Settings) -> f64 {
-        settings.largest_distance * self.units.share_of_distance()
+    /// Largest distance between a plan and its re-simulation that is let pass in any coordinate.
+    pub(in crate::ocp) fn largest_distance(&self, settings: &Settings, plan: &Trajectory) -> f64 {
+        let shares = self.units.shares_of_distances(plan).into_iter();
+        settings.largest_distance * shares.reduce(f64::min).unwrap_or(1.0)
+    }
+
+    /// Distance of two final states of a plan, as one of a plan whose lengths are of the order of the units of the scene.
+    pub(in crate::ocp) fn departure(&self, plan: &Trajectory, a: &[f64], b: &[f64]) -> f64 {
+        let shares = self.units.shares_of_distances(plan).into_iter();
+        let parts = shares.zip(a.iter().zip(b));
+        let parts = parts.map(|(share, (a, b))| (a - b).abs() / share);
+        parts.fold(0.0, f64::max)
     }
 
     /// The final times that its programs look at.

@@ -282,6 +282,7 @@ mod tests {
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
     use crate::ocp::problem::{Problem, bounds};
     use crate::ocp::program::units::Units;
+    use crate::ocp::scale::Scale;
     use crate::ocp::settings::{EulerStep, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::{ContactMode, Direction};
@@ -462,7 +463,7 @@ mod tests {
         let (lower, upper) = bounds(model);
         let bounds = (&lower[..], &upper[..]);
         let guessed = guess(model, &problem, &Guess::Perturbed(3), bounds).unwrap();
-        let units = Units::new(model, &guessed, bounds);
+        let units = Units::new(model, &Scale::of(model, &problem), &guessed, bounds);
         let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
         let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
         let parabolas = parabolas(model, &start);

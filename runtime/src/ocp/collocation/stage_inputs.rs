@@ -179,6 +179,7 @@ mod tests {
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
     use crate::ocp::problem::{Problem, bounds};
     use crate::ocp::program::units::Units;
+    use crate::ocp::scale::Scale;
     use crate::ocp::settings::{Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::ContactMode;
@@ -207,7 +208,7 @@ mod tests {
         let (lower, upper) = bounds(&model);
         let bounds = (&lower[..], &upper[..]);
         let start = guess(&model, &problem, &Guess::Straight, bounds).unwrap();
-        let units = Units::new(&model, &start, bounds);
+        let units = Units::new(&model, &Scale::of(&model, &problem), &start, bounds);
         let tableau = ButcherTableau::new(Scheme::RadauIia, 4).unwrap();
         let setting = Setting {
             model: &model,

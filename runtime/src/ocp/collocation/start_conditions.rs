@@ -16,7 +16,7 @@ use crate::simulation::ContactMode;
 pub(in crate::ocp) fn pulled(builder: &Builder) -> Vec<usize> {
     let Setting { model, problem, .. } = builder.setting;
     let start = problem.start();
-    let zero = zero_velocity(&start[builder.n..]);
+    let zero = zero_velocity(&start[builder.n..], builder.setting.units.slow());
     let modes = builder.modes.iter().enumerate();
     modes
         .filter(|(_, mode)| matches!(mode, ContactMode::Slip(_)) && !has_free_start(model))

@@ -101,6 +101,7 @@ mod tests {
     use crate::ocp::motion::sequence::Place;
     use crate::ocp::problem::{Horizon, Problem, bounds};
     use crate::ocp::program::units::Units;
+    use crate::ocp::scale::Scale;
     use crate::ocp::settings::{EulerStep, Guess, PathPoints};
     use crate::rk::{ButcherTableau, Scheme};
     use crate::simulation::ContactMode;
@@ -123,7 +124,7 @@ mod tests {
         let (lower, upper) = bounds(&model);
         let bounds = (&lower[..], &upper[..]);
         let guessed = guess(&model, &problem, &Guess::Perturbed(3), bounds).unwrap();
-        let units = Units::new(&model, &guessed, bounds);
+        let units = Units::new(&model, &Scale::of(&model, &problem), &guessed, bounds);
         let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
         let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
         let parabolas = parabolas(&model, &start);

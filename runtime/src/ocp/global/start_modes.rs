@@ -21,7 +21,7 @@ pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> V
         ..
     } = setting;
     let mut input = motion.start(model, problem);
-    let zero = zero_velocity(&input[input.len() / 2..]);
+    let zero = zero_velocity(&input[input.len() / 2..], units.slow());
     input.resize(model.declaration().inputs(), 0.0);
     let free = has_free_start(model);
     let pieces = Pieces::at(model, &input);

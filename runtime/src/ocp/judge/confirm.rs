@@ -5,7 +5,8 @@ use hangtime_solver::mpcc::Stationarity;
 use super::disagreement::compare;
 use super::forces;
 use super::margins::margins;
-use super::refine_grid::{ROUNDS, refine};
+use super::objective::replayed;
+use super::refine_grid::{ROUNDS, refine, refine_all};
 use crate::ocp::collocation::between_stages::excess;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
@@ -22,9 +23,11 @@ use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::solution::{Solution, Status};
 use crate::rk::ButcherTableau;
 use crate::simulation::ContactMode;
-use crate::simulation::{EventKind, InputError, ProblemSize, Residuals, SimulationStatus};
+use crate::simulation::{
+    EventKind, InputError, ProblemSize, Residuals, Simulation, SimulationStatus,
+};
 
-/// Distance of plan and re-simulation within which they may be the same motion \[m or rad\].
+/// Distance of plan and re-simulation within which they may be the same motion \[m or rad, in scenes of the order of these\].
 const SAME_MOTION: f64 = 1e-3;
 /// By how much less a refined plan has to miss its re-simulation: the order of the scheme promises 32 times where elements are halved.
 const SLOW: f64 = 8.0;
@@ -56,24 +59,35 @@ pub(in crate::ocp) fn judge<'a>(
     let mut elements = coarse.clone();
     // Where plan and simulation end together and differ in what contacts do, more elements rarely help.
     let mut read_otherwise = 0;
-    let mut before = f64::INFINITY;
+    let (mut before, mut before_cost) = (f64::INFINITY, f64::INFINITY);
     for _ in 0..ROUNDS {
         let unconfirmed = !runner.stopped() && solution.status == Status::Unconfirmed;
-        let distance = solution.resimulation_error;
-        read_otherwise += usize::from(distance <= setting.largest_distance(runner.settings));
+        let distance = solution.departure;
+        // Nothing else but the objective differs.
+        let costs = solution.costs_otherwise() && solution.disagreement.is_none();
+        let ends_there = distance <= runner.settings.largest_distance;
+        read_otherwise += usize::from(ends_there && !costs);
         // Nor do they where they bring them together far more slowly than the order of the scheme promises.
-        let slow = distance > before / SLOW;
+        let slow = distance > before / SLOW && !(ends_there && costs);
         if unconfirmed
             && (slow || read_otherwise > 1)
             && let Some(other) = plan.judged_as_simulated(runner, setting, &elements, &solution)?
         {
             return Ok(other);
         }
-        before = distance;
-        if !unconfirmed
-            || read_otherwise > 1
-            || !refine(runner, setting, &mut elements, &plan.trajectory, distance)
-        {
+        // What finer elements do not change is not for want of them.
+        if ends_there && costs && solution.cost_departure > before_cost / SLOW {
+            break;
+        }
+        (before, before_cost) = (distance, solution.cost_departure);
+        let finer = |elements: &mut [usize]| {
+            if ends_there && costs {
+                refine_all(setting, elements, solution.cost_departure)
+            } else {
+                refine(runner, setting, elements, &plan.trajectory, distance)
+            }
+        };
+        if !unconfirmed || read_otherwise > 1 || !finer(&mut elements) {
             break;
         }
         let Some(again) = plan.again(runner, setting, &elements, &[])? else {
@@ -208,7 +222,7 @@ impl Plan {
     /// The plan with the contact sequence of its re-simulation, where that is another one of the same motion.
     fn as_simulated(&self, setting: Setting, solution: &Solution) -> Option<Self> {
         let motion = solution.motion.as_ref()?;
-        if solution.resimulation_error > SAME_MOTION * setting.units.share_of_distance() {
+        if solution.departure > SAME_MOTION {
             return None;
         }
         let read = read_replay(setting, motion, &self.trajectory);
@@ -278,34 +292,28 @@ fn confirm(
         ..
     } = plan;
     let tolerance = settings.resimulation_tolerance;
-    let plan = Some((sequence, setting.largest_distance(settings)));
+    let let_pass = setting.largest_distance(settings, trajectory);
+    let plan = Some((sequence, let_pass));
     let replay = simulate(setting, trajectory, plan, tolerance)?;
-    let n = setting.problem.q.len();
-    let planned = trajectory.at(trajectory.horizon, true);
-    let distance = match (&replay.status, replay.trajectory.q.last()) {
-        (SimulationStatus::Solved, Some(q)) => largest_difference(q, &planned[..n]),
-        _ => f64::INFINITY,
-    };
+    let (distance, departure) = ends_apart(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
         .or_else(|| forces::other_cost(setting, solution.objective, &replay));
+    let controls = &trajectory.controls;
+    let again = replayed(setting.model, controls, &replay, solution.objective)
+        .filter(|_| replay.status == SimulationStatus::Solved);
+    let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
     let stationarity = if margins.iter().all(|margin| margin.chosen) {
         stationarity
     } else {
         Stationarity::None
     };
-    let agrees = distance <= setting.largest_distance(settings) && disagreement.is_none();
-    let status = if runner.stopped() {
-        Status::Interrupted
-    } else if !agrees {
-        Status::Unconfirmed
-    } else if stationarity == Stationarity::None {
-        Status::Uncertified
-    } else {
-        Status::Solved
-    };
+    // What is looked for only has to be near: a motion is refined where it may be the result.
+    let costs_the_same = cost_departure <= 1.0 || runner.effort != Effort::Conclude;
+    let agrees = departure <= settings.largest_distance && disagreement.is_none() && costs_the_same;
+    let status = status_of(runner, agrees, stationarity);
     let interval = trajectory.horizon / setting.problem.intervals as f64;
     let limits = Limits::new(setting, settings);
     Ok(Solution {
@@ -316,6 +324,10 @@ fn confirm(
         final_times: (f64::NAN, f64::NAN),
         stationarity,
         resimulation_error: distance,
+        departure,
+        cost_departure,
+        resimulated_objective: simulated,
+        let_pass,
         disagreement,
         residuals: Residuals {
             primal: solution.residuals.primal,
@@ -331,14 +343,43 @@ fn confirm(
         previous: Some(Previous::new(trajectory.clone(), sequence.clone())),
         motion: Some(replay),
         violations: solution.violations.clone(),
+        least_time: None,
         nearest: None,
         size: ProblemSize::of(&program.program, 0),
         counts: runner.counts,
         seconds: runner.seconds,
         time_freezing: None,
+        starts: 0,
         optima: Vec::new(),
         improvements: Vec::new(),
     })
+}
+
+/// Distance between the ends of a plan and of its replay \[unit of the coordinates\], and the same by what is let pass; infinite without an
+/// end of the replay.
+fn ends_apart(setting: Setting, trajectory: &Trajectory, replay: &Simulation) -> (f64, f64) {
+    let n = setting.problem.q.len();
+    let planned = trajectory.at(trajectory.horizon, true);
+    match (&replay.status, replay.trajectory.q.last()) {
+        (SimulationStatus::Solved, Some(q)) => (
+            largest_difference(q, &planned[..n]),
+            setting.departure(trajectory, q, &planned[..n]),
+        ),
+        _ => (f64::INFINITY, f64::INFINITY),
+    }
+}
+
+/// The status of a plan that agrees with its replay or not, and of whose contact sequence that is proved.
+fn status_of(runner: &Runner, agrees: bool, stationarity: Stationarity) -> Status {
+    if runner.stopped() {
+        Status::Interrupted
+    } else if !agrees {
+        Status::Unconfirmed
+    } else if stationarity == Stationarity::None {
+        Status::Uncertified
+    } else {
+        Status::Solved
+    }
 }
 
 fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, usize)> {

@@ -26,7 +26,7 @@ pub(super) fn compare(
         trajectory.controls.clone(),
     );
     // A slip over less than the distance that is let pass is none.
-    let slowest = setting.largest_distance(settings) / trajectory.horizon;
+    let slowest = setting.largest_distance(settings, trajectory) / trajectory.horizon;
     let read = landed_as(plan, read_replay(setting, replay, trajectory), model);
     let plan = seen(plan, model, trajectory, slowest);
     let mut read = seen(&read, model, &simulated, slowest);
@@ -66,7 +66,8 @@ fn leave_at_once(
         if let Some(opening) = first.filter(Switch::opens)
             && !read.initially[contact].is_open()
             && plan.initially[contact].is_open()
-            && distance(contact, opening.time * interval) <= setting.largest_distance(settings)
+            && distance(contact, opening.time * interval)
+                <= setting.largest_distance(settings, trajectory)
         {
             read.initially[contact] = ContactMode::Open;
             read.switches.retain(|switch| *switch != opening);

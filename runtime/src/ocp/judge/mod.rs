@@ -7,4 +7,5 @@ pub(in crate::ocp) mod confirm;
 mod disagreement;
 mod forces;
 mod margins;
+mod objective;
 mod refine_grid;

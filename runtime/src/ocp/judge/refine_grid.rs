@@ -5,7 +5,7 @@
 //! larger than their sum its distance is.
 
 use crate::ocp::collocation::discretization::Setting;
-use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
+use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::simulation::{EventDriven, simulate_once};
 
@@ -22,7 +22,7 @@ const MOST_GROWTH: f64 = 4.0;
 const AIM: f64 = 0.5;
 
 /// Divides the elements of the intervals whose errors are too large for a distance within the allowed one, where the
-/// re-simulation ends at `distance` from the plan; says whether there are any.
+/// re-simulation ends at `distance` from the plan, measured as that is; says whether there are any.
 pub(in crate::ocp) fn refine(
     runner: &Runner,
     setting: Setting,
@@ -44,12 +44,27 @@ pub(in crate::ocp) fn refine(
     } else {
         1.0
     };
-    let allowed = AIM * setting.largest_distance(runner.settings) / (growth * intervals as f64);
+    let allowed = AIM * runner.settings.largest_distance / (growth * intervals as f64);
     let order = (2 * setting.tableau.stages() - 1) as f64;
     let mut refined = false;
     for (elements, error) in elements.iter_mut().zip(errors) {
         let wanted = (error / allowed).powf(1.0 / order).ceil();
         let wanted = wanted.clamp(1.0, MOST_GROWTH) as usize;
+        let more = (*elements * wanted).min(MOST_ELEMENTS.max(*elements));
+        refined |= more > *elements;
+        *elements = more;
+    }
+    refined
+}
+
+/// Divides all elements where only the objective departs, by that many times what is let pass; says whether there are any to divide.
+pub(in crate::ocp) fn refine_all(setting: Setting, elements: &mut [usize], departure: f64) -> bool {
+    let order = (2 * setting.tableau.stages() - 1) as f64;
+    let wanted = (departure / AIM).powf(1.0 / order).ceil();
+    // A cost that varies faster than the motion converges late: never less than half the length.
+    let wanted = wanted.clamp(2.0, MOST_GROWTH) as usize;
+    let mut refined = false;
+    for elements in elements {
         let more = (*elements * wanted).min(MOST_ELEMENTS.max(*elements));
         refined |= more > *elements;
         *elements = more;
@@ -76,7 +91,7 @@ fn errors(setting: Setting, plan: &Trajectory, tolerance: f64) -> Vec<f64> {
             // A start that rounding puts below a surface tells nothing about the accuracy.
             let simulation = simulate_once(&simulator, model, &motion);
             let reached = simulation.ok().and_then(|mut s| s.trajectory.q.pop());
-            reached.map_or(0.0, |reached| largest_difference(&reached, &end[..n]))
+            reached.map_or(0.0, |reached| setting.departure(plan, &reached, &end[..n]))
         })
         .collect()
 }

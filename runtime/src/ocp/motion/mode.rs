@@ -41,7 +41,7 @@ pub(in crate::ocp) fn sliding_velocity(
     point[tangent_point::SLIDING_VELOCITY]
 }
 
-/// Sliding velocities of a state `(q, v)` below this are zero.
-pub(in crate::ocp) fn zero_velocity(v: &[f64]) -> f64 {
-    AT_REST * v.iter().fold(1.0, |largest: f64, v| largest.max(v.abs()))
+/// Sliding velocities of a state `(q, v)` below this are zero, where velocities of the motion are of the order of `usual`.
+pub(in crate::ocp) fn zero_velocity(v: &[f64], usual: f64) -> f64 {
+    AT_REST * v.iter().fold(usual, |largest: f64, v| largest.max(v.abs()))
 }

@@ -28,6 +28,14 @@ pub(in crate::ocp) struct Replay<'r> {
 }
 
 impl Replay<'_> {
+    /// The largest velocity of the motion, 1 at most: sliding velocities are measured by it where all are small.
+    fn usual_velocity(&self) -> f64 {
+        let velocities = self.simulation.trajectory.v.iter().flatten();
+        velocities
+            .fold(0.0, |largest: f64, v| largest.max(v.abs()))
+            .min(1.0)
+    }
+
     /// The sequence of the motion, without passages of edges, with the contacts that are closed at the start.
     pub(in crate::ocp) fn sequence(&self, closed: &[bool]) -> Sequence {
         let last = self.intervals as f64 * (1.0 - AT_THE_END);
@@ -108,7 +116,11 @@ impl Replay<'_> {
             contact,
             closes,
             mode: event.modes[contact],
-            impulse: closed_mode(frictional, velocity, zero_velocity(&event.v_after)),
+            impulse: closed_mode(
+                frictional,
+                velocity,
+                zero_velocity(&event.v_after, self.usual_velocity()),
+            ),
             passes: false,
             accompanies: events[..index].iter().any(leads)
                 || event.kind == EventKind::Contact && events[index..].iter().any(leads),

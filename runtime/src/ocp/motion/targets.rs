@@ -6,7 +6,8 @@ use crate::ocp::problem::{Horizon, Problem, bounds};
 /// Singular values below this are zero in the search for a state that fulfils the goals.
 const SINGULAR: f64 = 1e-12;
 
-/// Change of a coordinate that rounding may cause, relative to the larger of itself and 1.
+/// Change of a coordinate that rounding may cause, relative to the larger of itself and the longest way that goals ask for, which counts
+/// as 1 where it is longer.
 const MOVED: f64 = 1e-9;
 
 /// Steps of [`approach`].
@@ -47,8 +48,10 @@ pub(in crate::ocp) fn targets(problem: &Problem, model: &dyn Model) -> Vec<Optio
         z.resize(model.declaration().terminal_inputs(), 0.0);
         approach(model, &declared, &mut z);
         let (lower, upper) = bounds(model);
+        let ways = z.iter().zip(&problem.q).map(|(z, q)| (z - q).abs());
+        let longest = ways.fold(0.0, f64::max).min(1.0);
         for k in 0..n {
-            let moved = (z[k] - problem.q[k]).abs() > MOVED * problem.q[k].abs().max(1.0);
+            let moved = (z[k] - problem.q[k]).abs() > MOVED * problem.q[k].abs().max(longest);
             if moved && z[k].is_finite() && lower[k] <= upper[k] {
                 targets[k] = Some(z[k].clamp(lower[k], upper[k]));
             }
@@ -133,14 +136,64 @@ fn approach(model: &dyn Model, declared: &OptimalControlDeclaration, z: &mut [f6
         if residual.amax() == 0.0 || !finite(residual.as_slice()) || !finite(jacobian.as_slice()) {
             return;
         }
-        let Ok(step) = jacobian.svd(true, true).solve(&residual, SINGULAR) else {
+        let Ok(mut step) = jacobian.clone().svd(true, true).solve(&residual, SINGULAR) else {
             return;
         };
+        // The shortest step leaves alone what no goal reads; rounding of the decomposition does not, and would look like a way to go.
+        for (step, column) in step.iter_mut().zip(jacobian.column_iter()) {
+            if column.iter().all(|slope| *slope == 0.0) {
+                *step = 0.0;
+            }
+        }
         for (z, step) in z.iter_mut().zip(step.iter()) {
             *z -= step;
         }
         if step.amax() <= SINGULAR {
             return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::targets;
+    use crate::ocp::problem::Problem;
+
+    crate::model! {
+        /// A rod that slides over the ground is to come to rest somewhere, its angle anyhow.
+        Braked {
+            parameters { m: kg = 130, j: kg m^2 = 9, g: m/s^2 = 9.81, h: m = 0.4, b: m = 0.5, v: m/s = 9, way: m = 0 }
+            coordinates { y: m, z: m, a: rad }
+            controls { u: kN in 0..=3 }
+            lagrangian m/2*(dot(y)^2 + dot(z)^2) + j/2*dot(a)^2 - m*g*z
+            forces { y: -u, a: -u*h }
+            surface rear: z - b*sin(a) >= h*cos(a)
+            impact rear: inelastic
+            minimize time
+            finally { dot(y) + dot(z)/3 == dot(a)*h/7, z >= h + way }
+            start { z: h, dot(y): v }
+            horizon 2 [s]
+        }
+    }
+
+    #[test]
+    fn coordinates_that_no_goal_reads_are_asked_to_go_nowhere() {
+        for v in [0.3, 9.0, 17.0] {
+            let braked = Braked {
+                v,
+                ..Braked::default()
+            };
+            assert_eq!(targets(&Problem::of(&braked, 3), &braked), [None; 3], "{v}");
+        }
+        for way in [2e-7, 3e-4, 30.0] {
+            let braked = Braked {
+                way,
+                ..Braked::default()
+            };
+            let [None, Some(z), None] = targets(&Problem::of(&braked, 3), &braked)[..] else {
+                panic!("{way} {:?}", targets(&Problem::of(&braked, 3), &braked));
+            };
+            assert!((z - 0.4 - way).abs() < 1e-9 * way + 1e-15, "{way} {z}");
         }
     }
 }

@@ -13,6 +13,7 @@ use crate::model::{Model, contact_point, tangent_point};
 use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::scale::Scale;
 
 /// Base of the units of lengths and of what is measured like them.
 pub(super) const THOUSAND: f64 = 1e3;
@@ -20,7 +21,7 @@ const MILLION: f64 = 1e6;
 const TEN: f64 = 10.0;
 /// Share of what forces at hand can do below which a normal acceleration at the start, or the size of a coordinate, is an error of the guess.
 const ERROR: f64 = 1e-6;
-/// Unit of a coordinate, to one, below which distances between motions are measured by it.
+/// One to the unit of a coordinate below which distances between motions are measured by it, and that unit to one above which they are.
 const FINE: f64 = 1e3;
 /// A control without bounds that is so many times its unit is measured anew: in the unit of the program its stationarity
 /// may be no more than a small number.
@@ -42,6 +43,8 @@ pub(in crate::ocp) struct Units {
     pub(in crate::ocp) states: Vec<f64>,
     /// Rows of gaps and, per second, of normal velocities, powers of a thousand.
     pub(in crate::ocp) gap_rows: Vec<f64>,
+    /// How far goals ask each coordinate to go; 0 where they do not.
+    ways: Vec<f64>,
     /// Whether the objective is measured as exactly as it can be.
     is_exact: bool,
 }
@@ -52,8 +55,10 @@ impl Units {
         0.1 * self.force[contact] * self.time
     }
 
+    /// Units of programs that start from a motion.
     pub(in crate::ocp) fn new(
         model: &dyn Model,
+        scale: &Scale,
         motion: &Trajectory,
         bounds: (&[f64], &[f64]),
     ) -> Self {
@@ -100,7 +105,10 @@ impl Units {
                 size
             }
         });
-        let coordinates: Vec<f64> = sizes.map(|size| nearest_power(THOUSAND, size)).collect();
+        let coordinates: Vec<f64> = sizes
+            .zip(&scale.sizes)
+            .map(|(size, &asked)| coordinate_unit(size, asked))
+            .collect();
         // Long motions keep theirs: small velocities are no trouble.
         let rate = nearest_power(THOUSAND, 1.0 / motion.horizon).max(1.0);
         let velocities: Vec<f64> = coordinates.iter().map(|size| size * rate).collect();
@@ -116,6 +124,7 @@ impl Units {
                 .iter()
                 .map(|&force| nearest_power(THOUSAND, reach(force)))
                 .collect(),
+            ways: scale.ways.clone(),
             is_exact: false,
             force,
         }
@@ -140,13 +149,14 @@ impl Units {
     pub(in crate::ocp) fn of_motion(
         &self,
         model: &dyn Model,
+        scale: &Scale,
         motion: &Trajectory,
         bounds: (&[f64], &[f64]),
     ) -> Self {
         Self {
             controls: self.controls.clone(),
             is_exact: self.is_exact,
-            ..Self::new(model, motion, bounds)
+            ..Self::new(model, scale, motion, bounds)
         }
     }
 
@@ -155,10 +165,35 @@ impl Units {
         self.gap_rows[contact].min(1.0)
     }
 
-    /// The same of distances between motions, by the smallest of the coordinates.
-    pub(in crate::ocp) fn share_of_distance(&self) -> f64 {
-        let coordinates = self.states[..self.states.len() / 2].iter();
-        coordinates.fold(1.0, |share, unit| (FINE * unit).min(share))
+    /// The same of distances between a plan and its re-simulation, for each coordinate: by what goals ask of it and how far it goes, or
+    /// else by its unit; where motions are far larger than the unit of the scene, as much more.
+    pub(in crate::ocp) fn shares_of_distances(&self, plan: &Trajectory) -> Vec<f64> {
+        let shares = self.ways.iter().enumerate().map(|(k, &way)| {
+            let farthest = |from: f64| {
+                let distances = plan.states.iter().map(|state| (state[k] - from).abs());
+                distances.fold(0.0, f64::max)
+            };
+            let unit = self.states[k];
+            let unit = if way > 0.0 {
+                nearest_power(THOUSAND, farthest(plan.states[0][k]).max(way))
+            } else if unit > 1.0 {
+                nearest_power(THOUSAND, farthest(0.0)).min(unit)
+            } else {
+                unit
+            };
+            if unit < 1.0 {
+                (FINE * unit).min(1.0)
+            } else {
+                (unit / FINE).max(1.0)
+            }
+        });
+        shares.collect()
+    }
+
+    /// The largest velocity unit, 1 at most: what velocities that count as none are measured in where all are small.
+    pub(in crate::ocp) fn slow(&self) -> f64 {
+        let velocities = &self.states[self.states.len() / 2..];
+        velocities.iter().copied().fold(0.0, f64::max).min(1.0)
     }
 
     /// The same with the objective measured as exactly as it can be.
@@ -200,6 +235,17 @@ impl Units {
             (i, values.fold(0.0, f64::max))
         });
         sizes.collect()
+    }
+}
+
+/// The unit of a coordinate of some size, of which goals ask that size, 0 for none: a guess that hardly moves it says nothing, and one
+/// that goes too far beyond the goal no more than that.
+fn coordinate_unit(size: f64, asked: f64) -> f64 {
+    if asked > 0.0 {
+        let most = THOUSAND * nearest_power(THOUSAND, asked);
+        nearest_power(THOUSAND, size.max(asked)).min(most)
+    } else {
+        nearest_power(THOUSAND, size)
     }
 }
 
@@ -272,11 +318,11 @@ pub(in crate::ocp) fn nearest_power(base: f64, size: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Units, nearest_power, objective_size};
+    use super::{Scale, Units, nearest_power, objective_size};
     use crate::model::Model;
     use crate::ocp::motion::control_grid::ControlGrid;
     use crate::ocp::motion::trajectory::Trajectory;
-    use crate::ocp::problem::bounds;
+    use crate::ocp::problem::{Problem, bounds};
 
     crate::model! {
         /// A box between two fingers.
@@ -329,7 +375,8 @@ mod tests {
                     time: vec![0.0, 1.0],
                     states: vec![state(0.0), state(x)],
                 };
-                let units = Units::new(model, &motion, (&lower, &upper));
+                let scale = Scale::of(model, &Problem::of(model, 1));
+                let units = Units::new(model, &scale, &motion, (&lower, &upper));
                 let close = (units.states[2] / unit - 1.0).abs() < 1e-12;
                 assert!(close, "{x} {}", units.states[2]);
             }
@@ -345,6 +392,7 @@ mod tests {
             gap: Vec::new(),
             states: Vec::new(),
             gap_rows: Vec::new(),
+            ways: Vec::new(),
             is_exact: false,
         };
         let exact = rough.clone().exact();

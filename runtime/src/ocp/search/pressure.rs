@@ -121,7 +121,7 @@ impl Pressure<'_, '_> {
             return ContactMode::Frictionless;
         }
         let state: Vec<f64> = stage.state.iter().map(|&i| x[i]).collect();
-        let zero = zero_velocity(&state[state.len() / 2..]);
+        let zero = zero_velocity(&state[state.len() / 2..], self.units.slow());
         let velocity = sliding_velocity(model, contact, &state, time);
         closed_mode(true, velocity, zero)
     }

@@ -2,6 +2,7 @@
 //! a guess, a search and the judge. The top of the layers; nothing else knows it.
 
 mod final_times;
+mod impossible;
 mod nearest;
 mod nested;
 mod one_grid;
@@ -13,8 +14,9 @@ mod starts;
 mod undriven;
 mod words;
 
+use self::impossible::Shown;
 use super::problem::Problem;
-use super::settings::{Formulation, Guess, SearchSpace, Settings};
+use super::settings::{Formulation, Guess, Settings};
 use super::solution::{Solution, Status};
 use crate::Observer;
 use crate::model::Model;
@@ -35,29 +37,26 @@ pub fn solve(
 ) -> Result<Solution, InputError> {
     settings.check()?;
     problem.check(model)?;
+    let problem = &problem.on_the_ground(model);
     let search = matches!(settings.formulation, Formulation::Phases)
         && !matches!(settings.guess, Guess::Previous(_));
     let mut solution = if search && problem.intervals > 1 && model.declaration().controls.is_empty()
     {
         undriven::solve(model, problem, settings, observer)
-    } else if search && over_words(settings) {
+    } else if search && settings.searches_words() {
         words::solve(model, problem, settings, observer)
     } else if search {
         nested::solve(model, problem, settings, observer)
     } else {
         starts::solve(model, problem, settings, observer)
     }?;
-    if matches!(solution.status, Status::Infeasible | Status::Failed(_))
-        && solution.motion.is_none()
+    if matches!(solution.status, Status::NotFound | Status::Failed(_)) && solution.motion.is_none()
     {
+        if let Shown::Impossible { least_time } = impossible::shown(model, problem) {
+            solution.status = Status::Infeasible;
+            solution.least_time = least_time;
+        }
         solution.nearest = nearest::nearest(model, problem, settings)?;
     }
     Ok(solution)
-}
-
-/// Whether words are searched: not where it is said from how many starts on grids, or from which guess.
-fn over_words(settings: &Settings) -> bool {
-    settings.search == SearchSpace::Words
-        && settings.starts.is_none()
-        && settings.guess == Guess::Straight
 }

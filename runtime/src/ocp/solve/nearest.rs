@@ -5,6 +5,7 @@ use crate::ocp::collocation::discretization::{Setting, parabolas};
 use crate::ocp::global::guess::guess;
 use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::units::Units;
+use crate::ocp::scale::Scale;
 use crate::ocp::search::nearest;
 use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::Nearest;
@@ -22,7 +23,7 @@ pub(super) fn nearest(
     let guessed = guess(model, problem, &Guess::Straight, bounds)?;
     let tableau = ButcherTableau::new(Scheme::RadauIia, settings.stages);
     let tableau = tableau.ok_or_else(|| settings.refuse_stages())?;
-    let units = Units::new(model, &guessed, bounds);
+    let units = Units::new(model, &Scale::of(model, problem), &guessed, bounds);
     let parabolas = parabolas(model, &problem.start());
     let scene = (model, problem);
     nearest::nearest(Setting::new(

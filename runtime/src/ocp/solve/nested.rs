@@ -50,7 +50,7 @@ const UNPOLISHED: f64 = 1e-7;
 /// Relative excess of the objective beyond which a motion does not go on: finer grids seldom make up for more.
 const WORTH: f64 = 0.5;
 
-/// Distance of a plan from its re-simulation beyond which it is no motion \[m or rad\].
+/// Distance of a plan from its re-simulation beyond which it is no motion \[m or rad, in scenes of the order of these\].
 const NO_MOTION: f64 = 1e-2;
 /// Factor by which the elements of a phase become more where most plans are no motions, and the most that this comes to.
 const FINER: usize = 2;
@@ -230,7 +230,7 @@ fn solve_in_elements<'o>(
 fn is_too_coarse(settings: &Settings, found: &[Found]) -> bool {
     let solutions = || found.iter().map(|found| &found.solution);
     let far = |solution: &&Solution| {
-        solution.status == Status::Unconfirmed && solution.resimulation_error > NO_MOTION
+        solution.status == Status::Unconfirmed && solution.departure > NO_MOTION
     };
     let confirmed = |solution: &&Solution| rank(solution).0 == 0;
     settings.starts() > 1 && solutions().filter(far).count() > solutions().filter(confirmed).count()

@@ -18,6 +18,7 @@ use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
 use crate::ocp::progress::Watch;
+use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::{Attempts, Local, Visited};
 use crate::ocp::search::candidates::{Found, Proved, Readings, Search};
 use crate::ocp::search::ride::ride;
@@ -170,7 +171,8 @@ pub(super) fn solve_round<'s>(
         Some(centre) => guessed.stretched(centre),
         None => guessed,
     };
-    let units = Units::new(model, &guessed, bounds).measured_by(known, bounds);
+    let scale = Scale::of(model, problem);
+    let units = Units::new(model, &scale, &guessed, bounds).measured_by(known, bounds);
     let units = if start.effort.proves() && coarser.is_some() {
         units.exact()
     } else {
@@ -196,7 +198,7 @@ pub(super) fn solve_round<'s>(
         found: Found::default(),
         proved: start.known.proved,
     };
-    let simulated = simulated(&mut runner, setting, coarser.as_ref())?;
+    let simulated = simulated(&mut runner, setting, &scale, coarser.as_ref())?;
     let known = (coarser.as_ref(), &simulated[..]);
     let feasible = find(&mut runner, &mut search, &guessed, known)?;
     let nearest = runner.nearest_horizon();
@@ -233,6 +235,7 @@ pub(super) fn tableaus(stages: usize) -> Vec<ButcherTableau> {
 fn simulated(
     runner: &mut Runner,
     setting: Setting,
+    scale: &Scale,
     coarser: Option<&Previous>,
 ) -> Result<Vec<(Candidate, Units)>, InputError> {
     let settings = runner.settings;
@@ -248,7 +251,7 @@ fn simulated(
     } = setting;
     let motions = sampled(runner, setting)?.into_iter();
     let with_units = motions.map(|motion| {
-        let own = units.of_motion(model, &motion.trajectory, bounds);
+        let own = units.of_motion(model, scale, &motion.trajectory, bounds);
         (motion, own)
     });
     Ok(with_units.collect())
@@ -371,7 +374,7 @@ fn failed(runner: &mut Runner, feasible: bool) -> Result<Solution, InputError> {
     };
     let status = match status {
         _ if runner.stopped() => Status::Interrupted,
-        nlp::Status::Infeasible if !feasible => Status::Infeasible,
+        nlp::Status::Infeasible if !feasible => Status::NotFound,
         nlp::Status::Interrupted => Status::Interrupted,
         status => Status::Failed(status),
     };

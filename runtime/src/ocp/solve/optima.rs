@@ -1,5 +1,7 @@
 //! What several runs come to: the best of them, and the distinct local optima that they saw.
 
+use std::collections::BTreeSet;
+
 use hangtime_solver::Seconds;
 use hangtime_solver::mpcc::Stationarity;
 
@@ -101,6 +103,11 @@ pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solu
         return Solution::without_motion(Status::Interrupted, Vec::new(), counts);
     };
     let improvements = improvements(&seen);
+    let starts = seen.iter().filter_map(|run| match run.source {
+        Source::Start(start) => Some(start),
+        _ => None,
+    });
+    let starts: BTreeSet<usize> = starts.collect();
     let optima = optima(&best, seen);
     let (status, stationarity) = if stopped {
         (Status::Interrupted, Stationarity::None)
@@ -112,6 +119,7 @@ pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solu
         stationarity,
         counts,
         seconds,
+        starts: starts.len(),
         optima,
         improvements,
         ..best.solution

@@ -18,6 +18,7 @@ use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
 use crate::ocp::progress::Watch;
+use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
@@ -113,7 +114,8 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     let (lower, upper) = bounds(model);
     let bounds = (&lower[..], &upper[..]);
     let straight = guess(model, problem, &Guess::Straight, bounds)?;
-    let units = Units::new(model, &straight, bounds);
+    let scale = Scale::of(model, problem);
+    let units = Units::new(model, &scale, &straight, bounds);
     let tableaus = tableaus(settings.stages);
     let (tableau, finer) = tableaus
         .split_first()
@@ -131,7 +133,7 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     let (words, goals) = Words::new(setting, &coarse, library).run(&mut runner, &beginnings);
     let units: Vec<Units> = words
         .iter()
-        .map(|word| units.of_motion(model, word.trajectory(), bounds))
+        .map(|word| units.of_motion(model, &scale, word.trajectory(), bounds))
         .collect();
     let elements = vec![settings.elements; problem.intervals];
     let grids: Vec<Grid> = units

@@ -9,6 +9,7 @@ use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::program::runner::{Run, Runner};
+use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::interior_point;
 use crate::rk::ButcherTableau;
 use hangtime_solver::nlp;
@@ -197,9 +198,10 @@ pub(super) fn solve(
         intervals: counts.iter().sum(),
         ..setting.problem.clone()
     };
+    let scale = Scale::of(setting.model, setting.problem);
     let units = setting
         .units
-        .of_motion(setting.model, &motion.trajectory, setting.bounds);
+        .of_motion(setting.model, &scale, &motion.trajectory, setting.bounds);
     let program_setting = Setting {
         problem: &problem,
         tableau,
