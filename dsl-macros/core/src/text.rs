@@ -80,13 +80,14 @@ pub(crate) fn tokens(text: &str, stem: &str) -> Result<TokenStream, Vec<TextMist
     }
 }
 
-/// The text of a declaration, without its documentation.
+/// The text of a declaration, without its documentation, and with parentheses around invisible groups where they bind.
 pub(crate) fn of_declaration(tokens: TokenStream) -> String {
-    undocumented(tokens).to_string()
+    let tokens: TokenStream = undocumented(tokens).into_iter().collect();
+    tokens.to_string()
 }
 
-/// Tokens without attributes.
-fn undocumented(tokens: TokenStream) -> TokenStream {
+/// Tokens without attributes and invisible groups.
+fn undocumented(tokens: TokenStream) -> Vec<TokenTree> {
     let mut tokens = tokens.into_iter().peekable();
     let mut kept: Vec<TokenTree> = Vec::new();
     while let Some(token) = tokens.next() {
@@ -96,12 +97,27 @@ fn undocumented(tokens: TokenStream) -> TokenStream {
             }
             TokenTree::Group(group) => {
                 let inner = undocumented(group.stream());
-                kept.push(Group::new(group.delimiter(), inner).into());
+                let binds =
+                    kept.last().is_some_and(operates) || tokens.peek().is_some_and(operates);
+                let delimiter = match group.delimiter() {
+                    Delimiter::None if inner.len() > 1 && binds => Delimiter::Parenthesis,
+                    delimiter => delimiter,
+                };
+                if delimiter == Delimiter::None {
+                    kept.extend(inner);
+                } else {
+                    kept.push(Group::new(delimiter, inner.into_iter().collect()).into());
+                }
             }
             other => kept.push(other),
         }
     }
-    kept.into_iter().collect()
+    kept
+}
+
+/// Whether a token is an operator, which binds to a part of a group beside it if that has no parentheses.
+fn operates(token: &TokenTree) -> bool {
+    matches!(token, TokenTree::Punct(mark) if "+-*/^.".contains(mark.as_char()))
 }
 
 /// The declaration with `pub Name { ... }` around it if it is without.

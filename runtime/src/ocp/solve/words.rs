@@ -117,9 +117,8 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     let scale = Scale::of(model, problem);
     let units = Units::new(model, &scale, &straight, bounds);
     let tableaus = tableaus(settings.stages);
-    let (tableau, finer) = tableaus
-        .split_first()
-        .ok_or_else(|| settings.refuse_stages())?;
+    let first = tableaus.split_first();
+    let (tableau, finer) = first.ok_or_else(|| settings.refuse_stages())?;
     let coarse =
         ButcherTableau::new(Scheme::RadauIia, STAGES).ok_or_else(|| settings.refuse_stages())?;
     let parabolas = parabolas(model, &problem.start());
@@ -131,10 +130,8 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     );
     let (beginnings, library) = beginnings(&mut runner, setting)?;
     let (words, goals) = Words::new(setting, &coarse, library).run(&mut runner, &beginnings);
-    let units: Vec<Units> = words
-        .iter()
-        .map(|word| units.of_motion(model, &scale, word.trajectory(), bounds))
-        .collect();
+    let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
+    let units: Vec<Units> = words.iter().map(own).collect();
     let elements = vec![settings.elements; problem.intervals];
     let grids: Vec<Grid> = units
         .iter()
@@ -145,42 +142,60 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
             elements: &elements,
         })
         .collect();
-    let placed = placed(&mut runner, &words, &grids);
-    let moved = moved(&mut runner, placed, &grids);
-    let mut locals = solved(&mut runner, &moved, &grids)?;
-    let range = setting.final_times();
-    let ends = |(local, _): &(Local, usize)| range.end_at(local.trajectory.horizon).is_some();
+    let mut found = judged(&mut runner, &words, &grids, finer)?;
+    let (counts, mut seconds) = (runner.counts, runner.seconds);
+    if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
+        seconds.total = elapsed.as_secs_f64();
+    }
+    // The first one carries the work of all.
+    for (index, one) in found.iter_mut().enumerate() {
+        let work = if index == 0 {
+            (counts, seconds)
+        } else {
+            Default::default()
+        };
+        (one.solution.counts, one.solution.seconds) = work;
+    }
+    Ok(found)
+}
+
+/// What the best words come to on the grid, judged; at least one, which may be without a motion.
+fn judged<'a>(
+    runner: &mut Runner,
+    words: &[Timed],
+    grids: &[Grid<'a, 'a>],
+    finer: &'a [ButcherTableau],
+) -> Result<Vec<Found>, InputError> {
+    let placed = placed(runner, words, grids);
+    let moved = moved(runner, placed, grids);
+    let mut locals = solved(runner, &moved, grids)?;
+    let ends = |(local, index): &(Local, usize)| {
+        let range = grids[*index].setting.final_times();
+        range.end_at(local.trajectory.horizon).is_some()
+    };
     if locals.first().is_some_and(ends) {
         locals.clear();
     }
+    let source = Source::Words;
     let mut found = Vec::new();
     let mut known = f64::INFINITY;
     for (start, (local, index)) in locals.into_iter().enumerate().take(JUDGED) {
-        let setting = grids[index].setting;
         let local = (local, Stationarity::None);
-        let solution = judge(&mut runner, setting, finer, local, known)?;
+        let solution = judge(runner, grids[index].setting, finer, local, known)?;
         known = known.min(solution.objective);
-        let source = Source::Words;
         found.push(Found {
             start,
             source,
             solution,
         });
     }
-    let (counts, mut seconds) = (runner.counts, runner.seconds);
-    if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
-        seconds.total = elapsed.as_secs_f64();
-    }
     if found.is_empty() {
+        let none = Solution::without_motion(Status::NotFound, Vec::new(), Counts::default());
         found.push(Found {
             start: 0,
-            source: Source::Words,
-            solution: Solution::without_motion(Status::Infeasible, Vec::new(), counts),
+            source,
+            solution: none,
         });
-    }
-    (found[0].solution.counts, found[0].solution.seconds) = (counts, seconds);
-    for other in found.iter_mut().skip(1) {
-        (other.solution.counts, other.solution.seconds) = (Counts::default(), Seconds::default());
     }
     Ok(found)
 }
