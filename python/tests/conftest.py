@@ -60,4 +60,6 @@ def without_seconds(text):
     """A document without CPU times, which differ from run to run; numbers as texts, so that all digits count."""
     document = json.loads(text, parse_float=str)
     document.pop("seconds")
+    for improvement in document.get("improvements", []):
+        improvement.pop("cpu")
     return document

@@ -131,7 +131,7 @@ fn words_and_grids_come_to_the_same_optimum_of_a_ball_that_is_thrown_against_a_f
 hangtime::model! {
     /// A hand shoves a puck towards a line that the hand must not pass; the puck slides on over a rough floor.
     Shove {
-        parameters { mu = 0.15, g: m/s^2 = 9.81, most: N = 30 }
+        parameters { mu = 0.15, g: m/s^2 = 9.81, most: N = 60 }
         coordinates { hand: m, y: m, z: m }
         controls { u: N in -most..=most }
         lagrangian 1[kg]/2*dot(hand)^2 + 3[kg]*(dot(y)^2 + dot(z)^2) - 6[kg]*g*z
@@ -179,7 +179,7 @@ fn bound_that_no_control_comes_near_does_not_change_the_optimum() {
     assert_eq!(far.status, Status::Solved, "{:?}", far.diagnosis());
     let largest = far.controls.iter().flatten();
     let largest = largest.fold(0.0_f64, |most, u| most.max(u.abs()));
-    assert!(largest < 30.0, "{largest}");
+    assert!(largest < 50.0, "{largest}");
     let difference = (near.objective - far.objective).abs();
     assert!(
         difference < 1e-6 * near.objective,

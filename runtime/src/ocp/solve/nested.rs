@@ -261,7 +261,7 @@ fn endless(task: &Task, found: &[Found], intervals: usize) -> Option<Found> {
     })
 }
 
-fn with_intervals(problem: &Problem, intervals: usize) -> Problem {
+pub(super) fn with_intervals(problem: &Problem, intervals: usize) -> Problem {
     Problem {
         intervals,
         ..problem.clone()
@@ -346,7 +346,11 @@ fn fewer_end_at(
 
 /// The motions on this grid that those on coarser grids lead to, which are added to `seen`; one that comes to where another
 /// one does ends there.
-fn carry(task: &Task, from: &[Found], seen: &mut Vec<Found>) -> Result<Vec<Found>, InputError> {
+pub(super) fn carry(
+    task: &Task,
+    from: &[Found],
+    seen: &mut Vec<Found>,
+) -> Result<Vec<Found>, InputError> {
     let mut known = Known::default();
     let mut found = Vec::new();
     for (index, from) in from.iter().enumerate() {

@@ -39,6 +39,10 @@ const PLACED: usize = 6;
 /// Words whose switches are moved on the grid, the best first, and the excess over the best up to which they are.
 const MOVED: usize = 2;
 const MOVED_WITHIN: f64 = 2e-2;
+/// Most intervals of a grid that words are put on, and the fewest where a finer one is asked for; motions that go on to that.
+const FINE: usize = 40;
+const LEAST: usize = 8;
+const CARRIED: usize = 2;
 /// Motions that go on to the judge.
 const JUDGED: usize = 3;
 
@@ -57,40 +61,67 @@ pub(super) fn solve(
             settings,
             observer: &observer,
         };
-        let mut seen = found_by_words(&task)?;
+        let first = first_grid(problem.intervals);
+        let coarse = nested::with_intervals(problem, first);
+        let there = Task {
+            problem: &coarse,
+            ..task
+        };
+        let mut seen = found_by_words(&there)?;
         let mut found = seen.clone();
         sort(&mut found);
+        if first < problem.intervals {
+            found.retain(|found| found.solution.motion.is_some());
+            found.truncate(CARRIED);
+            found = nested::carry(&task, &found, &mut seen)?;
+            sort(&mut found);
+        }
         let best = decided(&task, found, Effort::Conclude, &mut seen)?;
         (best, seen, observer.stopped())
     };
     let best = best.filter(|best| best.solution.motion.is_some());
-    let Some(best) = best else {
-        let mut solution = nested::solve(model, problem, settings, observer)?;
-        for Found { solution: run, .. } in seen {
-            solution.counts.add(&run.counts);
-            solution.seconds += run.seconds;
-        }
-        return Ok(solution);
-    };
-    if stopped || best.solution.status == Status::Solved {
-        return Ok(result(vec![best], seen, stopped));
+    if let Some(best) = &best
+        && (stopped || best.solution.status == Status::Solved)
+    {
+        return Ok(result(vec![best.clone()], seen, stopped));
     }
-    // What is not proved here may be on grids, from one start.
-    let single = Settings {
-        starts: Some(1),
-        ..settings.clone()
-    };
-    let solution = nested::solve(model, problem, &single, observer)?;
-    let stopped = solution.status == Status::Interrupted;
+    // What is not proved among words may be on grids.
     let other = Found {
         start: 0,
         source: Source::Start(0),
-        solution,
+        solution: nested::solve(model, problem, settings, observer)?,
     };
+    let Some(best) = best else {
+        return Ok(with_work(other.solution, &seen));
+    };
+    let stopped = other.solution.status == Status::Interrupted;
+    let starts = other.solution.starts;
     seen.push(other.clone());
-    let better = is_better(&other, &best);
-    let found = vec![if better { other } else { best }];
-    Ok(result(found, seen, stopped))
+    let found = if is_better(&other, &best) {
+        other
+    } else {
+        best
+    };
+    Ok(Solution {
+        starts,
+        ..result(vec![found], seen, stopped)
+    })
+}
+
+/// What was found on grids, with the work of what was looked at before.
+fn with_work(mut solution: Solution, before: &[Found]) -> Solution {
+    for Found { solution: run, .. } in before {
+        solution.counts.add(&run.counts);
+        solution.seconds += run.seconds;
+    }
+    solution
+}
+
+/// The grid that words are put on, on the way to one with that many intervals: the finest that it contains, or one that is near.
+fn first_grid(intervals: usize) -> usize {
+    let divides = |coarser: &usize| intervals.is_multiple_of(*coarser);
+    let contained = (LEAST..=FINE.min(intervals)).rev().find(divides);
+    contained.unwrap_or(intervals.div_ceil(intervals.div_ceil(FINE)))
 }
 
 /// The motions on the grid that the best words lead to, judged; without any the work alone. There is none where the best is as long as
