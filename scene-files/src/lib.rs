@@ -1,7 +1,7 @@
 //! Scenes from files, which run without a compiler.
 //!
 //! A file `NAME.hang` holds what stands inside `hangtime::model! { ... }`, or only the statements. [`read`] derives it
-//! and gives a [`TextScene`], a [`Model`](hangtime::model::Model) like any other:
+//! and gives a [`TextScene`], a [`hangtime::model::Model`] like any other:
 //!
 //! ```
 //! use hangtime::prelude::*;

@@ -3,6 +3,8 @@
 use super::{InitialValueProblem, Simulation};
 use crate::model::{ImpactLaw, Model, Pieces, contact_point};
 
+/// Least leap of a gap, as a share of the coordinates and gaps of the run.
+const LEAST_LEAP: f64 = 1e-6;
 /// Places in the whole horizon at which gaps are looked at.
 const PLACES: f64 = 4000.0;
 /// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
@@ -112,6 +114,8 @@ pub(super) fn leap(run: &Simulation, model: &dyn Model) -> Option<(f64, usize)> 
     let contacts = model.declaration().contacts;
     let mut between = Between::new(run, model);
     let mut largest = vec![0.0_f64; contacts.len()];
+    let all = run.trajectory.q.iter().flatten();
+    let size = all.fold(0.0_f64, |most, q| most.max(q.abs()));
     for next in 1..run.trajectory.time.len() {
         let times = [run.trajectory.time[next - 1], run.trajectory.time[next]];
         for i in (0..contacts.len()).filter(|&i| !contacts[i].dry) {
@@ -124,7 +128,9 @@ pub(super) fn leap(run: &Simulation, model: &dyn Model) -> Option<(f64, usize)> 
             if first <= 0.0 || times[1] <= times[0] {
                 continue;
             }
-            let rounding = between.rounding(i).max(ROUNDING * largest[i]);
+            // A contact that holds has a gap of rounding, whose sign says nothing.
+            let least = LEAST_LEAP * largest[i].max(size);
+            let rounding = between.rounding(i).max(ROUNDING * largest[i]).max(least);
             let last = between.gap(i, next, times[1]);
             if last >= 0.0 {
                 continue;
