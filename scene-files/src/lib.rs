@@ -161,7 +161,7 @@ pub fn read_text(file: &Path) -> Result<String, SceneError> {
 ///         surface floor: z >= 0
 ///         impact floor: restitution e
 ///         start { z: 1 [m] }
-///         horizon 1 [s]
+///         horizon 0.8 [s]
 ///     }
 /// }
 /// let ball = Ball { e: 0.5, ..Ball::default() };
@@ -169,7 +169,7 @@ pub fn read_text(file: &Path) -> Result<String, SceneError> {
 /// let (_, gradient) = simulate(&ball).gradient(["e"])?;
 /// // The velocity right after the bounce is `e sqrt(2 g)`, so that the height grows by `sqrt(2 g) t` for one of `e`.
 /// let impact = (2.0_f64 / 9.81).sqrt();
-/// assert!((gradient.q[0][0] - (2.0 * 9.81_f64).sqrt() * (1.0 - impact)).abs() < 1e-9);
+/// assert!((gradient.q[0][0] - (2.0 * 9.81_f64).sqrt() * (0.8 - impact)).abs() < 1e-9);
 /// # Ok::<(), InputError>(())
 /// ```
 #[must_use]

@@ -250,13 +250,16 @@ fn assert_the_same(measured: &[Measured]) {
     let ones = Measured::in_units(1.0, 1.0, 1.0);
     let usual = ones.results();
     assert_eq!((usual[0].0, usual[2].0), (Status::Solved, Status::Solved));
+    let mut differ = Vec::new();
     for way in measured {
         for ((status, objective), (wanted, least)) in way.results().into_iter().zip(usual) {
-            assert_eq!(status, wanted, "{way:?}: {objective} {least}");
             let apart = (objective / least - 1.0).abs();
-            assert!(apart < 1e-8, "{way:?}: {objective} {least}, {apart:e}");
+            if status != wanted || apart.is_nan() || apart >= 1e-8 {
+                differ.push(format!("{way:?}: {status:?} {objective}, usually {least}"));
+            }
         }
     }
+    assert!(differ.is_empty(), "{}", differ.join("\n"));
 }
 
 #[test]
@@ -271,11 +274,12 @@ fn scenes_in_other_units_mirrored_and_moved_have_the_same_result() {
 #[test]
 #[ignore = "long"]
 fn scenes_in_all_units_have_the_same_result() {
-    let powers = || (-3..=3).map(|power| 1e3_f64.powi(power));
+    let powers = |most: i32| (-most..=most).map(|power| 1e3_f64.powi(power));
     let ones = Measured::in_units(1.0, 1.0, 1.0);
-    let lengths = powers().map(|length| Measured { length, ..ones });
-    let masses = powers().map(|mass| Measured { mass, ..ones });
-    let times = powers().map(|time| Measured { time, ..ones });
+    let lengths = powers(3).map(|length| Measured { length, ..ones });
+    let masses = powers(3).map(|mass| Measured { mass, ..ones });
+    // Beyond a thousand the units of velocities and of objectives do not follow: docs/experiments/optimal_control.md.
+    let times = powers(1).map(|time| Measured { time, ..ones });
     let all: Vec<Measured> = lengths.chain(masses).chain(times).collect();
     let moved = all.iter().map(|way| way.moved(-1.0, 3.0));
     let all: Vec<Measured> = all.iter().copied().chain(moved).collect();

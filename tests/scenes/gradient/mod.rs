@@ -3,7 +3,6 @@
 #![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
 
 mod closed_forms;
-mod cost;
 mod differences;
 mod obstacles;
 mod support;
