@@ -18,6 +18,8 @@ pub(crate) struct ChosenScene {
     pub(crate) model: Box<dyn Model>,
     /// The settings that chose the form of the scene.
     pub(crate) choices: &'static [(&'static str, &'static str)],
+    /// The parameters (indices) that the settings gave a value.
+    pub(crate) given: Vec<usize>,
 }
 
 impl ChosenScene {
@@ -37,6 +39,7 @@ impl ChosenScene {
             scene,
             model,
             choices,
+            given: Vec::new(),
         };
         for (name, value) in pairs {
             if !choices.iter().any(|&(choice, _)| choice == name) {
@@ -149,6 +152,7 @@ impl ChosenScene {
         };
         let value = quantity(name, text, parameters[index].unit)?;
         self.model.set_parameter(index, value);
+        self.given.push(index);
         Ok(())
     }
 }
