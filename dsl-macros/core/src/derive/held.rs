@@ -38,12 +38,12 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     let one = |value: Sym| graph::substitute(&[value], place)[0];
     for &index in chosen {
         let known = &scene.parameters[usize::from(index)];
-        let free = scene.free_parameters.iter().find(|free| free.index == index);
         scene.coordinates.push(Coordinate {
             name: known.name.clone(),
             unit: known.unit.clone(),
             documentation: known.documentation.clone(),
-            bounds: free.map(|free| free.bounds),
+            // What does not move is bounded at the start.
+            bounds: None,
         });
         scene.start.0.push(Sym::variable(Variable::Parameter(index)));
         scene.start.1.push(Sym::ZERO);

@@ -30,7 +30,7 @@ pub(in crate::ocp) fn add(
     let mut uses = Vec::with_capacity(guess.len());
     for (index, (given, guess)) in known.given.iter().zip(guess).enumerate() {
         let coefficient = |program: &mut Program, what: &str, contact: usize| {
-            let name = format!("{what} of `{}`", contacts[contact].name);
+            let name = format!("{what} of `{}` by parameters", contacts[contact].name);
             (program.variable(name.clone(), FREE, guess, 1.0), name, 1.0)
         };
         let (variable, name, unit) = match *given {
@@ -38,9 +38,9 @@ pub(in crate::ocp) fn add(
                 let name = format!("initial {} by parameters", state_name(model, k));
                 (start[k], name, units.states[k])
             }
-            Given::Horizon => (horizon, "horizon by parameters".to_owned(), units.time),
+            Given::Horizon => (horizon, "final time by parameters".to_owned(), units.time),
             Given::Restitution(contact) => {
-                let known = coefficient(program, "restitution", contact);
+                let known = coefficient(program, "impact law", contact);
                 laws.restitution[contact] = Some(known.0);
                 known
             }
