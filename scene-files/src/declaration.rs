@@ -2,8 +2,8 @@
 
 use hangtime::model::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
-    FrictionDeclaration, Given, Held, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
-    Picture, Shape, SparsityPattern, VariableDeclaration,
+    FrictionDeclaration, Given, Held, ImpactLaw, Kernel, OptimalControlDeclaration,
+    ParameterDeclaration, Picture, Shape, SparsityPattern, VariableDeclaration,
 };
 use hangtime_dsl::description::{
     self, Condition, Contact, Description, OptimalControl, Outputs, Pattern, Rows, Variable,

@@ -188,6 +188,13 @@ impl Serialize for FoundEntries<'_> {
     }
 }
 
+/// Says of each free parameter at an end of its range that it is there.
+fn at_bounds(solution: &Solution) -> impl Iterator<Item = String> {
+    let found = solution.parameters.iter();
+    let found = found.filter(|found| found.at_bound().is_some());
+    found.map(|found| format!("{found}: a wider range may hold a better value"))
+}
+
 /// Derivatives of an optimum.
 #[derive(Serialize)]
 struct OptimumGradientEntry<'a> {
@@ -386,11 +393,14 @@ impl<'a> SolutionDocument<'a> {
                 .filter(|cost| cost.is_finite()),
             starts: solution.starts,
             controls: &solution.controls,
-            gradient: solution.gradient.as_ref().map(|gradient| OptimumGradientEntry {
-                with_respect_to: &gradient.names,
-                objective: &gradient.objective,
-                final_time: &gradient.final_time,
-            }),
+            gradient: solution
+                .gradient
+                .as_ref()
+                .map(|gradient| OptimumGradientEntry {
+                    with_respect_to: &gradient.names,
+                    objective: &gradient.objective,
+                    final_time: &gradient.final_time,
+                }),
             residuals: solution.residuals,
             size: solution.size,
             iterations: SolutionCounts {
@@ -415,6 +425,7 @@ impl<'a> SolutionDocument<'a> {
             notes: (method.finer(solution).into_iter())
                 .chain(struck_after_the_end(chosen.model.as_ref(), solution))
                 .chain(note)
+                .chain(at_bounds(solution))
                 .collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }

@@ -61,6 +61,7 @@ pub(in crate::ocp) fn with_unknowns<'a>(
         }
     };
     let problem = extended(scene, problem, &indices, model.as_ref());
+    check_laws(model.as_ref(), &problem)?;
     Ok(Some(Unknown {
         scene,
         model,
@@ -68,6 +69,35 @@ pub(in crate::ocp) fn with_unknowns<'a>(
         held: indices,
         free,
     }))
+}
+
+/// Laws whose coefficients are unknowns begin with one above 0: a contact that neither bounces nor rubs has no equation that would
+/// tell how it does.
+fn check_laws(model: &dyn Model, problem: &Problem) -> Result<(), InputError> {
+    let Some(known) = model.held() else {
+        return Ok(());
+    };
+    let contacts = model.declaration().contacts;
+    let values = held::given_at(model, &problem.start());
+    for (given, value) in known.given.iter().zip(values) {
+        let (what, contact) = match *given {
+            Given::Restitution(contact) => ("restitution", contact),
+            Given::Friction(contact) => ("friction", contact),
+            Given::Start(_) | Given::Horizon => continue,
+        };
+        if value <= 0.0 {
+            return Err(refusal::out_of_range(
+                format!(
+                    "{what} of `{}`, which depends on a parameter that is an unknown,",
+                    contacts[contact].name
+                ),
+                value,
+                "",
+                "above 0 where it begins",
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// The free parameters (indices) that are to be found, with their ranges.
@@ -91,7 +121,10 @@ fn free_parameters(
                     "the derivative of an optimum by the free parameter `{}`, where it vanishes or presses against a bound,",
                     known.name
                 ),
-                format!("declare it in `parameters {{ {} = ... }}`, or leave it out", known.name),
+                format!(
+                    "declare it in `parameters {{ {} = ... }}`, or leave it out",
+                    known.name
+                ),
             ));
         }
         if settings.given_parameters.contains(&index) {

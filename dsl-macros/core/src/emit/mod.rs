@@ -75,7 +75,8 @@ fn implementation(scene: &CheckedScene, derived: &Description, text: &str, code:
         }
         arms
     };
-    let further = laws(derived) + &optimal_control(derived) + &shown(derived) + &free_parameters(derived);
+    let further =
+        laws(derived) + &optimal_control(derived) + &shown(derived) + &free_parameters(derived);
     let given = &derived.given;
     let of_parameters = |kernel, out| methods::of_parameters(derived, kernel, out);
     let _ = write!(
