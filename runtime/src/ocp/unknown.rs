@@ -21,6 +21,8 @@ pub(in crate::ocp) struct Unknown<'a> {
     held: Vec<usize>,
     /// The free ones among them with their ranges.
     free: Vec<(usize, (f64, f64))>,
+    /// Those that it is differentiated by, in the order that was asked for.
+    gradient: Vec<usize>,
 }
 
 /// The problem with free parameters as unknowns, and with those that it is differentiated by as variables; none where there are
@@ -68,6 +70,7 @@ pub(in crate::ocp) fn with_unknowns<'a>(
         problem,
         held: indices,
         free,
+        gradient: settings.gradient.clone(),
     }))
 }
 
@@ -169,6 +172,9 @@ impl Unknown<'_> {
     /// A solution of the problem as one of the scene with the values that were found.
     pub(in crate::ocp) fn of_scene(&self, mut solution: Solution) -> Solution {
         let n = self.scene.declaration().coordinates.len();
+        if let Some(gradient) = &mut solution.gradient {
+            gradient.reorder(&self.gradient);
+        }
         let Some(motion) = &mut solution.motion else {
             return solution;
         };
