@@ -6,6 +6,7 @@ mod bike_on_two_wheels;
 mod charts;
 mod closed_forms;
 mod convergence_order;
+mod design;
 mod gradient;
 mod own_command_line;
 mod published_data;

@@ -39,6 +39,7 @@
 
 mod control_piece;
 mod declaration;
+mod given;
 pub(crate) mod held;
 mod parameter_derivatives;
 mod picture;
@@ -53,7 +54,7 @@ pub use declaration::{
     FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
     SparsityPattern, VariableDeclaration,
 };
-pub use held::{Given, Held};
+pub use given::{Given, Held};
 pub use parameter_derivatives::ParameterDerivatives;
 pub use picture::{Picture, Shape};
 

@@ -10,6 +10,9 @@ use crate::ocp::solution::{FoundParameter, Solution};
 use crate::refusal;
 use crate::simulation::InputError;
 
+/// A free parameter (index) and its range.
+type Free = (usize, (f64, f64));
+
 /// A problem with free parameters.
 pub(in crate::ocp) struct Unknown<'a> {
     /// The scene as it was given.
@@ -20,7 +23,7 @@ pub(in crate::ocp) struct Unknown<'a> {
     /// The parameters (indices) that are coordinates in it.
     held: Vec<usize>,
     /// The free ones among them with their ranges.
-    free: Vec<(usize, (f64, f64))>,
+    free: Vec<Free>,
     /// Those that it is differentiated by, in the order that was asked for.
     gradient: Vec<usize>,
 }
@@ -104,10 +107,7 @@ fn check_laws(model: &dyn Model, problem: &Problem) -> Result<(), InputError> {
 }
 
 /// The free parameters (indices) that are to be found, with their ranges.
-fn free_parameters(
-    scene: &dyn Model,
-    settings: &Settings,
-) -> Result<Vec<(usize, (f64, f64))>, InputError> {
+fn free_parameters(scene: &dyn Model, settings: &Settings) -> Result<Vec<Free>, InputError> {
     let declared = scene.free_parameters();
     let (mut lower, mut upper) = (vec![0.0; declared.len()], vec![0.0; declared.len()]);
     scene.free_parameter_bounds(&mut lower, &mut upper);

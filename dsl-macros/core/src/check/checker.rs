@@ -36,6 +36,8 @@ pub(super) struct Abbreviation {
     pub(super) what: &'static str,
 }
 
+// Many fields: what the statements of a scene add to, each its part.
+/// A declaration as far as it is checked.
 pub(super) struct Checker<'a> {
     pub(super) scope: Scope,
     pub(super) diagnostics: &'a mut Diagnostics,

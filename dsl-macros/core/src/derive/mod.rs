@@ -80,15 +80,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         .map(|(&conservative, &force)| conservative + force)
         .collect();
     let transport = graph::directional(&momenta, held::along_motion(moving));
-    let right: Vec<Sym> = conservative
-        .iter()
-        .zip(&transport)
-        .zip(&scene.forces)
-        // Each part by itself: the terms of both rarely cancel, and long sums are not simplified.
-        .map(|((&conservative, &transport), &force)| {
-            simplify(simplify_equation(conservative - transport) + simplify_equation(force))
-        })
-        .collect();
+    let right = right_sides(&conservative, &transport, &scene.forces);
     let energy = energy(lagrangian, &momenta, velocities);
     let singular = |coordinate| Failure::SingularMass { coordinate };
     let formulas = (n <= EXPLICIT)
@@ -145,6 +137,15 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         contacts,
         optimal_control,
     })
+}
+
+/// `r` of `M a = r`: each part by itself, as the terms of both rarely cancel, and long sums are not simplified.
+fn right_sides(conservative: &[Sym], transport: &[Sym], forces: &[Sym]) -> Vec<Sym> {
+    let parts = conservative.iter().zip(transport).zip(forces);
+    let right = parts.map(|((&conservative, &transport), &force)| {
+        simplify(simplify_equation(conservative - transport) + simplify_equation(force))
+    });
+    right.collect()
 }
 
 /// The input vector `(q, v, u[, t])`, and behind it the parameters by which all is differentiated.

@@ -66,7 +66,7 @@ fn mistakes_with_free_parameters_say_what_to_write() {
         ),
         (
             "free k: N/m in 1..=far = 2 free far: N/m in 5..=10 = 6",
-            "minimize integral(u^2) + far/1 [N/m] finally { z == 1 [m] } horizon 1 [s]",
+            "minimize far finally { z == 1 [m] } horizon 1 [s]",
             "a bound of `k` depends on the free parameter `far`; write it as a condition, such as `constraint limit: k <= far`",
         ),
         (

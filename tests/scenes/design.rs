@@ -64,10 +64,6 @@ fn compare_with_scan(text: &str, intervals: usize, name: &str, step: f64) -> Sol
     let at = |k: f64| given(text, intervals, &[(name, centre + k * step)]);
     let (place, objective) = lowest([-2.0, -1.0, 0.0, 1.0, 2.0].map(at));
     let best = centre + place * step;
-    println!(
-        "{name}: {} against {best}, {} against {objective}",
-        found.value, solution.objective
-    );
     let size = solution.objective.abs();
     assert!(
         (solution.objective - objective).abs() < 1e-6 * size,
@@ -168,7 +164,6 @@ fn restitution_is_found_through_an_impact() {
     let v = (2.0_f64 * 9.81).sqrt();
     let best = (0.4 + 0.5 * 9.81 * s * s - 0.005 / (v * s)) / (v * s);
     let found = solution.parameters[0];
-    println!("{found} {best}");
     assert!((found.value - best).abs() < 1e-8, "{found} {best}");
 }
 
@@ -195,7 +190,6 @@ fn friction_is_found_of_a_slide_that_stops() {
         mu = 4.0 / (2.0 * y * 9.81);
     }
     let found = solution.parameters[0];
-    println!("{found} {mu}");
     assert!((found.value - mu).abs() < 1e-7, "{found} {mu}");
 }
 
@@ -310,7 +304,6 @@ fn compare_gradient(text: &str, intervals: usize, steps: &[(&str, f64)]) {
             gradient.objective[k],
             gradient.final_time[k].expect("determined"),
         ];
-        println!("{name}: {found:?} {wanted:?}");
         for i in 0..2 {
             let close = (found[i] - wanted[i]).abs() < 1e-5 * wanted[i].abs().max(0.1);
             assert!(close, "{name}: {found:?} {wanted:?}");
@@ -345,7 +338,11 @@ fn compiled_scene_says_how_its_free_parameters_are_found() {
         ..Ramp::default()
     };
     assert_eq!(ramp.free_parameters(), [2]);
-    let refusal = solve(&ramp).intervals(2).run().unwrap_err().to_string();
+    let refusal = solve(&ramp)
+        .intervals(2)
+        .run()
+        .expect_err("refused")
+        .to_string();
     assert!(
         refusal.contains("`angle`") && refusal.contains("of_model"),
         "{refusal}"
@@ -362,7 +359,7 @@ fn what_cannot_be_done_with_free_parameters_is_refused_by_name() {
     let refusal = solve(&ramp)
         .formulation(freezing)
         .run()
-        .unwrap_err()
+        .expect_err("refused")
         .to_string();
     assert!(
         refusal.contains("the free parameter `angle` in the time-freezing formulation"),
@@ -371,7 +368,7 @@ fn what_cannot_be_done_with_free_parameters_is_refused_by_name() {
     let refusal = solve(&ramp)
         .gradient(["angle"])
         .run()
-        .unwrap_err()
+        .expect_err("refused")
         .to_string();
     assert!(
         refusal.contains("declare it in `parameters { angle = ... }`"),
@@ -380,7 +377,7 @@ fn what_cannot_be_done_with_free_parameters_is_refused_by_name() {
     let refusal = solve(&ramp)
         .gradient(["mass"])
         .run()
-        .unwrap_err()
+        .expect_err("refused")
         .to_string();
     assert!(
         refusal.contains("`mass`, which is no parameter") && refusal.contains("m, g, goal, angle"),
@@ -388,13 +385,16 @@ fn what_cannot_be_done_with_free_parameters_is_refused_by_name() {
     );
     let mut outside = scene(RAMP);
     outside.set_parameter(3, 1.5);
-    let refusal = solve(&outside).run().unwrap_err().to_string();
+    let refusal = solve(&outside).run().expect_err("refused").to_string();
     assert!(
         refusal.contains("free parameter `angle` = 1.5 rad: must be within its range 0.2..=1.4"),
         "{refusal}"
     );
     let rubbing = RUBBING.replace("0.05..=0.9 = 0.7", "0..=0.9 = 0");
-    let refusal = solve(&scene(&rubbing)).run().unwrap_err().to_string();
+    let refusal = solve(&scene(&rubbing))
+        .run()
+        .expect_err("refused")
+        .to_string();
     assert!(
         refusal.contains("friction of `floor`") && refusal.contains("above 0 where it begins"),
         "{refusal}"
@@ -413,7 +413,7 @@ fn what_cannot_be_done_with_free_parameters_is_refused_by_name() {
     let refusal = solve(&pushed)
         .gradient(["most"])
         .run()
-        .unwrap_err()
+        .expect_err("refused")
         .to_string();
     assert!(
         refusal.contains("a bound of `u` depends on `most`"),
