@@ -136,7 +136,7 @@ const THROW: &str = "
     forces { x: -drag*dot(x)*dot(x), z: 0 [N] }
     start { z: 0.5 [m], dot(x): 0.8*speed, dot(z): 0.6*speed }
     horizon 1 [s]
-    minimize -x/1 [m] + 1e-4*stiffness/1 [N/m]
+    minimize -x/1 [m] + 1e-3*stiffness/1 [N/m]
     finally { z == 0 [m], dot(z) <= 0 [m/s], time <= 5 [s] }
 ";
 
