@@ -2,7 +2,7 @@
 
 use hangtime::model::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
-    FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
+    FrictionDeclaration, Given, Held, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
     Picture, Shape, SparsityPattern, VariableDeclaration,
 };
 use hangtime_dsl::description::{
@@ -66,6 +66,28 @@ pub(crate) fn picture(picture: &description::Picture) -> Picture {
             Described::Curve(name) => Shape::Curve(text(name)),
             Described::Arc(name) => Shape::Arc(text(name)),
         })),
+    }
+}
+
+/// The parameters of a described scene that are to be found.
+pub(crate) fn free_parameters(scene: &Description) -> &'static [usize] {
+    let free = scene.free_parameters.iter();
+    list(free.flat_map(|free| free.parameters.iter().copied()))
+}
+
+/// The parameters of a described scene that are coordinates without motion.
+pub(crate) fn held(held: &description::Held) -> Held {
+    use description::GivenBy;
+    Held {
+        parameters: list(held.parameters.iter().copied()),
+        given: list(held.given.iter().map(|given| match *given {
+            GivenBy::Start(k) => Given::Start(k),
+            GivenBy::Horizon => Given::Horizon,
+            GivenBy::Restitution(contact) => Given::Restitution(contact),
+            GivenBy::Friction(contact) => Given::Friction(contact),
+        })),
+        jacobian: pattern(&held.functions.jacobian),
+        hessian: pattern(&held.functions.hessian),
     }
 }
 

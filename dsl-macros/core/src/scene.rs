@@ -27,6 +27,18 @@ pub(crate) struct CheckedScene {
     pub(crate) picture: Option<Picture>,
     /// Parameters (indices) by which all functions are differentiated besides their inputs; none unless asked for.
     pub(crate) differentiated: Vec<u16>,
+    /// Parameters that optimal control is to find.
+    pub(crate) free_parameters: Vec<FreeParameter>,
+    /// The parameters that are coordinates without motion here, the last ones; none unless asked for.
+    pub(crate) held: Vec<u16>,
+}
+
+/// A parameter that optimal control is to find.
+pub(crate) struct FreeParameter {
+    /// Index of the parameter.
+    pub(crate) index: u16,
+    /// In the declared unit; functions of parameters that are not free.
+    pub(crate) bounds: (Sym, Sym),
 }
 
 /// A quantity that is recorded.

@@ -39,6 +39,7 @@
 
 mod control_piece;
 mod declaration;
+pub(crate) mod held;
 mod parameter_derivatives;
 mod picture;
 mod pieces;
@@ -52,6 +53,7 @@ pub use declaration::{
     FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
     SparsityPattern, VariableDeclaration,
 };
+pub use held::{Given, Held};
 pub use parameter_derivatives::ParameterDerivatives;
 pub use picture::{Picture, Shape};
 
@@ -239,6 +241,38 @@ pub trait Model: Send + Sync {
     ) -> Option<Box<dyn ParameterDerivatives>> {
         None
     }
+
+    /// Parameters (indices, increasing) that optimal control is to find; none unless the scene declares them.
+    fn free_parameters(&self) -> &'static [usize] {
+        &[]
+    }
+
+    /// The ranges in which the [`free_parameters`](Self::free_parameters) are looked for, in their units.
+    fn free_parameter_bounds(&self, _lower: &mut [f64], _upper: &mut [f64]) {}
+
+    /// The scene with some of its parameters (indices, increasing) as coordinates without motion behind all others, at their
+    /// present values, so that every function is differentiated by them twice: `p'' = 0`, and no contact acts on them. Those
+    /// that are free are free at the start, within their ranges. None where it would have to be compiled.
+    ///
+    /// # Errors
+    /// Why the scene cannot be so, in one line.
+    fn with_held(&self, _parameters: &[usize]) -> Option<Result<Box<dyn Model>, String>> {
+        None
+    }
+
+    /// The parameters that are coordinates without motion in this scene, see [`with_held`](Self::with_held).
+    fn held(&self) -> Option<Held> {
+        None
+    }
+
+    /// Values of [`Held::given`] where the parameters are as the coordinates in `x` say.
+    fn given_values(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`Held::jacobian`], in its order.
+    fn given_jacobian(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`Held::hessian`] for the weighted sum of the [`given_values`](Self::given_values).
+    fn given_hessian(&self, _x: &[f64], _multipliers: &[f64], _values: &mut [f64]) {}
 
     /// A copy behind a fresh box.
     fn boxed(&self) -> Box<dyn Model>;

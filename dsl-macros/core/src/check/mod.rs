@@ -3,6 +3,7 @@
 mod checker;
 mod chosen;
 mod dependence;
+mod design;
 mod dry;
 mod law;
 mod names;
@@ -16,6 +17,7 @@ mod start;
 mod units;
 mod values;
 
+pub(crate) use design::without_free_bounds;
 pub(crate) use law::normal;
 pub(crate) use start::inertia_at_start;
 
@@ -37,6 +39,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         scope: Scope::default(),
         diagnostics,
         parameters: Vec::new(),
+        free_parameters: Vec::new(),
         coordinates: Vec::new(),
         controls: Vec::new(),
         abbreviations: Vec::new(),
@@ -65,7 +68,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
 
 fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()> {
     match statement {
-        Statement::Parameters(_) => Ok(()),
+        Statement::Parameters(quantities) => design::bounds(checker, quantities),
         Statement::Coordinates(quantities) => values::bounds(checker, quantities, false),
         Statement::Controls(quantities) => values::bounds(checker, quantities, true),
         Statement::Let { name, value } => abbreviation(checker, name, value),
@@ -269,6 +272,8 @@ fn finish(
         dynamics.extend(&task.sums);
     }
     moves?;
+    let given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
+    design::finish(&mut checker, &given, &contacts, optimal_control.as_ref());
     outputs::finish(&mut checker, &contacts, units);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
@@ -291,6 +296,8 @@ fn finish(
         outputs: checker.shown.outputs,
         picture: checker.shown.picture,
         differentiated: Vec::new(),
+        free_parameters: checker.free_parameters,
+        held: Vec::new(),
     })
 }
 

@@ -7,12 +7,12 @@
 //! d = w / (n' w),   w = H n or declared          e = H b / D
 //! ```
 
+use super::held::along_motion;
 use super::implicit::{self, Implicit};
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
-use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{Contact, Friction};
 
@@ -97,11 +97,13 @@ fn inner(a: &[Sym], b: &[Sym]) -> Sym {
 }
 
 /// Gap, normal velocity, curvature and normal.
-fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
+fn geometry(contact: &Contact, (n, moving): (usize, usize)) -> (Vec<Sym>, Sym, Vec<Sym>) {
     let gap = contact.gap;
-    let normal: Vec<Sym> = normal(gap, n).into_iter().map(simplify).collect();
-    let normal_velocity = graph::directional(&[gap], velocity_direction)[0];
-    let curvature = graph::directional(&[normal_velocity], velocity_direction)[0];
+    let mut normal: Vec<Sym> = normal(gap, moving).into_iter().map(simplify).collect();
+    normal.resize(n, Sym::ZERO);
+    let along = along_motion(moving);
+    let normal_velocity = graph::directional(&[gap], along)[0];
+    let curvature = graph::directional(&[normal_velocity], along)[0];
     (
         vec![gap, simplify(normal_velocity)],
         simplify(curvature),
@@ -110,10 +112,10 @@ fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
 }
 
 /// Sliding velocity, its curvature and the tangent.
-fn slip(friction: &Friction, n: usize) -> (Sym, Sym, Vec<Sym>) {
+fn slip(friction: &Friction, (n, moving): (usize, usize)) -> (Sym, Sym, Vec<Sym>) {
     let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
     let sliding = simplify(friction.sliding);
-    let curvature = graph::directional(&[sliding], velocity_direction)[0];
+    let curvature = graph::directional(&[sliding], along_motion(moving))[0];
     let tangent = graph::gradient(sliding, &velocities);
     (
         sliding,
@@ -136,6 +138,8 @@ pub(super) struct Mechanism<'a> {
     pub(super) formulas: Option<&'a Inertia>,
     /// The mass matrix by factors, unless it is solved with at run time.
     pub(super) written_out: Option<&'a Factorization>,
+    /// Number of coordinates that move.
+    pub(super) moving: usize,
     pub(super) inputs: &'a [Variable],
 }
 
@@ -145,7 +149,7 @@ impl Mechanism<'_> {
             return Ok(self.dry(bound, friction));
         }
         let n = self.momenta.len();
-        let (mut rows, curvature, normal) = geometry(contact, n);
+        let (mut rows, curvature, normal) = geometry(contact, (n, self.moving));
         let singular = |coordinate| Failure::SingularMass { coordinate };
         let inertia = self.holding(&contact.held);
         let (locked, locked_factors) = match (self.formulas, self.written_out) {
@@ -173,7 +177,7 @@ impl Mechanism<'_> {
             (None, None) => InverseInertia::Solved,
         };
         let friction = contact.friction.as_ref().map(|friction| {
-            let (sliding, curvature, tangent) = slip(friction, n);
+            let (sliding, curvature, tangent) = slip(friction, (n, self.moving));
             let formula = formulas
                 .zip(divisor)
                 .map(|(formulas, divisor)| over(&formulas.solve(&tangent), divisor));
@@ -248,7 +252,7 @@ impl Mechanism<'_> {
     /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
     fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
         let n = self.momenta.len();
-        let (sliding, curvature, tangent) = slip(friction, n);
+        let (sliding, curvature, tangent) = slip(friction, (n, self.moving));
         let terms = tangent.iter().enumerate();
         let scale = terms.map(|(k, &b)| b * b * self.mass[k * n + k].power(-2));
         let scale = simplify(scale.sum());

@@ -122,17 +122,17 @@ impl Implicit {
 }
 
 /// The motion without contact: `M a = r`. The residual is built from the momenta along the motion,
-/// which takes far fewer operations than the entries of `M` if those are many.
+/// which takes far fewer operations than the entries of `M` if those are many. Coordinates from `moving` on are held.
 pub(super) fn motion(
     mass: Vec<Sym>,
     right: Vec<Sym>,
     factorization: Option<&Factorization>,
-    momenta: &[Sym],
-    applied: &[Sym],
+    (momenta, applied, moving): (&[Sym], &[Sym], usize),
     inputs: &[Variable],
 ) -> Implicit {
     let n = right.len();
     let rates = graph::directional(momenta, |variable| match variable {
+        Variable::Coordinate(i) if usize::from(i) >= moving => Sym::ZERO,
         Variable::Coordinate(i) => Sym::variable(Variable::Velocity(i)),
         Variable::Velocity(i) => Implicit::unknown(n, usize::from(i)),
         Variable::Time => Sym::ONE,

@@ -10,6 +10,7 @@ mod contact;
 mod control;
 mod explicit;
 mod failure;
+mod held;
 mod implicit;
 mod ldl;
 mod residual;
@@ -19,10 +20,11 @@ pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
 pub(crate) use control::ControlEquations;
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
+pub use held::Given;
+pub(crate) use held::{given, with_held};
 pub(crate) use implicit::Implicit;
 pub(crate) use simplify::simplify;
 
-use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::CheckedScene;
 use ldl::Factorization;
@@ -69,13 +71,15 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let lagrangian = scene.lagrangian;
     let momenta = graph::gradient(lagrangian, velocities);
     let mass = mass_matrix(&momenta, velocities)?;
-    let conservative = graph::gradient(lagrangian, coordinates);
+    let moving = held::moving(scene);
+    let mut conservative = graph::gradient(lagrangian, coordinates);
+    conservative[moving..].fill(Sym::ZERO);
     let applied: Vec<Sym> = conservative
         .iter()
         .zip(&scene.forces)
         .map(|(&conservative, &force)| conservative + force)
         .collect();
-    let transport = graph::directional(&momenta, velocity_direction);
+    let transport = graph::directional(&momenta, held::along_motion(moving));
     let right: Vec<Sym> = conservative
         .iter()
         .zip(&transport)
@@ -98,7 +102,8 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let written_out = stepwise.as_ref().filter(|_| n <= WRITTEN_OUT);
     let motion = || {
         let (mass, right, factors) = (mass.clone(), right.clone(), stepwise.as_ref());
-        implicit::motion(mass, right, factors, &momenta, &applied, &inputs)
+        let of_motion = (&momenta[..], &applied[..], moving);
+        implicit::motion(mass, right, factors, of_motion, &inputs)
     };
     let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
     let by_elimination =
@@ -118,6 +123,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         momenta: &momenta,
         formulas: formulas.as_ref(),
         written_out,
+        moving,
         inputs: &inputs,
     };
     let contacts: Vec<ContactEquations> = scene

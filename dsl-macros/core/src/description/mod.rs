@@ -5,6 +5,7 @@
 mod builder;
 mod contact;
 mod declared;
+mod design;
 mod equations;
 mod kernel;
 mod optimal_control;
@@ -12,11 +13,13 @@ mod readable;
 mod sensitivity;
 mod shown;
 
+pub use crate::derive::Given as GivenBy;
 pub use crate::graph::{Function, Function2, Profile};
 pub use builder::{Pattern, System};
 pub use contact::{Contact, Friction, Rows, SolvedRows};
 pub(crate) use declared::text as documentation_text;
 pub use declared::{Parameter, Variable};
+pub use design::{FreeParameters, Held};
 pub use kernel::{Kernel, Operation};
 pub use optimal_control::{Condition, ContactTerms, Functions, OptimalControl};
 pub(crate) use readable::formula;
@@ -65,6 +68,10 @@ pub struct Description {
     /// Derivatives by parameters; none unless they were asked for. With them, every Jacobian has a column for each of these
     /// parameters behind those of the inputs, and Hessians are empty.
     pub sensitivity: Option<Sensitivity>,
+    /// The parameters that optimal control is to find, if there are any.
+    pub free_parameters: Option<FreeParameters>,
+    /// The parameters that are coordinates without motion; none unless they were asked for.
+    pub held: Option<Held>,
     /// All straight-line functions.
     pub kernels: Vec<Kernel>,
     /// All linear systems.
@@ -145,6 +152,8 @@ impl Description {
         let picture = shown::picture(&mut builder);
         let given = given(&mut builder);
         let sensitivity = sensitivity::sensitivity(&mut builder, equations);
+        let free_parameters = design::free(&mut builder);
+        let held = design::held(&mut builder, equations);
         let description = Self {
             name: scene.name.text.clone(),
             documentation: text(&scene.documentation),
@@ -160,6 +169,8 @@ impl Description {
             outputs,
             picture,
             sensitivity,
+            free_parameters,
+            held,
             kernels: builder.kernels,
             systems: builder.systems,
         };

@@ -124,6 +124,10 @@ fn statement(
         }
         "constraint" => control::constraint(cursor, documentation, diagnostics),
         "finally" => control::finally(cursor, &word, diagnostics),
+        "free" if control::is_parameter(cursor) => {
+            let quantity = quantity(cursor, diagnostics)?;
+            control::free_parameter(quantity, documentation, diagnostics)
+        }
         "free" => control::free(cursor, &word, diagnostics),
         "outputs" => Ok(Statement::Outputs(quantities(cursor, &word, diagnostics)?)),
         "picture" => picture::picture(cursor, &word, diagnostics),
@@ -192,6 +196,7 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
             unit: None,
             bounds: Some((lower, upper)),
             value: None,
+            free: false,
         });
     }
     let name = name(cursor, "a name", diagnostics)?;
@@ -212,6 +217,7 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
         unit,
         bounds,
         value,
+        free: false,
     })
 }
 

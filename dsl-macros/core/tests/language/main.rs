@@ -1,6 +1,7 @@
 //! What the language says: texts of messages, pages, slips that people make, malformed declarations.
 
 mod advice;
+mod design;
 mod format;
 mod fuzz;
 mod messages;

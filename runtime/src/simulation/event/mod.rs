@@ -38,7 +38,7 @@ use integration::Integration;
 use super::explicit_time::ExplicitTime;
 use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse, order_of_impacts};
-use crate::model::Model;
+use crate::model::{Model, held};
 use crate::refusal;
 use crate::{Observer, Progress};
 
@@ -91,6 +91,8 @@ pub(crate) fn simulate_to(
     ending: Option<Ending>,
 ) -> Result<Simulation, InputError> {
     check(settings, model, problem)?;
+    let own = held::with_laws(model, &problem.q);
+    let model = own.as_deref().unwrap_or(model);
     let mut unseen = |_: &Progress| true;
     let mut watch = Watch::new(problem, &mut unseen);
     let hasty = ExplicitTime::hasty(model, problem);
