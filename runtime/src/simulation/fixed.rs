@@ -9,6 +9,7 @@ use super::event::dynamics::{Dynamics, motion};
 use super::event::impact::{LowestBounce, Undetermined};
 use super::event::velocity_jump;
 use super::impulse;
+use super::joints;
 use super::other_grid::{self, Judge, OtherGrid};
 use super::watch::Watch;
 use super::{
@@ -119,6 +120,7 @@ impl Simulator for FixedStep {
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         check(self.steps, self.auxiliary_acceleration)?;
+        joints::refuse(model, "fixed steps", joints::LOCATED)?;
         problem.check(model)?;
         InitialValueProblem::check_inelastic(model, self.name())?;
         let clock = ThreadTime::try_now();

@@ -6,6 +6,7 @@ use super::event::contact_problem::ContactProblem;
 use super::event::coulomb::{CoulombSolution, TangentialLaw};
 use super::event::dynamics::{Dynamics, dot, largest};
 use super::fixed::check_gaps;
+use super::joints;
 use super::other_grid::{self, Judge, OtherGrid};
 use super::watch::Watch;
 use super::{
@@ -94,6 +95,7 @@ impl Simulator for Moreau {
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         super::fixed::check(self.steps, self.auxiliary_acceleration)?;
+        joints::refuse(model, "Moreau's time stepping", joints::LOCATED)?;
         problem.check(model)?;
         InitialValueProblem::check_at_once(model, "Moreau's time stepping")?;
         let clock = ThreadTime::try_now();

@@ -8,6 +8,7 @@
 //! ```
 
 use super::implicit::{self, Implicit};
+use super::joint::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
@@ -132,6 +133,7 @@ fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
 pub(super) struct Mechanism<'a> {
     pub(super) mass: &'a [Sym],
     pub(super) momenta: &'a [Sym],
+    pub(super) joints: &'a [Row],
     /// The inverse mass matrix by formulas, of few coordinates.
     pub(super) formulas: Option<&'a Inertia>,
     /// The mass matrix by factors, unless it is solved with at run time.
@@ -155,7 +157,7 @@ impl Mechanism<'_> {
                     .map(|_| Inertia::locked(self.mass, n, &contact.held))
                     .transpose()?,
                 factors
-                    .map(|_| Factorization::stepwise(&inertia.matrix(), n))
+                    .map(|_| inertia.factorized())
                     .transpose()
                     .map_err(singular)?,
             ),
@@ -229,7 +231,8 @@ impl Mechanism<'_> {
             return Ok(formula);
         }
         let inertia = self.holding(&declared.held);
-        let factors = Factorization::stepwise(&inertia.matrix(), self.momenta.len())
+        let factors = inertia
+            .factorized()
             .map_err(|coordinate| Failure::SingularMass { coordinate })?;
         let normal = inertia.free_part(&contact.normal);
         Ok(Bordered::new(&factors, vec![normal]).inverse_inertia())
@@ -241,6 +244,7 @@ impl Mechanism<'_> {
             mass: self.mass,
             momenta: self.momenta,
             held,
+            joints: self.joints,
         }
     }
 

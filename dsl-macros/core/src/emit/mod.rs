@@ -75,7 +75,9 @@ fn implementation(scene: &CheckedScene, derived: &Description, text: &str, code:
         }
         arms
     };
-    let further = laws(derived) + &optimal_control(derived) + &shown(derived);
+    let joints = derived.joints.as_ref();
+    let joints = joints.map_or_else(String::new, |joints| methods::joints(derived, joints));
+    let further = laws(derived) + &joints + &optimal_control(derived) + &shown(derived);
     let given = &derived.given;
     let of_parameters = |kernel, out| methods::of_parameters(derived, kernel, out);
     let _ = write!(
