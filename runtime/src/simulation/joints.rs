@@ -5,9 +5,11 @@
 //! test), and its velocities onto `w = 0`. Rows that follow from others there are found by rank and not held; they stay
 //! fulfilled where they follow from the others everywhere, and so the same rank is asked for at places nearby.
 
-use super::{Diagnosis, InitialValueProblem, InputError, Simulation, SimulationStatus, number};
+use super::{
+    Diagnosis, InitialValueProblem, InputError, Simulation, SimulationStatus, number, singular,
+};
 use crate::joints::{JointError, Joints};
-use crate::model::{JointsDeclaration, Model, joint_rows};
+use crate::model::{JointsDeclaration, Model, contact_point, joint_rows};
 use crate::refusal;
 
 /// Newton steps of the start.
@@ -52,6 +54,9 @@ impl<'a> Closed<'a> {
         }
         let (model, problem) = closed.scene();
         problem.check(model)?;
+        if model.declaration().joints.is_some() {
+            check_surfaces(model, problem)?;
+        }
         Ok(closed)
     }
 
@@ -102,9 +107,41 @@ impl<'a> Closed<'a> {
         if let (true, Some(status)) = (run.status.is_solved(), left) {
             run.status = status;
         }
+        pass_singular(model, &declared, run);
         run.notes.extend(self.notes);
     }
 }
+
+/// Refuses a surface whose gap the joints hold: no force changes it.
+fn check_surfaces(model: &dyn Model, problem: &InitialValueProblem) -> Result<(), InputError> {
+    let n = problem.q.len();
+    let x = problem.input(model);
+    let mut point = vec![0.0; contact_point::length(n)];
+    let mut mass = vec![0.0; n * n];
+    model.mass_matrix(&x, &mut mass);
+    for (i, contact) in model.declaration().contacts.iter().enumerate() {
+        if contact.dry {
+            continue;
+        }
+        model.contact(i, &x, &mut point);
+        let normal = &point[contact_point::NORMAL..][..n];
+        // At most what each coordinate would give by itself, times their number.
+        let alone = (0..n).map(|k| normal[k] * normal[k] / mass[k * n + k]);
+        let most: f64 = alone.sum();
+        if point[contact_point::INVERSE_INERTIA] > BLOCKED * most {
+            continue;
+        }
+        return Err(InputError::new(format!(
+            "joints hold the gap of surface `{}` at the start (E25), so that no force on it moves anything; leave the surface or \
+             a joint out, or start elsewhere",
+            contact.name
+        )));
+    }
+    Ok(())
+}
+
+/// Share of the inverse inertia of a surface without joints below which they hold its gap.
+const BLOCKED: f64 = 1e-12;
 
 /// What to do where a method does not hold joints.
 pub(crate) const LOCATED: &str =
@@ -366,7 +403,7 @@ fn outside(declared: &JointsDeclaration, held: &[usize]) -> String {
 
 fn redundant(declared: &JointsDeclaration, held: &[usize]) -> String {
     format!(
-        "joint {} follows from the others: the motion is the same without, and of the forces that joints share the smallest are given",
+        "joint {} is redundant and follows from the others: the motion is the same without, and of the forces that joints share the smallest are given",
         outside(declared, held)
     )
 }
@@ -443,6 +480,36 @@ fn drift(
         }
     }
     left
+}
+
+/// Ends a run before the first singular configuration on its way.
+fn pass_singular(model: &dyn Model, declared: &JointsDeclaration, run: &mut Simulation) {
+    let inputs = model.declaration().inputs();
+    let found = singular::first(model, run, |k| {
+        let mut x = vec![0.0; inputs];
+        input(model, run, k, &mut x);
+        x
+    });
+    let Some((time, row)) = found else {
+        return;
+    };
+    let name = declared
+        .equations()
+        .nth(row)
+        .map_or_else(String::new, |(joint, own)| joint.equation(own));
+    let kept = run.trajectory.time.partition_point(|&t| t < time);
+    run.trajectory.truncate(kept);
+    run.events.retain(|event| event.time < time);
+    run.error_estimate = None;
+    run.status = SimulationStatus::StepFailed(Diagnosis {
+        time,
+        step: 0,
+        contact: None,
+        message: format!(
+            "the joints pass a singular configuration, in which {name} follows from the others, so that the motion may go on in \
+             more than one way; end it before, or change lengths or the start so that it is not passed"
+        ),
+    });
 }
 
 /// Share of its terms by which a row that is not held may be off.

@@ -25,6 +25,7 @@ mod problem;
 mod quantity;
 mod recorder;
 mod result;
+mod singular;
 mod smooth;
 mod state;
 mod trajectory;

@@ -7,7 +7,7 @@ use crate::ast::{Documentation, Expr, Name};
 use crate::diagnostics::{Checked, Place};
 use crate::evaluate::{Value, expression, velocity_direction};
 use crate::graph::{self, Sym, Variable};
-use crate::scene::Joint;
+use crate::scene::{Contact, Joint};
 use hangtime_units::Unit;
 use std::collections::{HashMap, HashSet};
 
@@ -200,8 +200,24 @@ pub(super) fn of_velocities(checker: &Checker<'_>) -> HashSet<String> {
     rolling.map(|joint| joint.name.text.clone()).collect()
 }
 
-/// The units of all joints, now that they are known.
-pub(super) fn finish(checker: &mut Checker<'_>, units: &HashMap<String, Unit>) {
+/// The units of all joints, now that they are known, and contacts that do not go with them.
+pub(super) fn finish(
+    checker: &mut Checker<'_>,
+    units: &HashMap<String, Unit>,
+    contacts: &[Contact],
+) {
+    if checker.joints.is_empty() {
+        return;
+    }
+    for contact in contacts.iter().filter(|contact| contact.along.is_some()) {
+        let message = format!(
+            "the impulse direction `along` of `{0}` is not known to joints; leave it out, so that the impulse of `{0}` acts as \
+             the mechanism can move, or write `holding` with the coordinates that it does not move",
+            contact.name.text
+        );
+        let place = contact.name.place();
+        checker.diagnostics.report("E25", place, message);
+    }
     for joint in &mut checker.joints {
         let unit = units.get(&joint.name.text).copied();
         joint.unit = unit;

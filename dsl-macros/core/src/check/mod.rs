@@ -271,7 +271,7 @@ fn finish(
         dynamics.extend(contact.along.iter().flatten());
         dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
     }
-    joint::finish(&mut checker, &units.gaps);
+    joint::finish(&mut checker, &units.gaps, &contacts);
     dynamics.extend(checker.joints.iter().flat_map(|joint| &joint.rows));
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
     if let Some(task) = &optimal_control {
