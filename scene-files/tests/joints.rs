@@ -1,4 +1,13 @@
-//! Motions of scenes with joints against closed forms and against coordinates that need none.
+//! Motions of scenes with joints against closed forms, and against coordinates that need none.
+
+#[path = "joints/answers.rs"]
+mod answers;
+#[path = "joints/mechanisms.rs"]
+mod mechanisms;
+#[path = "joints/random.rs"]
+mod random;
+#[path = "joints/rolling.rs"]
+mod rolling;
 
 use hangtime::prelude::*;
 use hangtime_scene_files::{TextScene, of_text};
@@ -10,62 +19,41 @@ fn scene(text: &str) -> TextScene {
     }
 }
 
-const ROD: &str = "
-    parameters { m: kg = 2, g: m/s^2 = 9.81, l: m = 1.5 }
-    coordinates { x: m, z: m }
-    lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
-    joint rod: x^2 + z^2 == l^2
-    outputs { tension: N = -2*l*force(rod) }
-    start { x: 1.2, z: -0.9 }
-    horizon 5 [s]
-";
-
-const ANGLE: &str = "
-    parameters { m: kg = 2, g: m/s^2 = 9.81, l: m = 1.5 }
-    coordinates { phi: rad }
-    let p = (l*sin(phi), -l*cos(phi))
-    lagrangian m/2*|dot(p)|^2 - m*g*p.z
-    outputs { x: m = p.y, z: m = p.z, vx: m/s = dot(p).y, tension: N = m*g*cos(phi) + m*l*dot(phi)^2 }
-    start { phi: 0.9272952180016122 }
-    horizon 5 [s]
-";
-
-#[test]
-fn pendulum_as_a_point_on_a_rod_is_that_of_its_angle() -> Result<(), InputError> {
-    let (rod, angle) = (scene(ROD), scene(ANGLE));
-    let exact = simulate(&angle)
+/// The run of the event-driven method at its tightest, which has to be solved.
+fn tight(scene: &TextScene) -> Simulation {
+    let run = simulate(scene)
         .method(EventDriven::default())
         .tolerance(1e-13)
-        .run()?;
-    let by_elements = simulate(&rod).run()?;
-    let from_event_to_event = simulate(&rod).method(EventDriven::default()).run()?;
-    for run in [by_elements, from_event_to_event] {
-        assert!(run.status.is_solved(), "{}", run.status);
-        let (own, its) = (run.at(5.0)?, exact.at(5.0)?);
-        for (name, other) in [
-            ("x", "x"),
-            ("z", "z"),
-            ("dot(x)", "vx"),
-            ("tension", "tension"),
-        ] {
-            println!(
-                "{name}: {} {} {:e}",
-                own[name],
-                its[other],
-                own[name] - its[other]
-            );
-        }
-        println!(
-            "estimate {:?} residual {:e} elements {}",
-            run.error_estimate, run.residuals.primal, run.counts.elements
-        );
-        println!("{:?}", run.notes);
-        println!("cpu {}", run.seconds.total);
-    }
-    println!(
-        "exact cpu {} elements {}",
-        exact.seconds.total, exact.counts.elements
+        .run();
+    solved(run)
+}
+
+fn solved(run: Result<Simulation, InputError>) -> Simulation {
+    let run = run.unwrap_or_else(|error| panic!("{error}"));
+    assert!(run.status.is_solved(), "{}", run.status);
+    run
+}
+
+/// Both methods that hold joints, the finite elements at a tolerance that an estimate confirms.
+fn both(scene: &TextScene) -> [Simulation; 2] {
+    let elements = simulate(scene)
+        .method(Fesd::default())
+        .tolerance(1e-10)
+        .run();
+    [solved(elements), tight(scene)]
+}
+
+/// A value at the end of a run.
+fn last(run: &Simulation, name: &str) -> f64 {
+    run[name].last().copied().unwrap_or(f64::NAN)
+}
+
+#[track_caller]
+fn assert_close(found: f64, exact: f64, error: f64, what: &str) {
+    let off = (found - exact).abs();
+    println!("{what}: off by {off:.1e}, {error:e} allowed");
+    assert!(
+        off <= error,
+        "{what}: {found} against {exact}, off by {off:e}"
     );
-    println!("fesd cpu {}", simulate(&angle).run()?.seconds.total);
-    Ok(())
 }
