@@ -145,7 +145,7 @@ const BLOCKED: f64 = 1e-12;
 
 /// What to do where a method does not hold joints.
 pub(crate) const LOCATED: &str =
-    "simulate by finite elements or from event to event, which hold joints";
+    "simulate by finite elements, from event to event or by fixed steps, which hold joints";
 
 /// Refuses a scene with joints, for methods that do not hold them.
 pub(crate) fn refuse(model: &dyn Model, what: &str, remedy: &str) -> Result<(), InputError> {

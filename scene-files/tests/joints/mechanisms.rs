@@ -152,6 +152,36 @@ fn four_bar_moves_alike_by_all_elements() {
     }
 }
 
+/// Fixed steps of order 4 and Moreau's time stepping of order 2 hold joints at the ends of their steps.
+#[test]
+fn fixed_steps_close_the_loop_after_each() {
+    let text = FOUR_BAR.replace("impact stop: restitution 0.5", "impact stop: inelastic");
+    let looped = scene(&text.replace("horizon 1.5", "horizon 0.4"));
+    let exact = tight(&looped);
+    let fixed = |steps| {
+        let method = FixedStep::default();
+        solved(simulate(&looped).method(method).steps(steps).run())
+    };
+    let moreau = |steps| {
+        let method = Moreau::default();
+        solved(simulate(&looped).method(method).steps(steps).run())
+    };
+    let off = |run: &Simulation| {
+        let (t1, t2, t3) = (last(run, "t1"), last(run, "t2"), last(run, "t3"));
+        let across = t1.cos() + 2.2 * t2.cos() - 2.0 - 1.8 * t3.cos();
+        let up = t1.sin() + 2.2 * t2.sin() - 1.8 * t3.sin();
+        assert_close(across.hypot(up), 0.0, 1e-14, "loop");
+        (t1 - last(&exact, "t1")).abs()
+    };
+    let order = |one: f64, half: f64| (one / half).log2();
+    let (one, half) = (off(&fixed(20)), off(&fixed(40)));
+    println!("fixed steps: {one:e}, {half:e}, order {}", order(one, half));
+    assert!(order(one, half) > 3.5, "{one:e}, {half:e}");
+    let (one, half) = (off(&moreau(200)), off(&moreau(400)));
+    println!("Moreau: {one:e}, {half:e}, order {}", order(one, half));
+    assert!(order(one, half) > 1.8, "{one:e}, {half:e}");
+}
+
 /// A slider-crank: the slider strikes a wall. Bodies are points and a crank.
 #[test]
 fn slider_crank_as_joint_is_its_closed_form_also_where_the_slider_is_struck() {

@@ -3,6 +3,7 @@
 mod advice;
 mod format;
 mod fuzz;
+mod joints;
 mod messages;
 mod pages;
 mod sensitivities;

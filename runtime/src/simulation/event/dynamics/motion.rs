@@ -93,8 +93,12 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
     true
 }
 
-/// Moves the state onto the joints; `false` if it cannot.
-fn project_on_joints(dynamics: &mut Dynamics<'_>, t: f64, y: &mut [f64]) -> bool {
+/// Moves the state onto the joints, in the metric of the mass matrix; `false` if it cannot.
+pub(in crate::simulation) fn project_on_joints(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &mut [f64],
+) -> bool {
     let Some(mut joints) = dynamics.joints.take() else {
         return true;
     };
