@@ -192,6 +192,13 @@ pub(crate) enum Statement {
         bound: Expr,
         sliding: Expr,
     },
+    /// An equation between positions, or between velocities.
+    Joint {
+        documentation: Documentation,
+        name: Name,
+        left: Expr,
+        right: Expr,
+    },
     Start(Vec<Assignment>),
     Horizon {
         keyword: Place,

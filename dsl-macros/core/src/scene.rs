@@ -18,6 +18,7 @@ pub(crate) struct CheckedScene {
     /// Generalized forces in the units of the coordinates as declared, one a coordinate.
     pub(crate) forces: Vec<Sym>,
     pub(crate) contacts: Vec<Contact>,
+    pub(crate) joints: Vec<Joint>,
     /// Initial coordinates and velocities, in declared units.
     pub(crate) start: (Vec<Sym>, Vec<Sym>),
     pub(crate) horizon: Option<Sym>,
@@ -146,6 +147,18 @@ pub(crate) struct Coordinate {
     pub(crate) documentation: Documentation,
     /// In the declared unit.
     pub(crate) bounds: Option<(Sym, Sym)>,
+}
+
+/// Equations between positions, or linear ones between velocities.
+pub(crate) struct Joint {
+    pub(crate) name: Name,
+    pub(crate) documentation: Documentation,
+    /// Of the positions, or of the velocities times a second.
+    pub(crate) unit: Option<Unit>,
+    /// What vanishes, one function a component, in SI units.
+    pub(crate) rows: Vec<Sym>,
+    /// Whether they are functions of positions; of velocities otherwise.
+    pub(crate) holonomic: bool,
 }
 
 /// A surface with its law, or dry friction without a surface.

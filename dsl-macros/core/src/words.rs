@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 20] = [
+pub(crate) const STATEMENTS: [&str; 21] = [
     "parameters",
     "coordinates",
     "controls",
@@ -14,6 +14,7 @@ pub(crate) const STATEMENTS: [&str; 20] = [
     "surface",
     "impact",
     "dry",
+    "joint",
     "start",
     "horizon",
     "constraint",

@@ -50,6 +50,7 @@ pub(super) struct Checker<'a> {
     pub(super) forces: Vec<(usize, Sym)>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) laws: Laws,
+    pub(super) joints: Vec<scene::Joint>,
     pub(super) start: Vec<Assignment>,
     pub(super) horizon: Option<Sym>,
     pub(super) task: Task,
@@ -141,6 +142,7 @@ impl Checker<'_> {
             Variable::ContactImpulse(_) | Variable::FrictionImpulse(_) => {
                 "the impulse of a contact".to_owned()
             }
+            Variable::JointForce(_) => "the force of a joint".to_owned(),
             Variable::Sum(_) => "a sum over impacts".to_owned(),
             _ => "a parameter".to_owned(),
         }

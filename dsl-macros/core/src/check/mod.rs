@@ -5,6 +5,7 @@ mod chosen;
 mod dependence;
 mod design;
 mod dry;
+mod joint;
 mod law;
 mod names;
 mod optimal_control;
@@ -18,6 +19,7 @@ mod units;
 mod values;
 
 pub(crate) use design::without_free_bounds;
+pub(crate) use joint::rate as joint_rate;
 pub(crate) use law::normal;
 pub(crate) use start::inertia_at_start;
 
@@ -48,6 +50,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         forces: Vec::new(),
         surfaces: Vec::new(),
         laws: Laws::default(),
+        joints: Vec::new(),
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
@@ -61,7 +64,8 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
             failed.insert(index);
         }
     }
-    let units = units::inferred(declared, &failed, checker.diagnostics);
+    let rolling = joint::of_velocities(&checker);
+    let units = units::inferred(declared, (&failed, rolling), checker.diagnostics);
     let complete = before == 0 && failed.is_empty();
     finish(checker, declared, &units, complete)
 }
@@ -94,6 +98,12 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             bound,
             sliding,
         } => dry::friction(checker, (documentation, name), bound, sliding),
+        Statement::Joint {
+            documentation,
+            name,
+            left,
+            right,
+        } => joint::joint(checker, (documentation, name), left, right),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
         Statement::Minimize { keyword, value } => {
@@ -264,6 +274,8 @@ fn finish(
         dynamics.extend(contact.along.iter().flatten());
         dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
     }
+    joint::finish(&mut checker, &units.gaps, &contacts);
+    dynamics.extend(checker.joints.iter().flat_map(|joint| &joint.rows));
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
     if let Some(task) = &optimal_control {
         dynamics.extend(task.running_cost);
@@ -289,6 +301,7 @@ fn finish(
         lagrangian,
         forces,
         contacts,
+        joints: checker.joints,
         start,
         horizon: checker.horizon,
         explicit_time,

@@ -9,6 +9,7 @@
 
 use super::held::along_motion;
 use super::implicit::{self, Implicit};
+use super::joint::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
@@ -134,6 +135,7 @@ fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
 pub(super) struct Mechanism<'a> {
     pub(super) mass: &'a [Sym],
     pub(super) momenta: &'a [Sym],
+    pub(super) joints: &'a [Row],
     /// The inverse mass matrix by formulas, of few coordinates.
     pub(super) formulas: Option<&'a Inertia>,
     /// The mass matrix by factors, unless it is solved with at run time.
@@ -159,7 +161,7 @@ impl Mechanism<'_> {
                     .map(|_| Inertia::locked(self.mass, n, &contact.held))
                     .transpose()?,
                 factors
-                    .map(|_| Factorization::stepwise(&inertia.matrix(), n))
+                    .map(|_| inertia.factorized())
                     .transpose()
                     .map_err(singular)?,
             ),
@@ -233,7 +235,8 @@ impl Mechanism<'_> {
             return Ok(formula);
         }
         let inertia = self.holding(&declared.held);
-        let factors = Factorization::stepwise(&inertia.matrix(), self.momenta.len())
+        let factors = inertia
+            .factorized()
             .map_err(|coordinate| Failure::SingularMass { coordinate })?;
         let normal = inertia.free_part(&contact.normal);
         Ok(Bordered::new(&factors, vec![normal]).inverse_inertia())
@@ -245,6 +248,7 @@ impl Mechanism<'_> {
             mass: self.mass,
             momenta: self.momenta,
             held,
+            joints: self.joints,
         }
     }
 

@@ -12,6 +12,7 @@ mod explicit;
 mod failure;
 mod held;
 mod implicit;
+mod joint;
 mod ldl;
 mod residual;
 mod simplify;
@@ -23,6 +24,7 @@ pub(crate) use failure::Failure;
 pub use held::Given;
 pub(crate) use held::{given, with_held};
 pub(crate) use implicit::Implicit;
+pub(crate) use joint::JointEquations;
 pub(crate) use simplify::simplify;
 
 use crate::graph::{self, Sym, Variable};
@@ -60,6 +62,8 @@ pub(crate) struct Equations {
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
+    /// None without joints.
+    pub(crate) joints: Option<JointEquations>,
     pub(crate) optimal_control: Option<ControlEquations>,
 }
 
@@ -90,20 +94,33 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         })
         .collect();
     let energy = energy(lagrangian, &momenta, velocities);
+    let joints = joint::rows(scene);
+    let inertia = implicit::Locked {
+        mass: &mass,
+        momenta: &momenta,
+        held: &[],
+        joints: &joints,
+    };
+    // Equations of motion and of joints.
+    let order = inertia.size();
     let singular = |coordinate| Failure::SingularMass { coordinate };
-    let formulas = (n <= EXPLICIT)
+    let formulas = (n <= EXPLICIT && joints.is_empty())
         .then(|| Factorization::of(&mass, n))
         .transpose()
         .map_err(singular)?;
-    let stepwise = (n <= implicit::FORMULAS)
-        .then(|| Factorization::stepwise(&mass, n))
+    let stepwise = (order <= implicit::FORMULAS)
+        .then(|| inertia.factorized())
         .transpose()
         .map_err(singular)?;
-    let written_out = stepwise.as_ref().filter(|_| n <= WRITTEN_OUT);
+    let written_out = stepwise.as_ref().filter(|_| order <= WRITTEN_OUT);
     let motion = || {
-        let (mass, right, factors) = (mass.clone(), right.clone(), stepwise.as_ref());
-        let of_motion = (&momenta[..], &applied[..], moving);
-        implicit::motion(mass, right, factors, of_motion, &inputs)
+        implicit::motion(
+            &inertia,
+            right.clone(),
+            stepwise.as_ref(),
+            (&applied, moving),
+            &inputs,
+        )
     };
     let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
     let by_elimination =
@@ -117,10 +134,16 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         (None, Some(factors)) => Solution::Explicit(by_elimination(factors)),
         (_, None) => Solution::Implicit(motion()),
     };
+    let forces = (!joints.is_empty()).then(|| {
+        let solution = stepwise.as_ref();
+        let solution = solution.map(|factors| factors.solve(&inertia.right(&right)));
+        joint::equations(scene, &joints, (solution.as_deref(), n), &inputs)
+    });
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
     let inertia = contact::Mechanism {
         mass: &mass,
         momenta: &momenta,
+        joints: &joints,
         formulas: formulas.as_ref(),
         written_out,
         moving,
@@ -138,11 +161,12 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     Ok(Equations {
         inputs,
         right,
-        readable: n <= EXPLICIT,
+        readable: n <= EXPLICIT && joints.is_empty(),
         mass,
         energy,
         acceleration,
         contacts,
+        joints: forces,
         optimal_control,
     })
 }

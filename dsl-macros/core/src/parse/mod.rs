@@ -5,6 +5,7 @@ mod control;
 mod cursor;
 mod documentation;
 mod expression;
+mod joint;
 mod law;
 mod picture;
 mod pieces;

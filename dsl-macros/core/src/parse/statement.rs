@@ -5,7 +5,7 @@ use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, block, entries, equals, name, range, target};
-use super::{control, law, picture, profile, slips, unit};
+use super::{control, joint, law, picture, profile, slips, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
@@ -112,6 +112,7 @@ fn statement(
         "surface" => surface(cursor, documentation, diagnostics),
         "impact" => law::impact(cursor, diagnostics),
         "dry" => law::dry_friction(cursor, documentation, diagnostics),
+        "joint" => joint::joint(cursor, documentation, diagnostics),
         "start" => Ok(Statement::Start(assignments(cursor, &word, diagnostics)?)),
         "horizon" => {
             let value = expression(cursor, diagnostics)?;

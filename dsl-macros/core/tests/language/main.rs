@@ -4,6 +4,7 @@ mod advice;
 mod design;
 mod format;
 mod fuzz;
+mod joints;
 mod messages;
 mod pages;
 mod sensitivities;
