@@ -213,7 +213,10 @@ impl InitialValueProblem {
         length("initial velocities", self.v.len(), n)?;
         for (i, coordinate) in declaration.coordinates.iter().enumerate() {
             finite(&format!("initial `{}`", coordinate.name), self.q[i])?;
-            finite(&format!("initial d`{}`/dt", coordinate.name), self.v[i])?;
+            match declaration.state(i) {
+                None => finite(&format!("initial d`{}`/dt", coordinate.name), self.v[i])?,
+                Some(state) => finite(&format!("initial `{}`", state.name), self.v[i])?,
+            }
         }
         finite("horizon", self.horizon)?;
         if self.horizon <= 0.0 {
@@ -429,9 +432,12 @@ pub(in crate::simulation) fn not_finite_at(model: &dyn Model, x: &[f64]) -> Opti
     let mut acceleration = vec![0.0; n];
     model.free_acceleration(x, &mut acceleration);
     let pairs = declaration.coordinates.iter().zip(&acceleration);
-    for (coordinate, value) in pairs {
+    for (k, (coordinate, value)) in pairs.enumerate() {
         if !value.is_finite() {
-            return Some(format!("the acceleration of `{}`", coordinate.name));
+            return Some(match declaration.state(k) {
+                None => format!("the acceleration of `{}`", coordinate.name),
+                Some(state) => format!("the rate of `{}`", state.name),
+            });
         }
     }
     let mut point = vec![0.0; contact_point::length(n)];
@@ -486,6 +492,12 @@ fn check_mass(model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
     let mut m = vec![0.0; n * n];
     model.mass_matrix(x, &mut m);
     let m = nalgebra::DMatrix::from_row_slice(n, n, &m);
+    // States of first order have inertias of 1 of their own.
+    let mechanical = declaration.mechanical();
+    if mechanical == 0 {
+        return Ok(());
+    }
+    let m = m.view((0, 0), (mechanical, mechanical)).into_owned();
     if m.iter().any(|value| !value.is_finite()) {
         return Err(refusal::not_finite("mass matrix at the start", f64::NAN));
     }

@@ -1,7 +1,7 @@
 //! Names: what is declared, what may not be, what is taken.
 
 use super::checker::Checker;
-use super::values;
+use super::{states, values};
 use crate::ast::{Name, Quantity, Statement};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::{Meaning, Value};
@@ -48,6 +48,7 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
             _ => {}
         }
     }
+    states::declare_all(checker, statements);
 }
 
 fn declare(
@@ -154,7 +155,7 @@ fn coordinate(checker: &mut Checker<'_>, quantity: &Quantity, control: bool) -> 
     Ok(())
 }
 
-fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {
+pub(super) fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {
     if taken < MOST {
         return Ok(());
     }
@@ -165,7 +166,7 @@ fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {
     Err(error)
 }
 
-fn declare_value(checker: &mut Checker<'_>, name: &Name, sym: Sym) {
+pub(super) fn declare_value(checker: &mut Checker<'_>, name: &Name, sym: Sym) {
     checker
         .scope
         .names

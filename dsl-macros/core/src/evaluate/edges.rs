@@ -1,6 +1,7 @@
 //! `max`, `min` and `|x|`, which may stand in a surface, and in what is recorded and drawn.
 
 use super::kink::Kink;
+use super::switch;
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::{Expr, Kind};
@@ -157,7 +158,8 @@ pub(super) fn differentiable(
     diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
     let edge = |variable| scope.kinks.iter().any(|kink| kink.variable == variable);
-    if !graph::variables(components).into_iter().any(edge) && !has_edge(components) {
+    let switches = switch::has_switch(components);
+    if !switches && !graph::variables(components).into_iter().any(edge) && !has_edge(components) {
         return Ok(());
     }
     let message = format!(

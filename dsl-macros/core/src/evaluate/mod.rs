@@ -9,6 +9,7 @@ mod matrix;
 mod named;
 mod recorded;
 mod scope;
+mod switch;
 mod value;
 
 pub(crate) use edges::has_edge;
@@ -17,4 +18,5 @@ pub(crate) use functions::velocity_direction;
 pub(crate) use kink::Kink;
 pub(crate) use recorded::{FIRST_DRY, at_impacts};
 pub(crate) use scope::{Contents, Meaning, Role, Scope, UserFunction};
+pub(crate) use switch::Switch;
 pub(crate) use value::Value;

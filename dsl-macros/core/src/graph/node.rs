@@ -46,6 +46,8 @@ pub(crate) enum Variable {
     ProvidedSliding(u16),
     /// One of the sums over all impacts.
     Sum(u16),
+    /// Sign of a function that switches what acts, or its size; none is left in what is derived.
+    Switch(u16),
     /// Stands for the argument of a function while it is differentiated.
     Argument(u16),
 }
