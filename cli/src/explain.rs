@@ -6,7 +6,7 @@ use crate::Scene;
 use hangtime::model::{
     ConstraintDeclaration, Declaration, ImpactLaw, Model, OptimalControlDeclaration,
     SparsityPattern,
-};
+     Switching};
 
 use crate::arguments::ExplainArguments;
 use crate::failure::BadInput;
@@ -135,6 +135,14 @@ fn laws(model: &dyn Model) -> String {
     let declaration = model.declaration();
     let mut text = String::new();
     for (index, contact) in declaration.contacts.iter().enumerate() {
+        if let Some(switch) = contact.switch {
+            let how = match switch {
+                Switching::Slides => "passed, or slid along",
+                _ => "passed",
+            };
+            let _ = writeln!(text, "switch      {}: its zeros are {how}", contact.name);
+            continue;
+        }
         if contact.dry {
             let name = headed(contact.name, contact.unit);
             let _ = writeln!(text, "contact     {name}: dry friction, without a surface");

@@ -49,6 +49,9 @@ pub(crate) fn symbol(model: &dyn Model, quantity: Quantity) -> String {
             None => format!("d{}/dt", declaration.coordinates[i].name),
         },
         Quantity::Control(i) => declaration.controls[i].name.to_owned(),
+        Quantity::FrictionForce(i) if declaration.contacts[i].switch.is_some() => {
+            declaration.contacts[i].name.to_owned()
+        }
         Quantity::ContactForce(i) if declaration.contacts[i].dry => {
             format!("friction bound {}", declaration.contacts[i].name)
         }
@@ -70,6 +73,9 @@ pub(crate) fn unit(model: &dyn Model, quantity: Quantity) -> String {
         Quantity::Control(i) => declaration.controls[i].unit.to_owned(),
         Quantity::ContactForce(i) | Quantity::FrictionForce(i) => {
             let contact = &declaration.contacts[i];
+            if contact.switch.is_some() {
+                return String::new();
+            }
             let has_units = || declaration.coordinates.iter().any(|c| !c.unit.is_empty());
             if contact.unit == "m" {
                 FORCE.to_owned()
@@ -104,6 +110,9 @@ pub(crate) fn title(model: &dyn Model, quantity: Quantity) -> String {
         Quantity::Output(i) => model.outputs()[i].documentation,
         Quantity::ContactForce(i) if declaration.contacts[i].dry => {
             return format!("Bound of the friction of {}", declaration.contacts[i].name);
+        }
+        Quantity::FrictionForce(i) if declaration.contacts[i].switch.is_some() => {
+            return format!("Switch {}", declaration.contacts[i].name);
         }
         Quantity::FrictionForce(i) if declaration.contacts[i].dry => {
             return format!("Friction of {}", declaration.contacts[i].name);

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use hangtime::model::{ContactDeclaration, Declaration, Model};
 use hangtime::simulation::{
-    ContactMode, Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Simulation, Trajectory,
+    ContactMode, Counts, Diagnosis, Direction, Event, ProblemSize, Residuals, Seconds, Simulation, Trajectory,
 };
 use serde::{Serialize, Serializer};
 
@@ -141,7 +141,13 @@ impl InitialEntry {
         let modes = simulation.initial_modes.iter();
         let entry = |(contact, mode): (&ContactDeclaration, &ContactMode)| Self {
             contact: contact.name,
-            mode: mode.to_string(),
+            mode: match (contact.switch, mode) {
+                // Friction against minus the function of the switch.
+                (Some(_), ContactMode::Slip(Direction::Forward)) => "negative".to_owned(),
+                (Some(_), ContactMode::Slip(Direction::Backward)) => "positive".to_owned(),
+                (Some(_), ContactMode::Stick) => "sliding".to_owned(),
+                _ => mode.to_string(),
+            },
         };
         contacts.zip(modes).map(entry).collect()
     }

@@ -11,9 +11,11 @@ use super::contacts::{Contacts, Line, ModeError, dot, norm};
 use super::coulomb::{self, Cone};
 use super::impact;
 use super::sharing::{self, Share};
+use super::switch;
+use crate::model::Switching;
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
-const BIACTIVE: f64 = 1e-8;
+pub(super) const BIACTIVE: f64 = 1e-8;
 
 /// A condition whose two sides both vanish in accelerations.
 #[derive(Debug, Clone, Copy)]
@@ -47,12 +49,13 @@ pub(crate) fn select(
         active.clear();
         return Ok(());
     }
-    let solved = Solved::new(contacts, touching, time)?;
+    let solved = switch::sided(contacts, x, &touching, time)?;
     let Sorted {
         mut strict,
         mut undecided,
         shares,
     } = solved.sort(contacts);
+    switch::is_unique(contacts, &strict)?;
     sharing::share_friction(contacts, &mut strict, &shares)?;
     drop_held(contacts, &mut strict, &mut undecided)?;
     if !undecided.is_empty() {
@@ -65,8 +68,9 @@ pub(crate) fn select(
 }
 
 /// Forces and accelerations of the contacts that touch: their normals, then the tangents of the cones.
-struct Solved {
+pub(super) struct Solved {
     touching: Vec<usize>,
+    lines: Vec<Line>,
     cones: Vec<Cone>,
     forces: Vec<f64>,
     accelerations: Vec<f64>,
@@ -83,9 +87,15 @@ struct Sorted {
 }
 
 impl Solved {
-    fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
-        let at_rest =
-            |i: usize| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest();
+    pub(super) fn new(
+        contacts: &Contacts<'_>,
+        touching: Vec<usize>,
+        time: f64,
+    ) -> Result<Self, ModeError> {
+        let at_rest = |i: usize| {
+            contacts.switch(i) != Some(Switching::Passes)
+                && contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest()
+        };
         let (lines, cones) = impact::coulomb_lines(contacts, &touching, at_rest);
         let free: Vec<f64> = lines
             .iter()
@@ -100,8 +110,18 @@ impl Solved {
             touching,
             cones,
             accelerations: accelerations.collect(),
+            lines,
             forces,
         })
+    }
+
+    /// The acceleration of the motion with the forces.
+    pub(super) fn motion(&self, contacts: &Contacts<'_>) -> Vec<f64> {
+        let mut motion = contacts.free_acceleration().to_vec();
+        for (&line, &force) in self.lines.iter().zip(&self.forces) {
+            contacts.push(line, force, &mut motion);
+        }
+        motion
     }
 
     /// The line of the tangent of the `k`-th contact, where its friction has a cone.
@@ -201,7 +221,7 @@ fn drop_held(
 /// State of a contact that slides or has no friction.
 fn sliding_state(contacts: &Contacts<'_>, contact: usize) -> Tangential {
     if contacts.friction(contact) > 0.0 {
-        Tangential::slip(contacts.sliding_velocity(contact))
+        Tangential::slip(contacts.side(contact))
     } else {
         Tangential::Idle
     }
@@ -302,7 +322,7 @@ fn from_rest(margin: f64, slip: f64, zero: f64) -> Option<Tangential> {
 
 /// Step of a central difference along the motion with the acceleration `motion`, beside accelerations of the size `scale`,
 /// and the motion's own time scale: truncation and rounding errors are both near 1e-10 for a step of 1e-5 of it.
-fn difference_step(
+pub(super) fn difference_step(
     contacts: &Contacts<'_>,
     x: &[f64],
     (motion, scale): (&[f64], f64),

@@ -49,9 +49,11 @@ mod parameter_derivatives;
 mod picture;
 mod pieces;
 pub(crate) mod rounding;
+mod switching;
 
 pub(crate) use control_piece::ControlPiece;
 pub(crate) use pieces::{Pieces, edge};
+pub(crate) use switching::terms as switching_terms;
 
 pub use declaration::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,

@@ -96,6 +96,8 @@ impl Simulator for Moreau {
         super::fixed::check(self.steps, self.auxiliary_acceleration)?;
         problem.check(model)?;
         InitialValueProblem::check_at_once(model, "Moreau's time stepping")?;
+        let remedy = "simulate by finite elements or from event to event";
+        InitialValueProblem::check_switches(model, "Moreau's time stepping", remedy)?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
         let others = OtherGrid::of_steps(self.steps, |steps| Self {

@@ -357,6 +357,22 @@ impl InitialValueProblem {
         }
     }
 
+    /// Refuses a scene in which something switches, for what knows smooth functions only; `what` is refused with a `remedy`.
+    pub(crate) fn check_switches(
+        model: &dyn Model,
+        what: &str,
+        remedy: &str,
+    ) -> Result<(), InputError> {
+        let contacts = model.declaration().contacts;
+        match contacts.iter().find(|known| known.switch.is_some()) {
+            None => Ok(()),
+            Some(contact) => Err(refusal::unsupported(
+                format!("the switch `{}`, by {what}", contact.name),
+                remedy,
+            )),
+        }
+    }
+
     /// The input vector `x = (q, v, u)` at the start of a problem that was checked.
     pub(crate) fn input(&self, model: &dyn Model) -> Vec<f64> {
         let declaration = model.declaration();
@@ -422,6 +438,14 @@ pub(crate) fn negative_bound(name: &str) -> String {
     format!(
         "the bound of dry friction `{name}` is negative, so that no force obeys it; write one that is 0 or more all along \
          the motion"
+    )
+}
+
+/// What is wrong where the motion is on the zero of a switch that it may leave to either side at any time.
+pub(crate) fn not_unique(name: &str) -> String {
+    format!(
+        "the motion is not unique: it is where the function of `{name}` vanishes, and what acts pushes away from there on both sides; \
+         start to one side of it, or check the sign of what it switches"
     )
 }
 

@@ -381,7 +381,7 @@ fn call(
              is its velocity then",
         ));
     }
-    if switch::is_switch(text) && switch::admitted(scope) {
+    if switch::is_switch(text) && switch::admitted(scope) || switch::may_jump(scope, text) {
         let parts: Vec<Checked<Sym>> = arguments
             .iter()
             .map(|argument| scalar(scope, argument, diagnostics))

@@ -5,7 +5,7 @@ use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::Expr;
 use crate::diagnostics::{Checked, Diagnostics, Place};
-use crate::graph::{self, Compose, Sym, Variable};
+use crate::graph::{self, Compose, Function, Sym, Variable};
 use crate::words;
 
 /// A function of the motion whose sign switches what acts.
@@ -24,6 +24,12 @@ pub(crate) struct Switch {
 /// Whether switches may stand here: in forces and rates, and in what is given a name for them.
 pub(super) fn admitted(scope: &Scope) -> bool {
     scope.role == Role::Motion && (scope.acts || scope.defers)
+}
+
+/// Whether a jump may stand here: where switches may, and in what is recorded.
+pub(super) fn may_jump(scope: &Scope, text: &str) -> bool {
+    let jumps = words::JUMPS.contains(&text) || text == words::IF;
+    scope.role == Role::Record && jumps
 }
 
 /// Whether a value contains a switch.
@@ -65,19 +71,21 @@ pub(super) fn call(
     }
     let half = |value: Sym| value.scaled(0.5);
     let value = match (text, parts) {
-        ("abs", &[part]) => switch(scope, whole, (part, true), diagnostics)?,
+        ("abs", &[part]) => switch(scope, shown(whole), (part, true), diagnostics)?,
         ("max" | "min", &[a, b]) => {
-            let apart = switch(scope, whole, (a - b, true), diagnostics)?;
+            let apart = switch(scope, shown(whole), (a - b, true), diagnostics)?;
             let sign = if text == "min" { -1.0 } else { 1.0 };
             half(a + b + apart.scaled(sign))
         }
         (words::IF, &[left, right, yes, no]) => {
-            let sign = switch(scope, &arguments[0], (left - right, false), diagnostics)?;
+            let shown = format!("{} >= {}", arguments[0], arguments[1]);
+            let place = arguments[0].place.to(arguments[1].place);
+            let sign = switch(scope, (shown, place), (left - right, false), diagnostics)?;
             half(yes + no + (yes - no) * sign)
         }
-        ("sign" | "signum", &[part]) => switch(scope, whole, (part, false), diagnostics)?,
+        ("sign" | "signum", &[part]) => switch(scope, shown(whole), (part, false), diagnostics)?,
         (_, &[part]) => {
-            let sign = switch(scope, whole, (part, false), diagnostics)?;
+            let sign = switch(scope, shown(whole), (part, false), diagnostics)?;
             half(sign + Sym::ONE)
         }
         _ => Sym::ZERO,
@@ -92,13 +100,18 @@ pub(super) fn size(
     part: Sym,
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
-    switch(scope, whole, (part, true), diagnostics).map(Value::Scalar)
+    switch(scope, shown(whole), (part, true), diagnostics).map(Value::Scalar)
+}
+
+/// An expression as written, and its place.
+fn shown(expr: &Expr) -> (String, Place) {
+    (expr.to_string(), expr.place)
 }
 
 /// What stands for the sign of a function, or for its size; the same for the same function.
 fn switch(
     scope: &mut Scope,
-    whole: &Expr,
+    (shown, place): (String, Place),
     (function, kink): (Sym, bool),
     diagnostics: &mut Diagnostics,
 ) -> Checked<Sym> {
@@ -106,12 +119,25 @@ fn switch(
         let sign = if value == 0.0 { 0.0 } else { value.signum() };
         return Ok(Sym::number(if kink { value.abs() } else { sign }));
     }
-    let known = scope.switches.iter();
-    let mut known = known.filter(|known| known.function == function && known.kink == kink);
-    if let Some(known) = known.next() {
-        return Ok(Sym::variable(known.variable));
+    for known in scope.switches.iter().filter(|known| known.kink == kink) {
+        let variable = Sym::variable(known.variable);
+        if known.function == function {
+            return Ok(variable);
+        }
+        if known.function == -function {
+            return Ok(if kink { variable } else { -variable });
+        }
     }
     let variables = graph::variables(&[function]);
+    let moving = |variable: &Variable| {
+        matches!(
+            variable,
+            Variable::Coordinate(_) | Variable::Velocity(_) | Variable::Time | Variable::Parameter(_)
+        )
+    };
+    if scope.role == Role::Record && !variables.iter().all(moving) {
+        return Ok(function.call(Function::Sign));
+    }
     let wrong = variables.iter().find_map(|variable| match variable {
         Variable::Switch(_) => Some((
             "E12",
@@ -131,17 +157,18 @@ fn switch(
         )
     });
     let still = "depends on nothing that changes, so that it never switches; write a parameter of 1 or -1 in its place";
-    if let Some((code, why)) = wrong.or((!moves).then_some(("E07", still))) {
-        let message = format!("what `{whole}` switches by {why}");
-        return Err(diagnostics.report(code, whole.place, message));
+    let still = (!moves && scope.role != Role::Record).then_some(("E07", still));
+    if let Some((code, why)) = wrong.or(still) {
+        let message = format!("what `{shown}` switches by {why}");
+        return Err(diagnostics.report(code, place, message));
     }
     let variable = Variable::Switch(scope.switches.len() as u16);
     scope.switches.push(Switch {
         variable,
         function,
         kink,
-        shown: whole.to_string(),
-        place: whole.place,
+        shown,
+        place,
     });
     Ok(Sym::variable(variable))
 }

@@ -8,6 +8,7 @@ mod pages;
 mod sensitivities;
 mod shown;
 mod slips;
+mod states;
 mod stumbles;
 mod texts;
 mod tokens;

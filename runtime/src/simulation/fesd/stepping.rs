@@ -350,8 +350,10 @@ fn recover(
         let jammed = Stop::Mode(ModeError::Jammed);
         return Err(diagnosis::stopped(driver, step.number, &jammed));
     }
-    // The program knows no edges.
-    if mode || not_finite || edge(driver.setup.model).is_some() {
+    // The program knows neither edges nor switches.
+    let mut declared = driver.setup.model.declaration().contacts.iter();
+    let switches = declared.any(|known| known.switch.is_some());
+    if mode || not_finite || switches || edge(driver.setup.model).is_some() {
         return Err(diagnosis::stopped(driver, step.number, &stop));
     }
     program::solve_program(driver, end, watch)
