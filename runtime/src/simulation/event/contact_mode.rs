@@ -398,7 +398,7 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
         let (_, acceleration) = dynamics.contact_accelerations(i, &slope[n..2 * n]);
         let rests = dynamics.sliding_velocity(i).abs() <= dynamics.zero_sliding_velocity(i)
             && acceleration.abs() <= BIACTIVE * dynamics.sliding_acceleration_scale(i);
-        if rests && motion::holds(dynamics, i) {
+        if rests && !dynamics.passes(i) && motion::holds(dynamics, i) {
             *state = ContactState::Held(Some(direction));
         }
     }
