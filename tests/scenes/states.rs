@@ -353,3 +353,67 @@ fn optimal_control_knows_states() {
     let solution = solve(&scene).intervals(10).run().expect("a solution");
     assert!((solution.objective - 2.0).abs() < 1e-8, "{}", solution.objective);
 }
+
+/// Numbers between -1 and 1 with two decimals.
+struct Random(u64);
+
+impl Random {
+    fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 40) as f64 / f64::from(1 << 23) - 1.0) * 100.0
+    }
+
+    fn factor(&mut self) -> String {
+        format!("({:.2})", self.number().round() / 100.0)
+    }
+
+    /// A linear function of three states, and the time.
+    fn linear(&mut self) -> String {
+        let terms = ["x", "y", "z", "sin(2*t)"].map(|name| format!("{}*{name}", self.factor()));
+        format!("{} + {}", terms.join(" + "), self.factor())
+    }
+}
+
+#[test]
+fn random_relays_and_kinks_agree_with_the_event_driven_method() {
+    let (mut solved, mut slides, mut crosses) = (0, 0, 0);
+    for seed in 0..24 {
+        let mut random = Random(seed);
+        let switches = [
+            format!("2*sign({})", random.linear()),
+            format!("if {} >= 0 {{ 1 }} else {{ -1 }}", random.linear()),
+            format!("2*max({}, 0)", random.linear()),
+        ];
+        let rates = ["x", "y", "z"].map(|name| {
+            let acting: Vec<String> = (0..3).map(|k| format!("{}*s{k}", random.factor())).collect();
+            format!("{name}: {} - {name} + {}", random.linear(), acting.join(" + "))
+        });
+        let lets: Vec<String> = switches.iter().enumerate().map(|(k, s)| format!("let s{k} = {s}")).collect();
+        let text = format!(
+            "states {{ x, y, z }} {} rates {{ {} }} start {{ x: {}, y: {}, z: {} }} horizon 4",
+            lets.join(" "),
+            rates.join(", "),
+            random.factor(),
+            random.factor(),
+            random.factor(),
+        );
+        let scene = of_text("scene.hang", &text).expect("a scene");
+        let mut fesd = simulate(&scene).run().expect("a run");
+        let event = simulate(&scene).method(EventDriven::default()).run().expect("a run");
+        // A motion that is not unique is so for both.
+        assert_eq!(fesd.status.is_solved(), event.status.is_solved(), "{text}: {} {}", fesd.status, event.status);
+        if !fesd.status.is_solved() {
+            continue;
+        }
+        solved += 1;
+        slides += fesd.events.iter().filter(|event| event.kind == EventKind::Slide).count();
+        crosses += fesd.events.iter().filter(|event| event.kind == EventKind::Switch).count();
+        let (one, other) = (fesd.trajectory.v.pop().expect("an end"), event.trajectory.v.last().expect("an end"));
+        let size = other.iter().fold(1.0_f64, |size, value| size.max(value.abs()));
+        for (a, b) in one.iter().zip(other) {
+            // Both promise 1e-6 of the largest values.
+            assert!((a - b).abs() < 2e-6 * size, "{text}: {one:?} {other:?}");
+        }
+    }
+    assert!(solved == 24 && slides > 10 && crosses > 50, "{solved} solved, {slides} slide, {crosses} switch");
+}

@@ -15,7 +15,10 @@ use super::switch;
 use crate::model::Switching;
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
-pub(super) const BIACTIVE: f64 = 1e-8;
+const BIACTIVE: f64 = 1e-8;
+
+/// Most times that the sides of switches are chosen again, as what they change elsewhere is known.
+const ROUNDS: usize = 4;
 
 /// A condition whose two sides both vanish in accelerations.
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +52,7 @@ pub(crate) fn select(
         active.clear();
         return Ok(());
     }
-    let solved = switch::sided(contacts, x, &touching, time)?;
+    let solved = Solved::sided(contacts, x, &touching, time)?;
     let Sorted {
         mut strict,
         mut undecided,
@@ -68,7 +71,7 @@ pub(crate) fn select(
 }
 
 /// Forces and accelerations of the contacts that touch: their normals, then the tangents of the cones.
-pub(super) struct Solved {
+struct Solved {
     touching: Vec<usize>,
     lines: Vec<Line>,
     cones: Vec<Cone>,
@@ -87,7 +90,7 @@ struct Sorted {
 }
 
 impl Solved {
-    pub(super) fn new(
+    fn new(
         contacts: &Contacts<'_>,
         touching: Vec<usize>,
         time: f64,
@@ -115,8 +118,40 @@ impl Solved {
         })
     }
 
+    /// The same with the sides of the switches that are passed now.
+    fn sided(
+        contacts: &mut Contacts<'_>,
+        x: &[f64],
+        touching: &[usize],
+        time: f64,
+    ) -> Result<Self, ModeError> {
+        contacts.sides.fill(0.0);
+        let passed: Vec<usize> = touching
+            .iter()
+            .copied()
+            .filter(|&i| contacts.switch(i) == Some(Switching::Passes))
+            .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
+            .collect();
+        let mut motion = contacts.free_acceleration().to_vec();
+        for _ in 0..ROUNDS {
+            let before = contacts.sides.clone();
+            for &i in &passed {
+                let scale = contacts.tangential_scale(i);
+                let (_, time_scale) = difference_step(contacts, x, (&motion, scale));
+                let zero = BIACTIVE * scale;
+                contacts.sides[i] = switch::side(contacts, i, x, (&motion, time_scale), zero);
+            }
+            let solved = Self::new(contacts, touching.to_vec(), time)?;
+            if contacts.sides == before {
+                return Ok(solved);
+            }
+            motion = solved.motion(contacts);
+        }
+        Self::new(contacts, touching.to_vec(), time)
+    }
+
     /// The acceleration of the motion with the forces.
-    pub(super) fn motion(&self, contacts: &Contacts<'_>) -> Vec<f64> {
+    fn motion(&self, contacts: &Contacts<'_>) -> Vec<f64> {
         let mut motion = contacts.free_acceleration().to_vec();
         for (&line, &force) in self.lines.iter().zip(&self.forces) {
             contacts.push(line, force, &mut motion);
@@ -322,7 +357,7 @@ fn from_rest(margin: f64, slip: f64, zero: f64) -> Option<Tangential> {
 
 /// Step of a central difference along the motion with the acceleration `motion`, beside accelerations of the size `scale`,
 /// and the motion's own time scale: truncation and rounding errors are both near 1e-10 for a step of 1e-5 of it.
-pub(super) fn difference_step(
+fn difference_step(
     contacts: &Contacts<'_>,
     x: &[f64],
     (motion, scale): (&[f64], f64),

@@ -4,61 +4,27 @@
 //! held at its zero nor does its sign change the rate of its function, so that this rate says which side comes next.
 
 use super::active_contact::ActiveContact;
-use super::contact_mode::{BIACTIVE, Solved, difference_step};
 use super::contacts::{Contacts, Line, ModeError};
-use crate::model::{Switching, switching_terms, tangent_point};
-
-/// Most times that the sides of switches are chosen again, as what they change elsewhere is known.
-const ROUNDS: usize = 4;
+use crate::model::{switching_terms, tangent_point};
 
 /// Share of the time scale of the motion after which a function is looked at whose rate vanishes with it: the square of it is far
 /// above rounding.
 const LATER: f64 = 1e-3;
 
-/// The forces of the contacts that touch, with the sides of the switches that are passed now.
-pub(super) fn sided(
-    contacts: &mut Contacts<'_>,
+/// The side of a switch whose function vanishes at `x`, where the motion has the acceleration `motion` and this time scale: the sign of
+/// its rate, and where that is none, below `zero`, of the function a little later; the side of before, if that says nothing.
+pub(super) fn side(
+    contacts: &Contacts<'_>,
+    contact: usize,
     x: &[f64],
-    touching: &[usize],
-    time: f64,
-) -> Result<Solved, ModeError> {
-    contacts.sides.fill(0.0);
-    let passed: Vec<usize> = touching
-        .iter()
-        .copied()
-        .filter(|&i| contacts.switch(i) == Some(Switching::Passes))
-        .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
-        .collect();
-    if passed.is_empty() {
-        return Solved::new(contacts, touching.to_vec(), time);
-    }
-    let mut motion = contacts.free_acceleration().to_vec();
-    for _ in 0..ROUNDS {
-        let before = contacts.sides.clone();
-        for &i in &passed {
-            contacts.sides[i] = side(contacts, i, x, &motion);
-        }
-        // What was tried elsewhere is undone.
-        contacts.evaluate(x, touching.iter().copied());
-        let solved = Solved::new(contacts, touching.to_vec(), time)?;
-        if contacts.sides == before {
-            return Ok(solved);
-        }
-        motion = solved.motion(contacts);
-    }
-    Solved::new(contacts, touching.to_vec(), time)
-}
-
-/// The side of a switch whose function vanishes at `x`, where the motion has the acceleration `motion`: the sign of its rate, and where
-/// that vanishes too, of the function a little later; the side of before, if that says nothing.
-fn side(contacts: &mut Contacts<'_>, contact: usize, x: &[f64], motion: &[f64]) -> f64 {
+    (motion, time_scale): (&[f64], f64),
+    zero: f64,
+) -> f64 {
     let rate = contacts.sliding_acceleration(contact, motion);
-    let scale = contacts.tangential_scale(contact);
-    if rate.abs() > BIACTIVE * scale {
+    if rate.abs() > zero {
         return rate.signum();
     }
     let n = contacts.n;
-    let (_, time_scale) = difference_step(contacts, x, (motion, scale));
     let step = LATER * time_scale;
     let mut later = x.to_vec();
     for k in 0..n {

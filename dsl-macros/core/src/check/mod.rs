@@ -72,7 +72,7 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
         Statement::Parameters(_) => Ok(()),
         Statement::Coordinates(quantities) => values::bounds(checker, quantities, false),
         Statement::Controls(quantities) => values::bounds(checker, quantities, true),
-        Statement::States(quantities) => states::bounds(checker, quantities),
+        Statement::States(quantities) => values::bounds_of_states(checker, quantities),
         Statement::Rates(assignments) => states::rates(checker, assignments),
         Statement::Let { name, value } => abbreviation(checker, name, value),
         Statement::Function {

@@ -48,7 +48,13 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
             _ => {}
         }
     }
-    states::declare_all(checker, statements);
+    // Behind all coordinates.
+    checker.scope.first_state = checker.coordinates.len() as u16;
+    for statement in statements {
+        if let Statement::States(quantities) = statement {
+            declare(checker, quantities, state);
+        }
+    }
 }
 
 fn declare(
@@ -155,7 +161,30 @@ fn coordinate(checker: &mut Checker<'_>, quantity: &Quantity, control: bool) -> 
     Ok(())
 }
 
-pub(super) fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {
+fn state(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
+    let name = &quantity.name;
+    checker.new_name(name, "state")?;
+    room(checker, name, checker.states.len())?;
+    if let Some(value) = &quantity.value {
+        let message = format!(
+            "initial values belong to `start {{ {}: ... }}`; leave `= ...` out",
+            name.text
+        );
+        checker.diagnostics.syntax(value.place, message);
+    }
+    let unit = quantity.unit.clone();
+    let sym = Sym::variable(states::variable(checker, checker.states.len()));
+    declare_value(checker, name, sym.scaled(scene::scale(unit.as_ref())));
+    checker.states.push(Coordinate {
+        name: name.clone(),
+        unit,
+        documentation: quantity.documentation.clone(),
+        bounds: None,
+    });
+    Ok(())
+}
+
+fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {
     if taken < MOST {
         return Ok(());
     }
@@ -166,7 +195,7 @@ pub(super) fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Chec
     Err(error)
 }
 
-pub(super) fn declare_value(checker: &mut Checker<'_>, name: &Name, sym: Sym) {
+fn declare_value(checker: &mut Checker<'_>, name: &Name, sym: Sym) {
     checker
         .scope
         .names

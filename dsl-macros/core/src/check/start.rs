@@ -48,7 +48,7 @@ pub(super) fn gaps(
         return;
     }
     let n = checker.coordinates.len();
-    let [q, v] = states::of_coordinates(start, n);
+    let [q, v] = states::of_coordinates(&start.declared, n);
     let parameters = checker
         .parameters
         .iter()

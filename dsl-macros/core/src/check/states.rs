@@ -4,56 +4,15 @@
 //! velocities knows states, and nothing else is solved for.
 
 use super::checker::Checker;
-use super::names;
-use super::values::{self, StartValues};
-use crate::ast::{Assignment, Name, Quantity, Statement, WrittenUnit};
+use crate::ast::{Assignment, Name, WrittenUnit};
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
 use crate::evaluate::expression;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Condition, Coordinate};
 use hangtime_units::Unit;
 
-/// Declares the states of all statements; the coordinates are known.
-pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
-    checker.scope.first_state = checker.coordinates.len() as u16;
-    for statement in statements {
-        let Statement::States(quantities) = statement else {
-            continue;
-        };
-        for quantity in quantities {
-            // Reported where it fails; the others are declared all the same.
-            if declare(checker, quantity).is_err() {
-                checker.diagnostics.poison(&quantity.name.text);
-            }
-        }
-    }
-}
-
-fn declare(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
-    let name = &quantity.name;
-    checker.new_name(name, "state")?;
-    names::room(checker, name, checker.states.len())?;
-    if let Some(value) = &quantity.value {
-        let message = format!(
-            "initial values belong to `start {{ {}: ... }}`; leave `= ...` out",
-            name.text
-        );
-        checker.diagnostics.syntax(value.place, message);
-    }
-    let unit = quantity.unit.clone();
-    let sym = Sym::variable(variable(checker, checker.states.len()));
-    names::declare_value(checker, name, sym.scaled(scene::scale(unit.as_ref())));
-    checker.states.push(Coordinate {
-        name: name.clone(),
-        unit,
-        documentation: quantity.documentation.clone(),
-        bounds: None,
-    });
-    Ok(())
-}
-
 /// The variable of a state.
-fn variable(checker: &Checker<'_>, state: usize) -> Variable {
+pub(super) fn variable(checker: &Checker<'_>, state: usize) -> Variable {
     Variable::Velocity(checker.scope.first_state + state as u16)
 }
 
@@ -61,20 +20,6 @@ fn variable(checker: &Checker<'_>, state: usize) -> Variable {
 pub(super) fn index(checker: &Checker<'_>, name: &Name) -> Option<usize> {
     let mut states = checker.states.iter();
     states.position(|known| known.name.text == name.text)
-}
-
-/// Bounds of states.
-pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Checked<()> {
-    for quantity in quantities {
-        let (Some(state), Some(bounds)) = (index(checker, &quantity.name), &quantity.bounds) else {
-            continue;
-        };
-        let (name, unit) = (&quantity.name.text, quantity.unit.as_ref());
-        if let Ok(range) = values::range(checker, bounds, unit, name) {
-            checker.states[state].bounds = Some(range);
-        }
-    }
-    Ok(())
 }
 
 /// What states change by.
@@ -164,28 +109,6 @@ pub(super) fn momenta(checker: &mut Checker<'_>, lagrangian: Sym, place: Place) 
     Err(checker.diagnostics.report("E04", place, message))
 }
 
-/// The start value of a state: writes it to its place in `(q, v)`.
-pub(super) fn start_value(
-    checker: &mut Checker<'_>,
-    assignment: &Assignment,
-    state: usize,
-) -> Checked<(usize, Sym)> {
-    let name = &assignment.target;
-    if assignment.velocity {
-        let message = format!(
-            "`{0}` is a state, whose rate stands in `rates`; its start value is written `{0}: ...`",
-            name.text
-        );
-        return Err(checker.diagnostics.syntax(name.place(), message));
-    }
-    let unit = checker.states[state].unit.clone();
-    let value = values::start_number(checker, &assignment.value, unit.as_ref(), &name.text)?;
-    if let Some(bounds) = checker.states[state].bounds {
-        checker.within(value, bounds, assignment.value.place, &name.text);
-    }
-    Ok((place(checker, state), value))
-}
-
 /// The place of a state in `(q, v)`.
 pub(super) fn place(checker: &Checker<'_>, state: usize) -> usize {
     let n = checker.coordinates.len();
@@ -242,12 +165,14 @@ fn times_second(unit: &WrittenUnit) -> WrittenUnit {
     }
 }
 
-/// The start values `(q, v)` of the declared coordinates: of those behind them nothing is declared.
-pub(super) fn of_coordinates(start: &StartValues, coordinates: usize) -> [Vec<Sym>; 2] {
-    let n = start.declared.len() / 2;
+/// The start values of the coordinates of a mechanism and of their velocities, among the declared ones `(q, v)`.
+pub(super) fn of_coordinates(
+    declared: &[Option<(Sym, Place)>],
+    coordinates: usize,
+) -> [Vec<Sym>; 2] {
     let value = |value: &Option<(Sym, Place)>| value.map_or(Sym::ZERO, |(value, _)| value);
-    [0, n].map(|begin| {
-        let values = start.declared[begin..begin + coordinates].iter();
+    [0, declared.len() / 2].map(|begin| {
+        let values = declared[begin..begin + coordinates].iter();
         values.map(value).collect()
     })
 }

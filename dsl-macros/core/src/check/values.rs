@@ -83,6 +83,24 @@ pub(super) fn bounds(
     Ok(())
 }
 
+/// Bounds of states.
+pub(super) fn bounds_of_states(
+    checker: &mut Checker<'_>,
+    quantities: &[Quantity],
+) -> Checked<()> {
+    for quantity in quantities {
+        let state = states::index(checker, &quantity.name);
+        let (Some(state), Some(bounds)) = (state, &quantity.bounds) else {
+            continue;
+        };
+        let (name, unit) = (&quantity.name.text, quantity.unit.as_ref());
+        if let Ok(range) = range(checker, bounds, unit, name) {
+            checker.states[state].bounds = Some(range);
+        }
+    }
+    Ok(())
+}
+
 /// E17: bounds in the declared unit. A unit behind the upper bound is meant for both: `0.3..=0.5 [m]`.
 pub(super) fn range(
     checker: &mut Checker<'_>,
@@ -302,7 +320,7 @@ pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
     let mut failed = false;
     for assignment in std::mem::take(&mut checker.start) {
         let value = match states::index(checker, &assignment.target) {
-            Some(state) => states::start_value(checker, &assignment, state),
+            Some(state) => state_start(checker, &assignment, state),
             None => coordinate_start(checker, &assignment, n),
         };
         let Ok((slot, value)) = value else {
@@ -344,8 +362,30 @@ fn coordinate_start(
     Ok((index, value))
 }
 
+/// The start value of a state, and its place in `(q, v)`.
+fn state_start(
+    checker: &mut Checker<'_>,
+    assignment: &Assignment,
+    state: usize,
+) -> Checked<(usize, Sym)> {
+    let name = &assignment.target;
+    if assignment.velocity {
+        let message = format!(
+            "`{0}` is a state, whose rate stands in `rates`; its start value is written `{0}: ...`",
+            name.text
+        );
+        return Err(checker.diagnostics.syntax(name.place(), message));
+    }
+    let unit = checker.states[state].unit.clone();
+    let value = start_number(checker, &assignment.value, unit.as_ref(), &name.text)?;
+    if let Some(bounds) = checker.states[state].bounds {
+        checker.within(value, bounds, assignment.value.place, &name.text);
+    }
+    Ok((states::place(checker, state), value))
+}
+
 /// A start value in the unit of what is `shown`.
-pub(super) fn start_number(
+fn start_number(
     checker: &mut Checker<'_>,
     value: &Expr,
     unit: Option<&WrittenUnit>,

@@ -1,7 +1,6 @@
 //! `max`, `min` and `|x|`, which may stand in a surface, and in what is recorded and drawn.
 
-use super::kink::Kink;
-use super::switch;
+use super::kink::{Kink, has_switch};
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::{Expr, Kind};
@@ -166,7 +165,7 @@ pub(super) fn differentiable(
     diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
     let edge = |variable| scope.kinks.iter().any(|kink| kink.variable == variable);
-    let switches = switch::has_switch(components);
+    let switches = has_switch(components);
     if !switches && !graph::variables(components).into_iter().any(edge) && !has_edge(components) {
         return Ok(());
     }

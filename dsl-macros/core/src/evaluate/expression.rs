@@ -305,7 +305,7 @@ fn norm(
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     match value(scope, inner, diagnostics)? {
-        Value::Scalar(part) if switch::admitted(scope) => {
+        Value::Scalar(part) if scope.may_switch() => {
             switch::size(scope, whole, part, diagnostics)
         }
         Value::Scalar(part) if edges::admitted(scope.role) => {
@@ -381,7 +381,7 @@ fn call(
              is its velocity then",
         ));
     }
-    if switch::is_switch(text) && switch::admitted(scope) || switch::may_jump(scope, text) {
+    if switch::is_switch(text) && scope.may_switch() || switch::may_jump(scope, text) {
         let parts: Vec<Checked<Sym>> = arguments
             .iter()
             .map(|argument| scalar(scope, argument, diagnostics))

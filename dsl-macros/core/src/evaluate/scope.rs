@@ -1,7 +1,6 @@
 //! Names in force: what they stand for, and what is said of those that are not declared.
 
-use super::kink::Kink;
-use super::switch::{self, Switch};
+use super::kink::{Kink, Switch, has_switch};
 use super::value::Value;
 use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
@@ -127,8 +126,8 @@ impl Scope {
             }
             Some(Meaning::Value(value))
                 if self.role != Role::Record
-                    && !switch::admitted(self)
-                    && switch::has_switch(value.components()) =>
+                    && !self.may_switch()
+                    && has_switch(value.components()) =>
             {
                 let message = format!(
                     "`{}` contains a switch, which belongs to `forces`, `rates` and `outputs` only; everywhere else use \
@@ -254,6 +253,11 @@ impl Scope {
             }
         };
         diagnostics.report("E01", function.place(), message)
+    }
+
+    /// Whether switches may stand here: in forces and rates, and in what is given a name for them.
+    pub(super) fn may_switch(&self) -> bool {
+        self.role == Role::Motion && (self.acts || self.defers)
     }
 
     /// Whether a name is an output with such contents.

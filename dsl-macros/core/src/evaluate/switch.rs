@@ -1,6 +1,7 @@
 //! `sign`, `step`, `if`, `max`, `min` and `|x|` in what acts: switches, which a variable stands for until it is known what they
 //! act on.
 
+use super::kink::Switch;
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::Expr;
@@ -8,34 +9,10 @@ use crate::diagnostics::{Checked, Diagnostics, Place};
 use crate::graph::{self, Compose, Function, Sym, Variable};
 use crate::words;
 
-/// A function of the motion whose sign switches what acts.
-#[derive(Clone)]
-pub(crate) struct Switch {
-    /// What stands for the sign of `function`, or for its size where it is a kink.
-    pub(crate) variable: Variable,
-    pub(crate) function: Sym,
-    /// Whether only the derivative of what acts jumps.
-    pub(crate) kink: bool,
-    /// As written.
-    pub(crate) shown: String,
-    pub(crate) place: Place,
-}
-
-/// Whether switches may stand here: in forces and rates, and in what is given a name for them.
-pub(super) fn admitted(scope: &Scope) -> bool {
-    scope.role == Role::Motion && (scope.acts || scope.defers)
-}
-
 /// Whether a jump may stand here: where switches may, and in what is recorded.
 pub(super) fn may_jump(scope: &Scope, text: &str) -> bool {
     let jumps = words::JUMPS.contains(&text) || text == words::IF;
     scope.role == Role::Record && jumps
-}
-
-/// Whether a value contains a switch.
-pub(super) fn has_switch(components: &[Sym]) -> bool {
-    let mut variables = graph::variables(components).into_iter();
-    variables.any(|variable| matches!(variable, Variable::Switch(_)))
 }
 
 /// Whether a function is a switch where those may stand.
