@@ -3,7 +3,7 @@
 use hangtime::model::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
     FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration, Kernel,
-    OptimalControlDeclaration, ParameterDeclaration, Picture, Shape, SparsityPattern,
+    OptimalControlDeclaration, ParameterDeclaration, Picture, Shape, SparsityPattern, Switching,
     VariableDeclaration,
 };
 use hangtime_dsl::description::{
@@ -34,6 +34,7 @@ pub(crate) fn of(scene: &Description) -> &'static Declaration {
         parameters: list(parameters),
         coordinates: list(scene.coordinates.iter().map(variable)),
         controls: list(scene.controls.iter().map(variable)),
+        states: list(scene.states.iter().map(variable)),
         contacts: list(scene.contacts.iter().map(contact)),
         joints: scene.joints.as_ref().map(joints),
         explicit_time: scene.explicit_time,
@@ -134,6 +135,10 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         },
         friction,
         dry: contact.dry,
+        switch: contact.switch.map(|passes| match passes {
+            true => Switching::Passes,
+            false => Switching::Slides,
+        }),
         custom_direction: contact.custom_direction,
         held: list(contact.held.iter().copied()),
         sequence: contact.sequence,

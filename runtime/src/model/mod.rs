@@ -31,12 +31,18 @@
 //! impacts: its normal force is the declared bound `f(q, t)`, so that `r_i = D_i f` is given and `|s_i| <= r_i`. The factor
 //! `D_i > 0` is a scale: `e_i = M^-1 b_i / D_i` for any other would be the same friction.
 //!
+//! A *switch* of what acts ([`Switching`]) is dry friction as well, in another direction.
+//!
 //! A contact that *holds* coordinates acts on the system in which those are locked: `M^-1` in `w`, `D` and `e`
 //! is then the inverse inertia of that system, with zeros in the rows and columns of the held coordinates.
 //!
 //! *Joints* ([`JointsDeclaration`]) are equations that hold all along the motion. `M^-1` is then what it is of the system in which they do,
 //! `M^-1 - M^-1 G' (G M^-1 G')^-1 G M^-1`, in `a`, `w`, `D` and `e` alike, so that whatever acts on a mechanism acts on it as it
 //! can move.
+//!
+//! *States of first order*, `z' = f(q, v, z, u, t)`, are the velocities of coordinates behind those of the mechanism
+//! ([`Declaration::states`]): coordinates of unit mass, on which `f` is the force and which no function reads. They are continuous
+//! through impacts since no contact direction has entries there.
 //!
 //! Every kernel reads one *input vector* `x = (q, v, u)`, with the physical time appended if the
 //! scene depends on it explicitly ([`Declaration::explicit_time`]).
@@ -49,15 +55,17 @@ mod parameter_derivatives;
 mod picture;
 mod pieces;
 pub(crate) mod rounding;
+mod switching;
 
 pub(crate) use control_piece::ControlPiece;
 pub(crate) use joint::joint_rows;
 pub(crate) use pieces::{Pieces, edge};
+pub(crate) use switching::terms as switching_terms;
 
 pub use declaration::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
     FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
-    SparsityPattern, VariableDeclaration,
+    SparsityPattern, Switching, VariableDeclaration,
 };
 pub use held::{Given, Held};
 pub use joint::{JointDeclaration, JointsDeclaration};

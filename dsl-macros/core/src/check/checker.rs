@@ -43,6 +43,9 @@ pub(super) struct Checker<'a> {
     pub(super) free_parameters: Vec<scene::FreeParameter>,
     pub(super) coordinates: Vec<Coordinate>,
     pub(super) controls: Vec<Coordinate>,
+    pub(super) states: Vec<Coordinate>,
+    /// Rates in SI units, by state.
+    pub(super) rates: Vec<(usize, Sym)>,
     pub(super) abbreviations: Vec<Abbreviation>,
     pub(super) lagrangian: Option<(Sym, Place)>,
     pub(super) dissipation: Option<Sym>,
@@ -133,6 +136,9 @@ impl Checker<'_> {
         };
         match variable {
             Variable::Coordinate(i) => format!("the coordinate `{}`", name(&self.coordinates, i)),
+            Variable::Velocity(i) if i >= self.scope.first_state => {
+                format!("the state `{}`", name(&self.states, i - self.scope.first_state))
+            }
             Variable::Velocity(i) => format!("the velocity `dot({})`", name(&self.coordinates, i)),
             Variable::Control(i) => format!("the control `{}`", name(&self.controls, i)),
             Variable::Time => "the time `t`".to_owned(),
@@ -144,6 +150,7 @@ impl Checker<'_> {
             }
             Variable::JointForce(_) => "the force of a joint".to_owned(),
             Variable::Sum(_) => "a sum over impacts".to_owned(),
+            Variable::Switch(_) => "a switch".to_owned(),
             _ => "a parameter".to_owned(),
         }
     }
@@ -260,7 +267,13 @@ impl Checker<'_> {
             .map(|known| known.name.text.clone())
             .collect();
         let names = || names.iter().map(String::as_str);
-        let message = if self.scope.names.contains_key(&name.text) {
+        let mut states = self.states.iter();
+        let message = if states.any(|known| known.name.text == name.text) {
+            format!(
+                "`{0}` is a state, not a coordinate; what it changes by stands in `rates {{ {0}: ... }}`",
+                name.text
+            )
+        } else if self.scope.names.contains_key(&name.text) {
             format!(
                 "`{}` is not a coordinate (coordinates: {})",
                 name.text,

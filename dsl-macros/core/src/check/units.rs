@@ -134,7 +134,10 @@ pub(super) fn inferred(
 
 fn declares_units(scene: &Scene) -> bool {
     scene.statements.iter().any(|statement| match statement {
-        Statement::Parameters(list) | Statement::Coordinates(list) | Statement::Controls(list) => {
+        Statement::Parameters(list)
+        | Statement::Coordinates(list)
+        | Statement::Controls(list)
+        | Statement::States(list) => {
             list.iter().any(|quantity| quantity.unit.is_some())
         }
         _ => false,

@@ -5,6 +5,9 @@
 //! ```text
 //! M = d2L/dv2          r = dL/dq + Q - (d2L/dv dq) v - d2L/dv dt          M a = r
 //! ```
+//!
+//! A state of first order, `z' = f`, is the velocity of a coordinate of unit mass that nothing reads, and `f` the force on it: a
+//! row `1 z' = f` that no other one is coupled to by the mass matrix.
 
 mod contact;
 mod control;
@@ -73,7 +76,12 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let inputs = inputs(scene);
     let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
     let lagrangian = scene.lagrangian;
-    let momenta = graph::gradient(lagrangian, velocities);
+    let mechanical = scene.mechanical();
+    let mut momenta = graph::gradient(lagrangian, &velocities[..mechanical]);
+    let energy = energy(lagrangian, &momenta, &velocities[..mechanical]);
+    // A state is the velocity of a coordinate of unit mass.
+    let states = &velocities[mechanical..];
+    momenta.extend(states.iter().copied().map(Sym::variable));
     let mass = mass_matrix(&momenta, velocities)?;
     let moving = held::moving(scene);
     let mut conservative = graph::gradient(lagrangian, coordinates);
@@ -93,7 +101,6 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
             simplify(simplify_equation(conservative - transport) + simplify_equation(force))
         })
         .collect();
-    let energy = energy(lagrangian, &momenta, velocities);
     let joints = joint::rows(scene);
     let inertia = implicit::Locked {
         mass: &mass,
@@ -214,9 +221,7 @@ fn mass_matrix(momenta: &[Sym], velocities: &[Variable]) -> Result<Vec<Sym>, Fai
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.
 fn energy(lagrangian: Sym, momenta: &[Sym], velocities: &[Variable]) -> [Sym; 2] {
     let at_rest = |values: &[Sym]| {
-        graph::substitute(values, |variable| {
-            matches!(variable, Variable::Velocity(_)).then_some(Sym::ZERO)
-        })
+        graph::substitute(values, |variable| velocities.contains(&variable).then_some(Sym::ZERO))
     };
     let rest = at_rest(&[lagrangian])[0];
     // Without terms linear in the velocities, the kinetic energy is what the Lagrangian says.

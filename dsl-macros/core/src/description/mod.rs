@@ -47,10 +47,12 @@ pub struct Description {
     pub documentation: String,
     /// Parameters in order of declaration.
     pub parameters: Vec<Parameter>,
-    /// Coordinates in order of declaration.
+    /// Coordinates in order of declaration, and behind them one for each state, whose velocity the state is.
     pub coordinates: Vec<Variable>,
     /// Controls in order of declaration.
     pub controls: Vec<Variable>,
+    /// States of first order, in order of declaration.
+    pub states: Vec<Variable>,
     /// Whether the physical time is the last component of the input vector.
     pub explicit_time: bool,
     /// The derived equations, left and right sides, as a person would write them.
@@ -166,6 +168,7 @@ impl Description {
             parameters: scene.parameters.iter().map(Parameter::of).collect(),
             coordinates: scene.coordinates.iter().map(Variable::of).collect(),
             controls: scene.controls.iter().map(Variable::of).collect(),
+            states: scene.states.iter().map(Variable::of).collect(),
             explicit_time: scene.explicit_time,
             equations: Vec::new(),
             given,

@@ -85,6 +85,8 @@ fn statement(
             diagnostics,
         )?)),
         "controls" => Ok(Statement::Controls(quantities(cursor, &word, diagnostics)?)),
+        "states" => Ok(Statement::States(quantities(cursor, &word, diagnostics)?)),
+        "rates" => Ok(Statement::Rates(assignments(cursor, &word, diagnostics)?)),
         "let" => {
             let name = name(cursor, "the name of the abbreviation", diagnostics)?;
             let value = equals(cursor, diagnostics).and_then(|()| expression(cursor, diagnostics));

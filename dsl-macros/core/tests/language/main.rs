@@ -10,6 +10,7 @@ mod pages;
 mod sensitivities;
 mod shown;
 mod slips;
+mod states;
 mod stumbles;
 mod texts;
 mod tokens;
