@@ -150,9 +150,16 @@ fn tables(
         if !coordinates.is_empty() {
             text += &table(["coordinate", "value", "", "velocity", ""], rows);
         }
-        let states = declaration.states.iter().zip(&v[declaration.mechanical()..]);
+        let states = declaration
+            .states
+            .iter()
+            .zip(&v[declaration.mechanical()..]);
         let rows = states.map(|(known, value)| {
-            let unit = if known.unit.is_empty() { "1" } else { known.unit };
+            let unit = if known.unit.is_empty() {
+                "1"
+            } else {
+                known.unit
+            };
             vec![known.name.to_owned(), digits(*value), unit.to_owned()]
         });
         if !declaration.states.is_empty() {

@@ -601,7 +601,6 @@ impl Model for TextScene {
     }
 }
 
-
 /// A scene whose Jacobians have columns for parameters.
 struct TextDerivatives {
     scene: TextScene,

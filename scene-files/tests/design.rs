@@ -29,7 +29,10 @@ fn given(text: &str, intervals: usize, values: &[(&str, f64)]) -> f64 {
     }
     let solution = solve(&scene).settings(settings).intervals(intervals).run();
     let solution = solution.expect("accepted");
-    assert!(solution.parameters.is_empty() && solution.motion.is_some(), "{solution}");
+    assert!(
+        solution.parameters.is_empty() && solution.motion.is_some(),
+        "{solution}"
+    );
     solution.objective
 }
 
@@ -45,7 +48,10 @@ fn lowest([a, b, c, d, e]: [f64; 5]) -> (f64, f64) {
         let slope = p + x * (q + x * (r / 2.0 + x * s / 6.0));
         x -= slope / (q + x * (r + x * s / 2.0));
     }
-    (x, c + x * (p + x * (q / 2.0 + x * (r / 6.0 + x * s / 24.0))))
+    (
+        x,
+        c + x * (p + x * (q / 2.0 + x * (r / 6.0 + x * s / 24.0))),
+    )
 }
 
 /// Compares an optimum with the best of a scan around it.
@@ -58,12 +64,27 @@ fn compare_with_scan(text: &str, intervals: usize, name: &str, step: f64) -> Sol
     let at = |k: f64| given(text, intervals, &[(name, centre + k * step)]);
     let (place, objective) = lowest([-2.0, -1.0, 0.0, 1.0, 2.0].map(at));
     let best = centre + place * step;
-    println!("{name}: {} against {best}, {} against {objective}", found.value, solution.objective);
+    println!(
+        "{name}: {} against {best}, {} against {objective}",
+        found.value, solution.objective
+    );
     let size = solution.objective.abs();
-    assert!((solution.objective - objective).abs() < 1e-6 * size, "{} {objective}", solution.objective);
+    assert!(
+        (solution.objective - objective).abs() < 1e-6 * size,
+        "{} {objective}",
+        solution.objective
+    );
     let at = given(text, intervals, &[(name, found.value)]);
-    assert!((solution.objective - at).abs() < 1e-8 * size, "{} {at}", solution.objective);
-    assert!((found.value - best).abs() < 1e-6 * found.value, "{} {best}", found.value);
+    assert!(
+        (solution.objective - at).abs() < 1e-8 * size,
+        "{} {at}",
+        solution.objective
+    );
+    assert!(
+        (found.value - best).abs() < 1e-6 * found.value,
+        "{} {best}",
+        found.value
+    );
     solution
 }
 
@@ -80,7 +101,10 @@ const RAMP: &str = "
 fn ramp_to_a_wall_is_best_at_45_degrees() {
     let solution = designed(RAMP, 2);
     let found = solution.parameters[0];
-    assert!((found.value - std::f64::consts::FRAC_PI_4).abs() < 1e-7, "{found}");
+    assert!(
+        (found.value - std::f64::consts::FRAC_PI_4).abs() < 1e-7,
+        "{found}"
+    );
     assert!((solution.objective - 2.0 * (2.0_f64 / 9.81).sqrt()).abs() < 1e-9);
     assert_eq!((found.unit, found.at_bound()), ("rad", None));
     // The motion is one of the scene, without the parameter.
@@ -98,7 +122,10 @@ fn parameter_that_ends_at_a_bound_says_so() {
     // s = g sin(angle) t^2/2 along the ramp.
     let time = (4.0 / (9.81 * 0.6_f64.sin() * 0.6_f64.cos())).sqrt();
     assert!((solution.objective - time).abs() < 1e-7);
-    assert_eq!(found.to_string(), "angle = 0.6 rad, at the upper end of its range");
+    assert_eq!(
+        found.to_string(),
+        "angle = 0.6 rad, at the upper end of its range"
+    );
 }
 
 /// A spring throws a ball from a table; a stiffer one is heavier, and flies along.
@@ -188,7 +215,11 @@ fn start_and_horizon_that_depend_on_a_parameter_move_with_it() {
     let span = 3.0 / (2.0 * 9.81);
     let [height, of_span] = [0, 1].map(|k| solution.parameters[k].value);
     assert!((of_span - span).abs() < 1e-8 && (height - 0.5 - 9.81 * span * span).abs() < 1e-8);
-    assert!((solution.horizon - 2.0 * span).abs() < 1e-8, "{}", solution.horizon);
+    assert!(
+        (solution.horizon - 2.0 * span).abs() < 1e-8,
+        "{}",
+        solution.horizon
+    );
     let motion = solution.motion.as_ref().expect("a motion");
     assert_eq!(motion.trajectory.q[0], [2.0 * height]);
 }
@@ -238,13 +269,19 @@ fn wave_number_of_a_track_is_that_of_a_scan() {
 fn compare_gradient(text: &str, intervals: usize, steps: &[(&str, f64)]) {
     let scene = scene(text);
     let names: Vec<&str> = steps.iter().map(|step| step.0).collect();
-    let solution = solve(&scene).intervals(intervals).gradient(names.clone()).run();
+    let solution = solve(&scene)
+        .intervals(intervals)
+        .gradient(names.clone())
+        .run();
     let solution = solution.expect("accepted");
     let gradient = solution.gradient.as_ref().expect("asked for");
     assert_eq!(gradient.names, names);
     for (k, &(name, step)) in steps.iter().enumerate() {
         let declared = scene.declaration().parameters;
-        let index = declared.iter().position(|known| known.name == name).expect("declared");
+        let index = declared
+            .iter()
+            .position(|known| known.name == name)
+            .expect("declared");
         let at = |offset: f64| {
             let mut moved = scene.clone();
             moved.set_parameter(index, scene.parameter(index) + offset);
@@ -257,7 +294,10 @@ fn compare_gradient(text: &str, intervals: usize, steps: &[(&str, f64)]) {
         });
         // Richardson's extrapolation of both differences.
         let wanted = [0, 1].map(|i| (4.0 * near[i] - far[i]) / 3.0);
-        let found = [gradient.objective[k], gradient.final_time[k].expect("determined")];
+        let found = [
+            gradient.objective[k],
+            gradient.final_time[k].expect("determined"),
+        ];
         println!("{name}: {found:?} {wanted:?}");
         for i in 0..2 {
             let close = (found[i] - wanted[i]).abs() < 1e-5 * wanted[i].abs().max(0.1);
@@ -268,7 +308,9 @@ fn compare_gradient(text: &str, intervals: usize, steps: &[(&str, f64)]) {
 
 #[test]
 fn gradient_of_an_optimum_agrees_with_differences_of_solves() {
-    let waves = WAVES.replace("free w: rad/m in 0.4..=1.6 = 0.8", "").replace("a: m = 0.3", "a: m = 0.3, w: rad/m = 0.8");
+    let waves = WAVES
+        .replace("free w: rad/m in 0.4..=1.6 = 0.8", "")
+        .replace("a: m = 0.3", "a: m = 0.3, w: rad/m = 0.8");
     compare_gradient(&waves, 4, &[("m", 0.01), ("a", 0.002), ("w", 0.002)]);
 }
 
@@ -286,10 +328,16 @@ hangtime::model! {
 
 #[test]
 fn compiled_scene_says_how_its_free_parameters_are_found() {
-    let ramp = Ramp { angle: 0.6, ..Ramp::default() };
+    let ramp = Ramp {
+        angle: 0.6,
+        ..Ramp::default()
+    };
     assert_eq!(ramp.free_parameters(), [2]);
     let refusal = solve(&ramp).intervals(2).run().unwrap_err().to_string();
-    assert!(refusal.contains("`angle`") && refusal.contains("of_model"), "{refusal}");
+    assert!(
+        refusal.contains("`angle`") && refusal.contains("of_model"),
+        "{refusal}"
+    );
     let scene = hangtime_scene_files::of_model(&ramp).expect("declared");
     let solution = solve(&scene).intervals(2).run().expect("accepted");
     assert!((solution.parameters[0].value - std::f64::consts::FRAC_PI_4).abs() < 1e-7);
@@ -299,17 +347,42 @@ fn compiled_scene_says_how_its_free_parameters_are_found() {
 fn what_cannot_be_done_with_free_parameters_is_refused_by_name() {
     let ramp = scene(RAMP);
     let freezing = Formulation::TimeFreezing(hangtime::ocp::TimeFreezingSettings::default());
-    let refusal = solve(&ramp).formulation(freezing).run().unwrap_err().to_string();
-    assert!(refusal.contains("the free parameter `angle` in the time-freezing formulation"), "{refusal}");
-    let refusal = solve(&ramp).gradient(["angle"]).run().unwrap_err().to_string();
-    assert!(refusal.contains("declare it in `parameters { angle = ... }`"), "{refusal}");
-    let refusal = solve(&ramp).gradient(["mass"]).run().unwrap_err().to_string();
-    assert!(refusal.contains("`mass`, which is no parameter") && refusal.contains("m, g, goal, angle"), "{refusal}");
+    let refusal = solve(&ramp)
+        .formulation(freezing)
+        .run()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refusal.contains("the free parameter `angle` in the time-freezing formulation"),
+        "{refusal}"
+    );
+    let refusal = solve(&ramp)
+        .gradient(["angle"])
+        .run()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refusal.contains("declare it in `parameters { angle = ... }`"),
+        "{refusal}"
+    );
+    let refusal = solve(&ramp)
+        .gradient(["mass"])
+        .run()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refusal.contains("`mass`, which is no parameter") && refusal.contains("m, g, goal, angle"),
+        "{refusal}"
+    );
     let mut outside = scene(RAMP);
     outside.set_parameter(3, 1.5);
     let refusal = solve(&outside).run().unwrap_err().to_string();
-    assert!(refusal.contains("free parameter `angle` = 1.5 rad: must be within its range 0.2..=1.4"), "{refusal}");
-    let pushed = scene("
+    assert!(
+        refusal.contains("free parameter `angle` = 1.5 rad: must be within its range 0.2..=1.4"),
+        "{refusal}"
+    );
+    let pushed = scene(
+        "
         parameters { m: kg = 1, most: N = 1 }
         coordinates { y: m }
         controls { u: N in -most..=most }
@@ -317,9 +390,17 @@ fn what_cannot_be_done_with_free_parameters_is_refused_by_name() {
         forces { y: u }
         minimize time
         finally { y == 1 [m] }
-    ");
-    let refusal = solve(&pushed).gradient(["most"]).run().unwrap_err().to_string();
-    assert!(refusal.contains("a bound of `u` depends on `most`"), "{refusal}");
+    ",
+    );
+    let refusal = solve(&pushed)
+        .gradient(["most"])
+        .run()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refusal.contains("a bound of `u` depends on `most`"),
+        "{refusal}"
+    );
 }
 
 #[test]
@@ -329,9 +410,15 @@ fn free_parameter_is_one_variable_of_each_program_and_nothing_else() {
         let scene = scene(text);
         let problem = Problem::of(&scene, 4);
         let sizes = program_sizes(&scene, &problem, &Settings::default()).expect("accepted");
-        sizes.iter().map(|known| [known.size().variables, known.size().equalities]).collect()
+        sizes
+            .iter()
+            .map(|known| [known.size().variables, known.size().equalities])
+            .collect()
     };
-    let plain = WAVES.replace("free w: rad/m in 0.4..=1.6 = 0.8", "parameters { w: rad/m = 0.8 }");
+    let plain = WAVES.replace(
+        "free w: rad/m in 0.4..=1.6 = 0.8",
+        "parameters { w: rad/m = 0.8 }",
+    );
     let with_one_more: Vec<[usize; 2]> = sizes(&plain).iter().map(|&[n, m]| [n + 1, m]).collect();
     assert_eq!(sizes(WAVES), with_one_more);
 }

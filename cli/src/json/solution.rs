@@ -385,11 +385,14 @@ impl<'a> SolutionDocument<'a> {
                 .filter(|cost| cost.is_finite()),
             starts: solution.starts,
             controls: &solution.controls,
-            gradient: solution.gradient.as_ref().map(|gradient| OptimumGradientEntry {
-                with_respect_to: &gradient.names,
-                objective: &gradient.objective,
-                final_time: &gradient.final_time,
-            }),
+            gradient: solution
+                .gradient
+                .as_ref()
+                .map(|gradient| OptimumGradientEntry {
+                    with_respect_to: &gradient.names,
+                    objective: &gradient.objective,
+                    final_time: &gradient.final_time,
+                }),
             residuals: solution.residuals,
             size: solution.size,
             iterations: SolutionCounts {

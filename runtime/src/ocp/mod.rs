@@ -99,8 +99,8 @@ pub use problem::{Horizon, Problem};
 pub use settings::{Formulation, Guess, PathPoints, SearchSpace, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{
-    Counts, Excess, FoundParameter, Improvement, Margin, Miss, Nearest, Optimum, OptimumGradient, RelaxedReport, Solution, Source,
-    Status, TimeFreezingReport,
+    Counts, Excess, FoundParameter, Improvement, Margin, Miss, Nearest, Optimum, OptimumGradient,
+    RelaxedReport, Solution, Source, Status, TimeFreezingReport,
 };
 pub use solve::solve;
 pub use unknown::parameter_named;

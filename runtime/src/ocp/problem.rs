@@ -64,7 +64,9 @@ impl Problem {
         let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
         model.start(&mut q, &mut v);
         let horizon = match declaration.optimal_control {
-            Some(declared) if !declared.free_time && held::place(model, Given::Horizon).is_some() => {
+            Some(declared)
+                if !declared.free_time && held::place(model, Given::Horizon).is_some() =>
+            {
                 Horizon::Free {
                     guess: model.horizon(),
                 }

@@ -50,6 +50,12 @@ pub(in crate::ocp) fn with_unknowns<'a>(
             "solve in phases, the default",
         ));
     }
+    if !scene.declaration().states.is_empty() {
+        return Err(refusal::unsupported(
+            format!("{what} of a scene with states of first order"),
+            "give the parameter a value by `--set` and compare, or state the quantity as a coordinate",
+        ));
+    }
     let model = match scene.with_held(&indices) {
         Some(Ok(model)) => model,
         Some(Err(why)) => return Err(InputError::unsupported(why)),
@@ -91,7 +97,10 @@ fn free_parameters(
                     "the derivative of an optimum by the free parameter `{}`, where it vanishes or presses against a bound,",
                     known.name
                 ),
-                format!("declare it in `parameters {{ {} = ... }}`, or leave it out", known.name),
+                format!(
+                    "declare it in `parameters {{ {} = ... }}`, or leave it out",
+                    known.name
+                ),
             ));
         }
         if settings.given_parameters.contains(&index) {

@@ -163,7 +163,10 @@ fn solve(
         });
         each.collect::<Option<Vec<_>>>()
     };
-    let exact = solver.factor(0.0, 0.0).ok().filter(|inertia| inertia.zero == 0);
+    let exact = solver
+        .factor(0.0, 0.0)
+        .ok()
+        .filter(|inertia| inertia.zero == 0);
     if exact.is_some()
         && let Some(found) = solutions(&mut solver)
     {

@@ -56,9 +56,9 @@ pub(super) fn finish(
     let read = graph::variables(&functions);
     for free in &checker.free_parameters {
         let name = &checker.parameters[usize::from(free.index)].name;
-        let message = if task.is_none_or(|task| {
-            task.running_cost.is_none() && task.final_cost.is_none()
-        }) {
+        let message = if task
+            .is_none_or(|task| task.running_cost.is_none() && task.final_cost.is_none())
+        {
             format!(
                 "free parameter `{0}` in a scene without `minimize`, so that nothing says which value is best; add an \
                  objective, or write `parameters {{ {0} = ... }}`",
@@ -100,7 +100,10 @@ pub(crate) fn without_free_bounds(
         .filter_map(|known| Some((known.name.text.as_str(), known.bounds?)))
         .collect();
     let n = scene.coordinates.len();
-    let free_start = scene.optimal_control.iter().flat_map(|task| &task.free_start);
+    let free_start = scene
+        .optimal_control
+        .iter()
+        .flat_map(|task| &task.free_start);
     declared.extend(free_start.filter_map(|&(index, bounds)| {
         Some((scene.coordinates[index % n].name.text.as_str(), bounds?))
     }));

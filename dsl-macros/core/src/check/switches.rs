@@ -27,7 +27,9 @@ pub(super) fn append(
     for switch in &switches {
         if is_smooth(switch, forces) {
             let size = switch.function.call(Function::Abs);
-            replace(forces, |variable| (variable == switch.variable).then_some(size));
+            replace(forces, |variable| {
+                (variable == switch.variable).then_some(size)
+            });
         }
     }
     let acting = graph::variables(forces);
@@ -39,7 +41,11 @@ pub(super) fn append(
     let before = checker.diagnostics.mistakes();
     for (k, switch) in acting.iter().enumerate() {
         let slopes = graph::partial(forces, switch.variable);
-        if let Some(other) = acting[..=k].iter().rev().find(|other| depends(&slopes, other)) {
+        if let Some(other) = acting[..=k]
+            .iter()
+            .rev()
+            .find(|other| depends(&slopes, other))
+        {
             product(checker, switch, other);
             continue;
         }

@@ -45,7 +45,10 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
             // What does not move is bounded at the start.
             bounds: None,
         });
-        scene.start.0.push(Sym::variable(Variable::Parameter(index)));
+        scene
+            .start
+            .0
+            .push(Sym::variable(Variable::Parameter(index)));
         scene.start.1.push(Sym::ZERO);
         scene.forces.push(Sym::ZERO);
     }
@@ -59,7 +62,9 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         contact.gap = one(contact.gap);
         contact.bound = contact.bound.map(one);
         if let Some(along) = &mut contact.along {
-            along.iter_mut().for_each(|component| *component = one(*component));
+            along
+                .iter_mut()
+                .for_each(|component| *component = one(*component));
             along.resize(n + chosen.len(), Sym::ZERO);
         }
         if let Some(friction) = &mut contact.friction {
@@ -70,7 +75,10 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         output.value = one(output.value);
     }
     scene.picture = None;
-    let free = scene.free_parameters.iter().map(|free| (free.index, free.bounds));
+    let free = scene
+        .free_parameters
+        .iter()
+        .map(|free| (free.index, free.bounds));
     let free: Vec<(usize, Option<(Sym, Sym)>)> = free
         .filter_map(|(index, bounds)| {
             let k = chosen.iter().position(|&known| known == index)?;
@@ -149,7 +157,10 @@ pub(crate) fn given(scene: &CheckedScene, inputs: &[Variable]) -> (Vec<Given>, E
     for (i, contact) in scene.contacts.iter().enumerate() {
         known.extend(contact.restitution.map(|e| (Given::Restitution(i), e)));
         // That of dry friction is 1.
-        let friction = contact.friction.as_ref().filter(|_| contact.bound.is_none());
+        let friction = contact
+            .friction
+            .as_ref()
+            .filter(|_| contact.bound.is_none());
         known.extend(friction.map(|known| (Given::Friction(i), known.coefficient)));
     }
     let free_start = scene.optimal_control.as_ref().map(|task| &task.free_start);

@@ -78,7 +78,8 @@ fn implementation(scene: &CheckedScene, derived: &Description, text: &str, code:
     let joints = derived.joints.as_ref();
     let joints = joints.map_or_else(String::new, |joints| methods::joints(derived, joints));
     let of_control = optimal_control(derived);
-    let further = laws(derived) + &joints + &of_control + &shown(derived) + &free_parameters(derived);
+    let further =
+        laws(derived) + &joints + &of_control + &shown(derived) + &free_parameters(derived);
     let given = &derived.given;
     let of_parameters = |kernel, out| methods::of_parameters(derived, kernel, out);
     let _ = write!(

@@ -305,9 +305,7 @@ fn norm(
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     match value(scope, inner, diagnostics)? {
-        Value::Scalar(part) if scope.may_switch() => {
-            switch::size(scope, whole, part, diagnostics)
-        }
+        Value::Scalar(part) if scope.may_switch() => switch::size(scope, whole, part, diagnostics),
         Value::Scalar(part) if edges::admitted(scope.role) => {
             Ok(edges::call(scope, "abs", vec![part]))
         }

@@ -42,7 +42,10 @@ pub(super) fn call(
             )
         } else {
             let plural = if wanted == 1 { "" } else { "s" };
-            format!("`{text}` takes {wanted} argument{plural}, found {}", parts.len())
+            format!(
+                "`{text}` takes {wanted} argument{plural}, found {}",
+                parts.len()
+            )
         };
         return Err(diagnostics.report("E02", whole.place, message));
     }
@@ -109,7 +112,10 @@ fn switch(
     let moving = |variable: &Variable| {
         matches!(
             variable,
-            Variable::Coordinate(_) | Variable::Velocity(_) | Variable::Time | Variable::Parameter(_)
+            Variable::Coordinate(_)
+                | Variable::Velocity(_)
+                | Variable::Time
+                | Variable::Parameter(_)
         )
     };
     if scope.role == Role::Record && !variables.iter().all(moving) {

@@ -135,7 +135,9 @@ pub(super) fn free_parameter(
     diagnostics: &mut Diagnostics,
 ) -> Checked<Statement> {
     let Quantity { name, unit, .. } = &quantity;
-    let unit = unit.as_ref().map_or(String::new(), |unit| format!(": {}", unit.text));
+    let unit = unit
+        .as_ref()
+        .map_or(String::new(), |unit| format!(": {}", unit.text));
     if quantity.bounds.is_none() {
         diagnostics.poison(&name.text);
         let message = format!(

@@ -16,7 +16,10 @@ const TASK: &str = "minimize integral(u^2) finally { z == 1 [m] } horizon 1 [s]"
 fn messages(text: &str) -> Vec<String> {
     let mistakes = describe_text(text, "s").err().unwrap_or_default();
     let code = |code: Option<&str>| code.map_or(String::new(), |code| format!("{code}: "));
-    mistakes.iter().map(|known| code(known.code) + &known.message).collect()
+    mistakes
+        .iter()
+        .map(|known| code(known.code) + &known.message)
+        .collect()
 }
 
 #[test]
@@ -83,7 +86,11 @@ fn mistakes_with_free_parameters_say_what_to_write() {
              `free k...` outside of `parameters` if `solve` is to find it",
         ),
     ] {
-        assert_eq!(messages(&scene(free, further)), [wanted], "{free} {further}");
+        assert_eq!(
+            messages(&scene(free, further)),
+            [wanted],
+            "{free} {further}"
+        );
     }
     let units = messages(&scene("free k: N/m in 1..=10 = 2 [m]", TASK));
     assert!(units.len() == 1 && units[0].starts_with("E03"), "{units:?}");
@@ -95,9 +102,13 @@ fn free_parameter_is_a_parameter_with_a_range_and_nothing_else_changes() {
     let known = free.free_parameters.as_ref().expect("declared");
     assert_eq!(known.parameters, [2]);
     assert!(free.held.is_none());
-    let (plain, _) = describe_text(&scene("parameters { k: N/m = 2 }", TASK), "s").expect("no mistakes");
+    let (plain, _) =
+        describe_text(&scene("parameters { k: N/m = 2 }", TASK), "s").expect("no mistakes");
     assert!(plain.free_parameters.is_none());
-    assert_eq!((&free.motion, &free.given, &free.parameters), (&plain.motion, &plain.given, &plain.parameters));
+    assert_eq!(
+        (&free.motion, &free.given, &free.parameters),
+        (&plain.motion, &plain.given, &plain.parameters)
+    );
     let kernels = plain.kernels.len();
     assert_eq!(free.kernels[..kernels], plain.kernels);
     assert_eq!(free.kernels.len(), kernels + 2);
@@ -133,13 +144,24 @@ fn held_parameter_has_a_column_everywhere_no_motion_and_no_contact() {
             GivenBy::Friction(0)
         ]
     );
-    assert_eq!(held.functions.jacobian.entries, [(0, 2), (1, 2), (2, 3), (3, 3)]);
+    assert_eq!(
+        held.functions.jacobian.entries,
+        [(0, 2), (1, 2), (2, 3), (3, 3)]
+    );
     // Rows of coordinates without motion are empty, and so are the columns of their velocities.
     let entries = &derived.motion.jacobian.entries;
-    assert!(entries.iter().all(|&(row, column)| row < 2 && !(6..8).contains(&column)));
+    assert!(
+        entries
+            .iter()
+            .all(|&(row, column)| row < 2 && !(6..8).contains(&column))
+    );
     let contact = &derived.contacts[0].rows.jacobian.entries;
     assert!(contact.contains(&(0, 2)) && contact.contains(&(1, 2)));
-    assert!(contact.iter().all(|&(row, column)| row < 4 && !(6..8).contains(&column)));
+    assert!(
+        contact
+            .iter()
+            .all(|&(row, column)| row < 4 && !(6..8).contains(&column))
+    );
     let task = derived.optimal_control.as_ref().expect("declared");
     assert_eq!(task.free_start, [2, 3]);
     // What reads nothing that moves holds once, at the end.
@@ -150,5 +172,8 @@ fn held_parameter_has_a_column_everywhere_no_motion_and_no_contact() {
 fn free_parameters_are_formatted_like_the_statements_around_them() {
     let text = "parameters{m:kg=1}\nfree  k :N/m in 1..=10=2 // found\ncoordinates { z: m }\nlagrangian m/2*dot(z)^2-k/2*z^2\nminimize z/1[m]";
     let formatted = format_text(text, "s").expect("no mistakes");
-    assert!(formatted.contains("\nfree k: N/m in 1..=10 = 2 // found\n"), "{formatted}");
+    assert!(
+        formatted.contains("\nfree k: N/m in 1..=10 = 2 // found\n"),
+        "{formatted}"
+    );
 }

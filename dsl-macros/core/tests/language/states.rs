@@ -116,9 +116,17 @@ fn states_stand_behind_coordinates_and_nothing_reads_their_integrals() {
         "parameters { k = 2 } coordinates { x } states { a in 0..=1, b } lagrangian dot(x)^2/2 - a*x^2/2
          forces { x: k*b } rates { a: -a, b: a - x }",
     );
-    let names: Vec<&str> = scene.coordinates.iter().map(|known| known.name.as_str()).collect();
+    let names: Vec<&str> = scene
+        .coordinates
+        .iter()
+        .map(|known| known.name.as_str())
+        .collect();
     assert_eq!(names, ["x", "integral(a)", "integral(b)"]);
-    let states: Vec<&str> = scene.states.iter().map(|known| known.name.as_str()).collect();
+    let states: Vec<&str> = scene
+        .states
+        .iter()
+        .map(|known| known.name.as_str())
+        .collect();
     assert_eq!(states, ["a", "b"]);
     assert!(scene.optimal_control.is_none() && !scene.explicit_time);
     // x'' = k b - a x; a' = -a; b' = a - x of (x, ., ., x', a, b).

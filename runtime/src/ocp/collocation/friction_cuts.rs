@@ -72,10 +72,7 @@ fn sliding<'m>(
 /// The coefficient of friction of a contact, which may be an unknown.
 fn coefficient(motion: &DenseMotion, contact: usize) -> f64 {
     let found = motion.program.program.laws().friction(contact);
-    found.map_or_else(
-        || motion.program.model.friction(contact),
-        |mu| motion.x[mu],
-    )
+    found.map_or_else(|| motion.program.model.friction(contact), |mu| motion.x[mu])
 }
 
 /// `mu r + sigma s` of a sticking contact inside a phase.

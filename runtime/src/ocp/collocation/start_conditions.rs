@@ -132,8 +132,13 @@ fn follows_from_parameters(builder: &Builder, contact: usize, row: u32) -> bool 
     let pattern = model.declaration().contacts[contact].jacobian.entries;
     let mut slopes = vec![0.0; pattern.len()];
     model.contact_jacobian(contact, &input, &mut slopes);
-    let own = pattern.iter().zip(slopes).filter(|(entry, _)| entry.0 == row);
-    let own: Vec<(usize, f64)> = own.map(|(entry, slope)| (entry.1 as usize, slope)).collect();
+    let own = pattern
+        .iter()
+        .zip(slopes)
+        .filter(|(entry, _)| entry.0 == row);
+    let own: Vec<(usize, f64)> = own
+        .map(|(entry, slope)| (entry.1 as usize, slope))
+        .collect();
     let mut moves = own.iter().filter(|(column, _)| !is_held(model, *column));
     if moves.any(|(column, _)| declared.free_start.contains(column)) {
         return false;
