@@ -196,7 +196,7 @@ impl SceneEntry {
             name: scene.name,
             title: scene.title,
             parameters: parameters.collect(),
-            coordinates: variables(declaration.coordinates),
+            coordinates: variables(&declaration.coordinates[..declaration.mechanical()]),
             controls: variables(declaration.controls),
             contacts: contacts.collect(),
             solvable: declaration.optimal_control.is_some(),

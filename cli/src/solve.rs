@@ -241,8 +241,11 @@ fn ends(model: &dyn Model, trajectory: &Trajectory) -> String {
     else {
         return String::new();
     };
-    let quantities = (0..model.declaration().coordinates.len())
-        .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)]);
+    let declaration = model.declaration();
+    let (mechanical, all) = (declaration.mechanical(), declaration.coordinates.len());
+    let quantities = (0..mechanical)
+        .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)])
+        .chain((mechanical..all).map(Quantity::Velocity));
     let rows = quantities.map(|quantity| {
         let value = |k| State::of(model, trajectory, k).value(quantity).map(digits);
         vec![

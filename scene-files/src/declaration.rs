@@ -2,11 +2,12 @@
 
 use hangtime::model::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
-    FrictionDeclaration, Given, Held, ImpactLaw, Kernel, OptimalControlDeclaration,
-    ParameterDeclaration, Picture, Shape, SparsityPattern, VariableDeclaration,
+    FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration, Kernel,
+    OptimalControlDeclaration, ParameterDeclaration, Picture, Shape, SparsityPattern, Switching,
+    VariableDeclaration,
 };
 use hangtime_dsl::description::{
-    self, Condition, Contact, Description, OptimalControl, Outputs, Pattern, Rows, Variable,
+    self, Condition, Contact, Description, Joints, OptimalControl, Outputs, Pattern, Rows, Variable,
 };
 
 /// The declaration of a described scene. It is never freed: solvers and results keep names of it.
@@ -33,7 +34,9 @@ pub(crate) fn of(scene: &Description) -> &'static Declaration {
         parameters: list(parameters),
         coordinates: list(scene.coordinates.iter().map(variable)),
         controls: list(scene.controls.iter().map(variable)),
+        states: list(scene.states.iter().map(variable)),
         contacts: list(scene.contacts.iter().map(contact)),
+        joints: scene.joints.as_ref().map(joints),
         explicit_time: scene.explicit_time,
         free_jacobian: pattern(&scene.motion.jacobian),
         free_hessian: pattern(&scene.motion.hessian),
@@ -132,6 +135,10 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         },
         friction,
         dry: contact.dry,
+        switch: contact.switch.map(|passes| match passes {
+            true => Switching::Passes,
+            false => Switching::Slides,
+        }),
         custom_direction: contact.custom_direction,
         held: list(contact.held.iter().copied()),
         sequence: contact.sequence,
@@ -139,6 +146,19 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         jacobian,
         hessian,
         documentation: text(&contact.documentation),
+    }
+}
+
+fn joints(joints: &Joints) -> JointsDeclaration {
+    JointsDeclaration {
+        list: list(joints.list.iter().map(|joint| JointDeclaration {
+            name: text(&joint.name),
+            unit: text(&joint.unit),
+            rows: joint.rows,
+            holonomic: joint.holonomic,
+            documentation: text(&joint.documentation),
+        })),
+        jacobian: pattern(&joints.pattern),
     }
 }
 

@@ -11,7 +11,7 @@ use hangtime::model::{
     Declaration, Held, Model, ParameterDerivatives, Picture, VariableDeclaration, contact_point,
 };
 use hangtime_dsl::description::{
-    Contact, Derivative, Description, Friction, Functions, Motion, MotionDerivatives,
+    Contact, Derivative, Description, Friction, Functions, Joints, Motion, MotionDerivatives,
     OptimalControl, Rows, Sensitivity,
 };
 use std::sync::{Arc, Mutex};
@@ -57,8 +57,10 @@ impl TextScene {
             programs.push(Program::new(kernel, before)?);
         }
         let defaults = description.parameters.iter().map(|known| known.default);
+        let rows = description.joints.as_ref().map_or(0, Joints::rows);
         let mut scene = Self {
-            parameters: defaults.collect(),
+            // Which equations of joints are held stands behind the parameters.
+            parameters: defaults.chain(std::iter::repeat_n(1.0, rows)).collect(),
             folded: Vec::new(),
             shared: Arc::new(Shared {
                 declaration: declaration::of(&description),
@@ -262,11 +264,14 @@ impl Model for TextScene {
     }
 
     fn parameter(&self, index: usize) -> f64 {
-        self.parameters.get(index).copied().unwrap_or(f64::NAN)
+        let count = self.description().parameters.len();
+        let known = self.parameters[..count].get(index);
+        known.copied().unwrap_or(f64::NAN)
     }
 
     fn set_parameter(&mut self, index: usize, value: f64) {
-        if let Some(parameter) = self.parameters.get_mut(index) {
+        let count = self.description().parameters.len();
+        if let Some(parameter) = self.parameters[..count].get_mut(index) {
             *parameter = value;
             self.fold();
         }
@@ -296,7 +301,8 @@ impl Model for TextScene {
                 Scratch::lend(|scratch| {
                     self.solve(scratch, system, x);
                     let size = self.description().systems[system].size;
-                    a.copy_from_slice(&scratch.solution.y[size..]);
+                    let accelerations = &scratch.solution.y[size..];
+                    a.copy_from_slice(&accelerations[..a.len()]);
                 });
             }
             (None, MotionDerivatives::Kernels(_)) => a.fill(f64::NAN),
@@ -409,6 +415,54 @@ impl Model for TextScene {
         match self.friction_of(contact) {
             Some(friction) => self.rows_hessian(&friction.rows, x, multipliers, values),
             None => values.fill(f64::NAN),
+        }
+    }
+
+    fn hold_joint_row(&mut self, row: usize, held: bool) {
+        let count = self.description().parameters.len();
+        if let Some(known) = self.parameters[count..].get_mut(row) {
+            *known = if held { 1.0 } else { 0.0 };
+            self.fold();
+        }
+    }
+
+    fn joint_row_held(&self, row: usize) -> bool {
+        let count = self.description().parameters.len();
+        self.parameters
+            .get(count + row)
+            .is_none_or(|held| *held > 0.0)
+    }
+
+    fn joints(&self, x: &[f64], values: &mut [f64]) {
+        if let Some(joints) = &self.description().joints {
+            self.evaluate(joints.values, x, &[], values);
+        }
+    }
+
+    fn joints_jacobian(&self, x: &[f64], values: &mut [f64]) {
+        if let Some(joints) = &self.description().joints {
+            self.evaluate(joints.jacobian, x, &[], values);
+        }
+    }
+
+    fn joint_forces(&self, x: &[f64], forces: &mut [f64]) {
+        let Some(joints) = &self.description().joints else {
+            return;
+        };
+        match (joints.forces, self.motion().derivatives) {
+            (Some(kernel), _) => self.evaluate(kernel, x, &[], forces),
+            (None, MotionDerivatives::System(system)) => {
+                Scratch::lend(|scratch| {
+                    self.solve(scratch, system, x);
+                    let size = self.description().systems[system].size;
+                    let behind = size + self.description().coordinates.len();
+                    let solved = scratch.solution.y[behind..].iter();
+                    for (force, y) in forces.iter_mut().zip(solved) {
+                        *force = -y;
+                    }
+                });
+            }
+            (None, MotionDerivatives::Kernels(_)) => forces.fill(f64::NAN),
         }
     }
 

@@ -363,7 +363,6 @@ impl<'a> SolutionDocument<'a> {
         rows: usize,
     ) -> Self {
         let declaration = chosen.model.declaration();
-        let contacts = declaration.contacts;
         let motion = solution.motion.as_ref();
         let trajectory = motion.map_or_else(TrajectoryEntry::default, |motion| {
             TrajectoryEntry::new(chosen.model.as_ref(), &motion.trajectory, rows)
@@ -382,7 +381,7 @@ impl<'a> SolutionDocument<'a> {
             initially: motion.map_or_else(Vec::new, InitialEntry::all),
             events: events
                 .iter()
-                .map(|event| EventEntry::new(event, contacts))
+                .map(|event| EventEntry::new(event, declaration))
                 .collect(),
             last: trajectory.last(),
             trajectory,

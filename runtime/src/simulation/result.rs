@@ -7,7 +7,7 @@ use hangtime_solver::{ProblemSize, Seconds};
 
 use super::quantity::{Quantity, number};
 use super::{ContactMode, InputError, Residuals, State, Trajectory};
-use crate::model::{Declaration, Model};
+use crate::model::{ContactDeclaration, Declaration, Model};
 use crate::refusal;
 
 /// Result of a simulation.
@@ -419,6 +419,10 @@ pub enum EventKind {
     Stick,
     /// A sticking contact begins to slip, or the direction of sliding turns round.
     Slip,
+    /// The motion begins to slide along the zero of a switch.
+    Slide,
+    /// The motion passes the zero of a switch, or leaves it.
+    Switch,
 }
 
 impl EventKind {
@@ -431,6 +435,17 @@ impl EventKind {
             Self::LiftOff => "lift_off",
             Self::Stick => "stick",
             Self::Slip => "slip",
+            Self::Slide => "slide",
+            Self::Switch => "switch",
+        }
+    }
+
+    /// The kind of a change of friction that is one of the contact `declared`.
+    pub(super) fn of(self, declared: &ContactDeclaration) -> Self {
+        match (self, declared.switch) {
+            (Self::Stick, Some(_)) => Self::Slide,
+            (Self::Slip, Some(_)) => Self::Switch,
+            (kind, _) => kind,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Names: what is declared, what may not be, what is taken.
 
 use super::checker::Checker;
-use super::values;
+use super::{states, values};
 use crate::ast::{Name, Quantity, Statement};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::{Meaning, Value};
@@ -46,6 +46,13 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
                 }
             }
             _ => {}
+        }
+    }
+    // Behind all coordinates.
+    checker.scope.first_state = checker.coordinates.len() as u16;
+    for statement in statements {
+        if let Statement::States(quantities) = statement {
+            declare(checker, quantities, state);
         }
     }
 }
@@ -158,6 +165,29 @@ fn coordinate(checker: &mut Checker<'_>, quantity: &Quantity, control: bool) -> 
     } else {
         checker.coordinates.push(declared);
     }
+    Ok(())
+}
+
+fn state(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
+    let name = &quantity.name;
+    checker.new_name(name, "state")?;
+    room(checker, name, checker.states.len())?;
+    if let Some(value) = &quantity.value {
+        let message = format!(
+            "initial values belong to `start {{ {}: ... }}`; leave `= ...` out",
+            name.text
+        );
+        checker.diagnostics.syntax(value.place, message);
+    }
+    let unit = quantity.unit.clone();
+    let sym = Sym::variable(states::variable(checker, checker.states.len()));
+    declare_value(checker, name, sym.scaled(scene::scale(unit.as_ref())));
+    checker.states.push(Coordinate {
+        name: name.clone(),
+        unit,
+        documentation: quantity.documentation.clone(),
+        bounds: None,
+    });
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use super::checker::{Checker, Cost, Free, Task};
 use super::rules::smooth;
-use super::{units, values};
+use super::{states, units, values};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::expression;
@@ -306,12 +306,22 @@ pub(super) fn free(checker: &mut Checker<'_>, values: &[FreeStart]) -> Checked<(
 }
 
 fn free_value(checker: &mut Checker<'_>, value: &FreeStart) -> Checked<()> {
-    let coordinate = checker.coordinate_index(&value.target)?;
-    let n = checker.coordinates.len();
-    let (index, shown) = if value.velocity {
-        (n + coordinate, format!("dot({})", value.target.text))
-    } else {
-        (coordinate, value.target.text.clone())
+    let name = &value.target.text;
+    let (index, shown, unit) = match states::index(checker, &value.target) {
+        Some(state) if !value.velocity => {
+            let unit = checker.states[state].unit.clone();
+            (states::place(checker, state), name.clone(), unit)
+        }
+        _ => {
+            let coordinate = checker.coordinate_index(&value.target)?;
+            let unit = checker.coordinates[coordinate].unit.clone();
+            let n = checker.coordinates.len() + checker.states.len();
+            if value.velocity {
+                (n + coordinate, format!("dot({name})"), unit)
+            } else {
+                (coordinate, name.clone(), unit)
+            }
+        }
     };
     if checker.task.free.iter().any(|known| known.index == index) {
         return Err(checker.diagnostics.syntax(
@@ -319,7 +329,6 @@ fn free_value(checker: &mut Checker<'_>, value: &FreeStart) -> Checked<()> {
             format!("`{shown}` is listed in `free` twice; keep one"),
         ));
     }
-    let unit = checker.coordinates[coordinate].unit.clone();
     let bounds = value
         .bounds
         .as_ref()
@@ -354,6 +363,7 @@ pub(super) fn optimal_control(
     for (condition, unit) in goals.iter_mut().zip(&units.goals) {
         condition.unit = *unit;
     }
+    constraints.extend(states::constraints(checker));
     free.sort_by_key(|free| free.index);
     let cost = cost.unwrap_or_default();
     let (at_impacts, constraints) = constraints.into_iter().partition(is_at_impacts);

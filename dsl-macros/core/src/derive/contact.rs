@@ -9,6 +9,7 @@
 
 use super::held::along_motion;
 use super::implicit::{self, Implicit};
+use super::joint::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
@@ -27,7 +28,12 @@ pub(crate) struct ContactEquations {
     /// The contact direction, unless it is among the `rows`.
     pub(crate) direction: Option<Implicit>,
     pub(crate) friction: Option<FrictionEquations>,
+    /// Of a switch: whether it does not change the rate of its function, which is only passed then.
+    pub(crate) passes: bool,
 }
+
+/// Square of an acceleration that is none.
+const NOTHING: f64 = 1e-200;
 
 /// `D = n' H n`.
 pub(crate) enum InverseInertia {
@@ -134,6 +140,7 @@ fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
 pub(super) struct Mechanism<'a> {
     pub(super) mass: &'a [Sym],
     pub(super) momenta: &'a [Sym],
+    pub(super) joints: &'a [Row],
     /// The inverse mass matrix by formulas, of few coordinates.
     pub(super) formulas: Option<&'a Inertia>,
     /// The mass matrix by factors, unless it is solved with at run time.
@@ -145,6 +152,9 @@ pub(super) struct Mechanism<'a> {
 
 impl Mechanism<'_> {
     pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+        if let (Some(action), Some(friction)) = (&contact.switch, &contact.friction) {
+            return Ok(self.switch(action, friction));
+        }
         if let (Some(bound), Some(friction)) = (contact.bound, &contact.friction) {
             return Ok(self.dry(bound, friction));
         }
@@ -159,7 +169,7 @@ impl Mechanism<'_> {
                     .map(|_| Inertia::locked(self.mass, n, &contact.held))
                     .transpose()?,
                 factors
-                    .map(|_| Factorization::stepwise(&inertia.matrix(), n))
+                    .map(|_| inertia.factorized())
                     .transpose()
                     .map_err(singular)?,
             ),
@@ -220,6 +230,7 @@ impl Mechanism<'_> {
             normal,
             direction,
             friction,
+            passes: false,
         })
     }
 
@@ -233,7 +244,8 @@ impl Mechanism<'_> {
             return Ok(formula);
         }
         let inertia = self.holding(&declared.held);
-        let factors = Factorization::stepwise(&inertia.matrix(), self.momenta.len())
+        let factors = inertia
+            .factorized()
             .map_err(|coordinate| Failure::SingularMass { coordinate })?;
         let normal = inertia.free_part(&contact.normal);
         Ok(Bordered::new(&factors, vec![normal]).inverse_inertia())
@@ -245,24 +257,85 @@ impl Mechanism<'_> {
             mass: self.mass,
             momenta: self.momenta,
             held,
+            joints: self.joints,
         }
     }
 
     /// Dry friction: no gap and no normal, the given normal acceleration `D f` for a force `f`, and the direction
     /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
     fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
+        let slip = slip(friction, (self.momenta.len(), self.moving));
+        let scale = simplify(self.size_of_force(&slip.2));
+        let action = slip.2.clone();
+        self.given(slip, &action, scale, simplify(scale * bound))
+    }
+
+    /// `sum_k f_k^2 / M_kk`, about the square of the acceleration by a force of that size.
+    fn size_of_force(&self, force: &[Sym]) -> Sym {
+        let n = force.len();
+        let terms = force.iter().enumerate();
+        terms
+            .map(|(k, &f)| f * f * self.mass[k * n + k].power(-2))
+            .sum()
+    }
+
+    /// A switch: the friction direction is `M^-1 a / D` for what it acts by, `a`, and the given normal acceleration `D`, about what
+    /// the switch changes the rate of its function by. Where it does not change that, the function is only passed, and `D` is 1.
+    fn switch(&self, action: &[Sym], friction: &Friction) -> ContactEquations {
+        let slip = slip(friction, (self.momenta.len(), self.moving));
+        let passes = !self.couples(&slip.2, action);
+        let scale = if passes {
+            Sym::ONE
+        } else {
+            let size = simplify(self.size_of_force(&slip.2) * self.size_of_force(action));
+            // Where nothing acts the direction is none instead of not a number.
+            match size.as_number() {
+                Some(size) => Sym::number(size.sqrt()),
+                None => (size + Sym::number(NOTHING)).kept().power(1),
+            }
+        };
+        let mut equations = self.given(slip, action, scale, scale);
+        equations.passes = passes;
+        equations
+    }
+
+    /// Whether a force along `action` may change a velocity with this gradient: some entries of both belong to one block of the
+    /// mass matrix.
+    fn couples(&self, gradient: &[Sym], action: &[Sym]) -> bool {
+        let n = gradient.len();
+        let mut block: Vec<usize> = (0..n).collect();
+        for _ in 0..n {
+            for (k, entry) in self.mass.iter().enumerate() {
+                if !entry.is_structural_zero() {
+                    let least = block[k / n].min(block[k % n]);
+                    (block[k / n], block[k % n]) = (least, least);
+                }
+            }
+        }
+        let entries = |vector: &[Sym]| -> Vec<usize> {
+            let nonzero = (0..n).filter(|&k| !vector[k].is_structural_zero());
+            nonzero.map(|k| block[k]).collect()
+        };
+        let acted = entries(action);
+        entries(gradient).iter().any(|block| acted.contains(block))
+    }
+
+    /// A contact without gap and normal whose normal acceleration `pressed` is given, with the friction direction
+    /// `M^-1 action / scale`.
+    fn given(
+        &self,
+        (sliding, curvature, tangent): (Sym, Sym, Vec<Sym>),
+        action: &[Sym],
+        scale: Sym,
+        pressed: Sym,
+    ) -> ContactEquations {
         let n = self.momenta.len();
-        let (sliding, curvature, tangent) = slip(friction, (n, self.moving));
-        let terms = tangent.iter().enumerate();
-        let scale = terms.map(|(k, &b)| b * b * self.mass[k * n + k].power(-2));
-        let scale = simplify(scale.sum());
-        let pressed = simplify(scale * bound);
         let inertia = self.holding(&[]);
         let (rows, direction) = self.directed(
             vec![sliding],
             self.formulas
-                .map(|formulas| over(&formulas.solve(&tangent), scale)),
-            || implicit::of_force(&inertia, over(&tangent, scale), self.inputs),
+                .map(|formulas| over(&formulas.solve(action), scale)),
+            || implicit::of_force(&inertia, over(action, scale), self.inputs),
             self.written_out,
         );
         let friction = FrictionEquations {
@@ -280,6 +353,7 @@ impl Mechanism<'_> {
             inverse_inertia: InverseInertia::Formula(scale),
             direction: None,
             friction: Some(friction),
+            passes: false,
         }
     }
 

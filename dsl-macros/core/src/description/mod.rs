@@ -7,6 +7,7 @@ mod contact;
 mod declared;
 mod design;
 mod equations;
+mod joint;
 mod kernel;
 mod optimal_control;
 mod readable;
@@ -20,6 +21,7 @@ pub use contact::{Contact, Friction, Rows, SolvedRows};
 pub(crate) use declared::text as documentation_text;
 pub use declared::{Parameter, Variable};
 pub use design::{FreeParameters, Held};
+pub use joint::{Joint, Joints};
 pub use kernel::{Kernel, Operation};
 pub use optimal_control::{Condition, ContactTerms, Functions, OptimalControl};
 pub(crate) use readable::formula;
@@ -45,10 +47,12 @@ pub struct Description {
     pub documentation: String,
     /// Parameters in order of declaration.
     pub parameters: Vec<Parameter>,
-    /// Coordinates in order of declaration.
+    /// Coordinates in order of declaration, and behind them one for each state, whose velocity the state is.
     pub coordinates: Vec<Variable>,
     /// Controls in order of declaration.
     pub controls: Vec<Variable>,
+    /// States of first order, in order of declaration.
+    pub states: Vec<Variable>,
     /// Whether the physical time is the last component of the input vector.
     pub explicit_time: bool,
     /// The derived equations, left and right sides, as a person would write them.
@@ -59,6 +63,8 @@ pub struct Description {
     pub motion: Motion,
     /// Contacts in order of declaration.
     pub contacts: Vec<Contact>,
+    /// Joints, if there are any.
+    pub joints: Option<Joints>,
     /// What is declared for optimal control, if anything is.
     pub optimal_control: Option<OptimalControl>,
     /// What is recorded, if anything is.
@@ -141,6 +147,8 @@ impl Description {
             .zip(&equations.contacts)
             .map(|(declared, contact)| contact::contact(&mut builder, declared, contact))
             .collect();
+        let joints = equations.joints.as_ref();
+        let joints = joints.map(|derived| joint::joints(&mut builder, derived));
         let optimal_control = scene
             .optimal_control
             .as_ref()
@@ -160,11 +168,13 @@ impl Description {
             parameters: scene.parameters.iter().map(Parameter::of).collect(),
             coordinates: scene.coordinates.iter().map(Variable::of).collect(),
             controls: scene.controls.iter().map(Variable::of).collect(),
+            states: scene.states.iter().map(Variable::of).collect(),
             explicit_time: scene.explicit_time,
             equations: Vec::new(),
             given,
             motion,
             contacts,
+            joints,
             optimal_control,
             outputs,
             picture,
@@ -241,7 +251,7 @@ fn motion(builder: &mut Builder<'_>, equations: &Equations) -> Motion {
             let acceleration =
                 solution.map(|solution| builder.kernel("free_acceleration", solution));
             let system = builder.system("motion", implicit);
-            let n = implicit.size;
+            let n = builder.scene.coordinates.len();
             let jacobian = Pattern {
                 rows: n,
                 columns: builder.inputs,

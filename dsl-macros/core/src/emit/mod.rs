@@ -75,8 +75,11 @@ fn implementation(scene: &CheckedScene, derived: &Description, text: &str, code:
         }
         arms
     };
+    let joints = derived.joints.as_ref();
+    let joints = joints.map_or_else(String::new, |joints| methods::joints(derived, joints));
+    let of_control = optimal_control(derived);
     let further =
-        laws(derived) + &optimal_control(derived) + &shown(derived) + &free_parameters(derived);
+        laws(derived) + &joints + &of_control + &shown(derived) + &free_parameters(derived);
     let given = &derived.given;
     let of_parameters = |kernel, out| methods::of_parameters(derived, kernel, out);
     let _ = write!(

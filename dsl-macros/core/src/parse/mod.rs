@@ -5,6 +5,7 @@ mod control;
 mod cursor;
 mod documentation;
 mod expression;
+mod joint;
 mod law;
 mod picture;
 mod pieces;
@@ -78,7 +79,7 @@ fn note_names(mut cursor: Cursor, diagnostics: &mut Diagnostics) {
             }
             continue;
         }
-        let block = ["parameters", "coordinates", "controls", "outputs"]
+        let block = ["parameters", "coordinates", "controls", "states", "outputs"]
             .iter()
             .any(|word| cursor.at_word(word));
         cursor.advance();

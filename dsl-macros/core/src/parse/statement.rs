@@ -5,7 +5,7 @@ use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, block, entries, equals, name, range, target};
-use super::{control, law, picture, profile, slips, unit};
+use super::{control, joint, law, picture, profile, slips, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
@@ -85,6 +85,8 @@ fn statement(
             diagnostics,
         )?)),
         "controls" => Ok(Statement::Controls(quantities(cursor, &word, diagnostics)?)),
+        "states" => Ok(Statement::States(quantities(cursor, &word, diagnostics)?)),
+        "rates" => Ok(Statement::Rates(assignments(cursor, &word, diagnostics)?)),
         "let" => {
             let name = name(cursor, "the name of the abbreviation", diagnostics)?;
             let value = equals(cursor, diagnostics).and_then(|()| expression(cursor, diagnostics));
@@ -112,6 +114,7 @@ fn statement(
         "surface" => surface(cursor, documentation, diagnostics),
         "impact" => law::impact(cursor, diagnostics),
         "dry" => law::dry_friction(cursor, documentation, diagnostics),
+        "joint" => joint::joint(cursor, documentation, diagnostics),
         "start" => Ok(Statement::Start(assignments(cursor, &word, diagnostics)?)),
         "horizon" => {
             let value = expression(cursor, diagnostics)?;

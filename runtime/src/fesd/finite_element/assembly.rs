@@ -5,7 +5,7 @@ use super::{FiniteElement, numerical_time};
 /// The Newton matrix at the present stages.
 pub(super) fn assemble(element: &mut FiniteElement<'_>) {
     let (n, h, block) = (element.n, element.length, element.block());
-    let (contacts, forces) = (element.constraints.normals(), element.constraints.count());
+    let (positions, forces) = (element.constraints.positions(), element.constraints.count());
     let stages = element.tableau.stages();
     let size = stages * block;
     element.matrix.clear();
@@ -26,7 +26,7 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 for (entry, (q, v)) in line.iter_mut().zip(by_q.iter().zip(by_v)) {
                     *entry -= second * q + first * v;
                 }
-                for i in 0..contacts {
+                for i in 0..positions {
                     let correction: f64 = (0..n)
                         .map(|k| element.by_q[row * n + k] * element.corrections[i * n + k])
                         .sum();
@@ -44,10 +44,11 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 let turning = &constraints.turning[i * n..(i + 1) * n];
                 let velocity_row = (rows + n + i) * size + columns;
                 if constraints.is_given(i) {
-                    for (entry, turning) in element.matrix[velocity_row..].iter_mut().zip(turning) {
-                        *entry = -second * turning;
+                    let entries = element.matrix[velocity_row..].iter_mut();
+                    for (entry, (turning, gradient)) in entries.zip(turning.iter().zip(gradient)) {
+                        *entry = -second * turning - first * gradient;
                     }
-                    for other in 0..contacts {
+                    for other in 0..positions {
                         let correction = &element.corrections[other * n..(other + 1) * n];
                         let turned: f64 = turning.iter().zip(correction).map(|(a, b)| a * b).sum();
                         element.matrix[velocity_row + n + forces + other] = -h * shift * turned;
@@ -61,19 +62,20 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                     element.matrix[velocity_row + k] =
                         (second * turning[k] + first * gradient[k]) / h;
                 }
-                for other in 0..contacts {
+                for other in 0..positions {
                     let correction = &element.corrections[other * n..(other + 1) * n];
                     let turned: f64 = turning.iter().zip(correction).map(|(a, b)| a * b).sum();
                     element.matrix[velocity_row + n + forces + other] = shift * turned;
                 }
             }
-            for i in 0..contacts {
-                let normal = &constraints.gradients[i * n..(i + 1) * n];
+            for i in 0..positions {
+                let row = constraints.of_position(i);
+                let normal = &constraints.gradients[row * n..(row + 1) * n];
                 let gap_row = (rows + n + forces + i) * size + columns;
                 for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
                     *entry = second * gradient / (h * h);
                 }
-                for other in 0..contacts {
+                for other in 0..positions {
                     let correction = &element.corrections[other * n..(other + 1) * n];
                     let along: f64 = normal.iter().zip(correction).map(|(a, b)| a * b).sum();
                     element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
@@ -108,5 +110,5 @@ fn evaluate_stage_jacobian(element: &mut FiniteElement<'_>, m: usize) {
     let forces = &element.unknowns[m * block + n..(m + 1) * block];
     element
         .constraints
-        .differentiate(x, forces, &mut element.by_q);
+        .differentiate(x, forces, (&mut element.by_q, &mut element.by_v));
 }

@@ -53,8 +53,8 @@ pub(in crate::ocp) fn random(
     (driven, drawn)
 }
 
-/// Coordinates with a goal move to it at constant speed, the others rest; controls are 0, or as near to
-/// it as their bounds allow.
+/// Coordinates with a goal move to it at constant speed, the others rest; states of first order are as at the start; controls are 0,
+/// or as near to it as their bounds allow.
 fn straight(model: &dyn Model, problem: &Problem, bounds: (&[f64], &[f64])) -> Trajectory {
     let declaration = model.declaration();
     let n = declaration.coordinates.len();
@@ -73,6 +73,10 @@ fn straight(model: &dyn Model, problem: &Problem, bounds: (&[f64], &[f64])) -> T
                 x[n + k] = (target - problem.q[k]) / horizon;
                 x[k] += share * (target - problem.q[k]);
             }
+        }
+        for k in declaration.mechanical()..n {
+            x[n + k] = problem.v[k];
+            x[k] += share * horizon * problem.v[k];
         }
         with_forces(model, x, &drive(model, &controls, share * horizon))
     });
