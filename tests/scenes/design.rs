@@ -124,6 +124,19 @@ fn parameter_that_ends_at_a_bound_says_so() {
     );
 }
 
+#[test]
+fn condition_on_parameters_alone_bounds_them() {
+    let text = RAMP.replace("finally", "constraint flat: 2*angle <= 1.2 [rad] finally");
+    let found = designed(&text, 2).parameters[0];
+    assert!(
+        (found.value - 0.6).abs() < 1e-8 && found.at_bound().is_none(),
+        "{found}"
+    );
+    let kept = given(&text, 2, &[("angle", 0.5)]);
+    let time = (4.0 / (9.81 * 0.5_f64.sin() * 0.5_f64.cos())).sqrt();
+    assert!((kept - time).abs() < 1e-7, "{kept} {time}");
+}
+
 /// A spring throws a ball from a table; a stiffer one is heavier, and flies along.
 const THROW: &str = "
     parameters { m: kg = 0.1, g: m/s^2 = 9.81, press: m = 0.1, density: kg m/N = 2e-5 }
