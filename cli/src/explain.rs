@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 use crate::Scene;
 use hangtime::model::{
     ConstraintDeclaration, Declaration, ImpactLaw, Model, OptimalControlDeclaration,
-    SparsityPattern,
-     Switching};
+    SparsityPattern, Switching,
+};
 
 use crate::arguments::ExplainArguments;
 use crate::failure::BadInput;

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use hangtime::model::{ContactDeclaration, Declaration, Model};
 use hangtime::simulation::{
-    ContactMode, Counts, Diagnosis, Direction, Event, ProblemSize, Residuals, Seconds, Simulation, Trajectory,
+    ContactMode, Counts, Diagnosis, Direction, Event, ProblemSize, Residuals, Seconds, Simulation,
+    Trajectory,
 };
 use serde::{Serialize, Serializer};
 
@@ -188,7 +189,8 @@ impl<'a> TrajectoryEntry<'a> {
         let mechanical = declaration.mechanical();
         let part = |column: &'a [Vec<f64>], part: std::ops::Range<usize>| -> Vec<&'a [f64]> {
             let rows = vectors(column).into_iter();
-            rows.map(|row| row.get(part.clone()).unwrap_or(row)).collect()
+            rows.map(|row| row.get(part.clone()).unwrap_or(row))
+                .collect()
         };
         let states = match declaration.states.len() {
             0 => Vec::new(),

@@ -117,10 +117,7 @@ const OTHERWISE: [(&str, &str); 49] = [
         "what changes at a rate stands in `states { a: A }`, and the rate in `rates { a: ... }`; what moves stands in \
          `coordinates { x: m }`",
     ),
-    (
-        "rate",
-        "the rates of states stand in `rates { a: ... }`",
-    ),
+    ("rate", "the rates of states stand in `rates { a: ... }`"),
     (
         "unknowns",
         "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",

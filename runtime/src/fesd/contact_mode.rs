@@ -90,11 +90,7 @@ struct Sorted {
 }
 
 impl Solved {
-    fn new(
-        contacts: &Contacts<'_>,
-        touching: Vec<usize>,
-        time: f64,
-    ) -> Result<Self, ModeError> {
+    fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
         let at_rest = |i: usize| {
             contacts.switch(i) != Some(Switching::Passes)
                 && contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest()

@@ -50,7 +50,10 @@ pub(super) fn side(
 }
 
 /// Refuses a motion along the zero of a switch whose two sides both push away from it: it could leave to either at any time.
-pub(super) fn is_unique(contacts: &Contacts<'_>, active: &[ActiveContact]) -> Result<(), ModeError> {
+pub(super) fn is_unique(
+    contacts: &Contacts<'_>,
+    active: &[ActiveContact],
+) -> Result<(), ModeError> {
     for held in active.iter().filter(|held| held.sticks()) {
         let line = Line::Tangent {
             contact: held.contact,

@@ -11,7 +11,10 @@ pub(crate) fn terms(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
     let entries = friction.jacobian.entries;
     let mut values = vec![0.0; entries.len()];
     model.tangent_jacobian(contact, x, &mut values);
-    let of_function = entries.iter().zip(&values).filter(|(entry, _)| entry.0 == 0);
+    let of_function = entries
+        .iter()
+        .zip(&values)
+        .filter(|(entry, _)| entry.0 == 0);
     of_function
         .map(|(&(_, column), slope)| (slope * x[column as usize]).abs())
         .sum()

@@ -135,7 +135,10 @@ impl Checker<'_> {
         match variable {
             Variable::Coordinate(i) => format!("the coordinate `{}`", name(&self.coordinates, i)),
             Variable::Velocity(i) if i >= self.scope.first_state => {
-                format!("the state `{}`", name(&self.states, i - self.scope.first_state))
+                format!(
+                    "the state `{}`",
+                    name(&self.states, i - self.scope.first_state)
+                )
             }
             Variable::Velocity(i) => format!("the velocity `dot({})`", name(&self.coordinates, i)),
             Variable::Control(i) => format!("the control `{}`", name(&self.controls, i)),

@@ -56,7 +56,11 @@ fn of_rate(checker: &mut Checker<'_>, assignment: &Assignment) -> Checked<usize>
     if checker.diagnostics.is_poisoned(text) {
         return Err(Reported);
     }
-    let names: Vec<&str> = checker.states.iter().map(|known| known.name.text.as_str()).collect();
+    let names: Vec<&str> = checker
+        .states
+        .iter()
+        .map(|known| known.name.text.as_str())
+        .collect();
     let mut coordinates = checker.coordinates.iter();
     let message = if coordinates.any(|known| known.name.text == *text) {
         format!(
@@ -66,7 +70,9 @@ fn of_rate(checker: &mut Checker<'_>, assignment: &Assignment) -> Checked<usize>
     } else if let Some(near) = closest(text, names.iter().copied()) {
         format!("`{text}` is no state; did you mean `{near}`?")
     } else if names.is_empty() {
-        format!("`{text}` is no state; declare it by `states {{ {text} }}`, with its unit behind a colon")
+        format!(
+            "`{text}` is no state; declare it by `states {{ {text} }}`, with its unit behind a colon"
+        )
     } else {
         format!("`{text}` is no state (states: {})", list(names))
     };

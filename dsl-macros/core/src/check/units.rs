@@ -134,9 +134,7 @@ fn declares_units(scene: &Scene) -> bool {
         Statement::Parameters(list)
         | Statement::Coordinates(list)
         | Statement::Controls(list)
-        | Statement::States(list) => {
-            list.iter().any(|quantity| quantity.unit.is_some())
-        }
+        | Statement::States(list) => list.iter().any(|quantity| quantity.unit.is_some()),
         _ => false,
     })
 }

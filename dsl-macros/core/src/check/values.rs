@@ -84,10 +84,7 @@ pub(super) fn bounds(
 }
 
 /// Bounds of states.
-pub(super) fn bounds_of_states(
-    checker: &mut Checker<'_>,
-    quantities: &[Quantity],
-) -> Checked<()> {
+pub(super) fn bounds_of_states(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Checked<()> {
     for quantity in quantities {
         let state = states::index(checker, &quantity.name);
         let (Some(state), Some(bounds)) = (state, &quantity.bounds) else {
@@ -327,7 +324,10 @@ pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
             failed = true;
             continue;
         };
-        if values[slot].replace((value, assignment.value.place)).is_some() {
+        if values[slot]
+            .replace((value, assignment.value.place))
+            .is_some()
+        {
             checker.diagnostics.syntax(
                 assignment.target.place(),
                 format!("`{}` has two start values; keep one", shown(&assignment)),
@@ -352,12 +352,22 @@ fn coordinate_start(
 ) -> Checked<(usize, Sym)> {
     let index = checker.coordinate_index(&assignment.target)?;
     let unit = checker.coordinates[index].unit.clone();
-    let value = start_number(checker, &assignment.value, unit.as_ref(), &shown(assignment))?;
+    let value = start_number(
+        checker,
+        &assignment.value,
+        unit.as_ref(),
+        &shown(assignment),
+    )?;
     if assignment.velocity {
         return Ok((n + index, value));
     }
     if let Some(bounds) = checker.coordinates[index].bounds {
-        checker.within(value, bounds, assignment.value.place, &assignment.target.text);
+        checker.within(
+            value,
+            bounds,
+            assignment.value.place,
+            &assignment.target.text,
+        );
     }
     Ok((index, value))
 }

@@ -191,7 +191,9 @@ fn mass_matrix(momenta: &[Sym], velocities: &[Variable]) -> Result<Vec<Sym>, Fai
 /// `v' dL/dv - L` split into the part that vanishes at rest and the rest.
 fn energy(lagrangian: Sym, momenta: &[Sym], velocities: &[Variable]) -> [Sym; 2] {
     let at_rest = |values: &[Sym]| {
-        graph::substitute(values, |variable| velocities.contains(&variable).then_some(Sym::ZERO))
+        graph::substitute(values, |variable| {
+            velocities.contains(&variable).then_some(Sym::ZERO)
+        })
     };
     let rest = at_rest(&[lagrangian])[0];
     // Without terms linear in the velocities, the kinetic energy is what the Lagrangian says.

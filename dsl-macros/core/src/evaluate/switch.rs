@@ -42,7 +42,10 @@ pub(super) fn call(
             )
         } else {
             let plural = if wanted == 1 { "" } else { "s" };
-            format!("`{text}` takes {wanted} argument{plural}, found {}", parts.len())
+            format!(
+                "`{text}` takes {wanted} argument{plural}, found {}",
+                parts.len()
+            )
         };
         return Err(diagnostics.report("E02", whole.place, message));
     }
@@ -109,7 +112,10 @@ fn switch(
     let moving = |variable: &Variable| {
         matches!(
             variable,
-            Variable::Coordinate(_) | Variable::Velocity(_) | Variable::Time | Variable::Parameter(_)
+            Variable::Coordinate(_)
+                | Variable::Velocity(_)
+                | Variable::Time
+                | Variable::Parameter(_)
         )
     };
     if scope.role == Role::Record && !variables.iter().all(moving) {
@@ -118,8 +124,7 @@ fn switch(
     let wrong = variables.iter().find_map(|variable| match variable {
         Variable::Switch(_) => Some((
             "E12",
-            "switches itself, so that it has no rate where it would vanish; switch by a smooth function, and \
-             put one `if` inside of the braces of another",
+            "switches itself, so that it has no rate where it would vanish; switch by a smooth function",
         )),
         Variable::Control(_) => Some((
             "E07",

@@ -438,14 +438,19 @@ impl Parser<'_> {
         let right = self.climb(cursor, 0)?;
         let yes = self.braced(cursor, SHAPE)?;
         if !cursor.eat_word("else") {
-            let message = format!("`else` is missing, as what acts has a value on both sides; write {SHAPE}");
+            let message =
+                format!("`else` is missing, as what acts has a value on both sides; write {SHAPE}");
             return Err(self.diagnostics.syntax(cursor.place(), message));
         }
         let no = match cursor.at_word(words::IF) {
             true => self.primary(cursor)?,
             false => self.braced(cursor, SHAPE)?,
         };
-        let (large, small) = if greater { (left, right) } else { (right, left) };
+        let (large, small) = if greater {
+            (left, right)
+        } else {
+            (right, left)
+        };
         let arguments = vec![large, small, yes, no];
         let depth = arguments.iter().map(|part| part.depth).max().unwrap_or(0);
         let whole = name.place().to(cursor.previous());
@@ -463,7 +468,10 @@ impl Parser<'_> {
     /// An expression in braces.
     fn braced(&mut self, cursor: &mut Cursor, shape: &str) -> Checked<Expr> {
         let Some(group) = cursor.eat_group(Delimiter::Brace) else {
-            let message = format!("expected a value in braces, found {}; write {shape}", cursor.describe());
+            let message = format!(
+                "expected a value in braces, found {}; write {shape}",
+                cursor.describe()
+            );
             return Err(self.diagnostics.syntax(cursor.place(), message));
         };
         let mut inner = Cursor::inside(&group);

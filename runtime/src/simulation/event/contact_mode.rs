@@ -219,15 +219,16 @@ fn candidates(
         let velocity = dynamics.sliding_velocity(i);
         let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i);
         let rests = stops || velocity.abs() <= dynamics.zero_sliding_velocity(i);
-        laws.push(
-            if rests && dynamics.passes(i) {
-                TangentialLaw::Sliding(mu, side(dynamics, i, (t, y, moment), acceleration, vanished))
-            } else if stops || velocity.abs() <= dynamics.zero_sliding_velocity(i) {
-                TangentialLaw::Coulomb(mu)
-            } else {
-                TangentialLaw::Sliding(mu, Direction::of(velocity))
-            },
-        );
+        laws.push(if rests && dynamics.passes(i) {
+            TangentialLaw::Sliding(
+                mu,
+                side(dynamics, i, (t, y, moment), acceleration, vanished),
+            )
+        } else if stops || velocity.abs() <= dynamics.zero_sliding_velocity(i) {
+            TangentialLaw::Coulomb(mu)
+        } else {
+            TangentialLaw::Sliding(mu, Direction::of(velocity))
+        });
     }
     switching::set_force_floors(dynamics, resting);
     let solution = ContactProblem {

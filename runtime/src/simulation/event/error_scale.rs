@@ -97,7 +97,11 @@ impl ErrorScale {
                 heaviest = heaviest.max(mass[k * n + k]);
             }
         }
-        let is_state = self.group.iter().skip(self.mechanical).any(|own| *own == group);
+        let is_state = self
+            .group
+            .iter()
+            .skip(self.mechanical)
+            .any(|own| *own == group);
         if is_state {
             return square.sqrt();
         }

@@ -6,8 +6,8 @@ use super::stop::Stop;
 use crate::fesd::active_contact::find;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
-use crate::simulation::problem::{not_unique, 
-    leaps, negative_bound, not_finite_at, vanishing_inertia, zero_parameters,
+use crate::simulation::problem::{
+    leaps, negative_bound, not_finite_at, not_unique, vanishing_inertia, zero_parameters,
 };
 use crate::simulation::watch::interrupted;
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};

@@ -101,7 +101,11 @@ impl Simulator for Fesd {
         }
         if self.formulation != StepFormulation::ActiveSet {
             let formulation = "a formulation by complementarity or time-freezing";
-            InitialValueProblem::check_switches(model, formulation, "use the active-set formulation")?;
+            InitialValueProblem::check_switches(
+                model,
+                formulation,
+                "use the active-set formulation",
+            )?;
         }
         let mut watch = Watch::new(problem, observer);
         let mut result = match self.promise() {
