@@ -36,6 +36,7 @@ pub(super) struct Abbreviation {
     pub(super) what: &'static str,
 }
 
+// Many fields: what the statements declare, a kind each.
 pub(super) struct Checker<'a> {
     pub(super) scope: Scope,
     pub(super) diagnostics: &'a mut Diagnostics,
