@@ -176,3 +176,22 @@ fn smooth_powers_of_kinks_are_no_switches_and_each_other_one_is_a_contact() {
     );
     assert!(scene.explicit_time);
 }
+
+#[test]
+fn choices_are_formatted_in_one_line() {
+    let text = "states{x,y}\nrates{x:if x>=0{3}else if x>=-1{2}else{1},y:(if x<1{x-y}else{-y})+sign( x )*2}\nhorizon 2";
+    let formatted = hangtime_dsl::format_text(text, "scene").expect("no mistakes");
+    let wanted = "\
+states { x, y }
+rates {
+    x: if x >= 0 { 3 } else if x >= -1 { 2 } else { 1 },
+    y: (if x < 1 { x - y } else { -y }) + sign(x)*2,
+}
+horizon 2
+";
+    assert_eq!(formatted, wanted);
+    assert_eq!(
+        hangtime_dsl::format_text(&formatted, "scene").expect("no mistakes"),
+        wanted
+    );
+}
