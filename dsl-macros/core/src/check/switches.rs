@@ -39,7 +39,7 @@ pub(super) fn append(
         .filter(|switch| acting.contains(&switch.variable))
         .collect();
     let still = |variable| matches!(variable, Variable::Switch(_)).then_some(Sym::ZERO);
-    let before = checker.diagnostics.mistakes();
+    let (before, first) = (checker.diagnostics.mistakes(), contacts.len());
     for (k, switch) in acting.iter().enumerate() {
         let slopes = graph::partial(forces, switch.variable);
         if let Some(other) = acting[..=k]
@@ -56,7 +56,6 @@ pub(super) fn append(
         }
         contacts.push(contact(switch, action));
     }
-    let first = contacts.len() - acting.len().min(contacts.len());
     shown(checker, &switches, &acting, first);
     replace(forces, still);
     if checker.diagnostics.mistakes() > before {
