@@ -258,8 +258,8 @@ impl Calls {
             }
             Some(Command::Solve(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
-                let task = OptimumTask::new(chosen, &arguments)?;
-                Ok(solved(&task, progress)?)
+                let mut task = OptimumTask::new(chosen, &arguments)?;
+                Ok(solved(&mut task, progress)?)
             }
             Some(Command::Explain(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
@@ -336,7 +336,7 @@ fn simulated(
 }
 
 fn solved(
-    task: &OptimumTask,
+    task: &mut OptimumTask,
     progress: &mut (dyn FnMut(Option<f64>, &str) + Send),
 ) -> Result<Answer, BadInput> {
     let mut next = PATIENCE;

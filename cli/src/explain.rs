@@ -210,6 +210,14 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
     if task.free_time {
         text += "free        the final time\n";
     }
+    let declared = model.declaration().parameters;
+    let free = model.free_parameters();
+    let (mut lower, mut upper) = (vec![0.0; free.len()], vec![0.0; free.len()]);
+    model.free_parameter_bounds(&mut lower, &mut upper);
+    for ((&index, lower), upper) in free.iter().zip(lower).zip(upper) {
+        let name = headed(declared[index].name, declared[index].unit);
+        let _ = writeln!(text, "free        {name} in {lower}..={upper}, a parameter");
+    }
     let count = task.free_start.len();
     let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]);
     model.free_start_bounds(&mut lower, &mut upper);

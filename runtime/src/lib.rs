@@ -57,6 +57,7 @@ extern crate self as hangtime;
 mod dcs;
 mod fesd;
 mod front;
+mod joints;
 mod linalg;
 pub mod model;
 pub mod ocp;

@@ -64,6 +64,8 @@ pub(crate) struct Quantity {
     pub(crate) unit: Option<WrittenUnit>,
     pub(crate) bounds: Option<(Expr, Expr)>,
     pub(crate) value: Option<Expr>,
+    /// Whether it is a parameter that is to be found, `free name: unit in lower..=upper = value`.
+    pub(crate) free: bool,
 }
 
 /// `name: value`, in `forces` and `start`.
@@ -193,6 +195,13 @@ pub(crate) enum Statement {
         name: Name,
         bound: Expr,
         sliding: Expr,
+    },
+    /// An equation between positions, or between velocities.
+    Joint {
+        documentation: Documentation,
+        name: Name,
+        left: Expr,
+        right: Expr,
     },
     Start(Vec<Assignment>),
     Horizon {

@@ -21,6 +21,7 @@ pub(crate) struct CheckedScene {
     /// Generalized forces in the units of the coordinates as declared, one a coordinate; of states their rates.
     pub(crate) forces: Vec<Sym>,
     pub(crate) contacts: Vec<Contact>,
+    pub(crate) joints: Vec<Joint>,
     /// Initial coordinates and velocities, in declared units.
     pub(crate) start: (Vec<Sym>, Vec<Sym>),
     pub(crate) horizon: Option<Sym>,
@@ -30,6 +31,18 @@ pub(crate) struct CheckedScene {
     pub(crate) picture: Option<Picture>,
     /// Parameters (indices) by which all functions are differentiated besides their inputs; none unless asked for.
     pub(crate) differentiated: Vec<u16>,
+    /// Parameters that optimal control is to find.
+    pub(crate) free_parameters: Vec<FreeParameter>,
+    /// The parameters that are coordinates without motion here, the last ones; none unless asked for.
+    pub(crate) held: Vec<u16>,
+}
+
+/// A parameter that optimal control is to find.
+pub(crate) struct FreeParameter {
+    /// Index of the parameter.
+    pub(crate) index: u16,
+    /// In the declared unit; functions of parameters that are not free.
+    pub(crate) bounds: (Sym, Sym),
 }
 
 impl CheckedScene {
@@ -144,6 +157,18 @@ pub(crate) struct Coordinate {
     pub(crate) documentation: Documentation,
     /// In the declared unit.
     pub(crate) bounds: Option<(Sym, Sym)>,
+}
+
+/// Equations between positions, or linear ones between velocities.
+pub(crate) struct Joint {
+    pub(crate) name: Name,
+    pub(crate) documentation: Documentation,
+    /// Of the positions, or of the velocities times a second.
+    pub(crate) unit: Option<Unit>,
+    /// What vanishes, one function a component, in SI units.
+    pub(crate) rows: Vec<Sym>,
+    /// Whether they are functions of positions; of velocities otherwise.
+    pub(crate) holonomic: bool,
 }
 
 /// A surface with its law, or dry friction without a surface.

@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 22] = [
+pub(crate) const STATEMENTS: [&str; 23] = [
     "parameters",
     "coordinates",
     "controls",
@@ -16,6 +16,7 @@ pub(crate) const STATEMENTS: [&str; 22] = [
     "surface",
     "impact",
     "dry",
+    "joint",
     "start",
     "horizon",
     "constraint",

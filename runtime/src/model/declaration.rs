@@ -1,5 +1,7 @@
 //! What a scene declares, as static data: names, units, patterns, operation counts.
 
+use super::joint::JointsDeclaration;
+
 /// Everything about a scene that does not depend on parameter values.
 #[derive(Debug, Clone, Copy)]
 pub struct Declaration {
@@ -18,6 +20,8 @@ pub struct Declaration {
     pub states: &'static [VariableDeclaration],
     /// Contacts in order of declaration; their number is `n_c`.
     pub contacts: &'static [ContactDeclaration],
+    /// Joints, if there are any.
+    pub joints: Option<JointsDeclaration>,
     /// Whether the physical time is the last component of the input vector.
     pub explicit_time: bool,
     /// Pattern of the Jacobian of the free acceleration.

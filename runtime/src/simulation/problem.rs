@@ -195,6 +195,12 @@ impl InitialValueProblem {
     /// The first [`InputError`] found: parameters, lengths, finiteness, horizon, controls, mass
     /// matrix, gaps.
     pub fn check(&self, model: &dyn Model) -> Result<(), InputError> {
+        self.check_numbers(model)?;
+        self.check_contacts(model, &self.input(model))
+    }
+
+    /// Checks all but the contacts.
+    pub(in crate::simulation) fn check_numbers(&self, model: &dyn Model) -> Result<(), InputError> {
         let declaration = model.declaration();
         for (index, parameter) in declaration.parameters.iter().enumerate() {
             let value = model.parameter(index);
@@ -245,9 +251,7 @@ impl InitialValueProblem {
             ));
         }
         self.controls.check(declaration.controls.len())?;
-        let x = self.input(model);
-        check_mass(model, &x)?;
-        self.check_contacts(model, &x)
+        check_mass(model, &self.input(model))
     }
 
     /// Rounding error of a gap at the start `x`.

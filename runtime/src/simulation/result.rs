@@ -7,7 +7,7 @@ use hangtime_solver::{ProblemSize, Seconds};
 
 use super::quantity::{Quantity, number};
 use super::{ContactMode, InputError, Residuals, State, Trajectory};
-use crate::model::{ContactDeclaration, Declaration};
+use crate::model::{ContactDeclaration, Declaration, Model};
 use crate::refusal;
 
 /// Result of a simulation.
@@ -81,6 +81,18 @@ enum Side {
 }
 
 impl Simulation {
+    /// Leaves the coordinates out that stand for parameters, at the values of which `scene` is the model without them.
+    pub(crate) fn leave_held_out(&mut self, scene: &dyn Model) {
+        let n = scene.declaration().coordinates.len();
+        self.declaration = scene.declaration();
+        self.trajectory.leave_held_out(scene);
+        for event in &mut self.events {
+            for values in [&mut event.q, &mut event.v_before, &mut event.v_after] {
+                values.truncate(n);
+            }
+        }
+    }
+
     /// The state at a time, right after an impact at that time.
     ///
     /// Between two points of the trajectory coordinates follow the cubic through their values and velocities, and

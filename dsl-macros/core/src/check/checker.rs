@@ -41,6 +41,7 @@ pub(super) struct Checker<'a> {
     pub(super) scope: Scope,
     pub(super) diagnostics: &'a mut Diagnostics,
     pub(super) parameters: Vec<Parameter>,
+    pub(super) free_parameters: Vec<scene::FreeParameter>,
     pub(super) coordinates: Vec<Coordinate>,
     pub(super) controls: Vec<Coordinate>,
     pub(super) states: Vec<Coordinate>,
@@ -53,6 +54,7 @@ pub(super) struct Checker<'a> {
     pub(super) forces: Vec<(usize, Sym)>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) laws: Laws,
+    pub(super) joints: Vec<scene::Joint>,
     pub(super) start: Vec<Assignment>,
     pub(super) horizon: Option<Sym>,
     pub(super) task: Task,
@@ -150,6 +152,7 @@ impl Checker<'_> {
             Variable::ContactImpulse(_) | Variable::FrictionImpulse(_) => {
                 "the impulse of a contact".to_owned()
             }
+            Variable::JointForce(_) => "the force of a joint".to_owned(),
             Variable::Sum(_) => "a sum over impacts".to_owned(),
             Variable::Switch(_) => "a switch".to_owned(),
             _ => "a parameter".to_owned(),
@@ -229,6 +232,26 @@ impl Checker<'_> {
                 ),
             )),
         }
+    }
+
+    /// The free parameter that a value depends on, if it depends on one.
+    pub(super) fn free_parameter_in(&self, value: Sym) -> Option<&str> {
+        let read = graph::variables(&[value]);
+        let mut free = self.free_parameters.iter();
+        let found = free.find(|free| read.contains(&Variable::Parameter(free.index)))?;
+        Some(self.parameters[usize::from(found.index)].name.text.as_str())
+    }
+
+    /// A bound of `of`, which is the same for all values of free parameters.
+    pub(super) fn fixed_bound(&mut self, bound: Sym, expr: &Expr, of: &str) -> Checked<Sym> {
+        let Some(name) = self.free_parameter_in(bound) else {
+            return Ok(bound);
+        };
+        let message = format!(
+            "a bound of `{of}` depends on the free parameter `{name}`; write it as a condition, such as \
+             `constraint limit: {of} <= {expr}`"
+        );
+        Err(self.diagnostics.syntax(expr.place, message))
     }
 
     pub(super) fn coordinate_index(&mut self, name: &Name) -> Checked<usize> {

@@ -3,7 +3,9 @@
 mod checker;
 mod chosen;
 mod dependence;
+mod design;
 mod dry;
+mod joint;
 mod law;
 mod names;
 mod optimal_control;
@@ -18,6 +20,8 @@ mod switches;
 mod units;
 mod values;
 
+pub(crate) use design::without_free_bounds;
+pub(crate) use joint::rate as joint_rate;
 pub(crate) use law::normal;
 pub(crate) use start::inertia_at_start;
 
@@ -39,6 +43,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         scope: Scope::default(),
         diagnostics,
         parameters: Vec::new(),
+        free_parameters: Vec::new(),
         coordinates: Vec::new(),
         controls: Vec::new(),
         states: Vec::new(),
@@ -49,6 +54,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         forces: Vec::new(),
         surfaces: Vec::new(),
         laws: Laws::default(),
+        joints: Vec::new(),
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
@@ -62,14 +68,15 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
             failed.insert(index);
         }
     }
-    let units = units::inferred(declared, &failed, checker.diagnostics);
+    let rolling = joint::of_velocities(&checker);
+    let units = units::inferred(declared, (&failed, rolling), checker.diagnostics);
     let complete = before == 0 && failed.is_empty();
     finish(checker, declared, &units, complete)
 }
 
 fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()> {
     match statement {
-        Statement::Parameters(_) => Ok(()),
+        Statement::Parameters(quantities) => design::bounds(checker, quantities),
         Statement::Coordinates(quantities) => values::bounds(checker, quantities, false),
         Statement::Controls(quantities) => values::bounds(checker, quantities, true),
         Statement::States(quantities) => values::bounds_of_states(checker, quantities),
@@ -97,6 +104,12 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             bound,
             sliding,
         } => dry::friction(checker, (documentation, name), bound, sliding),
+        Statement::Joint {
+            documentation,
+            name,
+            left,
+            right,
+        } => joint::joint(checker, (documentation, name), left, right),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
         Statement::Minimize { keyword, value } => {
@@ -269,6 +282,8 @@ fn finish(
     states::append(&mut checker, &mut forces);
     switches::append(&mut checker, &mut forces, &mut contacts)?;
     let mut dynamics = dynamics(lagrangian, &forces, &contacts);
+    joint::finish(&mut checker, &units.gaps, &contacts);
+    dynamics.extend(checker.joints.iter().flat_map(|joint| &joint.rows));
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
     if let Some(task) = &optimal_control {
         dynamics.extend(task.running_cost);
@@ -277,6 +292,8 @@ fn finish(
         dynamics.extend(&task.sums);
     }
     moves?;
+    let given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
+    design::finish(&mut checker, &given, &contacts, optimal_control.as_ref());
     outputs::finish(&mut checker, &contacts, units);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
@@ -293,6 +310,7 @@ fn finish(
         lagrangian,
         forces,
         contacts,
+        joints: checker.joints,
         start,
         horizon: checker.horizon,
         explicit_time,
@@ -300,6 +318,8 @@ fn finish(
         outputs: checker.shown.outputs,
         picture: checker.shown.picture,
         differentiated: Vec::new(),
+        free_parameters: checker.free_parameters,
+        held: Vec::new(),
     })
 }
 

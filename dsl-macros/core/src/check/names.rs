@@ -6,7 +6,7 @@ use crate::ast::{Name, Quantity, Statement};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::{Meaning, Value};
 use crate::graph::{Compose, Sym, Variable};
-use crate::scene::{self, Coordinate, Parameter};
+use crate::scene::{self, Coordinate, FreeParameter, Parameter};
 
 /// Most coordinates, and most parameters or controls, of one scene.
 const MOST: usize = 500;
@@ -94,14 +94,21 @@ fn parameter(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
             ))
         }
     };
-    if let Some((lower, _)) = &quantity.bounds {
+    if let Some((lower, _)) = quantity.bounds.as_ref().filter(|_| !quantity.free) {
         checker.diagnostics.syntax(
             lower.place,
             format!(
-                "bounds belong to coordinates and controls; parameter `{}` has none",
+                "bounds belong to coordinates, controls and free parameters; parameter `{0}` has none: leave them out, or \
+                 write `free {0}...` outside of `parameters` if `solve` is to find it",
                 name.text
             ),
         );
+    }
+    if quantity.free {
+        checker.free_parameters.push(FreeParameter {
+            index,
+            bounds: (Sym::ZERO, Sym::ZERO),
+        });
     }
     checker.parameters.push(Parameter {
         name: name.clone(),

@@ -122,7 +122,7 @@ fn running_term(
     let value = in_role(checker, Role::Running, |checker| {
         expression::scalar(&mut checker.scope, expr, checker.diagnostics)
     })?;
-    if !moves(value) {
+    if !moves(checker, value) {
         return Err(meaningless(
             checker,
             expr.place,
@@ -150,7 +150,7 @@ fn running_term(
 
 fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
     let value = at_the_end(checker, expr, "the final cost")?;
-    if !moves(value) {
+    if !moves(checker, value) {
         return Err(meaningless(
             checker,
             expr.place,
@@ -273,7 +273,7 @@ fn checked_condition(
         Relation::AtMost => right - left,
         Relation::AtLeast | Relation::Equal => left - right,
     };
-    if !moves(function) {
+    if !moves(checker, function) {
         return Err(meaningless(
             checker,
             condition.left.place.to(condition.right.place),
@@ -382,11 +382,10 @@ pub(super) fn optimal_control(
     })
 }
 
-/// Whether a value depends on the motion.
-fn moves(value: Sym) -> bool {
-    graph::depends_on(value, |variable| {
-        !matches!(variable, Variable::Parameter(_))
-    })
+/// Whether a value depends on the motion, or on a parameter that is to be found with it.
+fn moves(checker: &Checker<'_>, value: Sym) -> bool {
+    let of_motion = |variable| !matches!(variable, Variable::Parameter(_));
+    graph::depends_on(value, of_motion) || checker.free_parameter_in(value).is_some()
 }
 
 /// A condition as written.

@@ -265,8 +265,13 @@ fn mentions(expr: &Expr, names: &[String]) -> bool {
 pub(super) fn unused(checker: &mut Checker<'_>) {
     let mut unused: Vec<(Place, String)> = Vec::new();
     let is_unused = |name: &Name| !checker.scope.used.contains(&name.text);
-    for parameter in &checker.parameters {
-        if is_unused(&parameter.name) {
+    // Of free ones more is asked, see `design`.
+    let free = |index: usize| {
+        let mut free = checker.free_parameters.iter();
+        free.any(|free| usize::from(free.index) == index)
+    };
+    for (index, parameter) in checker.parameters.iter().enumerate() {
+        if is_unused(&parameter.name) && !free(index) {
             unused.push((
                 parameter.name.place(),
                 format!("parameter `{}` is never used", parameter.name.text),

@@ -43,8 +43,8 @@ pub(super) fn gaps(
     complete: bool,
 ) {
     let has = |wanted: fn(&Statement) -> bool| declared.statements.iter().any(wanted);
-    // A start that is to be found is not a given one.
-    if has(|statement| matches!(statement, Statement::Free(_))) {
+    // A start that is to be found, or that joints complete, is not a given one.
+    if has(|statement| matches!(statement, Statement::Free(_) | Statement::Joint { .. })) {
         return;
     }
     let n = checker.coordinates.len();

@@ -115,7 +115,8 @@ pub(super) fn range(
         if let Some(fault) = graph::take_fault() {
             return Err(unrepresentable(fault, expr, checker.diagnostics));
         }
-        checker.constant(sym, expr, &what)
+        let sym = checker.constant(sym, expr, &what)?;
+        checker.fixed_bound(sym, expr, name)
     };
     let (low, high) = (bound(lower, shared), bound(upper, 1.0));
     let (low, high) = (low?, high?);

@@ -7,12 +7,13 @@
 //! d = w / (n' w),   w = H n or declared          e = H b / D
 //! ```
 
+use super::held::along_motion;
 use super::implicit::{self, Implicit};
+use super::joint::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
-use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{Contact, Friction};
 
@@ -102,11 +103,13 @@ fn inner(a: &[Sym], b: &[Sym]) -> Sym {
 }
 
 /// Gap, normal velocity, curvature and normal.
-fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
+fn geometry(contact: &Contact, (n, moving): (usize, usize)) -> (Vec<Sym>, Sym, Vec<Sym>) {
     let gap = contact.gap;
-    let normal: Vec<Sym> = normal(gap, n).into_iter().map(simplify).collect();
-    let normal_velocity = graph::directional(&[gap], velocity_direction)[0];
-    let curvature = graph::directional(&[normal_velocity], velocity_direction)[0];
+    let mut normal: Vec<Sym> = normal(gap, moving).into_iter().map(simplify).collect();
+    normal.resize(n, Sym::ZERO);
+    let along = along_motion(moving);
+    let normal_velocity = graph::directional(&[gap], along)[0];
+    let curvature = graph::directional(&[normal_velocity], along)[0];
     (
         vec![gap, simplify(normal_velocity)],
         simplify(curvature),
@@ -115,10 +118,10 @@ fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
 }
 
 /// Sliding velocity, its curvature and the tangent.
-fn slip(friction: &Friction, n: usize) -> (Sym, Sym, Vec<Sym>) {
+fn slip(friction: &Friction, (n, moving): (usize, usize)) -> (Sym, Sym, Vec<Sym>) {
     let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
     let sliding = simplify(friction.sliding);
-    let curvature = graph::directional(&[sliding], velocity_direction)[0];
+    let curvature = graph::directional(&[sliding], along_motion(moving))[0];
     let tangent = graph::gradient(sliding, &velocities);
     (
         sliding,
@@ -137,10 +140,13 @@ fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
 pub(super) struct Mechanism<'a> {
     pub(super) mass: &'a [Sym],
     pub(super) momenta: &'a [Sym],
+    pub(super) joints: &'a [Row],
     /// The inverse mass matrix by formulas, of few coordinates.
     pub(super) formulas: Option<&'a Inertia>,
     /// The mass matrix by factors, unless it is solved with at run time.
     pub(super) written_out: Option<&'a Factorization>,
+    /// Number of coordinates that move.
+    pub(super) moving: usize,
     pub(super) inputs: &'a [Variable],
 }
 
@@ -155,7 +161,7 @@ impl Mechanism<'_> {
 
     fn surface(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
         let n = self.momenta.len();
-        let (mut rows, curvature, normal) = geometry(contact, n);
+        let (mut rows, curvature, normal) = geometry(contact, (n, self.moving));
         let singular = |coordinate| Failure::SingularMass { coordinate };
         let inertia = self.holding(&contact.held);
         let (locked, locked_factors) = match (self.formulas, self.written_out) {
@@ -165,7 +171,7 @@ impl Mechanism<'_> {
                     .map(|_| Inertia::locked(self.mass, n, &contact.held))
                     .transpose()?,
                 factors
-                    .map(|_| Factorization::stepwise(&inertia.matrix(), n))
+                    .map(|_| inertia.factorized())
                     .transpose()
                     .map_err(singular)?,
             ),
@@ -183,7 +189,7 @@ impl Mechanism<'_> {
             (None, None) => InverseInertia::Solved,
         };
         let friction = contact.friction.as_ref().map(|friction| {
-            let (sliding, curvature, tangent) = slip(friction, n);
+            let (sliding, curvature, tangent) = slip(friction, (n, self.moving));
             let formula = formulas
                 .zip(divisor)
                 .map(|(formulas, divisor)| over(&formulas.solve(&tangent), divisor));
@@ -240,7 +246,8 @@ impl Mechanism<'_> {
             return Ok(formula);
         }
         let inertia = self.holding(&declared.held);
-        let factors = Factorization::stepwise(&inertia.matrix(), self.momenta.len())
+        let factors = inertia
+            .factorized()
             .map_err(|coordinate| Failure::SingularMass { coordinate })?;
         let normal = inertia.free_part(&contact.normal);
         Ok(Bordered::new(&factors, vec![normal]).inverse_inertia())
@@ -252,13 +259,14 @@ impl Mechanism<'_> {
             mass: self.mass,
             momenta: self.momenta,
             held,
+            joints: self.joints,
         }
     }
 
     /// Dry friction: no gap and no normal, the given normal acceleration `D f` for a force `f`, and the direction
     /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
     fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
-        let slip = slip(friction, self.momenta.len());
+        let slip = slip(friction, (self.momenta.len(), self.moving));
         let scale = simplify(self.size_of_force(&slip.2));
         let action = slip.2.clone();
         self.given(slip, &action, scale, simplify(scale * bound))
@@ -276,7 +284,7 @@ impl Mechanism<'_> {
     /// A switch: the friction direction is `M^-1 a / D` for what it acts by, `a`, and the given normal acceleration `D`, about what
     /// the switch changes the rate of its function by. Where it does not change that, the function is only passed, and `D` is 1.
     fn switch(&self, action: &[Sym], friction: &Friction) -> ContactEquations {
-        let slip = slip(friction, self.momenta.len());
+        let slip = slip(friction, (self.momenta.len(), self.moving));
         let passes = !self.couples(&slip.2, action);
         let scale = if passes {
             Sym::ONE

@@ -13,7 +13,9 @@ mod contact;
 mod control;
 mod explicit;
 mod failure;
+mod held;
 mod implicit;
+mod joint;
 mod ldl;
 mod residual;
 mod simplify;
@@ -22,10 +24,12 @@ pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
 pub(crate) use control::ControlEquations;
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
+pub use held::Given;
+pub(crate) use held::{given, with_held};
 pub(crate) use implicit::Implicit;
+pub(crate) use joint::JointEquations;
 pub(crate) use simplify::simplify;
 
-use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::CheckedScene;
 use ldl::Factorization;
@@ -61,6 +65,8 @@ pub(crate) struct Equations {
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
+    /// None without joints.
+    pub(crate) joints: Option<JointEquations>,
     pub(crate) optimal_control: Option<ControlEquations>,
 }
 
@@ -76,10 +82,12 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     // A state is the velocity of a coordinate of unit mass.
     momenta.extend(states.iter().copied().map(Sym::variable));
     let mass = mass_matrix(&momenta, velocities)?;
-    let conservative = graph::gradient(lagrangian, coordinates);
+    let moving = held::moving(scene);
+    let mut conservative = graph::gradient(lagrangian, coordinates);
+    conservative[moving..].fill(Sym::ZERO);
     let pairs = conservative.iter().zip(&scene.forces);
     let applied: Vec<Sym> = pairs.map(|(&own, &force)| own + force).collect();
-    let transport = graph::directional(&momenta, velocity_direction);
+    let transport = graph::directional(&momenta, held::along_motion(moving));
     let right: Vec<Sym> = conservative
         .iter()
         .zip(&transport)
@@ -89,19 +97,33 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
             simplify(simplify_equation(conservative - transport) + simplify_equation(force))
         })
         .collect();
+    let joints = joint::rows(scene);
+    let inertia = implicit::Locked {
+        mass: &mass,
+        momenta: &momenta,
+        held: &[],
+        joints: &joints,
+    };
+    // Equations of motion and of joints.
+    let order = inertia.size();
     let singular = |coordinate| Failure::SingularMass { coordinate };
-    let formulas = (n <= EXPLICIT)
+    let formulas = (n <= EXPLICIT && joints.is_empty())
         .then(|| Factorization::of(&mass, n))
         .transpose()
         .map_err(singular)?;
-    let stepwise = (n <= implicit::FORMULAS)
-        .then(|| Factorization::stepwise(&mass, n))
+    let stepwise = (order <= implicit::FORMULAS)
+        .then(|| inertia.factorized())
         .transpose()
         .map_err(singular)?;
-    let written_out = stepwise.as_ref().filter(|_| n <= WRITTEN_OUT);
+    let written_out = stepwise.as_ref().filter(|_| order <= WRITTEN_OUT);
     let motion = || {
-        let (mass, right, factors) = (mass.clone(), right.clone(), stepwise.as_ref());
-        implicit::motion(mass, right, factors, &momenta, &applied, &inputs)
+        implicit::motion(
+            &inertia,
+            right.clone(),
+            stepwise.as_ref(),
+            (&applied, moving),
+            &inputs,
+        )
     };
     let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
     let by_elimination =
@@ -115,12 +137,19 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         (None, Some(factors)) => Solution::Explicit(by_elimination(factors)),
         (_, None) => Solution::Implicit(motion()),
     };
+    let forces = (!joints.is_empty()).then(|| {
+        let solution = stepwise.as_ref();
+        let solution = solution.map(|factors| factors.solve(&inertia.right(&right)));
+        joint::equations(scene, &joints, (solution.as_deref(), n), &inputs)
+    });
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
     let inertia = contact::Mechanism {
         mass: &mass,
         momenta: &momenta,
+        joints: &joints,
         formulas: formulas.as_ref(),
         written_out,
+        moving,
         inputs: &inputs,
     };
     let contacts: Vec<ContactEquations> = scene
@@ -135,11 +164,12 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     Ok(Equations {
         inputs,
         right,
-        readable: n <= EXPLICIT,
+        readable: n <= EXPLICIT && joints.is_empty(),
         mass,
         energy,
         acceleration,
         contacts,
+        joints: forces,
         optimal_control,
     })
 }

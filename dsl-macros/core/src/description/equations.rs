@@ -25,6 +25,7 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<[Stri
     for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
         list.contact(contact, derived);
     }
+    list.joints(equations);
     if !scene.contacts.is_empty() {
         list.free_dynamics(equations);
     }
@@ -94,6 +95,32 @@ impl List<'_> {
         for (state, &rate) in self.scene.states.iter().zip(&equations.right[mechanical..]) {
             self.add(format!("{}'", state.name.text), rate);
         }
+    }
+
+    /// What joints hold; the accelerations and directions of contacts are those of the system in which they do.
+    fn joints(&mut self, equations: &Equations) {
+        let Some(derived) = &equations.joints else {
+            return;
+        };
+        let count = derived.values.len() / 2;
+        let (positions, velocities) = derived.values.split_at(count);
+        let mut row = 0;
+        for joint in &self.scene.joints {
+            for i in 0..joint.rows.len() {
+                let name = match joint.rows.len() {
+                    1 => joint.name.text.clone(),
+                    _ => format!("{}.{}", joint.name.text, i + 1),
+                };
+                if joint.holonomic {
+                    self.add(format!("joint({name}) = 0"), positions[row]);
+                }
+                let rate = if joint.holonomic { "'" } else { "" };
+                self.add(format!("joint({name}){rate} = 0"), velocities[row]);
+                row += 1;
+            }
+        }
+        let law = "M q'' = f + G' force, G = d joint'/dq', and M^-1 of contacts is that where all joints hold";
+        self.all.push(("joints".to_owned(), law.to_owned()));
     }
 
     fn contact(&mut self, contact: &Contact, derived: &ContactEquations) {

@@ -239,6 +239,22 @@ impl Printer<'_> {
         contact.map_or("", |contact| &contact.name.text)
     }
 
+    /// What belongs to an equation of a joint: `word(name)`, with its number behind a point if the joint has several.
+    fn joint(&self, word: &str, row: u16) -> String {
+        let mut first = 0;
+        for joint in &self.scene.joints {
+            let own = usize::from(row) - first;
+            if own < joint.rows.len() {
+                return match joint.rows.len() {
+                    1 => format!("{word}({})", joint.name.text),
+                    _ => format!("{word}({}).{}", joint.name.text, own + 1),
+                };
+            }
+            first += joint.rows.len();
+        }
+        String::new()
+    }
+
     fn name(&self, variable: Variable) -> String {
         let named = |list: &[crate::scene::Coordinate], i: u16, suffix: &str| {
             list.get(usize::from(i))
@@ -272,6 +288,8 @@ impl Printer<'_> {
                     summed.map_or_else(String::new, |&sum| formula(self.scene, sum))
                 )
             }
+            Variable::JointForce(i) => self.joint("force", i),
+            Variable::JointHeld(i) => self.joint("held", i),
             Variable::Switch(i) => format!("s{i}"),
             Variable::Multiplier(i) => format!("lambda{i}"),
             Variable::Unknown(i) => format!("a{i}"),

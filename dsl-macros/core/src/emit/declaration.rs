@@ -37,9 +37,11 @@ pub(super) fn write(scene: &Description, code: &mut String) {
     }
     code.push_str("], contacts: &[");
     contacts(&scene.contacts, code);
+    code.push_str("], joints: ");
+    joints(scene, code);
     let _ = write!(
         code,
-        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
+        ", explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
         scene.explicit_time,
         pattern(&scene.motion.jacobian),
         pattern(&scene.motion.hessian),
@@ -141,6 +143,22 @@ fn contacts(contacts: &[Contact], code: &mut String) {
             contact.documentation
         );
     }
+}
+
+fn joints(scene: &Description, code: &mut String) {
+    let Some(joints) = &scene.joints else {
+        return code.push_str("__Option::None");
+    };
+    code.push_str("__Option::Some(::hangtime::model::JointsDeclaration { list: &[");
+    for joint in &joints.list {
+        let _ = write!(
+            code,
+            "::hangtime::model::JointDeclaration {{ name: {:?}, unit: {:?}, rows: {}, holonomic: {}, documentation: \
+             {:?} }},",
+            joint.name, joint.unit, joint.rows, joint.holonomic, joint.documentation
+        );
+    }
+    let _ = write!(code, "], jacobian: {} }})", pattern(&joints.pattern));
 }
 
 fn optimal_control(task: Option<&OptimalControl>) -> String {

@@ -79,6 +79,8 @@ pub(crate) struct Scope {
     pub(crate) surfaces: Vec<(String, Range<usize>)>,
     /// Dry frictions declared so far, in order.
     pub(crate) dry: Vec<String>,
+    /// Joints declared so far, in order, with the equations that they are.
+    pub(crate) joints: Vec<(String, Range<usize>)>,
     /// Maxima and minima in the surface being evaluated.
     pub(crate) kinks: Vec<Kink>,
     /// Contacts of which the friction is recorded, by which function.

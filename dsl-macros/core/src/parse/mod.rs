@@ -5,6 +5,7 @@ mod control;
 mod cursor;
 mod documentation;
 mod expression;
+mod joint;
 mod law;
 mod picture;
 mod pieces;
@@ -72,7 +73,7 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
 /// Notes which names the scene declares, so that messages about what stands before them know.
 fn note_names(mut cursor: Cursor, diagnostics: &mut Diagnostics) {
     while !cursor.is_empty() {
-        if cursor.eat_word("let") || cursor.eat_word("fn") {
+        if cursor.eat_word("let") || cursor.eat_word("fn") || cursor.eat_word("free") {
             if let Some(name) = cursor.eat_name() {
                 diagnostics.declare(&name.text);
             }

@@ -1,8 +1,10 @@
 //! What the language says: texts of messages, pages, slips that people make, malformed declarations.
 
 mod advice;
+mod design;
 mod format;
 mod fuzz;
+mod joints;
 mod messages;
 mod pages;
 mod sensitivities;

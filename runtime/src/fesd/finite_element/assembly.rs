@@ -5,7 +5,7 @@ use super::{FiniteElement, numerical_time};
 /// The Newton matrix at the present stages.
 pub(super) fn assemble(element: &mut FiniteElement<'_>) {
     let (n, h, block) = (element.n, element.length, element.block());
-    let (contacts, forces) = (element.constraints.normals(), element.constraints.count());
+    let (positions, forces) = (element.constraints.positions(), element.constraints.count());
     let stages = element.tableau.stages();
     let size = stages * block;
     element.matrix.clear();
@@ -25,7 +25,7 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 for (entry, (q, v)) in line.iter_mut().zip(by_q.iter().zip(by_v)) {
                     *entry -= second * q + first * v;
                 }
-                for i in 0..contacts {
+                for i in 0..positions {
                     let correction: f64 = (0..n)
                         .map(|k| element.by_q[row * n + k] * element.corrections[i * n + k])
                         .sum();
@@ -47,7 +47,7 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                         let by_state = second * turning[k] + first * gradient[k];
                         element.matrix[velocity_row + k] = -by_state;
                     }
-                    for other in 0..contacts {
+                    for other in 0..positions {
                         let correction = &element.corrections[other * n..(other + 1) * n];
                         let turned: f64 = turning.iter().zip(correction).map(|(a, b)| a * b).sum();
                         element.matrix[velocity_row + n + forces + other] = -h * shift * turned;
@@ -61,19 +61,20 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                     element.matrix[velocity_row + k] =
                         (second * turning[k] + first * gradient[k]) / h;
                 }
-                for other in 0..contacts {
+                for other in 0..positions {
                     let correction = &element.corrections[other * n..(other + 1) * n];
                     let turned: f64 = turning.iter().zip(correction).map(|(a, b)| a * b).sum();
                     element.matrix[velocity_row + n + forces + other] = shift * turned;
                 }
             }
-            for i in 0..contacts {
-                let normal = &constraints.gradients[i * n..(i + 1) * n];
+            for i in 0..positions {
+                let row = constraints.of_position(i);
+                let normal = &constraints.gradients[row * n..(row + 1) * n];
                 let gap_row = (rows + n + forces + i) * size + columns;
                 for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
                     *entry = second * gradient / (h * h);
                 }
-                for other in 0..contacts {
+                for other in 0..positions {
                     let correction = &element.corrections[other * n..(other + 1) * n];
                     let along: f64 = normal.iter().zip(correction).map(|(a, b)| a * b).sum();
                     element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;

@@ -22,11 +22,14 @@
 //! which has index 2 as well, so that the order stays. The force `r_i` of dry friction is given, `r_i = D_i f(q, t)`; it has
 //! neither `d_i` nor `eta_i`.
 //!
+//! *Joints* are held alike: rows `w = 0`, with a force as unknown, and `g = 0`, with an `eta`. The acceleration `a` contains their
+//! forces, so that both unknowns vanish with the step length, and act along directions of `q_0`.
+//!
 //! In *numerical time* ([`FiniteElement::in_numerical_time`]) the same equations are those of the time-freezing system in
 //! a sliding mode, whose right-hand side a contact slows down by the speed of the clock (`numerical_time`).
 //!
 //! Unknowns of stage `m`: accelerations `A_m` (`n_q`), then the forces: `r_m` of each active contact and
-//! `s_m` of each that sticks; then `eta_m`, one an active surface. [`newton`] solves for them, with the matrix of `assembly`
+//! `s_m` of each that sticks, then those of the rows of joints; then `eta_m`, one an active surface and one a position of a joint. [`newton`] solves for them, with the matrix of `assembly`
 //! the end state of `end`, and its error by `local_error`.
 
 mod assembly;
@@ -101,7 +104,7 @@ pub(crate) struct FiniteElement<'a> {
     constraints: Constraints<'a>,
     start: State,
     length: f64,
-    /// Correction directions: those of the forces at `q_0`, one row an active contact.
+    /// Correction directions: those of the forces at `q_0`, one row a position that is held.
     corrections: Vec<f64>,
     /// Unknowns of all stages, `stages * block`.
     unknowns: Vec<f64>,
@@ -180,7 +183,7 @@ impl<'a> FiniteElement<'a> {
 
     /// Unknowns of one stage.
     fn block(&self) -> usize {
-        self.n + self.constraints.count() + self.constraints.normals()
+        self.n + self.constraints.count() + self.constraints.positions()
     }
 
     /// Unknowns of the element without its length.
@@ -204,10 +207,10 @@ impl<'a> FiniteElement<'a> {
         &self.unknowns[begin..begin + self.constraints.normals()]
     }
 
-    /// Forces of all constraints at stage `m`: normals, then the friction of contacts that stick.
+    /// Forces of all constraints of contacts at stage `m`: normals, then the friction of contacts that stick.
     pub(crate) fn stage_constraint_forces(&self, m: usize) -> &[f64] {
         let begin = m * self.block() + self.n;
-        &self.unknowns[begin..begin + self.constraints.count()]
+        &self.unknowns[begin..begin + self.constraints.of_contacts()]
     }
 
     /// Physical time of stage `m` of the solved element \[s\].
@@ -248,7 +251,8 @@ impl<'a> FiniteElement<'a> {
         self.residual.resize(size, 0.0);
         self.pivots.resize(size, 0);
         let normals = self.constraints.normals();
-        self.corrections.resize(normals * self.n, 0.0);
+        let positions = self.constraints.positions();
+        self.corrections.resize(positions * self.n, 0.0);
         self.clock.set_mode(self.tableau.stages(), normals);
         self.has_previous = false;
         self.factorized = false;

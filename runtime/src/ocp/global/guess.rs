@@ -1,6 +1,6 @@
 //! Where the search starts: motions made from model and problem alone.
 
-use crate::model::Model;
+use crate::model::{Model, held};
 use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::{drive, with_forces};
 use crate::ocp::motion::targets::{horizon_guess, targets};
@@ -137,6 +137,7 @@ fn random_start(model: &dyn Model, problem: &Problem, seed: u64, horizon: f64) -
         };
         start[k] = (from + 0.5 * (sign * random() + 1.0) * (to - from)).clamp(lower, upper);
     }
+    held::complete_start(model, &mut start);
     (!declared.free_start.is_empty()).then_some(start)
 }
 

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::replay::{parts, simulated};
-use crate::model::{Model, OptimalControlDeclaration};
+use crate::model::{Model, OptimalControlDeclaration, held};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::{guess, random, uniform};
 use crate::ocp::motion::candidate::Candidate;
@@ -400,6 +400,7 @@ impl Archive {
                 *x = (*x + share * random() * (range.1 - range.0)).clamp(lower, upper);
             }
         }
+        held::complete_start(model, &mut throw.start);
         if matches!(problem.horizon, Horizon::Free { .. }) {
             throw.horizon *= (share * random()).exp();
         }

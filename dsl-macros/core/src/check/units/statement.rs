@@ -87,6 +87,12 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         }
         Statement::Impact { surfaces, law } => impact_law(walk, surfaces, law),
         Statement::Dry { .. } => dry_friction(walk, statement),
+        Statement::Joint {
+            name, left, right, ..
+        } => {
+            let result = joint(walk, name, left, right);
+            noted(walk, name, result)
+        }
         Statement::Minimize { value, .. } => walk.scalar(value).map(|_| ()),
         Statement::Constraint { name, condition } => {
             let what = format!("both sides of constraint `{}`", name.text);
@@ -162,6 +168,42 @@ fn surface(walk: &mut Walk<'_>, name: &Name, left: &Expr, right: &Expr) -> Check
         ));
     }
     walk.gaps.push((name.text.clone(), own));
+    Ok(())
+}
+
+/// Both sides of a joint agree, component by component. A force does work on what it holds: a joint of velocities is measured
+/// by the way.
+fn joint(walk: &mut Walk<'_>, name: &Name, left: &Expr, right: &Expr) -> Checked<()> {
+    angle::compared(walk, left, right);
+    let (own, its) = (walk.units(left), walk.units(right));
+    let (own, its) = (own?, its?);
+    let place = left.place.to(right.place);
+    let what = format!("both sides of joint `{}`", name.text);
+    let (first, second) = (own.components(), its.components());
+    let mut unit = None;
+    for i in 0..first.len().max(second.len()) {
+        // A zero stands for all components of the other side.
+        let pair = [first, second].map(|list| list.get(i).or(list.first()));
+        let [Some(own), Some(its)] = pair else {
+            return Err(Reported);
+        };
+        if !walk.unifier.unify(own, its) {
+            return Err(walk.differ(place, (left, own), (right, its), &what));
+        }
+        let one = unit.get_or_insert_with(|| own.clone());
+        if !walk.unifier.unify(one, own) {
+            let what = format!("the components of joint `{}`", name.text);
+            let (one, own) = (one.clone(), own.clone());
+            return Err(walk.differ(place, (left, &one), (left, &own), &what));
+        }
+    }
+    let mut unit = unit.ok_or(Reported)?;
+    if walk.rolling.contains(&name.text) {
+        unit = unit.times(&Dimension::second());
+    }
+    let count = first.len().max(second.len());
+    walk.joints.push((name.text.clone(), count));
+    walk.gaps.push((name.text.clone(), unit));
     Ok(())
 }
 

@@ -13,6 +13,7 @@ pub(in crate::simulation) mod switching;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
+use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
     ControlPiece, Model, Pieces, Switching, contact_point, contains_ground, surfaces,
@@ -63,6 +64,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     scales: Vec<ContactScale>,
     auxiliary_acceleration: f64,
     explicit_time: bool,
+    /// Joints, if there are any.
+    joints: Option<Joints<'a>>,
 }
 
 /// Coefficients of the contact laws, one entry a contact.
@@ -201,6 +204,7 @@ impl<'a> Dynamics<'a> {
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
+            joints: Joints::of(model),
         }
     }
 
