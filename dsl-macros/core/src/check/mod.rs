@@ -30,7 +30,7 @@ use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::evaluate::expression;
 use crate::evaluate::{Meaning, Role, Scope, UserFunction};
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{self, CheckedScene};
+use crate::scene::{self, CheckedScene, Contact};
 use checker::{Abbreviation, Checker, Laws, Shown, Surface, Task};
 use std::collections::HashSet;
 use std::rc::Rc;
@@ -281,15 +281,7 @@ fn finish(
     let mut forces = total_forces(&checker);
     states::append(&mut checker, &mut forces);
     switches::append(&mut checker, &mut forces, &mut contacts)?;
-    let mut dynamics: Vec<Sym> = vec![lagrangian];
-    dynamics.extend(&forces);
-    for contact in &contacts {
-        dynamics.push(contact.gap);
-        dynamics.extend(contact.bound);
-        dynamics.extend(contact.along.iter().flatten());
-        dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
-        dynamics.extend(contact.switch.iter().flatten());
-    }
+    let mut dynamics = dynamics(lagrangian, &forces, &contacts);
     joint::finish(&mut checker, &units.gaps, &contacts);
     dynamics.extend(checker.joints.iter().flat_map(|joint| &joint.rows));
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
@@ -329,6 +321,20 @@ fn finish(
         free_parameters: checker.free_parameters,
         held: Vec::new(),
     })
+}
+
+/// What the motion follows from.
+fn dynamics(lagrangian: Sym, forces: &[Sym], contacts: &[Contact]) -> Vec<Sym> {
+    let mut dynamics: Vec<Sym> = vec![lagrangian];
+    dynamics.extend(forces);
+    for contact in contacts {
+        dynamics.push(contact.gap);
+        dynamics.extend(contact.bound);
+        dynamics.extend(contact.along.iter().flatten());
+        dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
+        dynamics.extend(contact.switch.iter().flatten());
+    }
+    dynamics
 }
 
 /// Generalized forces in declared units: applied forces minus the gradient of the dissipation

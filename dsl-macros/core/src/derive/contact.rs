@@ -152,12 +152,14 @@ pub(super) struct Mechanism<'a> {
 
 impl Mechanism<'_> {
     pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
-        if let (Some(action), Some(friction)) = (&contact.switch, &contact.friction) {
-            return Ok(self.switch(action, friction));
+        match (contact.bound, &contact.friction, &contact.switch) {
+            (Some(_), Some(friction), Some(action)) => Ok(self.switch(action, friction)),
+            (Some(bound), Some(friction), None) => Ok(self.dry(bound, friction)),
+            _ => self.surface(contact),
         }
-        if let (Some(bound), Some(friction)) = (contact.bound, &contact.friction) {
-            return Ok(self.dry(bound, friction));
-        }
+    }
+
+    fn surface(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
         let n = self.momenta.len();
         let (mut rows, curvature, normal) = geometry(contact, (n, self.moving));
         let singular = |coordinate| Failure::SingularMass { coordinate };

@@ -76,21 +76,17 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let inputs = inputs(scene);
     let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
     let lagrangian = scene.lagrangian;
-    let mechanical = scene.mechanical();
-    let mut momenta = graph::gradient(lagrangian, &velocities[..mechanical]);
-    let energy = energy(lagrangian, &momenta, &velocities[..mechanical]);
+    let (of_mechanism, states) = velocities.split_at(scene.mechanical());
+    let mut momenta = graph::gradient(lagrangian, of_mechanism);
+    let energy = energy(lagrangian, &momenta, of_mechanism);
     // A state is the velocity of a coordinate of unit mass.
-    let states = &velocities[mechanical..];
     momenta.extend(states.iter().copied().map(Sym::variable));
     let mass = mass_matrix(&momenta, velocities)?;
     let moving = held::moving(scene);
     let mut conservative = graph::gradient(lagrangian, coordinates);
     conservative[moving..].fill(Sym::ZERO);
-    let applied: Vec<Sym> = conservative
-        .iter()
-        .zip(&scene.forces)
-        .map(|(&conservative, &force)| conservative + force)
-        .collect();
+    let pairs = conservative.iter().zip(&scene.forces);
+    let applied: Vec<Sym> = pairs.map(|(&own, &force)| own + force).collect();
     let transport = graph::directional(&momenta, held::along_motion(moving));
     let right = right_sides(&conservative, &transport, &scene.forces);
     let joints = joint::rows(scene);

@@ -17,8 +17,7 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
         for j in 0..stages {
             let (first, second) = numerical_time::weights(element, m, j);
             let shift = h * element.tableau.a(m, j);
-            let rows = m * block;
-            let columns = j * block;
+            let (rows, columns) = (m * block, j * block);
             for row in 0..n {
                 let line = &mut element.matrix[(rows + row) * size + columns..][..block];
                 let by_q = &element.by_q[row * n..(row + 1) * n];
@@ -44,9 +43,9 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 let turning = &constraints.turning[i * n..(i + 1) * n];
                 let velocity_row = (rows + n + i) * size + columns;
                 if constraints.is_given(i) {
-                    let entries = element.matrix[velocity_row..].iter_mut();
-                    for (entry, (turning, gradient)) in entries.zip(turning.iter().zip(gradient)) {
-                        *entry = -second * turning - first * gradient;
+                    for k in 0..n {
+                        let by_state = second * turning[k] + first * gradient[k];
+                        element.matrix[velocity_row + k] = -by_state;
                     }
                     for other in 0..positions {
                         let correction = &element.corrections[other * n..(other + 1) * n];

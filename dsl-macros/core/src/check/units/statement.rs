@@ -77,18 +77,8 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             let wanted = walk.energy.over(&Dimension::second());
             walk.expect(value, &own, &wanted, "the dissipation is a power")
         }
-        Statement::Rates(assignments) => {
-            for assignment in assignments {
-                let _: Checked<()> = rate(walk, assignment);
-            }
-            Ok(())
-        }
-        Statement::Forces(assignments) => {
-            for assignment in assignments {
-                let _: Checked<()> = force(walk, assignment);
-            }
-            Ok(())
-        }
+        Statement::Forces(assignments) => each(walk, assignments, force),
+        Statement::Rates(assignments) => each(walk, assignments, rate),
         Statement::Surface {
             name, left, right, ..
         } => {
@@ -135,6 +125,18 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
         Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
+}
+
+/// Each assignment reports its own mistakes; the next one is checked all the same.
+fn each(
+    walk: &mut Walk<'_>,
+    assignments: &[Assignment],
+    one: fn(&mut Walk<'_>, &Assignment) -> Checked<()>,
+) -> Checked<()> {
+    for assignment in assignments {
+        let _: Checked<()> = one(walk, assignment);
+    }
+    Ok(())
 }
 
 /// Remembers what `name` belongs to if its units differ.
