@@ -49,18 +49,18 @@ pub(super) struct Checker<'a> {
     pub(super) forces: Vec<(usize, Sym)>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) laws: Laws,
-    pub(super) joints: Vec<scene::Joint>,
     pub(super) start: Vec<Assignment>,
     pub(super) horizon: Option<Sym>,
     pub(super) task: Task,
     pub(super) shown: Shown,
 }
 
-/// Laws of contact.
+/// Laws of contact, and joints.
 #[derive(Default)]
 pub(super) struct Laws {
     pub(super) impacts: Vec<CheckedLaw>,
     pub(super) dry: Vec<DryFriction>,
+    pub(super) joints: Vec<scene::Joint>,
 }
 
 /// Dry friction without a surface.

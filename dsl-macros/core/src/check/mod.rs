@@ -47,7 +47,6 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         forces: Vec::new(),
         surfaces: Vec::new(),
         laws: Laws::default(),
-        joints: Vec::new(),
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
@@ -272,7 +271,7 @@ fn finish(
         dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
     }
     joint::finish(&mut checker, &units.gaps, &contacts);
-    dynamics.extend(checker.joints.iter().flat_map(|joint| &joint.rows));
+    dynamics.extend(checker.laws.joints.iter().flat_map(|joint| &joint.rows));
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
     if let Some(task) = &optimal_control {
         dynamics.extend(task.running_cost);
@@ -296,7 +295,7 @@ fn finish(
         lagrangian,
         forces,
         contacts,
-        joints: checker.joints,
+        joints: checker.laws.joints,
         start,
         horizon: checker.horizon,
         explicit_time,

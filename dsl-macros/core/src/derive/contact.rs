@@ -8,7 +8,7 @@
 //! ```
 
 use super::implicit::{self, Implicit};
-use super::joint::Row;
+use super::joint_row::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};

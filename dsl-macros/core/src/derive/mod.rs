@@ -12,6 +12,7 @@ mod explicit;
 mod failure;
 mod implicit;
 mod joint;
+mod joint_row;
 mod ldl;
 mod residual;
 mod simplify;
@@ -67,30 +68,14 @@ pub(crate) struct Equations {
 
 /// Derives all equations of a scene.
 pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
-    let n = scene.coordinates.len();
-    let inputs = inputs(scene);
+    let (n, inputs, lagrangian) = (scene.coordinates.len(), inputs(scene), scene.lagrangian);
     let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
-    let lagrangian = scene.lagrangian;
     let momenta = graph::gradient(lagrangian, velocities);
     let mass = mass_matrix(&momenta, velocities)?;
     let conservative = graph::gradient(lagrangian, coordinates);
-    let applied: Vec<Sym> = conservative
-        .iter()
-        .zip(&scene.forces)
-        .map(|(&conservative, &force)| conservative + force)
-        .collect();
-    let transport = graph::directional(&momenta, velocity_direction);
-    let right: Vec<Sym> = conservative
-        .iter()
-        .zip(&transport)
-        .zip(&scene.forces)
-        // Each part by itself: the terms of both rarely cancel, and long sums are not simplified.
-        .map(|((&conservative, &transport), &force)| {
-            simplify(simplify_equation(conservative - transport) + simplify_equation(force))
-        })
-        .collect();
+    let [applied, right] = right_hand_side(&momenta, &conservative, &scene.forces);
     let energy = energy(lagrangian, &momenta, velocities);
-    let joints = joint::rows(scene);
+    let joints = joint_row::rows(scene);
     let inertia = implicit::Locked {
         mass: &mass,
         momenta: &momenta,
@@ -130,11 +115,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         (None, Some(factors)) => Solution::Explicit(by_elimination(factors)),
         (_, None) => Solution::Implicit(motion()),
     };
-    let forces = (!joints.is_empty()).then(|| {
-        let solution = stepwise.as_ref();
-        let solution = solution.map(|factors| factors.solve(&inertia.right(&right)));
-        joint::equations(scene, &joints, (solution.as_deref(), n), &inputs)
-    });
+    let forces = joint::equations(scene, &inertia, (stepwise.as_ref(), &right), &inputs);
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
     let inertia = contact::Mechanism {
         mass: &mass,
@@ -164,6 +145,26 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         joints: forces,
         optimal_control,
     })
+}
+
+/// What acts on each coordinate, `dL/dq + Q`, and `r`.
+fn right_hand_side(momenta: &[Sym], conservative: &[Sym], forces: &[Sym]) -> [Vec<Sym>; 2] {
+    let applied: Vec<Sym> = conservative
+        .iter()
+        .zip(forces)
+        .map(|(&conservative, &force)| conservative + force)
+        .collect();
+    let transport = graph::directional(momenta, velocity_direction);
+    let right: Vec<Sym> = conservative
+        .iter()
+        .zip(&transport)
+        .zip(forces)
+        // Each part by itself: the terms of both rarely cancel, and long sums are not simplified.
+        .map(|((&conservative, &transport), &force)| {
+            simplify(simplify_equation(conservative - transport) + simplify_equation(force))
+        })
+        .collect();
+    [applied, right]
 }
 
 /// The input vector `(q, v, u[, t])`, and behind it the parameters by which all is differentiated.
