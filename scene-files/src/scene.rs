@@ -1,5 +1,7 @@
 //! A scene whose functions are evaluated without a compiler.
 
+mod held;
+
 use crate::declaration;
 use crate::places::{self, scatter};
 use crate::program::{Program, TooLarge};
@@ -7,7 +9,7 @@ use crate::scratch::Scratch;
 use crate::system::zeros;
 use crate::thread::on_a_thread;
 use hangtime::model::{
-    Declaration, Model, ParameterDerivatives, Picture, VariableDeclaration, contact_point,
+    Declaration, Held, Model, ParameterDerivatives, Picture, VariableDeclaration, contact_point,
 };
 use hangtime_dsl::description::{
     Contact, Derivative, Description, Friction, Functions, Joints, Motion, MotionDerivatives,
@@ -31,12 +33,16 @@ struct Shared {
     declaration: &'static Declaration,
     outputs: &'static [VariableDeclaration],
     picture: Option<Picture>,
+    free_parameters: &'static [usize],
+    held: Option<Held>,
     description: Description,
     programs: Vec<Program>,
     /// The text that it was derived from.
     text: String,
     /// The same derived with derivatives by parameters, for all sets of them that were asked for.
     differentiated: Mutex<Vec<(Vec<usize>, Arc<Self>)>>,
+    /// The same with parameters as coordinates without motion.
+    with_held: Mutex<Vec<(Vec<usize>, Arc<Self>)>>,
     warnings: String,
 }
 
@@ -61,10 +67,13 @@ impl TextScene {
                 declaration: declaration::of(&description),
                 outputs: declaration::outputs(description.outputs.as_ref()),
                 picture: description.picture.as_ref().map(declaration::picture),
+                free_parameters: declaration::free_parameters(&description),
+                held: description.held.as_ref().map(declaration::held),
                 description,
                 programs,
                 text: text.to_owned(),
                 differentiated: Mutex::default(),
+                with_held: Mutex::default(),
                 warnings,
             }),
         };
@@ -236,6 +245,11 @@ impl TextScene {
 
     fn friction_of(&self, contact: usize) -> Option<&Friction> {
         self.contact_of(contact)?.friction.as_ref()
+    }
+
+    /// The kernels of what parameters decide that are coordinates, if there are any.
+    fn given(&self) -> Option<[usize; 3]> {
+        self.description().held.as_ref()?.functions.kernels
     }
 
     /// The kernel at one place of functions of optimal control, if there are any.
@@ -542,6 +556,44 @@ impl Model for TextScene {
     fn parameter_derivatives(&self, parameters: &[usize]) -> Option<Box<dyn ParameterDerivatives>> {
         let derivatives = differentiated(self, parameters)?;
         Some(Box::new(derivatives))
+    }
+
+    fn free_parameters(&self) -> &'static [usize] {
+        self.shared.free_parameters
+    }
+
+    fn free_parameter_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        if let Some(free) = &self.description().free_parameters {
+            self.evaluate(free.bounds[0], &[], &[], lower);
+            self.evaluate(free.bounds[1], &[], &[], upper);
+        }
+    }
+
+    fn with_held(&self, parameters: &[usize]) -> Option<Result<Box<dyn Model>, String>> {
+        let derived = held::with_held(self, parameters);
+        Some(derived.map(|scene| Box::new(scene) as Box<dyn Model>))
+    }
+
+    fn held(&self) -> Option<Held> {
+        self.shared.held
+    }
+
+    fn given_values(&self, x: &[f64], values: &mut [f64]) {
+        if let Some([kernel, _, _]) = self.given() {
+            self.evaluate(kernel, x, &[], values);
+        }
+    }
+
+    fn given_jacobian(&self, x: &[f64], values: &mut [f64]) {
+        if let Some([_, kernel, _]) = self.given() {
+            self.evaluate(kernel, x, &[], values);
+        }
+    }
+
+    fn given_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        if let Some([_, _, kernel]) = self.given() {
+            self.evaluate(kernel, x, multipliers, values);
+        }
     }
 
     fn boxed(&self) -> Box<dyn Model> {

@@ -82,7 +82,7 @@ impl<'a> Document<'a> {
             events: simulation
                 .events
                 .iter()
-                .map(|event| EventEntry::new(event, contacts))
+                .map(|event| EventEntry::new(event, declaration))
                 .collect(),
             last: trajectory.last(),
             trajectory,

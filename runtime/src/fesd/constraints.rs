@@ -222,9 +222,15 @@ impl<'a> Constraints<'a> {
         self.gradients[first * self.n..].copy_from_slice(joints.gradients());
     }
 
-    /// Evaluates everything at `x`, and adds the derivative of the `forces` times their directions with
-    /// respect to `q` to the row-major `by_q`.
-    pub(super) fn differentiate(&mut self, x: &[f64], forces: &[f64], by_q: &mut [f64]) {
+    /// Evaluates everything at `x`, and adds the derivatives of the `forces` times their directions with
+    /// respect to `q` and `v` to the row-major `by_q` and `by_v`. Directions of contacts depend on `q` only, those of switches
+    /// on `v` as well, as does their given force.
+    pub(super) fn differentiate(
+        &mut self,
+        x: &[f64],
+        forces: &[f64],
+        (by_q, by_v): (&mut [f64], &mut [f64]),
+    ) {
         self.evaluate(x);
         self.turning.fill(0.0);
         let n = self.n;
@@ -240,6 +246,9 @@ impl<'a> Constraints<'a> {
             for (&(row, column), value) in entries.iter().zip(&*values) {
                 let (row, column) = (row as usize, column as usize);
                 if column >= n {
+                    if row == 1 && column < 2 * n && declaration.switch.is_some() {
+                        self.gradients[i * n + column - n] = *value;
+                    }
                     continue;
                 }
                 match row {
@@ -265,6 +274,9 @@ impl<'a> Constraints<'a> {
             for (&(row, column), value) in entries.iter().zip(&*values) {
                 let (row, column) = (row as usize, column as usize);
                 if column >= n {
+                    if row > 0 && column < 2 * n {
+                        by_v[(row - 1) * n + column - n] += s * value;
+                    }
                     continue;
                 }
                 if row > 0 {

@@ -350,11 +350,12 @@ impl<'a> FixedRun<'a> {
             } else {
                 EventKind::Slip
             };
+            let declared = &self.dynamics.model.declaration().contacts[i];
             self.result.events.push(Event {
                 time: t,
-                kind,
+                kind: kind.of(declared),
                 contact: i,
-                contact_name: self.dynamics.model.declaration().contacts[i].name,
+                contact_name: declared.name,
                 modes: self.dynamics.contact_modes(),
                 q: self.y[..n].to_vec(),
                 v_before: before.clone(),

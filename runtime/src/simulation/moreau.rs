@@ -98,6 +98,8 @@ impl Simulator for Moreau {
         let closed = Closed::of(model, problem)?;
         let (model, problem) = closed.scene();
         InitialValueProblem::check_at_once(model, "Moreau's time stepping")?;
+        let remedy = "simulate by finite elements or from event to event";
+        InitialValueProblem::check_switches(model, "Moreau's time stepping", remedy)?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
         let others = OtherGrid::of_steps(self.steps, |steps| Self {

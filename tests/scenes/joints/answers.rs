@@ -164,6 +164,10 @@ fn mistakes_with_joints_are_answered() {
             "units differ",
         ),
         (
+            "states { a: m } rates { a: -a/1 [s] } joint rod: x == a",
+            "joint `rod` depends on a state, which changes by its rate alone",
+        ),
+        (
             "joint rod: x == l  surface floor: z >= 0  impact floor: inelastic, along (0, 1, 0)",
             "the impulse direction `along` of `floor` is not known to joints",
         ),

@@ -117,6 +117,7 @@ pub(super) fn append(
                 sliding: dry.sliding,
             }),
             bound: Some(dry.bound),
+            switch: None,
         });
     }
 }

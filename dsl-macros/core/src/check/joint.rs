@@ -112,6 +112,15 @@ fn kind(checker: &mut Checker<'_>, name: &Name, rows: &[Sym], place: Place) -> C
         );
         return Err(checker.diagnostics.report("E25", place, message));
     }
+    let first_state = checker.scope.first_state;
+    let is_state = |known: &Variable| matches!(known, Variable::Velocity(i) if *i >= first_state);
+    if !checker.states.is_empty() && graph::variables(rows).iter().any(is_state) {
+        let message = format!(
+            "joint `{text}` depends on a state, which changes by its rate alone; it may depend on positions, velocities and the time \
+             only"
+        );
+        return Err(checker.diagnostics.report("E25", place, message));
+    }
     let moving: Vec<bool> = rows
         .iter()
         .map(|&row| graph::depends_on(row, is_velocity))

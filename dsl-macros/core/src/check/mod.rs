@@ -3,6 +3,7 @@
 mod checker;
 mod chosen;
 mod dependence;
+mod design;
 mod dry;
 mod joint;
 mod law;
@@ -14,9 +15,12 @@ mod pieces;
 mod reach;
 mod rules;
 mod start;
+mod states;
+mod switches;
 mod units;
 mod values;
 
+pub(crate) use design::without_free_bounds;
 pub(crate) use joint::rate as joint_rate;
 pub(crate) use law::normal;
 pub(crate) use start::inertia_at_start;
@@ -39,8 +43,11 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         scope: Scope::default(),
         diagnostics,
         parameters: Vec::new(),
+        free_parameters: Vec::new(),
         coordinates: Vec::new(),
         controls: Vec::new(),
+        states: Vec::new(),
+        rates: Vec::new(),
         abbreviations: Vec::new(),
         lagrangian: None,
         dissipation: None,
@@ -68,9 +75,11 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
 
 fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()> {
     match statement {
-        Statement::Parameters(_) => Ok(()),
+        Statement::Parameters(quantities) => design::bounds(checker, quantities),
         Statement::Coordinates(quantities) => values::bounds(checker, quantities, false),
         Statement::Controls(quantities) => values::bounds(checker, quantities, true),
+        Statement::States(quantities) => values::bounds_of_states(checker, quantities),
+        Statement::Rates(assignments) => states::rates(checker, assignments),
         Statement::Let { name, value } => abbreviation(checker, name, value),
         Statement::Function {
             name,
@@ -118,7 +127,9 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
 fn abbreviation(checker: &mut Checker<'_>, name: &Name, value: &Expr) -> Checked<()> {
     let free = checker.new_name(name, "abbreviation");
     checker.scope.later.remove(&name.text);
+    checker.scope.defers = true;
     let value = expression::value(&mut checker.scope, value, checker.diagnostics);
+    checker.scope.defers = false;
     free?;
     let meaning = match value {
         Ok(value) => value,
@@ -236,6 +247,7 @@ fn finish(
 ) -> Checked<CheckedScene> {
     let mut checker = checker;
     rules::missing_statements(&declared.name, &mut checker);
+    states::without_rate(&mut checker);
     let start = values::start_values(&mut checker);
     start::gaps(&mut checker, declared, &start, units, complete);
     reach::surfaces(&mut checker, units);
@@ -250,7 +262,11 @@ fn finish(
         return Err(Reported);
     }
     let moves = match units.energy {
-        true => rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics),
+        // A scene of states only has no mechanism.
+        true if checker.coordinates.is_empty() => Ok(()),
+        true => states::momenta(&mut checker, lagrangian, place).and_then(|()| {
+            rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)
+        }),
         false => Err(Reported),
     };
     let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &units.gaps, &mut checker);
@@ -261,7 +277,9 @@ fn finish(
     rules::unused(&mut checker);
     let mut contacts = contacts?;
     dry::append(&mut checker, &units.gaps, &mut contacts);
-    let forces = total_forces(&checker);
+    let mut forces = total_forces(&checker);
+    states::append(&mut checker, &mut forces);
+    switches::append(&mut checker, &mut forces, &mut contacts)?;
     let mut dynamics: Vec<Sym> = vec![lagrangian];
     dynamics.extend(&forces);
     for contact in &contacts {
@@ -269,6 +287,7 @@ fn finish(
         dynamics.extend(contact.bound);
         dynamics.extend(contact.along.iter().flatten());
         dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
+        dynamics.extend(contact.switch.iter().flatten());
     }
     joint::finish(&mut checker, &units.gaps, &contacts);
     dynamics.extend(checker.laws.joints.iter().flat_map(|joint| &joint.rows));
@@ -280,6 +299,8 @@ fn finish(
         dynamics.extend(&task.sums);
     }
     moves?;
+    let given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
+    design::finish(&mut checker, &given, &contacts, optimal_control.as_ref());
     outputs::finish(&mut checker, &contacts, units);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
@@ -292,6 +313,7 @@ fn finish(
         parameters: checker.parameters,
         coordinates: checker.coordinates,
         controls: checker.controls,
+        states: checker.states,
         lagrangian,
         forces,
         contacts,
@@ -303,6 +325,8 @@ fn finish(
         outputs: checker.shown.outputs,
         picture: checker.shown.picture,
         differentiated: Vec::new(),
+        free_parameters: checker.free_parameters,
+        held: Vec::new(),
     })
 }
 

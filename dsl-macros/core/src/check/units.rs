@@ -139,9 +139,10 @@ fn walk<'a>(scene: &Scene, rolling: HashSet<String>, diagnostics: &'a mut Diagno
 
 fn declares_units(scene: &Scene) -> bool {
     scene.statements.iter().any(|statement| match statement {
-        Statement::Parameters(list) | Statement::Coordinates(list) | Statement::Controls(list) => {
-            list.iter().any(|quantity| quantity.unit.is_some())
-        }
+        Statement::Parameters(list)
+        | Statement::Coordinates(list)
+        | Statement::Controls(list)
+        | Statement::States(list) => list.iter().any(|quantity| quantity.unit.is_some()),
         _ => false,
     })
 }

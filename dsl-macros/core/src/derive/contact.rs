@@ -7,13 +7,13 @@
 //! d = w / (n' w),   w = H n or declared          e = H b / D
 //! ```
 
+use super::held::along_motion;
 use super::implicit::{self, Implicit};
 use super::joint_row::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
-use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{Contact, Friction};
 
@@ -28,7 +28,12 @@ pub(crate) struct ContactEquations {
     /// The contact direction, unless it is among the `rows`.
     pub(crate) direction: Option<Implicit>,
     pub(crate) friction: Option<FrictionEquations>,
+    /// Of a switch: whether it does not change the rate of its function, which is only passed then.
+    pub(crate) passes: bool,
 }
+
+/// Square of an acceleration that is none.
+const NOTHING: f64 = 1e-200;
 
 /// `D = n' H n`.
 pub(crate) enum InverseInertia {
@@ -98,11 +103,13 @@ fn inner(a: &[Sym], b: &[Sym]) -> Sym {
 }
 
 /// Gap, normal velocity, curvature and normal.
-fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
+fn geometry(contact: &Contact, (n, moving): (usize, usize)) -> (Vec<Sym>, Sym, Vec<Sym>) {
     let gap = contact.gap;
-    let normal: Vec<Sym> = normal(gap, n).into_iter().map(simplify).collect();
-    let normal_velocity = graph::directional(&[gap], velocity_direction)[0];
-    let curvature = graph::directional(&[normal_velocity], velocity_direction)[0];
+    let mut normal: Vec<Sym> = normal(gap, moving).into_iter().map(simplify).collect();
+    normal.resize(n, Sym::ZERO);
+    let along = along_motion(moving);
+    let normal_velocity = graph::directional(&[gap], along)[0];
+    let curvature = graph::directional(&[normal_velocity], along)[0];
     (
         vec![gap, simplify(normal_velocity)],
         simplify(curvature),
@@ -111,10 +118,10 @@ fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
 }
 
 /// Sliding velocity, its curvature and the tangent.
-fn slip(friction: &Friction, n: usize) -> (Sym, Sym, Vec<Sym>) {
+fn slip(friction: &Friction, (n, moving): (usize, usize)) -> (Sym, Sym, Vec<Sym>) {
     let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
     let sliding = simplify(friction.sliding);
-    let curvature = graph::directional(&[sliding], velocity_direction)[0];
+    let curvature = graph::directional(&[sliding], along_motion(moving))[0];
     let tangent = graph::gradient(sliding, &velocities);
     (
         sliding,
@@ -138,16 +145,21 @@ pub(super) struct Mechanism<'a> {
     pub(super) formulas: Option<&'a Inertia>,
     /// The mass matrix by factors, unless it is solved with at run time.
     pub(super) written_out: Option<&'a Factorization>,
+    /// Number of coordinates that move.
+    pub(super) moving: usize,
     pub(super) inputs: &'a [Variable],
 }
 
 impl Mechanism<'_> {
     pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+        if let (Some(action), Some(friction)) = (&contact.switch, &contact.friction) {
+            return Ok(self.switch(action, friction));
+        }
         if let (Some(bound), Some(friction)) = (contact.bound, &contact.friction) {
             return Ok(self.dry(bound, friction));
         }
         let n = self.momenta.len();
-        let (mut rows, curvature, normal) = geometry(contact, n);
+        let (mut rows, curvature, normal) = geometry(contact, (n, self.moving));
         let singular = |coordinate| Failure::SingularMass { coordinate };
         let inertia = self.holding(&contact.held);
         let (locked, locked_factors) = match (self.formulas, self.written_out) {
@@ -175,7 +187,7 @@ impl Mechanism<'_> {
             (None, None) => InverseInertia::Solved,
         };
         let friction = contact.friction.as_ref().map(|friction| {
-            let (sliding, curvature, tangent) = slip(friction, n);
+            let (sliding, curvature, tangent) = slip(friction, (n, self.moving));
             let formula = formulas
                 .zip(divisor)
                 .map(|(formulas, divisor)| over(&formulas.solve(&tangent), divisor));
@@ -218,6 +230,7 @@ impl Mechanism<'_> {
             normal,
             direction,
             friction,
+            passes: false,
         })
     }
 
@@ -251,18 +264,78 @@ impl Mechanism<'_> {
     /// Dry friction: no gap and no normal, the given normal acceleration `D f` for a force `f`, and the direction
     /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
     fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
+        let slip = slip(friction, (self.momenta.len(), self.moving));
+        let scale = simplify(self.size_of_force(&slip.2));
+        let action = slip.2.clone();
+        self.given(slip, &action, scale, simplify(scale * bound))
+    }
+
+    /// `sum_k f_k^2 / M_kk`, about the square of the acceleration by a force of that size.
+    fn size_of_force(&self, force: &[Sym]) -> Sym {
+        let n = force.len();
+        let terms = force.iter().enumerate();
+        terms
+            .map(|(k, &f)| f * f * self.mass[k * n + k].power(-2))
+            .sum()
+    }
+
+    /// A switch: the friction direction is `M^-1 a / D` for what it acts by, `a`, and the given normal acceleration `D`, about what
+    /// the switch changes the rate of its function by. Where it does not change that, the function is only passed, and `D` is 1.
+    fn switch(&self, action: &[Sym], friction: &Friction) -> ContactEquations {
+        let slip = slip(friction, (self.momenta.len(), self.moving));
+        let passes = !self.couples(&slip.2, action);
+        let scale = if passes {
+            Sym::ONE
+        } else {
+            let size = simplify(self.size_of_force(&slip.2) * self.size_of_force(action));
+            // Where nothing acts the direction is none instead of not a number.
+            match size.as_number() {
+                Some(size) => Sym::number(size.sqrt()),
+                None => (size + Sym::number(NOTHING)).kept().power(1),
+            }
+        };
+        let mut equations = self.given(slip, action, scale, scale);
+        equations.passes = passes;
+        equations
+    }
+
+    /// Whether a force along `action` may change a velocity with this gradient: some entries of both belong to one block of the
+    /// mass matrix.
+    fn couples(&self, gradient: &[Sym], action: &[Sym]) -> bool {
+        let n = gradient.len();
+        let mut block: Vec<usize> = (0..n).collect();
+        for _ in 0..n {
+            for (k, entry) in self.mass.iter().enumerate() {
+                if !entry.is_structural_zero() {
+                    let least = block[k / n].min(block[k % n]);
+                    (block[k / n], block[k % n]) = (least, least);
+                }
+            }
+        }
+        let entries = |vector: &[Sym]| -> Vec<usize> {
+            let nonzero = (0..n).filter(|&k| !vector[k].is_structural_zero());
+            nonzero.map(|k| block[k]).collect()
+        };
+        let acted = entries(action);
+        entries(gradient).iter().any(|block| acted.contains(block))
+    }
+
+    /// A contact without gap and normal whose normal acceleration `pressed` is given, with the friction direction
+    /// `M^-1 action / scale`.
+    fn given(
+        &self,
+        (sliding, curvature, tangent): (Sym, Sym, Vec<Sym>),
+        action: &[Sym],
+        scale: Sym,
+        pressed: Sym,
+    ) -> ContactEquations {
         let n = self.momenta.len();
-        let (sliding, curvature, tangent) = slip(friction, n);
-        let terms = tangent.iter().enumerate();
-        let scale = terms.map(|(k, &b)| b * b * self.mass[k * n + k].power(-2));
-        let scale = simplify(scale.sum());
-        let pressed = simplify(scale * bound);
         let inertia = self.holding(&[]);
         let (rows, direction) = self.directed(
             vec![sliding],
             self.formulas
-                .map(|formulas| over(&formulas.solve(&tangent), scale)),
-            || implicit::of_force(&inertia, over(&tangent, scale), self.inputs),
+                .map(|formulas| over(&formulas.solve(action), scale)),
+            || implicit::of_force(&inertia, over(action, scale), self.inputs),
             self.written_out,
         );
         let friction = FrictionEquations {
@@ -280,6 +353,7 @@ impl Mechanism<'_> {
             inverse_inertia: InverseInertia::Formula(scale),
             direction: None,
             friction: Some(friction),
+            passes: false,
         }
     }
 

@@ -123,19 +123,20 @@ impl Implicit {
 }
 
 /// The motion without contact: `M a = r`. The residual is built from the momenta along the motion,
-/// which takes far fewer operations than the entries of `M` if those are many.
+/// which takes far fewer operations than the entries of `M` if those are many. Coordinates from `moving` on are held.
 ///
 /// Joints add their equations and, with the other sign, their forces among the unknowns.
 pub(super) fn motion(
     inertia: &Locked<'_>,
     right: Vec<Sym>,
     factorization: Option<&Factorization>,
-    applied: &[Sym],
+    (applied, moving): (&[Sym], usize),
     inputs: &[Variable],
 ) -> Implicit {
     let (momenta, mass, n) = (inertia.momenta, inertia.mass, right.len());
     let size = inertia.size();
     let rates = graph::directional(momenta, |variable| match variable {
+        Variable::Coordinate(i) if usize::from(i) >= moving => Sym::ZERO,
         Variable::Coordinate(i) => Sym::variable(Variable::Velocity(i)),
         Variable::Velocity(i) => Implicit::unknown(size, usize::from(i)),
         Variable::Time => Sym::ONE,

@@ -5,11 +5,15 @@
 //! ```text
 //! M = d2L/dv2          r = dL/dq + Q - (d2L/dv dq) v - d2L/dv dt          M a = r
 //! ```
+//!
+//! A state of first order, `z' = f`, is the velocity of a coordinate of unit mass that nothing reads, and `f` the force on it: a
+//! row `1 z' = f` that no other one is coupled to by the mass matrix.
 
 mod contact;
 mod control;
 mod explicit;
 mod failure;
+mod held;
 mod implicit;
 mod joint;
 mod joint_row;
@@ -21,11 +25,12 @@ pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
 pub(crate) use control::ControlEquations;
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
+pub use held::Given;
+pub(crate) use held::{given, with_held};
 pub(crate) use implicit::Implicit;
 pub(crate) use joint::JointEquations;
 pub(crate) use simplify::simplify;
 
-use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::CheckedScene;
 use ldl::Factorization;
@@ -70,11 +75,17 @@ pub(crate) struct Equations {
 pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let (n, inputs, lagrangian) = (scene.coordinates.len(), inputs(scene), scene.lagrangian);
     let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
-    let momenta = graph::gradient(lagrangian, velocities);
+    let mechanical = scene.mechanical();
+    let mut momenta = graph::gradient(lagrangian, &velocities[..mechanical]);
+    let energy = energy(lagrangian, &momenta, &velocities[..mechanical]);
+    // A state is the velocity of a coordinate of unit mass.
+    let states = &velocities[mechanical..];
+    momenta.extend(states.iter().copied().map(Sym::variable));
     let mass = mass_matrix(&momenta, velocities)?;
-    let conservative = graph::gradient(lagrangian, coordinates);
-    let [applied, right] = right_hand_side(&momenta, &conservative, &scene.forces);
-    let energy = energy(lagrangian, &momenta, velocities);
+    let moving = held::moving(scene);
+    let mut conservative = graph::gradient(lagrangian, coordinates);
+    conservative[moving..].fill(Sym::ZERO);
+    let [applied, right] = right_hand_side(&momenta, &conservative, &scene.forces, moving);
     let joints = joint_row::rows(scene);
     let inertia = implicit::Locked {
         mass: &mass,
@@ -99,7 +110,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
             &inertia,
             right.clone(),
             stepwise.as_ref(),
-            &applied,
+            (&applied, moving),
             &inputs,
         )
     };
@@ -123,6 +134,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         joints: &joints,
         formulas: formulas.as_ref(),
         written_out,
+        moving,
         inputs: &inputs,
     };
     let contacts: Vec<ContactEquations> = scene
@@ -148,13 +160,18 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
 }
 
 /// What acts on each coordinate, `dL/dq + Q`, and `r`.
-fn right_hand_side(momenta: &[Sym], conservative: &[Sym], forces: &[Sym]) -> [Vec<Sym>; 2] {
+fn right_hand_side(
+    momenta: &[Sym],
+    conservative: &[Sym],
+    forces: &[Sym],
+    moving: usize,
+) -> [Vec<Sym>; 2] {
     let applied: Vec<Sym> = conservative
         .iter()
         .zip(forces)
         .map(|(&conservative, &force)| conservative + force)
         .collect();
-    let transport = graph::directional(momenta, velocity_direction);
+    let transport = graph::directional(momenta, held::along_motion(moving));
     let right: Vec<Sym> = conservative
         .iter()
         .zip(&transport)
@@ -211,7 +228,7 @@ fn mass_matrix(momenta: &[Sym], velocities: &[Variable]) -> Result<Vec<Sym>, Fai
 fn energy(lagrangian: Sym, momenta: &[Sym], velocities: &[Variable]) -> [Sym; 2] {
     let at_rest = |values: &[Sym]| {
         graph::substitute(values, |variable| {
-            matches!(variable, Variable::Velocity(_)).then_some(Sym::ZERO)
+            velocities.contains(&variable).then_some(Sym::ZERO)
         })
     };
     let rest = at_rest(&[lagrangian])[0];

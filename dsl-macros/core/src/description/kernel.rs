@@ -169,8 +169,9 @@ fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operatio
             Operation::Parameter(u32::from(i) + scene.parameters.len() as u32)
         }
         Variable::JointForce(i) => of_contact(4, i),
-        Variable::Multiplier(i) | Variable::Unknown(i) | Variable::Argument(i) => {
-            Operation::Weight(u32::from(i))
-        }
+        Variable::Multiplier(i)
+        | Variable::Unknown(i)
+        | Variable::Argument(i)
+        | Variable::Switch(i) => Operation::Weight(u32::from(i)),
     }
 }

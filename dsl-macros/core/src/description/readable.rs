@@ -268,7 +268,10 @@ impl Printer<'_> {
                 parameter.name.text.clone()
             }
             Variable::Coordinate(i) => named(&self.scene.coordinates, i, ""),
-            Variable::Velocity(i) => named(&self.scene.coordinates, i, "'"),
+            Variable::Velocity(i) => match usize::from(i).checked_sub(self.scene.mechanical()) {
+                Some(state) => named(&self.scene.states, state as u16, ""),
+                None => named(&self.scene.coordinates, i, "'"),
+            },
             Variable::Control(i) => named(&self.scene.controls, i, ""),
             Variable::ContactForce(i) => format!("force({})", self.contact(i)),
             Variable::FrictionForce(i) => format!("friction_force({})", self.contact(i)),
@@ -287,6 +290,7 @@ impl Printer<'_> {
             }
             Variable::JointForce(i) => self.joint("force", i),
             Variable::JointHeld(i) => self.joint("held", i),
+            Variable::Switch(i) => format!("s{i}"),
             Variable::Multiplier(i) => format!("lambda{i}"),
             Variable::Unknown(i) => format!("a{i}"),
             Variable::Argument(i) => {

@@ -31,6 +31,7 @@ pub(super) fn write(scene: &Description, code: &mut String) {
     for (field, list) in [
         ("coordinates", &scene.coordinates),
         ("controls", &scene.controls),
+        ("states", &scene.states),
     ] {
         let _ = write!(code, "], {field}: &[{}", variables(list));
     }
@@ -118,7 +119,7 @@ fn contacts(contacts: &[Contact], code: &mut String) {
         let _ = write!(
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
-             ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, custom_direction: {}, held: &{:?}, \
+             ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, switch: {}, custom_direction: {}, held: &{:?}, \
              sequence: {}, alternatives: &{:?}, jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name,
             contact.unit,
@@ -128,6 +129,11 @@ fn contacts(contacts: &[Contact], code: &mut String) {
                 "Inelastic"
             },
             contact.dry,
+            match contact.switch {
+                None => "__Option::None",
+                Some(true) => "__Option::Some(::hangtime::model::Switching::Passes)",
+                Some(false) => "__Option::Some(::hangtime::model::Switching::Slides)",
+            },
             contact.custom_direction,
             contact.held,
             contact.sequence,

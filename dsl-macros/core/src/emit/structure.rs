@@ -172,8 +172,9 @@ fn scene_documentation(scene: &CheckedScene, derived: &Description) -> String {
     }
     page.push_str("\n\n# Coordinates and controls\n\n");
     for (what, list) in [
-        ("coordinate", &scene.coordinates),
-        ("control", &scene.controls),
+        ("coordinate", &scene.coordinates[..scene.mechanical()]),
+        ("control", &scene.controls[..]),
+        ("state", &scene.states[..]),
     ] {
         for quantity in list {
             page.push_str(&quantity_line(what, quantity));
@@ -272,6 +273,9 @@ fn optimal_control(scene: &CheckedScene, task: &OptimalControl) -> String {
 
 /// The law of a contact in words.
 fn law(scene: &CheckedScene, contact: &Contact) -> String {
+    if contact.switch.is_some() {
+        return "a switch of what acts".to_owned();
+    }
     if let Some(bound) = contact.bound {
         return format!("dry friction, bound {}", formula(scene, bound));
     }

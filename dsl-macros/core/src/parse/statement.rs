@@ -85,6 +85,8 @@ fn statement(
             diagnostics,
         )?)),
         "controls" => Ok(Statement::Controls(quantities(cursor, &word, diagnostics)?)),
+        "states" => Ok(Statement::States(quantities(cursor, &word, diagnostics)?)),
+        "rates" => Ok(Statement::Rates(assignments(cursor, &word, diagnostics)?)),
         "let" => {
             let name = name(cursor, "the name of the abbreviation", diagnostics)?;
             let value = equals(cursor, diagnostics).and_then(|()| expression(cursor, diagnostics));
@@ -125,6 +127,10 @@ fn statement(
         }
         "constraint" => control::constraint(cursor, documentation, diagnostics),
         "finally" => control::finally(cursor, &word, diagnostics),
+        "free" if control::is_parameter(cursor) => {
+            let quantity = quantity(cursor, diagnostics)?;
+            control::free_parameter(quantity, documentation, diagnostics)
+        }
         "free" => control::free(cursor, &word, diagnostics),
         "outputs" => Ok(Statement::Outputs(quantities(cursor, &word, diagnostics)?)),
         "picture" => picture::picture(cursor, &word, diagnostics),
@@ -193,6 +199,7 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
             unit: None,
             bounds: Some((lower, upper)),
             value: None,
+            free: false,
         });
     }
     let name = name(cursor, "a name", diagnostics)?;
@@ -213,6 +220,7 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
         unit,
         bounds,
         value,
+        free: false,
     })
 }
 

@@ -44,8 +44,9 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 let turning = &constraints.turning[i * n..(i + 1) * n];
                 let velocity_row = (rows + n + i) * size + columns;
                 if constraints.is_given(i) {
-                    for (entry, turning) in element.matrix[velocity_row..].iter_mut().zip(turning) {
-                        *entry = -second * turning;
+                    let entries = element.matrix[velocity_row..].iter_mut();
+                    for (entry, (turning, gradient)) in entries.zip(turning.iter().zip(gradient)) {
+                        *entry = -second * turning - first * gradient;
                     }
                     for other in 0..positions {
                         let correction = &element.corrections[other * n..(other + 1) * n];
@@ -118,5 +119,5 @@ fn evaluate_stage_jacobian(element: &mut FiniteElement<'_>, m: usize) {
     let forces = &element.unknowns[m * block + n..(m + 1) * block];
     element
         .constraints
-        .differentiate(x, forces, &mut element.by_q);
+        .differentiate(x, forces, (&mut element.by_q, &mut element.by_v));
 }

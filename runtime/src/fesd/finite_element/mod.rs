@@ -294,27 +294,31 @@ impl<'a> FiniteElement<'a> {
         let mut values = [0.0; ButcherTableau::MAX_STAGES];
         self.tableau.lagrange_values(0.0, &mut values[..stages]);
         let weight = h / (stages * stages) as f64;
-        let (mut velocity, mut position) = (0.0_f64, 0.0_f64);
+        let (mut velocity, mut position, mut states) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let mechanical = n - motion.states.len();
+        let (rounding, cancelled) = (motion.rounding, self.cancelled_velocity());
+        let beyond = |error: f64, rounding: f64, size: f64| (error - rounding).max(0.0) / size;
         for (k, &start) in acceleration.iter().enumerate() {
             let (mut by_velocity, mut by_position) = (-start, -self.start.v[k]);
             for (j, value) in values[..stages].iter().enumerate() {
                 by_velocity += value * self.unknowns[j * block + k];
                 by_position += value * self.inputs_of_stages[j * self.inputs + n + k];
             }
+            if let Some(size) = k.checked_sub(mechanical).map(|state| motion.states[state]) {
+                // A state is measured by itself, and nothing reads its integral.
+                let size = size.max(self.end.v[k].abs()) + f64::MIN_POSITIVE;
+                states = states.max(beyond(weight * by_velocity.abs(), cancelled, size));
+                continue;
+            }
             velocity = velocity.max(weight * by_velocity.abs());
             position = position.max(weight * by_position.abs());
         }
         // A start from rest is measured by the velocity that the element itself reaches.
-        let speed = motion.speed.max(largest(&self.end.v)) + f64::MIN_POSITIVE;
+        let speed = motion.speed.max(largest(&self.end.v[..mechanical])) + f64::MIN_POSITIVE;
         let distance = motion.distance.max(h * speed);
-        let rounding = motion.rounding;
-        let cancelled = self.cancelled_velocity();
-        let beyond = |error: f64, rounding: f64, size: f64| (error - rounding).max(0.0) / size;
-        beyond(velocity, rounding / h + cancelled, speed).max(beyond(
-            position,
-            self.position_rounding(motion),
-            distance,
-        ))
+        beyond(velocity, rounding / h + cancelled, speed)
+            .max(beyond(position, self.position_rounding(motion), distance))
+            .max(states)
     }
 
     /// Velocity that rounding errors of accelerations that cancel leave.

@@ -39,7 +39,7 @@ use super::explicit_time::ExplicitTime;
 use super::joints::Closed;
 use super::watch::Watch;
 use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse, order_of_impacts};
-use crate::model::Model;
+use crate::model::{Model, held};
 use crate::refusal;
 use crate::{Observer, Progress};
 
@@ -97,6 +97,8 @@ pub(crate) fn simulate_to(
     let closed = Closed::of(model, problem)?;
     let (model, problem) = closed.scene();
     check(settings, model, problem)?;
+    let own = held::with_laws(model, &problem.q);
+    let model = own.as_deref().unwrap_or(model);
     let mut unseen = |_: &Progress| true;
     let mut watch = Watch::new(problem, &mut unseen);
     let hasty = ExplicitTime::hasty(model, problem);

@@ -104,6 +104,14 @@ impl Simulator for Fesd {
         if self.formulation == StepFormulation::Complementarity {
             InitialValueProblem::check_at_once(model, "the complementarity problem")?;
         }
+        if self.formulation != StepFormulation::ActiveSet {
+            let formulation = "a formulation by complementarity or time-freezing";
+            InitialValueProblem::check_switches(
+                model,
+                formulation,
+                "use the active-set formulation",
+            )?;
+        }
         let mut watch = Watch::new(problem, observer);
         let mut result = match self.promise() {
             Some(promise) => {

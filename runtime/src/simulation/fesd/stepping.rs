@@ -350,8 +350,11 @@ fn recover(
         let jammed = Stop::Mode(ModeError::Jammed);
         return Err(diagnosis::stopped(driver, step.number, &jammed));
     }
-    // The program knows no edges and no joints.
-    let unknown = edge(driver.setup.model).is_some() || joint_rows(driver.setup.model) > 0;
+    // The program knows no edges, no joints and no switches.
+    let mut declared = driver.setup.model.declaration().contacts.iter();
+    let switches = declared.any(|known| known.switch.is_some());
+    let unknown =
+        switches || edge(driver.setup.model).is_some() || joint_rows(driver.setup.model) > 0;
     if mode || not_finite || unknown {
         return Err(diagnosis::stopped(driver, step.number, &stop));
     }

@@ -14,7 +14,8 @@ pub(super) fn declare(walk: &mut Walk<'_>, scene: &Scene) {
     for statement in &scene.statements {
         let (Statement::Parameters(list)
         | Statement::Coordinates(list)
-        | Statement::Controls(list)) = statement
+        | Statement::Controls(list)
+        | Statement::States(list)) = statement
         else {
             continue;
         };
@@ -42,7 +43,10 @@ pub(super) fn declare(walk: &mut Walk<'_>, scene: &Scene) {
 
 pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<()> {
     match statement {
-        Statement::Parameters(list) | Statement::Coordinates(list) | Statement::Controls(list) => {
+        Statement::Parameters(list)
+        | Statement::Coordinates(list)
+        | Statement::Controls(list)
+        | Statement::States(list) => {
             for quantity in list {
                 let _: Checked<()> = declared_quantity(walk, quantity);
             }
@@ -72,6 +76,12 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             let own = walk.scalar(value)?;
             let wanted = walk.energy.over(&Dimension::second());
             walk.expect(value, &own, &wanted, "the dissipation is a power")
+        }
+        Statement::Rates(assignments) => {
+            for assignment in assignments {
+                let _: Checked<()> = rate(walk, assignment);
+            }
+            Ok(())
         }
         Statement::Forces(assignments) => {
             for assignment in assignments {
@@ -240,6 +250,17 @@ fn starts(walk: &mut Walk<'_>, assignments: &[Assignment]) -> Checked<()> {
         let _: Checked<()> = noted(walk, &assignment.target, result);
     }
     Ok(())
+}
+
+/// What a state changes by.
+fn rate(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
+    let own = walk.scalar(&assignment.value)?;
+    let wanted = walk.named(&assignment.target).over(&Dimension::second());
+    let reason = format!(
+        "the rate of `{}` is the unit of the state over s",
+        assignment.target.text
+    );
+    walk.expect(&assignment.value, &own, &wanted, &reason)
 }
 
 fn start(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {

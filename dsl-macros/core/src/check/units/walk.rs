@@ -433,6 +433,14 @@ impl Walk<'_> {
                 Ok(Units::Scalar(own.power(exponent.unwrap_or(Ratio::ONE))))
             }
             ("abs", [argument]) => self.units(argument),
+            (_, [argument]) if words::JUMPS.contains(&text) => {
+                self.scalar(argument)?;
+                Ok(Units::Scalar(Dimension::one()))
+            }
+            (words::IF, [left, right, yes, no]) => {
+                self.extreme(function, left, std::slice::from_ref(right))?;
+                self.extreme(function, yes, std::slice::from_ref(no))
+            }
             ("max" | "min", [first, others @ ..]) => self.extreme(function, first, others),
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))

@@ -16,7 +16,8 @@ use super::contact_state::{ContactState, Direction};
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, Pieces, contact_point, contains_ground, surfaces, tangent_point,
+    ControlPiece, Model, Pieces, Switching, contact_point, contains_ground, surfaces,
+    switching_terms, tangent_point,
 };
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
@@ -362,6 +363,11 @@ impl<'a> Dynamics<'a> {
         contact >= self.surfaces
     }
 
+    /// Whether a contact is a switch whose function is only passed.
+    pub(in crate::simulation) fn passes(&self, contact: usize) -> bool {
+        self.model.declaration().contacts[contact].switch == Some(Switching::Passes)
+    }
+
     /// The sliding contact with the smallest [`gain`](Self::gain), and that.
     pub(in crate::simulation) fn smallest_gain(&self) -> Option<(usize, f64)> {
         self.mode
@@ -522,6 +528,8 @@ impl<'a> Dynamics<'a> {
             let instant = Instant::new(&y[..2 * n], &self.evaluated.acceleration, moment);
             let time = if self.explicit_time { t } else { 0.0 };
             self.scales[i].observe(point, friction, instant.at(time));
+            let terms = switching_terms(self.model, i, &self.evaluated.x);
+            self.scales[i].observe_switch(terms);
         }
     }
 
