@@ -36,6 +36,8 @@ pub(super) struct Abbreviation {
     pub(super) what: &'static str,
 }
 
+// Many fields: what statements of each kind have declared.
+/// What has been declared so far.
 pub(super) struct Checker<'a> {
     pub(super) scope: Scope,
     pub(super) diagnostics: &'a mut Diagnostics,

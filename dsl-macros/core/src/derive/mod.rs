@@ -75,12 +75,7 @@ pub(crate) struct Equations {
 pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let (n, inputs, lagrangian) = (scene.coordinates.len(), inputs(scene), scene.lagrangian);
     let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
-    let mechanical = scene.mechanical();
-    let mut momenta = graph::gradient(lagrangian, &velocities[..mechanical]);
-    let energy = energy(lagrangian, &momenta, &velocities[..mechanical]);
-    // A state is the velocity of a coordinate of unit mass.
-    let states = &velocities[mechanical..];
-    momenta.extend(states.iter().copied().map(Sym::variable));
+    let (momenta, energy) = momenta_and_energy(scene, velocities);
     let mass = mass_matrix(&momenta, velocities)?;
     let moving = held::moving(scene);
     let mut conservative = graph::gradient(lagrangian, coordinates);
@@ -93,7 +88,6 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         held: &[],
         joints: &joints,
     };
-    // Equations of motion and of joints.
     let order = inertia.size();
     let singular = |coordinate| Failure::SingularMass { coordinate };
     let formulas = (n <= EXPLICIT && joints.is_empty())
@@ -157,6 +151,17 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         joints: forces,
         optimal_control,
     })
+}
+
+/// Momenta of all coordinates, and the energies.
+fn momenta_and_energy(scene: &CheckedScene, velocities: &[Variable]) -> (Vec<Sym>, [Sym; 2]) {
+    let (lagrangian, mechanical) = (scene.lagrangian, scene.mechanical());
+    let mut momenta = graph::gradient(lagrangian, &velocities[..mechanical]);
+    let energy = energy(lagrangian, &momenta, &velocities[..mechanical]);
+    // A state is the velocity of a coordinate of unit mass.
+    let states = &velocities[mechanical..];
+    momenta.extend(states.iter().copied().map(Sym::variable));
+    (momenta, energy)
 }
 
 /// What acts on each coordinate, `dL/dq + Q`, and `r`.

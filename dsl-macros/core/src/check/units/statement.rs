@@ -66,17 +66,8 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
                 .insert(name.text.clone(), (arguments.clone(), body.clone()));
             Ok(())
         }
-        Statement::Lagrangian { value, .. } => {
-            let own = walk.scalar(value)?;
-            let energy = walk.energy.clone();
-            walk.unifier.unify(&own, &energy);
-            Ok(())
-        }
-        Statement::Dissipation { value, .. } => {
-            let own = walk.scalar(value)?;
-            let wanted = walk.energy.over(&Dimension::second());
-            walk.expect(value, &own, &wanted, "the dissipation is a power")
-        }
+        Statement::Lagrangian { value, .. } => lagrangian(walk, value),
+        Statement::Dissipation { value, .. } => dissipation(walk, value),
         Statement::Rates(assignments) => {
             for assignment in assignments {
                 let _: Checked<()> = rate(walk, assignment);
@@ -127,6 +118,19 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
         Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
+}
+
+fn lagrangian(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
+    let own = walk.scalar(value)?;
+    let energy = walk.energy.clone();
+    walk.unifier.unify(&own, &energy);
+    Ok(())
+}
+
+fn dissipation(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
+    let own = walk.scalar(value)?;
+    let wanted = walk.energy.over(&Dimension::second());
+    walk.expect(value, &own, &wanted, "the dissipation is a power")
 }
 
 /// Remembers what `name` belongs to if its units differ.
