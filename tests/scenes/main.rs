@@ -8,6 +8,7 @@ mod closed_forms;
 mod convergence_order;
 mod design;
 mod gradient;
+mod joints;
 mod own_command_line;
 mod published_data;
 mod published_results;

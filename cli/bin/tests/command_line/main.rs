@@ -8,6 +8,7 @@ mod browser;
 mod contact_scenes;
 mod design;
 mod gradients;
+mod joints;
 mod mixed_scenes;
 mod nlp;
 mod play;

@@ -9,7 +9,7 @@
 
 use super::held::along_motion;
 use super::implicit::{self, Implicit};
-use super::joint::Row;
+use super::joint_row::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};

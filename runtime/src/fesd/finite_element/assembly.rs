@@ -13,8 +13,8 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
     numerical_time::differentiate(element);
     for m in 0..stages {
         evaluate_stage_jacobian(element, m);
-        let constraints = &element.constraints;
         for j in 0..stages {
+            let constraints = &element.constraints;
             let (first, second) = numerical_time::weights(element, m, j);
             let shift = h * element.tableau.a(m, j);
             let (rows, columns) = (m * block, j * block);
@@ -67,21 +67,30 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                     element.matrix[velocity_row + n + forces + other] = shift * turned;
                 }
             }
-            for i in 0..positions {
-                let row = constraints.of_position(i);
-                let normal = &constraints.gradients[row * n..(row + 1) * n];
-                let gap_row = (rows + n + forces + i) * size + columns;
-                for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
-                    *entry = second * gradient / (h * h);
-                }
-                for other in 0..positions {
-                    let correction = &element.corrections[other * n..(other + 1) * n];
-                    let along: f64 = normal.iter().zip(correction).map(|(a, b)| a * b).sum();
-                    element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
-                }
-            }
+            hold_positions(element, (m, j), second);
         }
         numerical_time::add_to_rows(element, m);
+    }
+}
+
+/// The rows of positions of stage `m` in the columns of stage `j`, of whose accelerations `second` makes coordinates.
+fn hold_positions(element: &mut FiniteElement<'_>, (m, j): (usize, usize), second: f64) {
+    let (n, h, block) = (element.n, element.length, element.block());
+    let (constraints, size) = (&element.constraints, element.tableau.stages() * block);
+    let (forces, positions) = (constraints.count(), constraints.positions());
+    let (rows, columns) = (m * block, j * block);
+    for i in 0..positions {
+        let row = constraints.of_position(i);
+        let normal = &constraints.gradients[row * n..(row + 1) * n];
+        let gap_row = (rows + n + forces + i) * size + columns;
+        for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
+            *entry = second * gradient / (h * h);
+        }
+        for other in 0..positions {
+            let correction = &element.corrections[other * n..(other + 1) * n];
+            let along: f64 = normal.iter().zip(correction).map(|(a, b)| a * b).sum();
+            element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
+        }
     }
 }
 
