@@ -7,6 +7,7 @@ mod charts;
 mod closed_forms;
 mod convergence_order;
 mod gradient;
+mod many_contacts;
 mod own_command_line;
 mod published_data;
 mod published_results;

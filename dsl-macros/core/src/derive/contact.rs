@@ -10,7 +10,7 @@
 use super::implicit::{self, Implicit};
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
-use super::{Explicit, Failure, simplify};
+use super::{EXPLICIT, Explicit, Failure, WRITTEN_OUT, simplify};
 use crate::check::normal;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
@@ -65,16 +65,16 @@ impl Inertia {
     }
 
     /// Of the system with some coordinates locked.
-    fn locked(mass: &[Sym], n: usize, held: &[usize]) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// The row whose pivot is structurally zero.
+    fn locked(mass: &[Sym], n: usize, held: &[usize]) -> Result<Self, usize> {
         let free: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
         let part: Vec<Sym> = free
             .iter()
             .flat_map(|i| free.iter().map(move |j| mass[i * n + j]))
             .collect();
-        let factorization =
-            Factorization::of(&part, free.len()).map_err(|pivot| Failure::SingularMass {
-                coordinate: free[pivot],
-            })?;
+        let factorization = Factorization::of(&part, free.len()).map_err(|pivot| free[pivot])?;
         Ok(Self {
             n,
             free,
@@ -128,10 +128,14 @@ fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
     w.iter().map(|&w| simplify(w * scale)).collect()
 }
 
-/// What the directions of all contacts are derived from.
+/// What the directions of all contacts are derived from: the whole mechanism, or the part of it that a contact moves.
 pub(super) struct Mechanism<'a> {
     pub(super) mass: &'a [Sym],
     pub(super) momenta: &'a [Sym],
+    /// The coordinates that these belong to, increasing.
+    pub(super) coordinates: &'a [usize],
+    /// Number of coordinates of the scene.
+    pub(super) all: usize,
     /// The inverse mass matrix by formulas, of few coordinates.
     pub(super) formulas: Option<&'a Inertia>,
     /// The mass matrix by factors, unless it is solved with at run time.
@@ -141,19 +145,108 @@ pub(super) struct Mechanism<'a> {
 
 impl Mechanism<'_> {
     pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+        let geometry = geometry(contact, self.all);
+        match self.part_of(contact, &geometry.2) {
+            Some(coordinates) => self.by_part(contact, geometry, &coordinates),
+            None => self.with_geometry(contact, &contact.held, geometry),
+        }
+    }
+
+    /// The coordinates that the forces of a contact move, where inertia does not couple them to the others, they are few, and
+    /// there are too many others for formulas.
+    fn part_of(&self, contact: &Contact, normal: &[Sym]) -> Option<Vec<usize>> {
+        let n = self.all;
+        if self.written_out.is_some() || contact.along.is_some() {
+            return None;
+        }
+        let mut moved: Vec<bool> = normal.iter().map(|n| !n.is_structural_zero()).collect();
+        if let Some(friction) = &contact.friction {
+            let (_, _, tangent) = slip(friction, n);
+            for (moved, component) in moved.iter_mut().zip(tangent) {
+                *moved |= !component.is_structural_zero();
+            }
+        }
+        let mut part: Vec<usize> = (0..n).filter(|&i| moved[i]).collect();
+        let mut next = 0;
+        while let Some(&i) = part.get(next) {
+            next += 1;
+            for j in 0..n {
+                if !moved[j] && !self.mass[i * n + j].is_structural_zero() {
+                    moved[j] = true;
+                    part.push(j);
+                }
+            }
+            if part.len() > WRITTEN_OUT {
+                return None;
+            }
+        }
+        part.sort_unstable();
+        (!part.is_empty()).then_some(part)
+    }
+
+    /// A contact by the part of the mechanism that it moves.
+    fn by_part(
+        &self,
+        contact: &Contact,
+        geometry: (Vec<Sym>, Sym, Vec<Sym>),
+        coordinates: &[usize],
+    ) -> Result<ContactEquations, Failure> {
+        let (n, size) = (self.all, coordinates.len());
+        let rows = coordinates.iter();
+        let mass: Vec<Sym> = rows
+            .flat_map(|&i| coordinates.iter().map(move |&j| self.mass[i * n + j]))
+            .collect();
+        let momenta: Vec<Sym> = coordinates.iter().map(|&i| self.momenta[i]).collect();
+        let singular = |row: usize| Failure::SingularMass {
+            coordinate: coordinates[row],
+        };
+        let formulas = (size <= EXPLICIT)
+            .then(|| Factorization::of(&mass, size).map(|factors| Inertia::whole(factors, size)))
+            .transpose()
+            .map_err(singular)?;
+        let factors = Factorization::stepwise(&mass, size).map_err(singular)?;
+        let part = Mechanism {
+            mass: &mass,
+            momenta: &momenta,
+            coordinates,
+            all: n,
+            formulas: formulas.as_ref(),
+            written_out: Some(&factors),
+            inputs: self.inputs,
+        };
+        let place = |i: &usize| coordinates.binary_search(i).ok();
+        let held: Vec<usize> = contact.held.iter().filter_map(place).collect();
+        part.with_geometry(contact, &held, geometry)
+    }
+
+    /// The components of a vector that belong to this part.
+    fn own(&self, vector: &[Sym]) -> Vec<Sym> {
+        self.coordinates.iter().map(|&i| vector[i]).collect()
+    }
+
+    /// A contact with these gap, normal velocity, curvature and normal; `held` are rows of this part.
+    fn with_geometry(
+        &self,
+        contact: &Contact,
+        held: &[usize],
+        (mut rows, curvature, normal): (Vec<Sym>, Sym, Vec<Sym>),
+    ) -> Result<ContactEquations, Failure> {
         if let (Some(bound), Some(friction)) = (contact.bound, &contact.friction) {
             return Ok(self.dry(bound, friction));
         }
         let n = self.momenta.len();
-        let (mut rows, curvature, normal) = geometry(contact, n);
-        let singular = |coordinate| Failure::SingularMass { coordinate };
-        let inertia = self.holding(&contact.held);
+        let own_normal = self.own(&normal);
+        let singular = |row: usize| Failure::SingularMass {
+            coordinate: self.coordinates[row],
+        };
+        let inertia = self.holding(held);
         let (locked, locked_factors) = match (self.formulas, self.written_out) {
-            _ if contact.held.is_empty() => (None, None),
+            _ if held.is_empty() => (None, None),
             (formulas, factors) => (
                 formulas
-                    .map(|_| Inertia::locked(self.mass, n, &contact.held))
-                    .transpose()?,
+                    .map(|_| Inertia::locked(self.mass, n, held))
+                    .transpose()
+                    .map_err(singular)?,
                 factors
                     .map(|_| Factorization::stepwise(&inertia.matrix(), n))
                     .transpose()
@@ -163,25 +256,26 @@ impl Mechanism<'_> {
         let formulas = locked.as_ref().or(self.formulas);
         let factors = locked_factors.as_ref().or(self.written_out);
 
-        let inverse = formulas.map(|formulas| formulas.solve(&normal));
-        let divisor = inverse.as_ref().map(|inverse| inner(&normal, inverse));
+        let inverse = formulas.map(|formulas| formulas.solve(&own_normal));
+        let divisor = inverse.as_ref().map(|inverse| inner(&own_normal, inverse));
         let inverse_inertia = match (divisor, factors) {
             (Some(formula), _) => InverseInertia::Formula(formula),
             (None, Some(factors)) => InverseInertia::Formula(
-                Bordered::new(factors, vec![inertia.free_part(&normal)]).inverse_inertia(),
+                Bordered::new(factors, vec![inertia.free_part(&own_normal)]).inverse_inertia(),
             ),
             (None, None) => InverseInertia::Solved,
         };
         let friction = contact.friction.as_ref().map(|friction| {
-            let (sliding, curvature, tangent) = slip(friction, n);
+            let (sliding, curvature, tangent) = slip(friction, self.all);
+            let own_tangent = self.own(&tangent);
             let formula = formulas
                 .zip(divisor)
-                .map(|(formulas, divisor)| over(&formulas.solve(&tangent), divisor));
-            let columns = [&tangent, &normal].map(|vector| inertia.free_part(vector));
+                .map(|(formulas, divisor)| over(&formulas.solve(&own_tangent), divisor));
+            let columns = [&own_tangent, &own_normal].map(|vector| inertia.free_part(vector));
             let (rows, direction) = self.directed(
                 vec![sliding],
                 formula,
-                || implicit::friction(&inertia, &normal, &tangent, self.inputs),
+                || implicit::friction(&inertia, &own_normal, &own_tangent, self.inputs),
                 factors
                     .map(|factors| Bordered::new(factors, columns.to_vec()))
                     .as_ref(),
@@ -203,9 +297,9 @@ impl Mechanism<'_> {
                 inverse
                     .zip(divisor)
                     .map(|(inverse, divisor)| over(&inverse, divisor)),
-                || implicit::direction(&inertia, &normal, self.inputs),
+                || implicit::direction(&inertia, &own_normal, self.inputs),
                 factors
-                    .map(|factors| Bordered::new(factors, vec![inertia.free_part(&normal)]))
+                    .map(|factors| Bordered::new(factors, vec![inertia.free_part(&own_normal)]))
                     .as_ref(),
             ),
         };
@@ -240,6 +334,7 @@ impl Mechanism<'_> {
         implicit::Locked {
             mass: self.mass,
             momenta: self.momenta,
+            coordinates: self.coordinates,
             held,
         }
     }
@@ -248,8 +343,9 @@ impl Mechanism<'_> {
     /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
     fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
         let n = self.momenta.len();
-        let (sliding, curvature, tangent) = slip(friction, n);
-        let terms = tangent.iter().enumerate();
+        let (sliding, curvature, tangent) = slip(friction, self.all);
+        let own = self.own(&tangent);
+        let terms = own.iter().enumerate();
         let scale = terms.map(|(k, &b)| b * b * self.mass[k * n + k].power(-2));
         let scale = simplify(scale.sum());
         let pressed = simplify(scale * bound);
@@ -257,8 +353,8 @@ impl Mechanism<'_> {
         let (rows, direction) = self.directed(
             vec![sliding],
             self.formulas
-                .map(|formulas| over(&formulas.solve(&tangent), scale)),
-            || implicit::of_force(&inertia, over(&tangent, scale), self.inputs),
+                .map(|formulas| over(&formulas.solve(&own), scale)),
+            || implicit::of_force(&inertia, over(&own, scale), self.inputs),
             self.written_out,
         );
         let friction = FrictionEquations {
@@ -268,11 +364,11 @@ impl Mechanism<'_> {
             direction,
         };
         let mut values = vec![Sym::ZERO, pressed];
-        values.resize(2 + n, Sym::ZERO);
+        values.resize(2 + self.all, Sym::ZERO);
         ContactEquations {
             rows: Explicit::new(values, self.inputs),
             curvature: simplify(-pressed),
-            normal: vec![Sym::ZERO; n],
+            normal: vec![Sym::ZERO; self.all],
             inverse_inertia: InverseInertia::Formula(scale),
             direction: None,
             friction: Some(friction),
@@ -291,16 +387,21 @@ impl Mechanism<'_> {
         let Some(elimination) = elimination else {
             return (Explicit::new(rows, self.inputs), Some(system()));
         };
+        let first = rows.len();
         let written_out = || {
-            let weights: Vec<Sym> = (0..self.momenta.len())
-                .map(|i| Implicit::multiplier(rows.len() + i))
-                .collect();
+            let weight = |&i: &usize| Implicit::multiplier(first + i);
+            let weights: Vec<Sym> = self.coordinates.iter().map(weight).collect();
             let direction = residual::derivatives(&system(), elimination, &weights, self.inputs);
-            Explicit::new(rows.clone(), self.inputs).followed_by(direction)
+            let rows = Explicit::new(rows.clone(), self.inputs).followed_by(direction);
+            rows.spread(first, self.all, self.coordinates)
         };
         let rows = match formula {
             Some(direction) => {
-                let values = rows.iter().copied().chain(direction).collect();
+                let mut values = rows.clone();
+                values.resize(first + self.all, Sym::ZERO);
+                for (&i, component) in self.coordinates.iter().zip(direction) {
+                    values[first + i] = component;
+                }
                 Explicit::cheapest(values, written_out, self.inputs)
             }
             None => written_out(),

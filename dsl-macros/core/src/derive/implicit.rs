@@ -180,6 +180,9 @@ pub(super) struct Locked<'a> {
     pub(super) mass: &'a [Sym],
     /// Momenta, whose derivatives along velocities multiply by the mass matrix.
     pub(super) momenta: &'a [Sym],
+    /// The coordinates that its rows belong to, increasing.
+    pub(super) coordinates: &'a [usize],
+    /// Rows that are held.
     pub(super) held: &'a [usize],
 }
 
@@ -202,8 +205,12 @@ impl Locked<'_> {
 
     /// Product with a vector, in far fewer operations than by the entries.
     fn times(&self, of: impl Fn(usize) -> Sym) -> Vec<Sym> {
+        let row = |i: u16| self.coordinates.binary_search(&usize::from(i)).ok();
         let mut rows = graph::directional(self.momenta, |variable| match variable {
-            Variable::Velocity(i) if !self.is_held(usize::from(i)) => of(usize::from(i)),
+            Variable::Velocity(i) => match row(i) {
+                Some(row) if !self.is_held(row) => of(row),
+                _ => Sym::ZERO,
+            },
             _ => Sym::ZERO,
         });
         for &i in self.held {

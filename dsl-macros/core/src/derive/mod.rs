@@ -113,9 +113,12 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         (_, None) => Solution::Implicit(motion()),
     };
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
+    let all: Vec<usize> = (0..n).collect();
     let inertia = contact::Mechanism {
         mass: &mass,
         momenta: &momenta,
+        coordinates: &all,
+        all: n,
         formulas: formulas.as_ref(),
         written_out,
         inputs: &inputs,

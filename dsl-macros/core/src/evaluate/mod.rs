@@ -12,7 +12,7 @@ mod scope;
 mod value;
 
 pub(crate) use edges::has_edge;
-pub(crate) use expression::{BUDGET, TOO_LARGE, unrepresentable};
+pub(crate) use expression::{BUDGET, unrepresentable};
 pub(crate) use functions::velocity_direction;
 pub(crate) use kink::Kink;
 pub(crate) use recorded::{FIRST_DRY, at_impacts};

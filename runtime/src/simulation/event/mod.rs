@@ -23,6 +23,7 @@ pub(super) mod impact;
 mod instant;
 mod integration;
 mod locate;
+mod many_contacts;
 mod remarks;
 mod search;
 mod settings;
