@@ -7,44 +7,16 @@
 //! d = w / (n' w),   w = H n or declared          e = H b / D
 //! ```
 
+use super::alike::{Alike, Renaming};
+use super::contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
 use super::implicit::{self, Implicit};
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
-use super::{EXPLICIT, Explicit, Failure, WRITTEN_OUT, simplify};
+use super::{Explicit, Failure, WRITTEN_OUT, simplify};
 use crate::check::normal;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{Contact, Friction};
-
-/// What belongs to one contact.
-pub(crate) struct ContactEquations {
-    /// Gap, normal velocity, and if it is a formula, the contact direction; of dry friction zeros, with the given normal
-    /// acceleration in place of the normal velocity.
-    pub(crate) rows: Explicit,
-    pub(crate) curvature: Sym,
-    pub(crate) normal: Vec<Sym>,
-    pub(crate) inverse_inertia: InverseInertia,
-    /// The contact direction, unless it is among the `rows`.
-    pub(crate) direction: Option<Implicit>,
-    pub(crate) friction: Option<FrictionEquations>,
-}
-
-/// `D = n' H n`.
-pub(crate) enum InverseInertia {
-    Formula(Sym),
-    /// From a linear system at run time: with the mass matrix, or with that of the direction.
-    Solved,
-}
-
-/// The tangential side of a contact.
-pub(crate) struct FrictionEquations {
-    /// Sliding velocity, and if it is a formula, the friction direction.
-    pub(crate) rows: Explicit,
-    pub(crate) curvature: Sym,
-    pub(crate) tangent: Vec<Sym>,
-    /// The friction direction, unless it is among the `rows`.
-    pub(crate) direction: Option<Implicit>,
-}
 
 /// `H` by factors.
 pub(super) struct Inertia {
@@ -144,12 +116,44 @@ pub(super) struct Mechanism<'a> {
 }
 
 impl Mechanism<'_> {
-    pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+    /// The contact with the number `contacts.len()`, behind those that are derived.
+    pub(super) fn contact(
+        &self,
+        contact: &Contact,
+        contacts: &[ContactEquations],
+        alike: &mut Alike,
+    ) -> Result<ContactEquations, Failure> {
         let geometry = geometry(contact, self.all);
-        match self.part_of(contact, &geometry.2) {
-            Some(coordinates) => self.by_part(contact, geometry, &coordinates),
-            None => self.with_geometry(contact, &contact.held, geometry),
+        let Some(part) = self.part_of(contact, &geometry.2) else {
+            return self.with_geometry(contact, &contact.held, geometry);
+        };
+        let formulas = self.defining(contact, &part);
+        match alike.find(&formulas, &part, contacts.len()) {
+            Some((place, from)) => {
+                let (from, to, all) = (&from, &part, self.all);
+                Ok(Renaming { from, to, all }.contact(&contacts[place]))
+            }
+            None => self.by_part(contact, geometry, &part),
         }
+    }
+
+    /// All that a contact of a part of the mechanism is derived from.
+    fn defining(&self, contact: &Contact, part: &[usize]) -> Vec<Sym> {
+        let number = |value: usize| Sym::number(value as f64);
+        let mut formulas = vec![contact.gap, number(part.len())];
+        let friction = contact.friction.as_ref();
+        formulas.extend(friction.map(|friction| friction.sliding));
+        formulas.push(number(usize::from(friction.is_some())));
+        formulas.extend(contact.bound);
+        formulas.push(number(usize::from(contact.bound.is_some())));
+        let held = contact.held.iter();
+        formulas.extend(held.filter_map(|i| part.binary_search(i).ok().map(number)));
+        formulas.push(Sym::ZERO);
+        for &i in part {
+            formulas.push(self.momenta[i]);
+            formulas.extend(part.iter().map(|&j| self.mass[i * self.all + j]));
+        }
+        formulas
     }
 
     /// The coordinates that the forces of a contact move, where inertia does not couple them to the others, they are few, and
@@ -197,20 +201,17 @@ impl Mechanism<'_> {
             .flat_map(|&i| coordinates.iter().map(move |&j| self.mass[i * n + j]))
             .collect();
         let momenta: Vec<Sym> = coordinates.iter().map(|&i| self.momenta[i]).collect();
-        let singular = |row: usize| Failure::SingularMass {
-            coordinate: coordinates[row],
-        };
-        let formulas = (size <= EXPLICIT)
-            .then(|| Factorization::of(&mass, size).map(|factors| Inertia::whole(factors, size)))
-            .transpose()
-            .map_err(singular)?;
-        let factors = Factorization::stepwise(&mass, size).map_err(singular)?;
+        let factors =
+            Factorization::stepwise(&mass, size).map_err(|row| Failure::SingularMass {
+                coordinate: coordinates[row],
+            })?;
         let part = Mechanism {
             mass: &mass,
             momenta: &momenta,
             coordinates,
             all: n,
-            formulas: formulas.as_ref(),
+            // Simplified formulas are for reading; of many contacts they take long.
+            formulas: None,
             written_out: Some(&factors),
             inputs: self.inputs,
         };

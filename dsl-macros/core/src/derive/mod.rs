@@ -6,7 +6,9 @@
 //! M = d2L/dv2          r = dL/dq + Q - (d2L/dv dq) v - d2L/dv dt          M a = r
 //! ```
 
+mod alike;
 mod contact;
+mod contact_equations;
 mod control;
 mod explicit;
 mod failure;
@@ -15,7 +17,7 @@ mod ldl;
 mod residual;
 mod simplify;
 
-pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
+pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
 pub(crate) use control::ControlEquations;
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
@@ -34,7 +36,7 @@ const EXPLICIT: usize = 4;
 
 /// Largest number of coordinates for which elimination is written out; above, loops over dense matrices
 /// are faster, and much shorter to compile.
-const WRITTEN_OUT: usize = 8;
+pub(crate) const WRITTEN_OUT: usize = 8;
 
 /// A vector-valued function of the inputs.
 pub(crate) enum Solution {
@@ -123,11 +125,12 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         written_out,
         inputs: &inputs,
     };
-    let contacts: Vec<ContactEquations> = scene
-        .contacts
-        .iter()
-        .map(|contact| inertia.contact(contact))
-        .collect::<Result<_, _>>()?;
+    let mut contacts: Vec<ContactEquations> = Vec::with_capacity(scene.contacts.len());
+    let mut alike = alike::Alike::default();
+    for contact in &scene.contacts {
+        let derived = inertia.contact(contact, &contacts, &mut alike)?;
+        contacts.push(derived);
+    }
     let optimal_control = scene.optimal_control.as_ref();
     let optimal_control = optimal_control
         .map(|task| control::equations(task, scene, &contacts, &inertia))

@@ -9,6 +9,7 @@ mod equations;
 mod kernel;
 mod optimal_control;
 mod readable;
+mod renamed;
 mod sensitivity;
 mod shown;
 
@@ -27,6 +28,7 @@ use crate::derive::{Equations, Explicit, Solution};
 use crate::graph::{self, Sym};
 use crate::scene::CheckedScene;
 use builder::Builder;
+use renamed::Renamed;
 use declared::text;
 
 /// Most operations of one kernel: some seconds of compile time.
@@ -124,6 +126,7 @@ impl Description {
             scene,
             inputs: equations.inputs.len(),
             at_the_end: false,
+            renamed: Renamed::default(),
             kernels: Vec::new(),
             systems: Vec::new(),
         };

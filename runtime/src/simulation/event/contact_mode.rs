@@ -28,7 +28,7 @@ const MOMENTS: [(f64, f64); 7] = [
 const NOISE: f64 = 1e-13;
 /// Largest number of modes that are compared by what follows a moment later; of more undecided contacts each is decided
 /// by itself.
-const MOST_MODES: usize = 4096;
+const MOST_MODES: usize = 64;
 
 /// Choices of a mode before the direction of sliding counts as undetermined; the second is the last in exact
 /// arithmetic.
