@@ -24,6 +24,7 @@ mod problem;
 mod quantity;
 mod recorder;
 mod result;
+mod shared_load;
 mod smooth;
 mod state;
 mod trajectory;

@@ -202,7 +202,7 @@ fn select_one_by_one(
     for &(share, multiple) in &MOMENTS[skipped..] {
         neutral = None;
         let mut choices: Vec<usize> = vec![0; free.len()];
-        for _ in 0..4 * free.len() {
+        for _ in 0..=4 * free.len() {
             for (candidate, &choice) in free.iter().zip(&choices) {
                 mode[candidate.contact] = candidate.states[choice];
             }

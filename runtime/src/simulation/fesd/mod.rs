@@ -53,7 +53,7 @@ pub use size::step_sizes;
 use super::hand_over::{self, Other};
 use super::watch::Watch;
 use super::{
-    InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse,
+    InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse, shared_load,
     order_of_impacts,
 };
 use crate::Observer;
@@ -120,6 +120,7 @@ impl Simulator for Fesd {
             None => estimate::estimated(self, &tableau, (model, problem), &mut watch),
         };
         impulse::record(model, &mut result);
+        shared_load::record(model, &mut result);
         order_of_impacts::note(model, &mut result);
         watch.finish(model, &mut result);
         Ok(result)
