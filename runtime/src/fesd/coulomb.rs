@@ -17,10 +17,8 @@ pub(super) use crate::contact_law::Cone;
 
 /// Most cones whose choices are tried one after the other.
 const MOST_CHOICES: usize = 6;
-/// Most cones of which that is the first way.
-const FEW_CHOICES: usize = 3;
-/// Most lines that are left to Lemke's method at first.
-const FEW_LINES: usize = 8;
+/// Most lines beside few cones that are left to Lemke's method at first.
+const FEW_LINES: usize = 14;
 /// Violation of the friction law that is rounding error, relative to the largest force or velocity.
 const ROUNDING: f64 = 1e-11;
 /// The same where nothing else is left: contacts that are nearly dependent.
@@ -93,7 +91,7 @@ fn solve_block(
     cones: &[Cone],
     forces: &mut [f64],
 ) -> Result<(), lcp::LcpError> {
-    if cones.len() > FEW_CHOICES || offsets.len() > FEW_LINES {
+    if cones.len() > MOST_CHOICES || offsets.len() > FEW_LINES {
         let problem = contact_law::Problem {
             matrix: couplings,
             offsets,
