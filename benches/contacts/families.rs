@@ -73,7 +73,11 @@ pub(crate) fn row(n: usize, law: &str, speed: f64) -> String {
         each(n, ", ", |i| format!("x{i}: m")),
         each(n, " + ", |i| format!("m/2*dot(x{i})^2")),
         each(n - 1, ", ", |i| format!("c{i}")),
-        each(n - 1, ", ", |i| format!("x{}: {:.1} [m]", i + 1, 0.1 * i as f64)),
+        each(n - 1, ", ", |i| format!(
+            "x{}: {:.1} [m]",
+            i + 1,
+            0.1 * i as f64
+        )),
     )
 }
 
@@ -89,7 +93,10 @@ pub(crate) fn tower(n: usize) -> String {
         each(n, ", ", |i| format!("z{i}: m")),
         each(n, " + ", |i| format!("m/2*dot(z{i})^2 - m*g*z{i}")),
         each(n, ", ", |i| format!("c{i}")),
-        each(n, ", ", |i| format!("z{i}: {:.3} [m]", 0.11 * i as f64 - 0.05)),
+        each(n, ", ", |i| format!(
+            "z{i}: {:.3} [m]",
+            0.11 * i as f64 - 0.05
+        )),
     )
 }
 
@@ -115,7 +122,9 @@ pub(crate) fn stack(n: usize, friction: Option<f64>) -> String {
                     ),
                 )
             };
-            let law = friction.map_or(String::new(), |mu| format!(", friction {mu}, sliding {slides}"));
+            let law = friction.map_or(String::new(), |mu| {
+                format!(", friction {mu}, sliding {slides}")
+            });
             let _ = write!(
                 contacts,
                 " surface {side}_{i}: {gap} >= 0 impact {side}_{i}: inelastic{law}"
@@ -146,12 +155,17 @@ pub(crate) fn rough_blocks(n: usize) -> String {
     format!(
         "parameters {{ m: kg = 1, g: m/s^2 = 9.81 }} coordinates {{ {} }} lagrangian {} - {} {} start {{ {} }} horizon 1 [s]",
         each(n, ", ", |i| format!("x{i}: m, z{i}: m")),
-        each(n, " + ", |i| format!("m/2*(dot(x{i})^2 + dot(z{i})^2) - m*g*z{i}")),
+        each(n, " + ", |i| format!(
+            "m/2*(dot(x{i})^2 + dot(z{i})^2) - m*g*z{i}"
+        )),
         each(n, " - ", spring),
         each(n, " ", |i| format!(
             "surface c{i}: z{i} >= 0 impact c{i}: inelastic, friction 0.3, sliding dot(x{i})"
         )),
-        each(n, ", ", |i| format!("x{i}: {:.4} [m]", 0.6 * (scattered(i, 2) - 0.5))),
+        each(n, ", ", |i| format!(
+            "x{i}: {:.4} [m]",
+            0.6 * (scattered(i, 2) - 0.5)
+        )),
     )
 }
 
@@ -194,7 +208,11 @@ pub(crate) fn discs(n: usize) -> String {
 /// A chain of `n` links that swings onto a floor, with the end of every link.
 pub(crate) fn chain(n: usize) -> String {
     let joint = |i: usize| {
-        let before = if i == 1 { "(0 [m], h)".to_owned() } else { format!("p{}", i - 1) };
+        let before = if i == 1 {
+            "(0 [m], h)".to_owned()
+        } else {
+            format!("p{}", i - 1)
+        };
         format!("let p{i} = {before} + l*(sin(q{i}), -cos(q{i}))")
     };
     format!(
@@ -203,7 +221,9 @@ pub(crate) fn chain(n: usize) -> String {
         0.07 * n as f64,
         each(n, ", ", |i| format!("q{i}")),
         each(n, " ", joint),
-        each(n, " + ", |i| format!("1 [kg]*|dot(p{i})|^2/2 - 1 [kg]*g*p{i}.z")),
+        each(n, " + ", |i| format!(
+            "1 [kg]*|dot(p{i})|^2/2 - 1 [kg]*g*p{i}.z"
+        )),
         each(n, " ", |i| format!("surface c{i}: p{i}.z >= 0")),
         each(n, ", ", |i| format!("c{i}")),
         each(n, ", ", |i| format!("q{i}: {:.2}", 0.8 + 0.02 * i as f64)),

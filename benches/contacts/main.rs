@@ -29,7 +29,10 @@ fn timed<T>(call: impl FnOnce() -> T) -> (T, f64) {
     let clock = ThreadTime::try_now();
     let result = call();
     let elapsed = clock.and_then(|clock| clock.try_elapsed());
-    (result, elapsed.map_or(f64::NAN, |elapsed| elapsed.as_secs_f64()))
+    (
+        result,
+        elapsed.map_or(f64::NAN, |elapsed| elapsed.as_secs_f64()),
+    )
 }
 
 /// One run, its CPU time, and how it ended.
@@ -70,7 +73,10 @@ fn measure(family: &Family, most: usize, limit: f64) {
             Ok(scene) => scene,
             Err(error) => {
                 let line = error.to_string();
-                println!("{n:6}          {load:9.3}   {}", line.lines().next().unwrap_or_default());
+                println!(
+                    "{n:6}          {load:9.3}   {}",
+                    line.lines().next().unwrap_or_default()
+                );
                 break;
             }
         };
@@ -102,10 +108,17 @@ fn measure(family: &Family, most: usize, limit: f64) {
 }
 
 fn main() {
-    let limit = option("--limit").and_then(|text| text.parse().ok()).unwrap_or(30.0);
-    let most = option("--most").and_then(|text| text.parse().ok()).unwrap_or(usize::MAX);
+    let limit = option("--limit")
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(30.0);
+    let most = option("--most")
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(usize::MAX);
     let wanted = option("--family").unwrap_or_default();
-    for family in FAMILIES.iter().filter(|family| family.name.contains(&wanted)) {
+    for family in FAMILIES
+        .iter()
+        .filter(|family| family.name.contains(&wanted))
+    {
         measure(family, most, limit);
     }
 }

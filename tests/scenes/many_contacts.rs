@@ -18,7 +18,10 @@ fn default_run(scene: &TextScene) -> Simulation {
 }
 
 fn event_driven(scene: &TextScene) -> Simulation {
-    let run = simulate(scene).method(EventDriven::default()).run().expect("a problem");
+    let run = simulate(scene)
+        .method(EventDriven::default())
+        .run()
+        .expect("a problem");
     assert!(run.status.is_solved(), "{:?}", run.status);
     run
 }
@@ -29,7 +32,9 @@ fn last(rows: &[Vec<f64>]) -> &[f64] {
 
 /// Largest difference of the coordinates at the end.
 fn apart(one: &Simulation, other: &Simulation) -> f64 {
-    let pairs = last(&one.trajectory.q).iter().zip(last(&other.trajectory.q));
+    let pairs = last(&one.trajectory.q)
+        .iter()
+        .zip(last(&other.trajectory.q));
     pairs.fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()))
 }
 
@@ -54,7 +59,10 @@ fn default_and_event_driven_agree_on_up_to_forty_contacts() {
 /// More of them: `HANGTIME_SCENES=3000 cargo test --test scenes random_rows`.
 #[test]
 fn random_rows_of_balls_keep_momentum_and_agree() {
-    let scenes = std::env::var("HANGTIME_SCENES").ok().and_then(|text| text.parse().ok()).unwrap_or(30);
+    let scenes = std::env::var("HANGTIME_SCENES")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(30);
     for seed in 0..scenes {
         let n = 3 + seed * 7 % 28;
         let law = ["inelastic", "restitution 0.5", "restitution 1"][seed % 3];
@@ -91,7 +99,9 @@ fn pyramid_of_discs_has_the_forces_of_its_closed_form() {
     let k: usize = 5;
     let rise = 0.2 * 0.75_f64.sqrt();
     let name = |row: usize, j: usize| format!("{row}_{j}");
-    let discs: Vec<(usize, usize)> = (0..k).flat_map(|row| (0..k - row).map(move |j| (row, j))).collect();
+    let discs: Vec<(usize, usize)> = (0..k)
+        .flat_map(|row| (0..k - row).map(move |j| (row, j)))
+        .collect();
     let (mut coordinates, mut energy, mut surfaces, mut start) = (vec![], vec![], vec![], vec![]);
     let mut wanted = Vec::new();
     for &(row, j) in &discs {
@@ -108,17 +118,26 @@ fn pyramid_of_discs_has_the_forces_of_its_closed_form() {
             let gap = format!("|(x{own} - x{below}, z{own} - z{below})| - 0.2 [m]");
             // The number of discs above along that line, the disc itself included.
             let along = if side == "l" { k - row - j } else { j + 1 };
-            wanted.push((surfaces.len(), along as f64 * 9.81 / (2.0 * 0.75_f64.sqrt())));
+            wanted.push((
+                surfaces.len(),
+                along as f64 * 9.81 / (2.0 * 0.75_f64.sqrt()),
+            ));
             surfaces.push((format!("{side}{own}"), gap));
         }
     }
     surfaces.push(("left".into(), format!("x{}", name(0, 0))));
-    surfaces.push(("right".into(), format!("{:.17} [m] - x{}", 0.2 * (k - 1) as f64, name(0, k - 1))));
+    surfaces.push((
+        "right".into(),
+        format!("{:.17} [m] - x{}", 0.2 * (k - 1) as f64, name(0, k - 1)),
+    ));
     for j in 1..k {
         let (one, other) = (name(0, j - 1), name(0, j));
         surfaces.push((format!("b{j}"), format!("x{other} - x{one} - 0.2 [m]")));
     }
-    let declared: Vec<String> = surfaces.iter().map(|(name, gap)| format!("surface {name}: {gap} >= 0")).collect();
+    let declared: Vec<String> = surfaces
+        .iter()
+        .map(|(name, gap)| format!("surface {name}: {gap} >= 0"))
+        .collect();
     let names: Vec<&str> = surfaces.iter().map(|(name, _)| name.as_str()).collect();
     let text = format!(
         "parameters {{ m: kg = 1, g: m/s^2 = 9.81 }} coordinates {{ {} }} lagrangian {} {} impact {}: inelastic start {{ {} }} \
@@ -135,7 +154,12 @@ fn pyramid_of_discs_has_the_forces_of_its_closed_form() {
         for &(contact, force) in &wanted {
             // Positions are right to 1e-15 of their contacts' distances.
             let off = (forces[contact] - force).abs();
-            assert!(off < 1e-9, "{}: {} {force}", names[contact], forces[contact]);
+            assert!(
+                off < 1e-9,
+                "{}: {} {force}",
+                names[contact],
+                forces[contact]
+            );
         }
     }
 }
@@ -166,7 +190,10 @@ fn order_of_declarations_changes_nothing() {
         let (surfaces, after) = rest.split_once(" impact ").expect("impacts");
         let mut surfaces: Vec<&str> = surfaces.split(" surface ").collect();
         surfaces.reverse();
-        format!("{before} surface {} impact {after}", surfaces.join(" surface "))
+        format!(
+            "{before} surface {} impact {after}",
+            surfaces.join(" surface ")
+        )
     };
     assert_ne!(text, backwards);
     let (one, other) = (scene(&text), scene(&backwards));

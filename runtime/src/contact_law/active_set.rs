@@ -43,7 +43,9 @@ impl Equations {
         for &row in &unknown {
             for &column in &unknown {
                 let own = problem.coupling(row, column);
-                let slope = states.get(column).map_or(0.0, |state| slope(*state, tangents[column]));
+                let slope = states
+                    .get(column)
+                    .map_or(0.0, |state| slope(*state, tangents[column]));
                 matrix.push(match tangents.get(column) {
                     Some(&Some((tangent, _))) if slope != 0.0 => {
                         own + slope * problem.coupling(row, tangent)

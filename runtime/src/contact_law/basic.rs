@@ -66,7 +66,11 @@ fn first_stop(
     let largest = direction.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
     let of = |line: usize| {
         let d = sign * direction[line];
-        if d.abs() <= DEPENDENT * largest { 0.0 } else { d }
+        if d.abs() <= DEPENDENT * largest {
+            0.0
+        } else {
+            d
+        }
     };
     for (i, state) in states.iter().enumerate() {
         if *state == State::Open {

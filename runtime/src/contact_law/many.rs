@@ -88,11 +88,7 @@ fn states_of(
 }
 
 /// By how much a solution contradicts the law, in units of what counts as zero.
-fn violation(
-    problem: &Problem<'_>,
-    tangents: &[Option<(usize, f64)>],
-    solution: &Solution,
-) -> f64 {
+fn violation(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>], solution: &Solution) -> f64 {
     let motions = problem.motions(&solution.forces);
     let of = |(i, tangent): (usize, &Option<(usize, f64)>)| {
         let (normal, zero) = motions[i];
@@ -115,7 +111,13 @@ fn violation(
         own.max(apart).max(beyond).max(slides)
     };
     let worst = tangents.iter().enumerate().map(of);
-    worst.fold(0.0, |worst, one| if one.is_nan() { f64::INFINITY } else { worst.max(one) })
+    worst.fold(0.0, |worst, one| {
+        if one.is_nan() {
+            f64::INFINITY
+        } else {
+            worst.max(one)
+        }
+    })
 }
 
 #[cfg(test)]
@@ -136,7 +138,9 @@ mod tests {
             let sum: f64 = (0..rank).map(|row| entry(row, i) * entry(row, j)).sum();
             sum + if i == j { shift } else { 0.0 }
         };
-        (0..order * order).map(|k| product(k / order, k % order)).collect()
+        (0..order * order)
+            .map(|k| product(k / order, k % order))
+            .collect()
     }
 
     /// A row of equal balls that touch: contact `i` between balls `i` and `i + 1`, in units of its normal velocity.
@@ -146,7 +150,9 @@ mod tests {
             1 => -0.5,
             _ => 0.0,
         };
-        (0..contacts * contacts).map(|k| entry(k / contacts, k % contacts)).collect()
+        (0..contacts * contacts)
+            .map(|k| entry(k / contacts, k % contacts))
+            .collect()
     }
 
     #[test]
@@ -155,7 +161,11 @@ mod tests {
         let matrix = row_of_balls(contacts);
         let mut offsets = vec![0.0; contacts];
         offsets[0] = -1.0;
-        let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &[] };
+        let problem = Problem {
+            matrix: &matrix,
+            offsets: &offsets,
+            cones: &[],
+        };
         let solution = solve(&problem, None).expect("solvable");
         for (k, p) in solution.forces.iter().enumerate() {
             // Of 50 balls with the velocity 1/50 those behind contact k have what is left of the momentum; p = 2 P.
@@ -176,9 +186,16 @@ mod tests {
         };
         let matrix: Vec<f64> = (0..points * points).map(entry).collect();
         let offsets = vec![-9.81; points];
-        let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &[] };
+        let problem = Problem {
+            matrix: &matrix,
+            offsets: &offsets,
+            cones: &[],
+        };
         let solution = solve(&problem, None).expect("solvable");
-        let loaded = solution.states.iter().filter(|state| **state != State::Open);
+        let loaded = solution
+            .states
+            .iter()
+            .filter(|state| **state != State::Open);
         assert_eq!(loaded.count(), 2);
         let weights = solution.forces.iter().enumerate();
         let weight: f64 = weights.map(|(i, p)| p / product(i, i)).sum();

@@ -54,7 +54,9 @@ pub(super) fn solve(
     let (lines, normals) = (offsets.len(), offsets.len() - cones.len());
     let contact = |line: usize| line.checked_sub(normals).map_or(line, |k| cones[k].normal);
     let together = |i: usize, j: usize| {
-        contact(i) == contact(j) || couplings[i * lines + j] != 0.0 || couplings[j * lines + i] != 0.0
+        contact(i) == contact(j)
+            || couplings[i * lines + j] != 0.0
+            || couplings[j * lines + i] != 0.0
     };
     let blocks = contact_law::blocks(lines, together);
     if let [_] = blocks[..] {

@@ -69,16 +69,27 @@ pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
         let first = contacts.first().map(|&i| declared[i].name)?;
         Some(match contacts.len() {
             1 => format!("`{first}` shares its load with others"),
-            more => format!("`{first}` and {} more contacts share their load with others", more - 1),
+            more => format!(
+                "`{first}` and {} more contacts share their load with others",
+                more - 1
+            ),
         })
     };
     let notes = [
-        (shared, "of the forces that give the same motion the smallest are recorded"),
-        (left, "the forces that are recorded are one way of several, with the same motion"),
+        (
+            shared,
+            "of the forces that give the same motion the smallest are recorded",
+        ),
+        (
+            left,
+            "the forces that are recorded are one way of several, with the same motion",
+        ),
     ];
     for (contacts, what) in notes {
         if let Some(names) = names(contacts) {
-            result.notes.push(format!("{names} in more ways than one: {what}"));
+            result
+                .notes
+                .push(format!("{names} in more ways than one: {what}"));
         }
     }
 }
@@ -125,7 +136,8 @@ fn redundant(contacts: &Contacts<'_>, touching: &[usize], forces: &[f64]) -> Vec
             slope: 0.0,
         };
         forces[contact] == 0.0
-            && sharing::is_independent(contacts, &active, line).is_ok_and(|independent| !independent)
+            && sharing::is_independent(contacts, &active, line)
+                .is_ok_and(|independent| !independent)
     };
     touching.iter().copied().filter(held).collect()
 }
@@ -138,20 +150,33 @@ fn smallest(contacts: &Contacts<'_>, touching: &[usize], forces: &[f64]) -> Opti
     };
     let lines: Vec<Line> = touching.iter().map(line).collect();
     // Measured by the inertia of its contact, each equation weighs the same: 1.
-    let units: Vec<f64> = touching.iter().map(|&i| contacts.force(i, 1.0).sqrt()).collect();
+    let units: Vec<f64> = touching
+        .iter()
+        .map(|&i| contacts.force(i, 1.0).sqrt())
+        .collect();
     let couplings = contacts.couplings(&lines);
     let rows = couplings.chunks_exact(lines.len()).zip(&units);
     let matrix: Vec<f64> = rows
-        .flat_map(|(row, unit)| row.iter().zip(&units).map(move |(k, other)| unit * k / other))
+        .flat_map(|(row, unit)| {
+            row.iter()
+                .zip(&units)
+                .map(move |(k, other)| unit * k / other)
+        })
         .collect();
-    let known: Vec<f64> = touching.iter().zip(&units).map(|(&i, unit)| forces[i] / unit).collect();
+    let known: Vec<f64> = touching
+        .iter()
+        .zip(&units)
+        .map(|(&i, unit)| forces[i] / unit)
+        .collect();
     let right: Vec<f64> = matrix
         .chunks_exact(lines.len())
         .map(|row| row.iter().zip(&known).map(|(k, x)| k * x).sum())
         .collect();
     let found = impulse::smallest(&matrix, &right)?;
     let found: Vec<f64> = found.iter().zip(&units).map(|(x, unit)| x * unit).collect();
-    let largest = found.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+    let largest = found
+        .iter()
+        .fold(0.0_f64, |most, force| most.max(force.abs()));
     let pushes = found.iter().all(|force| *force >= -ZERO * largest);
     pushes.then(|| found.into_iter().map(|force| force.max(0.0)).collect())
 }

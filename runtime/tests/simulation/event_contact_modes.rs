@@ -347,9 +347,21 @@ fn thirteen_floors_are_one() {
     assert!(distance(last(&simulation.trajectory).0, &[0.0, 0.0]) < 1e-14);
     // The wall is contact 1; the floors share the weight of 2 kg equally.
     let force = simulation.trajectory.contact_force.last().expect("forces");
-    for (contact, force) in force.iter().enumerate().filter(|(contact, _)| *contact != 1) {
+    for (contact, force) in force
+        .iter()
+        .enumerate()
+        .filter(|(contact, _)| *contact != 1)
+    {
         // The proximal point method leaves 1e-16 by 1e-6 of what does nothing.
-        assert!((force - 2.0 * GRAVITY / 13.0).abs() < 1e-7, "{contact}: {force}");
+        assert!(
+            (force - 2.0 * GRAVITY / 13.0).abs() < 1e-7,
+            "{contact}: {force}"
+        );
     }
-    assert!(simulation.notes.iter().any(|note| note.contains("the smallest are recorded")));
+    assert!(
+        simulation
+            .notes
+            .iter()
+            .any(|note| note.contains("the smallest are recorded"))
+    );
 }

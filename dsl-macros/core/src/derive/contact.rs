@@ -9,10 +9,10 @@
 
 use super::alike::{Alike, Renaming};
 use super::contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
-use super::implicit::{self, Implicit};
+use super::implicit::{self, Implicit, WRITTEN_OUT};
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
-use super::{Explicit, Failure, WRITTEN_OUT, simplify};
+use super::{Explicit, Failure, simplify};
 use crate::check::normal;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
@@ -116,8 +116,19 @@ pub(super) struct Mechanism<'a> {
 }
 
 impl Mechanism<'_> {
+    /// All contacts of a scene.
+    pub(super) fn contacts(&self, declared: &[Contact]) -> Result<Vec<ContactEquations>, Failure> {
+        let mut contacts: Vec<ContactEquations> = Vec::with_capacity(declared.len());
+        let mut alike = Alike::default();
+        for contact in declared {
+            let derived = self.contact(contact, &contacts, &mut alike)?;
+            contacts.push(derived);
+        }
+        Ok(contacts)
+    }
+
     /// The contact with the number `contacts.len()`, behind those that are derived.
-    pub(super) fn contact(
+    fn contact(
         &self,
         contact: &Contact,
         contacts: &[ContactEquations],
@@ -266,28 +277,9 @@ impl Mechanism<'_> {
             ),
             (None, None) => InverseInertia::Solved,
         };
-        let friction = contact.friction.as_ref().map(|friction| {
-            let (sliding, curvature, tangent) = slip(friction, self.all);
-            let own_tangent = self.own(&tangent);
-            let formula = formulas
-                .zip(divisor)
-                .map(|(formulas, divisor)| over(&formulas.solve(&own_tangent), divisor));
-            let columns = [&own_tangent, &own_normal].map(|vector| inertia.free_part(vector));
-            let (rows, direction) = self.directed(
-                vec![sliding],
-                formula,
-                || implicit::friction(&inertia, &own_normal, &own_tangent, self.inputs),
-                factors
-                    .map(|factors| Bordered::new(factors, columns.to_vec()))
-                    .as_ref(),
-            );
-            FrictionEquations {
-                rows,
-                curvature,
-                tangent,
-                direction,
-            }
-        });
+        let friction = contact.friction.as_ref();
+        let friction =
+            friction.map(|law| self.friction(law, &inertia, &own_normal, (formulas, factors)));
         let (rows, direction) = match &contact.along {
             Some(along) => {
                 rows.extend(over(along, inner(&normal, along)));
@@ -312,6 +304,37 @@ impl Mechanism<'_> {
             direction,
             friction,
         })
+    }
+
+    /// The tangential side of a contact with this normal, by the inverse of its inertia: by formulas, or by factors.
+    fn friction(
+        &self,
+        law: &Friction,
+        inertia: &implicit::Locked<'_>,
+        normal: &[Sym],
+        (formulas, factors): (Option<&Inertia>, Option<&Factorization>),
+    ) -> FrictionEquations {
+        let (sliding, curvature, tangent) = slip(law, self.all);
+        let own = self.own(&tangent);
+        let formula = formulas.map(|formulas| {
+            let divisor = inner(normal, &formulas.solve(normal));
+            over(&formulas.solve(&own), divisor)
+        });
+        let columns = [&own[..], normal].map(|vector| inertia.free_part(vector));
+        let (rows, direction) = self.directed(
+            vec![sliding],
+            formula,
+            || implicit::friction(inertia, normal, &own, self.inputs),
+            factors
+                .map(|factors| Bordered::new(factors, columns.to_vec()))
+                .as_ref(),
+        );
+        FrictionEquations {
+            rows,
+            curvature,
+            tangent,
+            direction,
+        }
     }
 
     /// `D` of a contact as a formula, however long.

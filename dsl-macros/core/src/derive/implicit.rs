@@ -15,6 +15,10 @@ use crate::graph::{self, Sym, Variable};
 use crate::tape;
 use std::collections::BTreeSet;
 
+/// Largest number of coordinates for which elimination is written out; above, loops over dense matrices
+/// are faster, and much shorter to compile.
+pub(crate) const WRITTEN_OUT: usize = 8;
+
 /// Largest mass matrix that is factorized by formulas: some n^3/3 operations, which pivoting and loops
 /// would about double.
 pub(super) const FORMULAS: usize = 16;

@@ -21,7 +21,7 @@ pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseI
 pub(crate) use control::ControlEquations;
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
-pub(crate) use implicit::Implicit;
+pub(crate) use implicit::{Implicit, WRITTEN_OUT};
 pub(crate) use simplify::simplify;
 
 use crate::evaluate::velocity_direction;
@@ -33,10 +33,6 @@ use simplify::simplify_equation;
 /// Largest number of coordinates whose acceleration is simplified as one formula; above, formulas
 /// through the inverse of the mass matrix explode.
 const EXPLICIT: usize = 4;
-
-/// Largest number of coordinates for which elimination is written out; above, loops over dense matrices
-/// are faster, and much shorter to compile.
-pub(crate) const WRITTEN_OUT: usize = 8;
 
 /// A vector-valued function of the inputs.
 pub(crate) enum Solution {
@@ -125,12 +121,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         written_out,
         inputs: &inputs,
     };
-    let mut contacts: Vec<ContactEquations> = Vec::with_capacity(scene.contacts.len());
-    let mut alike = alike::Alike::default();
-    for contact in &scene.contacts {
-        let derived = inertia.contact(contact, &contacts, &mut alike)?;
-        contacts.push(derived);
-    }
+    let contacts = inertia.contacts(&scene.contacts)?;
     let optimal_control = scene.optimal_control.as_ref();
     let optimal_control = optimal_control
         .map(|task| control::equations(task, scene, &contacts, &inertia))

@@ -28,8 +28,8 @@ use crate::derive::{Equations, Explicit, Solution};
 use crate::graph::{self, Sym};
 use crate::scene::CheckedScene;
 use builder::Builder;
-use renamed::Renamed;
 use declared::text;
+use renamed::Renamed;
 
 /// Most operations of one kernel: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;

@@ -71,7 +71,8 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 for (entry, (q, v)) in line.iter_mut().zip(by_q.iter().zip(by_v)) {
                     *entry -= second * q + first * v;
                 }
-                for (entry, correction) in line[n + forces..].iter_mut().zip(corrected.of_row(row)) {
+                for (entry, correction) in line[n + forces..].iter_mut().zip(corrected.of_row(row))
+                {
                     *entry -= h * shift * correction;
                 }
                 if m == j {

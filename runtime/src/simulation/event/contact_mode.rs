@@ -231,7 +231,9 @@ fn select_one_by_one(
             Ok(())
         }
         None => Err(inconsistent(
-            free.first().or(undecided.first()).map_or(0, |first| first.contact),
+            free.first()
+                .or(undecided.first())
+                .map_or(0, |first| first.contact),
         )),
     }
 }

@@ -174,7 +174,11 @@ impl CoulombProblem<'_> {
     }
 
     /// The solution with the contacts in `states`, if there is one.
-    pub(in crate::simulation) fn basic(&self, states: Vec<ContactState>, zero: f64) -> Option<CoulombSolution> {
+    pub(in crate::simulation) fn basic(
+        &self,
+        states: Vec<ContactState>,
+        zero: f64,
+    ) -> Option<CoulombSolution> {
         let m = self.laws.len();
         let coefficient = |i: usize| self.laws[i].coefficient();
         let chosen = |what: fn(&ContactState) -> bool| {

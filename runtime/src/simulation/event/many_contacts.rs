@@ -74,7 +74,10 @@ impl Blocks {
             let part = Part::of(whole, &contacts);
             let inertia: Vec<f64> = contacts.iter().map(|&i| inertia[i]).collect();
             let solutions = solutions(&part.problem(), zero, &inertia);
-            (!solutions.is_empty()).then_some(Block { contacts, solutions })
+            (!solutions.is_empty()).then_some(Block {
+                contacts,
+                solutions,
+            })
         });
         Some(Self {
             blocks: blocks.collect::<Option<_>>()?,
@@ -150,7 +153,11 @@ fn solutions(problem: &CoulombProblem<'_>, zero: f64, inertia: &[f64]) -> Vec<Co
 
 /// Whether every contact is away from another state.
 fn is_strict(found: &CoulombSolution) -> bool {
-    let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let largest = |values: &[f64]| {
+        values
+            .iter()
+            .fold(0.0_f64, |most, value| most.max(value.abs()))
+    };
     let (force, motion) = (largest(&found.p), largest(&found.normal));
     let mut contacts = found.states.iter().zip(found.p.iter().zip(&found.normal));
     contacts.all(|(state, (p, w))| {

@@ -53,8 +53,8 @@ pub use size::step_sizes;
 use super::hand_over::{self, Other};
 use super::watch::Watch;
 use super::{
-    InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse, shared_load,
-    order_of_impacts,
+    InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse,
+    order_of_impacts, shared_load,
 };
 use crate::Observer;
 use crate::model::{Model, edge};
