@@ -245,6 +245,9 @@ pub(crate) enum FormulationName {
 pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
+    /// Differentiate the optimum and its final time by these parameters, separated by commas.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub(crate) gradient: Vec<String>,
     /// Length of the motion, in seconds or in the unit given, or the guess of it where the final time is free, which stays
     /// free [default: what the scene declares].
     #[arg(long, value_name = "TIME[UNIT]", value_parser = duration, allow_negative_numbers = true)]

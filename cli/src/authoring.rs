@@ -24,7 +24,14 @@ pub(crate) fn check(arguments: &CheckArguments) -> Result<Report, BadInput> {
     Ok(Report::of(format!(
         "{file}: no mistakes; `{}` has {}, {} and {}\n",
         declaration.name,
-        counted(declaration.coordinates.len(), "coordinate"),
+        match declaration.states.len() {
+            0 => counted(declaration.mechanical(), "coordinate"),
+            states => format!(
+                "{}, {}",
+                counted(declaration.mechanical(), "coordinate"),
+                counted(states, "state")
+            ),
+        },
         counted(declaration.controls.len(), "control"),
         counted(declaration.contacts.len(), "contact"),
     )))

@@ -196,7 +196,7 @@ impl SceneEntry {
             name: scene.name,
             title: scene.title,
             parameters: parameters.collect(),
-            coordinates: variables(declaration.coordinates),
+            coordinates: variables(&declaration.coordinates[..declaration.mechanical()]),
             controls: variables(declaration.controls),
             contacts: contacts.collect(),
             solvable: declaration.optimal_control.is_some(),
@@ -258,8 +258,8 @@ impl Calls {
             }
             Some(Command::Solve(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
-                let task = OptimumTask::new(chosen, &arguments)?;
-                Ok(solved(&task, progress)?)
+                let mut task = OptimumTask::new(chosen, &arguments)?;
+                Ok(solved(&mut task, progress)?)
             }
             Some(Command::Explain(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
@@ -336,7 +336,7 @@ fn simulated(
 }
 
 fn solved(
-    task: &OptimumTask,
+    task: &mut OptimumTask,
     progress: &mut (dyn FnMut(Option<f64>, &str) + Send),
 ) -> Result<Answer, BadInput> {
     let mut next = PATIENCE;

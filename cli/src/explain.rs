@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::Scene;
 use hangtime::model::{
     ConstraintDeclaration, Declaration, ImpactLaw, Model, OptimalControlDeclaration,
-    SparsityPattern,
+    SparsityPattern, Switching,
 };
 
 use crate::arguments::ExplainArguments;
@@ -53,9 +53,16 @@ fn text(chosen: &ChosenScene) -> String {
         let _ = writeln!(text, "  {line}");
     }
     let _ = writeln!(text, "\nparameters  {}", chosen.parameters().join(", "));
-    let coordinates = declaration.coordinates.iter();
+    let coordinates = declaration.coordinates[..declaration.mechanical()].iter();
     let coordinates: Vec<String> = coordinates.map(|c| headed(c.name, c.unit)).collect();
-    let _ = writeln!(text, "coordinates {}", coordinates.join(", "));
+    if !coordinates.is_empty() {
+        let _ = writeln!(text, "coordinates {}", coordinates.join(", "));
+    }
+    let states = declaration.states.iter();
+    let states: Vec<String> = states.map(|z| headed(z.name, z.unit)).collect();
+    if !states.is_empty() {
+        let _ = writeln!(text, "states      {}", states.join(", "));
+    }
     let controls = declaration.controls.iter();
     let controls: Vec<String> = controls.map(|u| headed(u.name, u.unit)).collect();
     if !controls.is_empty() {
@@ -128,6 +135,14 @@ fn laws(model: &dyn Model) -> String {
     let declaration = model.declaration();
     let mut text = String::new();
     for (index, contact) in declaration.contacts.iter().enumerate() {
+        if let Some(switch) = contact.switch {
+            let how = match switch {
+                Switching::Slides => "passed, or slid along",
+                _ => "passed",
+            };
+            let _ = writeln!(text, "switch      {}: its zeros are {how}", contact.name);
+            continue;
+        }
         if contact.dry {
             let name = headed(contact.name, contact.unit);
             let _ = writeln!(text, "contact     {name}: dry friction, without a surface");
@@ -195,6 +210,14 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
     if task.free_time {
         text += "free        the final time\n";
     }
+    let declared = model.declaration().parameters;
+    let free = model.free_parameters();
+    let (mut lower, mut upper) = (vec![0.0; free.len()], vec![0.0; free.len()]);
+    model.free_parameter_bounds(&mut lower, &mut upper);
+    for ((&index, lower), upper) in free.iter().zip(lower).zip(upper) {
+        let name = headed(declared[index].name, declared[index].unit);
+        let _ = writeln!(text, "free        {name} in {lower}..={upper}, a parameter");
+    }
     let count = task.free_start.len();
     let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]);
     model.free_start_bounds(&mut lower, &mut upper);
@@ -202,7 +225,7 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
     for ((&index, lower), upper) in task.free_start.iter().zip(lower).zip(upper) {
         let name = match coordinates.get(index) {
             Some(coordinate) => coordinate.name.to_owned(),
-            None => format!("{}'", coordinates[index - coordinates.len()].name),
+            None => velocity(model.declaration(), index - coordinates.len()),
         };
         let bounds = if lower > f64::NEG_INFINITY || upper < f64::INFINITY {
             format!(" in {lower}..={upper}")
@@ -214,12 +237,17 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
     text
 }
 
+/// What a velocity is called: a state of first order by its own name.
+fn velocity(declaration: &Declaration, index: usize) -> String {
+    match declaration.state(index) {
+        Some(state) => state.name.to_owned(),
+        None => format!("{}'", declaration.coordinates[index].name),
+    }
+}
+
 /// The sparsity patterns of all derivatives.
 fn patterns(declaration: &Declaration) -> String {
-    let rates = declaration
-        .coordinates
-        .iter()
-        .map(|c| format!("{}'", c.name));
+    let rates = (0..declaration.coordinates.len()).map(|i| velocity(declaration, i));
     let coordinates = declaration.coordinates.iter().map(|c| c.name.to_owned());
     let mut inputs: Vec<String> = coordinates.chain(rates).collect();
     inputs.extend(declaration.controls.iter().map(|u| u.name.to_owned()));

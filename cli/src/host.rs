@@ -202,7 +202,7 @@ impl HostScene {
     ) -> Result<HostRun, Refusal> {
         let arguments: SolveArguments = self.arguments("solve", words)?;
         let chosen = self.chosen(&arguments.scene.settings)?;
-        let task = OptimumTask::new(chosen, &arguments)?;
+        let mut task = OptimumTask::new(chosen, &arguments)?;
         let mut bound = Bound::new(&arguments.limits);
         let solution = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
         let ending = Ending::of_bounded(&solution, bound.stop, &arguments.limits);

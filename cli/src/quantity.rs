@@ -13,12 +13,14 @@ const TORQUE: &str = "N m";
 /// Every quantity of a scene, in the order in which figures show them.
 pub(crate) fn all(model: &dyn Model) -> Vec<Quantity> {
     let declaration = model.declaration();
-    let coordinates = 0..declaration.coordinates.len();
+    let coordinates = 0..declaration.mechanical();
+    let states = declaration.mechanical()..declaration.coordinates.len();
     let contacts = || 0..declaration.contacts.len();
     let presses = |&contact: &usize| !declaration.contacts[contact].dry;
     let rubs = |&contact: &usize| declaration.contacts[contact].friction.is_some();
     coordinates
         .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)])
+        .chain(states.map(Quantity::Velocity))
         .chain((0..declaration.controls.len()).map(Quantity::Control))
         .chain(contacts().filter(presses).map(Quantity::ContactForce))
         .chain(contacts().filter(rubs).map(Quantity::FrictionForce))
@@ -42,8 +44,14 @@ pub(crate) fn symbol(model: &dyn Model, quantity: Quantity) -> String {
     match quantity {
         Quantity::Output(i) => model.outputs()[i].name.to_owned(),
         Quantity::Coordinate(i) => declaration.coordinates[i].name.to_owned(),
-        Quantity::Velocity(i) => format!("d{}/dt", declaration.coordinates[i].name),
+        Quantity::Velocity(i) => match declaration.state(i) {
+            Some(state) => state.name.to_owned(),
+            None => format!("d{}/dt", declaration.coordinates[i].name),
+        },
         Quantity::Control(i) => declaration.controls[i].name.to_owned(),
+        Quantity::FrictionForce(i) if declaration.contacts[i].switch.is_some() => {
+            declaration.contacts[i].name.to_owned()
+        }
         Quantity::ContactForce(i) if declaration.contacts[i].dry => {
             format!("friction bound {}", declaration.contacts[i].name)
         }
@@ -58,10 +66,16 @@ pub(crate) fn unit(model: &dyn Model, quantity: Quantity) -> String {
     match quantity {
         Quantity::Output(i) => model.outputs()[i].unit.to_owned(),
         Quantity::Coordinate(i) => declaration.coordinates[i].unit.to_owned(),
-        Quantity::Velocity(i) => per_second(declaration.coordinates[i].unit),
+        Quantity::Velocity(i) => match declaration.state(i) {
+            Some(state) => state.unit.to_owned(),
+            None => per_second(declaration.coordinates[i].unit),
+        },
         Quantity::Control(i) => declaration.controls[i].unit.to_owned(),
         Quantity::ContactForce(i) | Quantity::FrictionForce(i) => {
             let contact = &declaration.contacts[i];
+            if contact.switch.is_some() {
+                return String::new();
+            }
             let has_units = || declaration.coordinates.iter().any(|c| !c.unit.is_empty());
             if contact.unit == "m" {
                 FORCE.to_owned()
@@ -88,13 +102,17 @@ pub(crate) fn title(model: &dyn Model, quantity: Quantity) -> String {
     let declaration = model.declaration();
     let documentation = match quantity {
         Quantity::Coordinate(i) => declaration.coordinates[i].documentation,
-        Quantity::Velocity(i) => {
-            return format!("Rate of change of {}", declaration.coordinates[i].name);
-        }
+        Quantity::Velocity(i) => match declaration.state(i) {
+            Some(state) => state.documentation,
+            None => return format!("Rate of change of {}", declaration.coordinates[i].name),
+        },
         Quantity::Control(i) => declaration.controls[i].documentation,
         Quantity::Output(i) => model.outputs()[i].documentation,
         Quantity::ContactForce(i) if declaration.contacts[i].dry => {
             return format!("Bound of the friction of {}", declaration.contacts[i].name);
+        }
+        Quantity::FrictionForce(i) if declaration.contacts[i].switch.is_some() => {
+            return format!("Switch {}", declaration.contacts[i].name);
         }
         Quantity::FrictionForce(i) if declaration.contacts[i].dry => {
             return format!("Friction of {}", declaration.contacts[i].name);

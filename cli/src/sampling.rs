@@ -2,7 +2,7 @@
 
 use crate::Quantity;
 use hangtime::model::Model;
-use hangtime::simulation::Trajectory;
+use hangtime::simulation::{Trajectory, joint_forces};
 
 use crate::thinning::kept;
 
@@ -82,6 +82,11 @@ impl State {
         contacts.extend(&self.friction_force);
         contacts.resize(2 * self.contact_force.len(), 0.0);
         contacts.extend(&self.impulses);
+        if model.declaration().joints.is_some() {
+            contacts.resize(4 * self.contact_force.len(), 0.0);
+            let (normal, rubs) = (&self.contact_force, &self.friction_force);
+            contacts.extend(joint_forces(model, &x, normal, rubs));
+        }
         let mut outputs = vec![f64::NAN; count];
         model.output_values(&x, &contacts, &mut outputs);
         Self { outputs, ..self }

@@ -18,6 +18,8 @@ pub(crate) struct ChosenScene {
     pub(crate) model: Box<dyn Model>,
     /// The settings that chose the form of the scene.
     pub(crate) choices: &'static [(&'static str, &'static str)],
+    /// The parameters (indices) that the settings gave a value.
+    pub(crate) given: Vec<usize>,
 }
 
 impl ChosenScene {
@@ -37,6 +39,7 @@ impl ChosenScene {
             scene,
             model,
             choices,
+            given: Vec::new(),
         };
         for (name, value) in pairs {
             if !choices.iter().any(|&(choice, _)| choice == name) {
@@ -45,7 +48,19 @@ impl ChosenScene {
         }
         chosen.check_bounds()?;
         chosen.check_coefficients()?;
+        if !chosen.model.free_parameters().is_empty() {
+            chosen.without_compiler();
+        }
         Ok(chosen)
+    }
+
+    /// Evaluates a compiled scene without a compiler from here on, so that its parameters can be unknowns.
+    pub(crate) fn without_compiler(&mut self) {
+        let compiled = self.scene.text.is_none();
+        let text = compiled.then(|| hangtime_scene_files::of_model(self.model.as_ref()));
+        if let Some(text) = text.flatten() {
+            self.model = Box::new(text);
+        }
     }
 
     /// The same for coefficients of impact laws.
@@ -149,6 +164,7 @@ impl ChosenScene {
         };
         let value = quantity(name, text, parameters[index].unit)?;
         self.model.set_parameter(index, value);
+        self.given.push(index);
         Ok(())
     }
 }

@@ -136,7 +136,8 @@ fn tables(
         trajectory.v.last(),
     ) {
         let _ = writeln!(text, "state at t = {time} s");
-        let rows = declaration.coordinates.iter().enumerate().map(|(i, c)| {
+        let coordinates = &declaration.coordinates[..declaration.mechanical()];
+        let rows = coordinates.iter().enumerate().map(|(i, c)| {
             let unit = if c.unit.is_empty() { "1" } else { c.unit };
             vec![
                 c.name.to_owned(),
@@ -146,7 +147,24 @@ fn tables(
                 per_second(c.unit),
             ]
         });
-        text += &table(["coordinate", "value", "", "velocity", ""], rows);
+        if !coordinates.is_empty() {
+            text += &table(["coordinate", "value", "", "velocity", ""], rows);
+        }
+        let states = declaration
+            .states
+            .iter()
+            .zip(&v[declaration.mechanical()..]);
+        let rows = states.map(|(known, value)| {
+            let unit = if known.unit.is_empty() {
+                "1"
+            } else {
+                known.unit
+            };
+            vec![known.name.to_owned(), digits(*value), unit.to_owned()]
+        });
+        if !declaration.states.is_empty() {
+            text += &table(["state", "value", ""], rows);
+        }
         text += "\n";
     }
     text += &work(simulation);
@@ -158,17 +176,20 @@ fn event_table(declaration: &Declaration, events: &[Event]) -> String {
     if events.is_empty() {
         return "no events\n\n".to_owned();
     }
-    let coordinates = || declaration.coordinates.iter();
+    let mechanical = declaration.mechanical();
+    let coordinates = || declaration.coordinates[..mechanical].iter();
     let mut header: Vec<String> = ["event", "contact", "time [s]"].map(str::to_owned).into();
     header.extend(coordinates().map(|c| headed(c.name, c.unit)));
     header.extend(coordinates().map(|c| headed(&format!("d{}/dt", c.name), &per_second(c.unit))));
+    header.extend(declaration.states.iter().map(|z| headed(z.name, z.unit)));
     let rows = events.iter().take(MOST_EVENTS).map(|event| {
         let names = [
             event.kind.name().replace('_', " "),
             declaration.contacts[event.contact].name.to_owned(),
             digits(event.time),
         ];
-        let states = event.q.iter().chain(&event.v_after).copied().map(digits);
+        let positions = &event.q[..mechanical];
+        let states = positions.iter().chain(&event.v_after).copied().map(digits);
         names.into_iter().chain(states).collect()
     });
     let mut text = table(header, rows);

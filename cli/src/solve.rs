@@ -31,16 +31,17 @@ pub(crate) fn run(
 ) -> Result<Report, BadInput> {
     refuse_rows_of_nothing(&arguments.result)?;
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
-    let task = OptimumTask::new(chosen, arguments)?;
-    let (chosen, method) = (&task.chosen, &task.method);
+    let mut task = OptimumTask::new(chosen, arguments)?;
+    let name = task.chosen.scene.name;
     let out = arguments.result.out.as_deref();
-    let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
+    let bounds = Bounds::watch(name, &arguments.limits);
     let directory = out.map(OutputDirectory::open).transpose()?;
-    let mut display = SolveProgress::new(chosen.scene.name);
+    let mut display = SolveProgress::new(name);
     let solution = task.run(&mut |progress| display.report(progress, bounds.asked()))?;
     drop(display);
     let ending = Ending::of_bounded(&solution, bounds.asked(), &arguments.limits);
     drop(bounds);
+    let (chosen, method) = (&task.chosen, &task.method);
     let json = task.json(&solution, &ending);
     let mut report = Report::default();
     report.diagnoses.extend(ending.line(chosen.scene.name));
@@ -84,6 +85,24 @@ fn stem(chosen: &ChosenScene, arguments: &SolveArguments) -> String {
     stem
 }
 
+/// Derivatives of the optimum.
+fn gradient(declaration: &Declaration, solution: &Solution) -> String {
+    let Some(gradient) = &solution.gradient else {
+        return String::new();
+    };
+    let header = ["derivative by", "objective", "final time [s]"];
+    let rows = gradient.parameters.iter().enumerate().map(|(k, &index)| {
+        let known = &declaration.parameters[index];
+        let time = gradient.final_time[k].map_or_else(|| "open".to_owned(), digits);
+        vec![
+            headed(known.name, known.unit),
+            digits(gradient.objective[k]),
+            time,
+        ]
+    });
+    table(header, rows) + "  (as long as the contact sequence stays)\n\n"
+}
+
 /// The result for people.
 fn tables(
     chosen: &ChosenScene,
@@ -116,6 +135,9 @@ fn tables(
         ", fixed: `time` occurs neither in the objective nor in conditions"
     };
     let _ = writeln!(text, "final time    {:.10} s{fixed}", solution.horizon);
+    for found in &solution.parameters {
+        let _ = writeln!(text, "found         {found}");
+    }
     for gain in gains(chosen, &motion.trajectory) {
         let _ = writeln!(text, "gain          {gain}");
     }
@@ -128,6 +150,7 @@ fn tables(
         let _ = writeln!(text, "end           {struck}");
     }
     text.push('\n');
+    text += &gradient(chosen.model.declaration(), solution);
     text += &relaxed_and_optima(solution);
     text += &ends(chosen.model.as_ref(), &motion.trajectory);
     text += &switches(chosen.model.declaration(), solution);
@@ -218,8 +241,11 @@ fn ends(model: &dyn Model, trajectory: &Trajectory) -> String {
     else {
         return String::new();
     };
-    let quantities = (0..model.declaration().coordinates.len())
-        .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)]);
+    let declaration = model.declaration();
+    let (mechanical, all) = (declaration.mechanical(), declaration.coordinates.len());
+    let quantities = (0..mechanical)
+        .flat_map(|i| [Quantity::Coordinate(i), Quantity::Velocity(i)])
+        .chain((mechanical..all).map(Quantity::Velocity));
     let rows = quantities.map(|quantity| {
         let value = |k| State::of(model, trajectory, k).value(quantity).map(digits);
         vec![

@@ -28,12 +28,14 @@ pub(crate) fn csv_text(header: &[String], rows: impl IntoIterator<Item = Vec<Str
 
 /// Names of the coordinates and their velocities, with units.
 fn state_names(declaration: &Declaration, suffix: &str) -> Vec<String> {
-    let coordinates = declaration.coordinates;
+    let coordinates = &declaration.coordinates[..declaration.mechanical()];
+    let states = declaration.states.iter();
+    let states = states.map(|z| headed(&format!("{}{suffix}", z.name), z.unit));
     let q = coordinates.iter().map(|c| headed(c.name, c.unit));
     let v = coordinates
         .iter()
         .map(|c| headed(&format!("d{}/dt{suffix}", c.name), &per_second(c.unit)));
-    q.chain(v).collect()
+    q.chain(v).chain(states).collect()
 }
 
 /// At most `most` rows of a trajectory.
@@ -62,7 +64,7 @@ pub(crate) fn trajectory_csv(model: &dyn Model, trajectory: &Trajectory, most: u
         kept(&trajectory.time, most).into_iter().map(|k| {
             [trajectory.time[k], trajectory.numerical_time[k]]
                 .iter()
-                .chain(&trajectory.q[k])
+                .chain(&trajectory.q[k][..declaration.mechanical()])
                 .chain(&trajectory.v[k])
                 .chain(&trajectory.u[k])
                 .chain(&trajectory.contact_force[k])
@@ -79,7 +81,7 @@ pub(crate) fn events_csv(model: &dyn Model, events: &[Event]) -> String {
     let declaration = model.declaration();
     let mut header: Vec<String> = ["time [s]", "event", "contact"].map(str::to_owned).into();
     header.extend(state_names(declaration, " before"));
-    header.extend(state_names(declaration, " after").split_off(declaration.coordinates.len()));
+    header.extend(state_names(declaration, " after").split_off(declaration.mechanical()));
     let surfaces: Vec<usize> = (0..declaration.contacts.len())
         .filter(|&contact| !declaration.contacts[contact].dry)
         .collect();
@@ -107,8 +109,7 @@ pub(crate) fn events_csv(model: &dyn Model, events: &[Event]) -> String {
                 event.kind.name().to_owned(),
                 declaration.contacts[event.contact].name.to_owned(),
             ];
-            let numbers = event
-                .q
+            let numbers = event.q[..declaration.mechanical()]
                 .iter()
                 .chain(&event.v_before)
                 .chain(&event.v_after)

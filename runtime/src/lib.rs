@@ -58,6 +58,7 @@ mod contact_law;
 mod dcs;
 mod fesd;
 mod front;
+mod joints;
 mod linalg;
 pub mod model;
 pub mod ocp;

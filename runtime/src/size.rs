@@ -15,6 +15,8 @@ pub(crate) enum Purpose {
     State,
     /// Physical time as a state of the time-freezing system, and numerical lengths.
     Clock,
+    /// Joints.
+    Joint,
     /// Lengths of the finite elements.
     ElementLength,
     /// Forces of contacts.
@@ -63,6 +65,7 @@ impl Purpose {
         match self {
             Self::State => ("state", "coordinates and velocities at the stages"),
             Self::Clock => ("clock", "time-freezing: a clock state, numerical lengths"),
+            Self::Joint => ("joints", "hold positions and velocities of joints"),
             Self::ElementLength => ("element lengths", "switches lie on ends of elements"),
             Self::ContactForce => ("contact force", "holds the normal velocity at zero"),
             Self::Gap => (

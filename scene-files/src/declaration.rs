@@ -2,11 +2,12 @@
 
 use hangtime::model::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
-    FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
-    Picture, Shape, SparsityPattern, VariableDeclaration,
+    FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration, Kernel,
+    OptimalControlDeclaration, ParameterDeclaration, Picture, Shape, SparsityPattern, Switching,
+    VariableDeclaration,
 };
 use hangtime_dsl::description::{
-    self, Condition, Contact, Description, OptimalControl, Outputs, Pattern, Rows, Variable,
+    self, Condition, Contact, Description, Joints, OptimalControl, Outputs, Pattern, Rows, Variable,
 };
 
 /// The declaration of a described scene. It is never freed: solvers and results keep names of it.
@@ -33,7 +34,9 @@ pub(crate) fn of(scene: &Description) -> &'static Declaration {
         parameters: list(parameters),
         coordinates: list(scene.coordinates.iter().map(variable)),
         controls: list(scene.controls.iter().map(variable)),
+        states: list(scene.states.iter().map(variable)),
         contacts: list(scene.contacts.iter().map(contact)),
+        joints: scene.joints.as_ref().map(joints),
         explicit_time: scene.explicit_time,
         free_jacobian: pattern(&scene.motion.jacobian),
         free_hessian: pattern(&scene.motion.hessian),
@@ -66,6 +69,28 @@ pub(crate) fn picture(picture: &description::Picture) -> Picture {
             Described::Curve(name) => Shape::Curve(text(name)),
             Described::Arc(name) => Shape::Arc(text(name)),
         })),
+    }
+}
+
+/// The parameters of a described scene that are to be found.
+pub(crate) fn free_parameters(scene: &Description) -> &'static [usize] {
+    let free = scene.free_parameters.iter();
+    list(free.flat_map(|free| free.parameters.iter().copied()))
+}
+
+/// The parameters of a described scene that are coordinates without motion.
+pub(crate) fn held(held: &description::Held) -> Held {
+    use description::GivenBy;
+    Held {
+        parameters: list(held.parameters.iter().copied()),
+        given: list(held.given.iter().map(|given| match *given {
+            GivenBy::Start(k) => Given::Start(k),
+            GivenBy::Horizon => Given::Horizon,
+            GivenBy::Restitution(contact) => Given::Restitution(contact),
+            GivenBy::Friction(contact) => Given::Friction(contact),
+        })),
+        jacobian: pattern(&held.functions.jacobian),
+        hessian: pattern(&held.functions.hessian),
     }
 }
 
@@ -110,6 +135,10 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         },
         friction,
         dry: contact.dry,
+        switch: contact.switch.map(|passes| match passes {
+            true => Switching::Passes,
+            false => Switching::Slides,
+        }),
         custom_direction: contact.custom_direction,
         held: list(contact.held.iter().copied()),
         sequence: contact.sequence,
@@ -117,6 +146,19 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         jacobian,
         hessian,
         documentation: text(&contact.documentation),
+    }
+}
+
+fn joints(joints: &Joints) -> JointsDeclaration {
+    JointsDeclaration {
+        list: list(joints.list.iter().map(|joint| JointDeclaration {
+            name: text(&joint.name),
+            unit: text(&joint.unit),
+            rows: joint.rows,
+            holonomic: joint.holonomic,
+            documentation: text(&joint.documentation),
+        })),
+        jacobian: pattern(&joints.pattern),
     }
 }
 

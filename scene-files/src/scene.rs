@@ -1,5 +1,7 @@
 //! A scene whose functions are evaluated without a compiler.
 
+mod held;
+
 use crate::declaration;
 use crate::places::{self, scatter};
 use crate::program::{Program, TooLarge};
@@ -7,10 +9,10 @@ use crate::scratch::Scratch;
 use crate::system::zeros;
 use crate::thread::on_a_thread;
 use hangtime::model::{
-    Declaration, Model, ParameterDerivatives, Picture, VariableDeclaration, contact_point,
+    Declaration, Held, Model, ParameterDerivatives, Picture, VariableDeclaration, contact_point,
 };
 use hangtime_dsl::description::{
-    Contact, Derivative, Description, Friction, Functions, Motion, MotionDerivatives,
+    Contact, Derivative, Description, Friction, Functions, Joints, Motion, MotionDerivatives,
     OptimalControl, Rows, Sensitivity,
 };
 use std::sync::{Arc, Mutex};
@@ -31,12 +33,16 @@ struct Shared {
     declaration: &'static Declaration,
     outputs: &'static [VariableDeclaration],
     picture: Option<Picture>,
+    free_parameters: &'static [usize],
+    held: Option<Held>,
     description: Description,
     programs: Vec<Program>,
     /// The text that it was derived from.
     text: String,
     /// The same derived with derivatives by parameters, for all sets of them that were asked for.
     differentiated: Mutex<Vec<(Vec<usize>, Arc<Self>)>>,
+    /// The same with parameters as coordinates without motion.
+    with_held: Mutex<Vec<(Vec<usize>, Arc<Self>)>>,
     warnings: String,
 }
 
@@ -52,17 +58,22 @@ impl TextScene {
             programs.push(Program::new(kernel, before)?);
         }
         let defaults = description.parameters.iter().map(|known| known.default);
+        let rows = description.joints.as_ref().map_or(0, Joints::rows);
         let mut scene = Self {
-            parameters: defaults.collect(),
+            // Which equations of joints are held stands behind the parameters.
+            parameters: defaults.chain(std::iter::repeat_n(1.0, rows)).collect(),
             folded: Vec::new(),
             shared: Arc::new(Shared {
                 declaration: declaration::of(&description),
                 outputs: declaration::outputs(description.outputs.as_ref()),
                 picture: description.picture.as_ref().map(declaration::picture),
+                free_parameters: declaration::free_parameters(&description),
+                held: description.held.as_ref().map(declaration::held),
                 description,
                 programs,
                 text: text.to_owned(),
                 differentiated: Mutex::default(),
+                with_held: Mutex::default(),
                 warnings,
             }),
         };
@@ -236,6 +247,11 @@ impl TextScene {
         self.contact_of(contact)?.friction.as_ref()
     }
 
+    /// The kernels of what parameters decide that are coordinates, if there are any.
+    fn given(&self) -> Option<[usize; 3]> {
+        self.description().held.as_ref()?.functions.kernels
+    }
+
     /// The kernel at one place of functions of optimal control, if there are any.
     fn function(&self, of: fn(&OptimalControl) -> &Functions, place: usize) -> Option<usize> {
         let task = self.description().optimal_control.as_ref()?;
@@ -249,11 +265,14 @@ impl Model for TextScene {
     }
 
     fn parameter(&self, index: usize) -> f64 {
-        self.parameters.get(index).copied().unwrap_or(f64::NAN)
+        let count = self.description().parameters.len();
+        let known = self.parameters[..count].get(index);
+        known.copied().unwrap_or(f64::NAN)
     }
 
     fn set_parameter(&mut self, index: usize, value: f64) {
-        if let Some(parameter) = self.parameters.get_mut(index) {
+        let count = self.description().parameters.len();
+        if let Some(parameter) = self.parameters[..count].get_mut(index) {
             *parameter = value;
             self.fold();
         }
@@ -283,7 +302,8 @@ impl Model for TextScene {
                 Scratch::lend(|scratch| {
                     self.solve(scratch, system, x);
                     let size = self.description().systems[system].size;
-                    a.copy_from_slice(&scratch.solution.y[size..]);
+                    let accelerations = &scratch.solution.y[size..];
+                    a.copy_from_slice(&accelerations[..a.len()]);
                 });
             }
             (None, MotionDerivatives::Kernels(_)) => a.fill(f64::NAN),
@@ -399,6 +419,54 @@ impl Model for TextScene {
         }
     }
 
+    fn hold_joint_row(&mut self, row: usize, held: bool) {
+        let count = self.description().parameters.len();
+        if let Some(known) = self.parameters[count..].get_mut(row) {
+            *known = if held { 1.0 } else { 0.0 };
+            self.fold();
+        }
+    }
+
+    fn joint_row_held(&self, row: usize) -> bool {
+        let count = self.description().parameters.len();
+        self.parameters
+            .get(count + row)
+            .is_none_or(|held| *held > 0.0)
+    }
+
+    fn joints(&self, x: &[f64], values: &mut [f64]) {
+        if let Some(joints) = &self.description().joints {
+            self.evaluate(joints.values, x, &[], values);
+        }
+    }
+
+    fn joints_jacobian(&self, x: &[f64], values: &mut [f64]) {
+        if let Some(joints) = &self.description().joints {
+            self.evaluate(joints.jacobian, x, &[], values);
+        }
+    }
+
+    fn joint_forces(&self, x: &[f64], forces: &mut [f64]) {
+        let Some(joints) = &self.description().joints else {
+            return;
+        };
+        match (joints.forces, self.motion().derivatives) {
+            (Some(kernel), _) => self.evaluate(kernel, x, &[], forces),
+            (None, MotionDerivatives::System(system)) => {
+                Scratch::lend(|scratch| {
+                    self.solve(scratch, system, x);
+                    let size = self.description().systems[system].size;
+                    let behind = size + self.description().coordinates.len();
+                    let solved = scratch.solution.y[behind..].iter();
+                    for (force, y) in forces.iter_mut().zip(solved) {
+                        *force = -y;
+                    }
+                });
+            }
+            (None, MotionDerivatives::Kernels(_)) => forces.fill(f64::NAN),
+        }
+    }
+
     fn path_functions(&self, x: &[f64], values: &mut [f64]) {
         if let Some(kernel) = self.function(|task| &task.path, 0) {
             self.evaluate(kernel, x, &[], values);
@@ -488,6 +556,44 @@ impl Model for TextScene {
     fn parameter_derivatives(&self, parameters: &[usize]) -> Option<Box<dyn ParameterDerivatives>> {
         let derivatives = differentiated(self, parameters)?;
         Some(Box::new(derivatives))
+    }
+
+    fn free_parameters(&self) -> &'static [usize] {
+        self.shared.free_parameters
+    }
+
+    fn free_parameter_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
+        if let Some(free) = &self.description().free_parameters {
+            self.evaluate(free.bounds[0], &[], &[], lower);
+            self.evaluate(free.bounds[1], &[], &[], upper);
+        }
+    }
+
+    fn with_held(&self, parameters: &[usize]) -> Option<Result<Box<dyn Model>, String>> {
+        let derived = held::with_held(self, parameters);
+        Some(derived.map(|scene| Box::new(scene) as Box<dyn Model>))
+    }
+
+    fn held(&self) -> Option<Held> {
+        self.shared.held
+    }
+
+    fn given_values(&self, x: &[f64], values: &mut [f64]) {
+        if let Some([kernel, _, _]) = self.given() {
+            self.evaluate(kernel, x, &[], values);
+        }
+    }
+
+    fn given_jacobian(&self, x: &[f64], values: &mut [f64]) {
+        if let Some([_, kernel, _]) = self.given() {
+            self.evaluate(kernel, x, &[], values);
+        }
+    }
+
+    fn given_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        if let Some([_, _, kernel]) = self.given() {
+            self.evaluate(kernel, x, multipliers, values);
+        }
     }
 
     fn boxed(&self) -> Box<dyn Model> {

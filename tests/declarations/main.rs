@@ -10,6 +10,7 @@ mod dry_friction;
 mod forces;
 mod hygiene;
 mod impact_laws;
+mod joints;
 mod optimal_control_functions;
 mod profiles;
 mod same;

@@ -102,6 +102,34 @@ impl Pair<'_> {
     }
 }
 
+/// Compares what two models say of joints.
+fn assert_joints(pair: Pair<'_>, x: &[f64]) {
+    let Some(joints) = pair.declaration().joints else {
+        return;
+    };
+    let rows = joints.rows();
+    pair.both("joints", 2 * rows, |model, out| model.joints(x, out));
+    let entries = joints.jacobian.entries.len();
+    pair.both("joints, jacobian", entries, |model, out| {
+        model.joints_jacobian(x, out)
+    });
+    pair.both("forces of joints", rows, |model, out| {
+        model.joint_forces(x, out)
+    });
+    for row in 0..rows {
+        let released = |model: &dyn Model| {
+            let mut model = model.boxed();
+            assert!(model.joint_row_held(row));
+            model.hold_joint_row(row, false);
+            assert!(!model.joint_row_held(row));
+            model
+        };
+        pair.both("forces of the other joints", rows, |model, out| {
+            released(model).joint_forces(x, out)
+        });
+    }
+}
+
 /// Compares all values of two models, at some states.
 fn assert_values(compiled: &dyn Model, loaded: &dyn Model) {
     let pair = Pair([compiled, loaded]);
@@ -116,6 +144,7 @@ fn assert_values(compiled: &dyn Model, loaded: &dyn Model) {
         let w: Vec<f64> = weights.map(|x| (3.0 * x).cos()).collect();
         let z = &x[..=2 * n];
         let x = &x[..declaration.inputs()];
+        assert_joints(pair, x);
         pair.both("acceleration", n, |model, out| {
             model.free_acceleration(x, out)
         });

@@ -16,5 +16,6 @@ mod readme;
 mod scene_files;
 #[path = "../stability/mod.rs"]
 mod stability;
+mod states;
 mod teaching_models;
 mod zoo;

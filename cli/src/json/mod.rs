@@ -6,6 +6,7 @@
 //! before the first such number, and elsewhere `null` stands in its place.
 
 mod gradient;
+mod joints;
 mod parts;
 mod program;
 mod simulation;

@@ -2,9 +2,10 @@
 
 use std::fmt::Write as _;
 
-use hangtime::model::{ContactDeclaration, Model};
+use hangtime::model::{ContactDeclaration, Declaration, Model};
 use hangtime::simulation::{
-    ContactMode, Counts, Diagnosis, Event, ProblemSize, Residuals, Seconds, Simulation, Trajectory,
+    ContactMode, Counts, Diagnosis, Direction, Event, ProblemSize, Residuals, Seconds, Simulation,
+    Trajectory,
 };
 use serde::{Serialize, Serializer};
 
@@ -98,6 +99,9 @@ pub(super) struct EventEntry<'a> {
     q: &'a [f64],
     v_before: &'a [f64],
     v_after: &'a [f64],
+    /// Only for scenes that declare states.
+    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
+    states: &'a [f64],
     /// Only of impacts.
     #[serde(skip_serializing_if = "<[f64]>::is_empty")]
     contact_impulse: &'a [f64],
@@ -107,14 +111,17 @@ pub(super) struct EventEntry<'a> {
 }
 
 impl<'a> EventEntry<'a> {
-    pub(super) fn new(event: &'a Event, contacts: &[ContactDeclaration]) -> Self {
+    pub(super) fn new(event: &'a Event, declaration: &Declaration) -> Self {
+        let mechanical = declaration.mechanical();
+        let (v_after, states) = event.v_after.split_at(mechanical);
         Self {
             time: event.time,
             kind: event.kind.name(),
-            contact: contacts[event.contact].name,
-            q: &event.q,
-            v_before: &event.v_before,
-            v_after: &event.v_after,
+            contact: declaration.contacts[event.contact].name,
+            q: &event.q[..mechanical],
+            v_before: &event.v_before[..mechanical],
+            v_after,
+            states,
             contact_impulse: &event.contact_impulse,
             friction_impulse: &event.friction_impulse,
         }
@@ -135,7 +142,13 @@ impl InitialEntry {
         let modes = simulation.initial_modes.iter();
         let entry = |(contact, mode): (&ContactDeclaration, &ContactMode)| Self {
             contact: contact.name,
-            mode: mode.to_string(),
+            mode: match (contact.switch, mode) {
+                // Friction against minus the function of the switch.
+                (Some(_), ContactMode::Slip(Direction::Forward)) => "negative".to_owned(),
+                (Some(_), ContactMode::Slip(Direction::Backward)) => "positive".to_owned(),
+                (Some(_), ContactMode::Stick) => "sliding".to_owned(),
+                _ => mode.to_string(),
+            },
         };
         contacts.zip(modes).map(entry).collect()
     }
@@ -148,6 +161,9 @@ pub(super) struct TrajectoryEntry<'a> {
     numerical_time: Vec<f64>,
     q: Vec<&'a [f64]>,
     v: Vec<&'a [f64]>,
+    /// Only for scenes that declare states.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    states: Vec<&'a [f64]>,
     u: Vec<&'a [f64]>,
     contact_force: Vec<&'a [f64]>,
     /// Only for scenes with friction.
@@ -169,6 +185,17 @@ impl<'a> TrajectoryEntry<'a> {
                 .map(Vec::as_slice)
                 .collect()
         };
+        let declaration = model.declaration();
+        let mechanical = declaration.mechanical();
+        let part = |column: &'a [Vec<f64>], part: std::ops::Range<usize>| -> Vec<&'a [f64]> {
+            let rows = vectors(column).into_iter();
+            rows.map(|row| row.get(part.clone()).unwrap_or(row))
+                .collect()
+        };
+        let states = match declaration.states.len() {
+            0 => Vec::new(),
+            _ => part(&trajectory.v, mechanical..declaration.coordinates.len()),
+        };
         let recorded = (!model.outputs().is_empty()).then_some(&kept);
         let recorded = recorded.into_iter().flatten();
         Self {
@@ -177,8 +204,9 @@ impl<'a> TrajectoryEntry<'a> {
                 .collect(),
             time: numbers(&trajectory.time),
             numerical_time: numbers(&trajectory.numerical_time),
-            q: vectors(&trajectory.q),
-            v: vectors(&trajectory.v),
+            q: part(&trajectory.q, 0..mechanical),
+            v: part(&trajectory.v, 0..mechanical),
+            states,
             u: vectors(&trajectory.u),
             contact_force: vectors(&trajectory.contact_force),
             friction_force: vectors(&trajectory.friction_force),
@@ -195,6 +223,7 @@ impl<'a> TrajectoryEntry<'a> {
             time: *self.time.last()?,
             q: self.q.last()?,
             v: self.v.last()?,
+            states: self.states.last().copied().unwrap_or_default(),
         })
     }
 }
@@ -224,6 +253,9 @@ pub(super) struct QuantitiesEntry {
     time: &'static str,
     q: Vec<QuantityEntry>,
     v: Vec<QuantityEntry>,
+    /// Only for scenes that declare states.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    states: Vec<QuantityEntry>,
     u: Vec<QuantityEntry>,
     contact_force: Vec<QuantityEntry>,
     /// Only for scenes with friction.
@@ -245,7 +277,7 @@ struct QuantityEntry {
 impl QuantitiesEntry {
     pub(super) fn of(model: &dyn Model) -> Self {
         let declaration = model.declaration();
-        let columns = |count: usize, quantity: fn(usize) -> Quantity| {
+        let columns = |places: std::ops::Range<usize>, quantity: fn(usize) -> Quantity| {
             let entry = |index| {
                 let quantity = quantity(index);
                 QuantityEntry {
@@ -253,19 +285,20 @@ impl QuantitiesEntry {
                     unit: quantity::unit(model, quantity),
                 }
             };
-            (0..count).map(entry).collect()
+            places.map(entry).collect()
         };
-        let coordinates = declaration.coordinates.len();
+        let (mechanical, coordinates) = (declaration.mechanical(), declaration.coordinates.len());
         let contacts = declaration.contacts.len();
         let rub = declaration.contacts.iter().any(|c| c.friction.is_some());
         Self {
             time: "s",
-            q: columns(coordinates, Quantity::Coordinate),
-            v: columns(coordinates, Quantity::Velocity),
-            u: columns(declaration.controls.len(), Quantity::Control),
-            contact_force: columns(contacts, Quantity::ContactForce),
-            outputs: columns(model.outputs().len(), Quantity::Output),
-            friction_force: columns(if rub { contacts } else { 0 }, Quantity::FrictionForce),
+            q: columns(0..mechanical, Quantity::Coordinate),
+            v: columns(0..mechanical, Quantity::Velocity),
+            states: columns(mechanical..coordinates, Quantity::Velocity),
+            u: columns(0..declaration.controls.len(), Quantity::Control),
+            contact_force: columns(0..contacts, Quantity::ContactForce),
+            outputs: columns(0..model.outputs().len(), Quantity::Output),
+            friction_force: columns(0..if rub { contacts } else { 0 }, Quantity::FrictionForce),
         }
     }
 }
@@ -275,6 +308,9 @@ pub(super) struct FinalEntry<'a> {
     time: f64,
     q: &'a [f64],
     v: &'a [f64],
+    /// Only for scenes that declare states.
+    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
+    states: &'a [f64],
 }
 
 #[derive(Serialize)]

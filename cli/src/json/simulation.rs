@@ -5,6 +5,7 @@ use hangtime::simulation::{Counts, Gradient, ProblemSize, Residuals, Seconds, Si
 use serde::Serialize;
 
 use super::gradient::GradientEntry;
+use super::joints::JointsEntry;
 use super::parts::{
     DiagnosisEntry, EventEntry, FinalEntry, InitialEntry, IterationsEntry, ParameterValues,
     QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry,
@@ -43,6 +44,9 @@ pub(crate) struct Document<'a> {
     notes: Vec<String>,
     quantities: QuantitiesEntry,
     initially: Vec<InitialEntry>,
+    /// Only for scenes with joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    joints: Option<JointsEntry>,
     /// Only where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     gradient: Option<GradientEntry<'a>>,
@@ -78,7 +82,7 @@ impl<'a> Document<'a> {
             events: simulation
                 .events
                 .iter()
-                .map(|event| EventEntry::new(event, contacts))
+                .map(|event| EventEntry::new(event, declaration))
                 .collect(),
             last: trajectory.last(),
             trajectory,
@@ -89,6 +93,7 @@ impl<'a> Document<'a> {
             seconds: simulation.seconds,
             notes: notes.collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
+            joints: JointsEntry::of(chosen.model.as_ref(), &simulation.trajectory, rows),
             gradient: None,
         }
     }

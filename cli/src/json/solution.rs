@@ -2,12 +2,12 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    Excess, Formulation, Improvement, Margin, Optimum, Settings, Solution, Source,
+    Excess, Formulation, FoundParameter, Improvement, Margin, Optimum, Settings, Solution, Source,
     TimeFreezingReport,
 };
 use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::table::counted;
 
@@ -159,6 +159,43 @@ impl TimeFreezingEntry {
     }
 }
 
+/// The free parameters that were found, by name.
+struct FoundEntries<'a>(&'a [FoundParameter]);
+
+#[derive(Serialize)]
+struct FoundEntry {
+    value: f64,
+    unit: &'static str,
+    range: (f64, f64),
+    at_bound: Option<&'static str>,
+}
+
+impl FoundEntries<'_> {
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl Serialize for FoundEntries<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let entry = |found: &FoundParameter| FoundEntry {
+            value: found.value,
+            unit: found.unit,
+            range: found.range,
+            at_bound: found.at_bound(),
+        };
+        serializer.collect_map(self.0.iter().map(|found| (found.name, entry(found))))
+    }
+}
+
+/// Derivatives of an optimum.
+#[derive(Serialize)]
+struct OptimumGradientEntry<'a> {
+    with_respect_to: &'a [&'static str],
+    objective: &'a [f64],
+    final_time: &'a [Option<f64>],
+}
+
 /// A violation between the places where a condition is imposed.
 #[derive(Serialize)]
 struct ExcessEntry<'a> {
@@ -257,6 +294,8 @@ pub(crate) struct SolutionDocument<'a> {
     schema: u32,
     scene: &'static str,
     parameters: ParameterValues<'a>,
+    #[serde(skip_serializing_if = "FoundEntries::is_empty")]
+    free: FoundEntries<'a>,
     horizon: f64,
     method: &'a SolverSettings,
     status: &'static str,
@@ -273,6 +312,8 @@ pub(crate) struct SolutionDocument<'a> {
     resimulated_objective: Option<f64>,
     starts: usize,
     controls: &'a [Vec<f64>],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gradient: Option<OptimumGradientEntry<'a>>,
     #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
     #[serde(with = "SizeEntry")]
@@ -315,7 +356,6 @@ impl<'a> SolutionDocument<'a> {
         rows: usize,
     ) -> Self {
         let declaration = chosen.model.declaration();
-        let contacts = declaration.contacts;
         let motion = solution.motion.as_ref();
         let trajectory = motion.map_or_else(TrajectoryEntry::default, |motion| {
             TrajectoryEntry::new(chosen.model.as_ref(), &motion.trajectory, rows)
@@ -326,6 +366,7 @@ impl<'a> SolutionDocument<'a> {
             schema: SCHEMA,
             scene: chosen.scene.name,
             parameters: ParameterValues::of(chosen),
+            free: FoundEntries(&solution.parameters),
             horizon: solution.horizon,
             method,
             status: ending.status,
@@ -333,7 +374,7 @@ impl<'a> SolutionDocument<'a> {
             initially: motion.map_or_else(Vec::new, InitialEntry::all),
             events: events
                 .iter()
-                .map(|event| EventEntry::new(event, contacts))
+                .map(|event| EventEntry::new(event, declaration))
                 .collect(),
             last: trajectory.last(),
             trajectory,
@@ -344,6 +385,14 @@ impl<'a> SolutionDocument<'a> {
                 .filter(|cost| cost.is_finite()),
             starts: solution.starts,
             controls: &solution.controls,
+            gradient: solution
+                .gradient
+                .as_ref()
+                .map(|gradient| OptimumGradientEntry {
+                    with_respect_to: &gradient.names,
+                    objective: &gradient.objective,
+                    final_time: &gradient.final_time,
+                }),
             residuals: solution.residuals,
             size: solution.size,
             iterations: SolutionCounts {

@@ -51,7 +51,8 @@ impl Record {
             let (heading, place) = (headed(name, unit), Place::Keys(keys));
             return Ok(Self { heading, place });
         }
-        let coordinates = chosen.model.declaration().coordinates;
+        let declaration = chosen.model.declaration();
+        let coordinates = &declaration.coordinates[..declaration.mechanical()];
         let mut names: Vec<String> = numbers.iter().map(|known| known.0.to_owned()).collect();
         names.push("events".to_owned());
         for (index, coordinate) in coordinates.iter().enumerate() {
@@ -67,6 +68,14 @@ impl Record {
                 }
                 names.push(known);
             }
+        }
+        for (index, state) in declaration.states.iter().enumerate() {
+            let known = format!("final.{}", state.name);
+            if known == name {
+                let (heading, place) = (headed(name, state.unit), Place::Final("states", index));
+                return Ok(Self { heading, place });
+            }
+            names.push(known);
         }
         Err(BadInput::new(format!(
             "--record `{name}`: runs of scene `{}` have no such number{} (they have: {})",

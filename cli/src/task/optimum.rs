@@ -30,14 +30,27 @@ pub(crate) struct OptimumTask {
 
 impl OptimumTask {
     /// Refuses arguments that do not fit the scene.
-    pub(crate) fn new(chosen: ChosenScene, arguments: &SolveArguments) -> Result<Self, BadInput> {
+    pub(crate) fn new(
+        mut chosen: ChosenScene,
+        arguments: &SolveArguments,
+    ) -> Result<Self, BadInput> {
         if chosen.model.declaration().optimal_control.is_none() {
             return Err(BadInput::new(format!(
                 "scene `{0}` declares no objective, so there is nothing to optimize; run `simulate {0}` instead",
                 chosen.scene.name
             )));
         }
-        let settings = settings(arguments)?;
+        let mut settings = settings(arguments)?;
+        settings.given_parameters.clone_from(&chosen.given);
+        for name in &arguments.gradient {
+            let found = ocp::parameter_named(chosen.model.as_ref(), name);
+            settings
+                .gradient
+                .push(found.map_err(|error| chosen.refuse(&error))?);
+        }
+        if !settings.gradient.is_empty() {
+            chosen.without_compiler();
+        }
         let mut problem = Problem::of(
             chosen.model.as_ref(),
             arguments.intervals.unwrap_or(INTERVALS),
@@ -59,11 +72,15 @@ impl OptimumTask {
         })
     }
 
-    /// The plan.
-    pub(crate) fn run(&self, observer: &mut Observer<'_>) -> Result<Solution, BadInput> {
+    /// The plan; the scene has the values of its free parameters from there on.
+    pub(crate) fn run(&mut self, observer: &mut Observer<'_>) -> Result<Solution, BadInput> {
         let model = self.chosen.model.as_ref();
-        ocp::solve(model, &self.problem, &self.settings, observer)
-            .map_err(|error| self.chosen.refuse(&error))
+        let solution = ocp::solve(model, &self.problem, &self.settings, observer)
+            .map_err(|error| self.chosen.refuse(&error))?;
+        for found in &solution.parameters {
+            self.chosen.model.set_parameter(found.index, found.value);
+        }
+        Ok(solution)
     }
 
     /// The JSON document of a plan that ended as `ending` tells.

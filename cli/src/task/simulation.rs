@@ -11,7 +11,7 @@ use crate::json::Document;
 use crate::kept;
 use crate::method::{ChosenMethod, name_of};
 use crate::settings::ChosenScene;
-use crate::table::seconds;
+use crate::table::{number, seconds};
 
 /// A scene that is to be simulated.
 pub(crate) struct SimulationTask {
@@ -72,6 +72,7 @@ impl SimulationTask {
         let simulated = self.method.simulate(model, &self.problem, observer);
         let mut simulation = simulated.map_err(|error| self.chosen.refuse(&error))?;
         simulation.notes.extend(kept::notes(model, &simulation));
+        simulation.notes.extend(begins(&self.chosen));
         Ok(simulation)
     }
 
@@ -87,6 +88,23 @@ impl SimulationTask {
             .with_gradient(self.chosen.model.as_ref(), simulation, gradient, self.rows)
             .text()
     }
+}
+
+/// Says of each free parameter that it has the value here with which `solve` begins.
+fn begins(chosen: &ChosenScene) -> Vec<String> {
+    let model = chosen.model.as_ref();
+    let free = model.free_parameters().iter();
+    let free = free.filter(|index| !chosen.given.contains(index));
+    let note = |&index: &usize| {
+        let known = &model.declaration().parameters[index];
+        let value = format!("{} {}", number(model.parameter(index)), known.unit);
+        format!(
+            "the free parameter `{}` is {} here, the value with which `solve` begins",
+            known.name,
+            value.trim_end()
+        )
+    };
+    free.map(note).collect()
 }
 
 /// Refuses to differentiate what a method finds that does not locate events.

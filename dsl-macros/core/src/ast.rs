@@ -64,6 +64,8 @@ pub(crate) struct Quantity {
     pub(crate) unit: Option<WrittenUnit>,
     pub(crate) bounds: Option<(Expr, Expr)>,
     pub(crate) value: Option<Expr>,
+    /// Whether it is a parameter that is to be found, `free name: unit in lower..=upper = value`.
+    pub(crate) free: bool,
 }
 
 /// `name: value`, in `forces` and `start`.
@@ -154,6 +156,10 @@ pub(crate) enum Statement {
     Parameters(Vec<Quantity>),
     Coordinates(Vec<Quantity>),
     Controls(Vec<Quantity>),
+    /// States of first order.
+    States(Vec<Quantity>),
+    /// What the states change by, one a state.
+    Rates(Vec<Assignment>),
     Let {
         name: Name,
         value: Expr,
@@ -189,6 +195,13 @@ pub(crate) enum Statement {
         name: Name,
         bound: Expr,
         sliding: Expr,
+    },
+    /// An equation between positions, or between velocities.
+    Joint {
+        documentation: Documentation,
+        name: Name,
+        left: Expr,
+        right: Expr,
     },
     Start(Vec<Assignment>),
     Horizon {
@@ -443,6 +456,20 @@ fn write_expr(f: &mut String, expr: &Expr, outer: u8) -> fmt::Result {
             write_expr(f, base, AS_BASE)?;
             f.write_str("^")?;
             write_expr(f, exponent, AS_BASE)?;
+        }
+        Kind::Call {
+            function,
+            arguments,
+        } if function.text == words::IF && arguments.len() == 4 => {
+            f.write_str("if ")?;
+            write_expr(f, &arguments[0], 0)?;
+            f.write_str(" >= ")?;
+            write_expr(f, &arguments[1], 0)?;
+            f.write_str(" { ")?;
+            write_expr(f, &arguments[2], 0)?;
+            f.write_str(" } else { ")?;
+            write_expr(f, &arguments[3], 0)?;
+            f.write_str(" }")?;
         }
         Kind::Call {
             function,

@@ -31,7 +31,7 @@ impl Place {
 /// One mistake.
 #[derive(Debug, Clone)]
 pub struct Mistake {
-    /// Code of the mistake (`E01` to `E24`); `None` for plain syntax errors.
+    /// Code of the mistake (`E01` to `E25`); `None` for plain syntax errors.
     pub code: Option<&'static str>,
     /// What is wrong and what to write instead.
     pub message: String,

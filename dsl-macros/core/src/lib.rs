@@ -155,10 +155,54 @@ pub fn describe_differentiated(
     stem: &str,
     parameters: &[&str],
 ) -> Result<(Description, Vec<TextMistake>), Vec<TextMistake>> {
+    describe_as(text, stem, parameters, Parameters::Differentiated)
+}
+
+/// The same with those parameters as coordinates without motion behind all others, as [`Description::held`], so that
+/// everything is differentiated by them twice; names that no parameter has are left out. The order is that of declaration.
+///
+/// # Errors
+/// Every mistake and every warning found, in the order of the text, among them bounds that depend on those parameters.
+///
+/// ```
+/// let ball = "
+///     parameters { m: kg = 1, g: m/s^2 = 9.81 }
+///     coordinates { z: m }
+///     lagrangian m/2*dot(z)^2 - m*g*z
+///     start { z: 0.1*g*1 [s^2] }
+/// ";
+/// let (derived, _) = hangtime_dsl::describe_held(ball, "ball", &["g"]).expect("no mistakes");
+/// assert_eq!((derived.inputs(), derived.coordinates[1].name.as_str()), (4, "g"));
+/// assert_eq!(derived.motion.jacobian.entries, [(0, 1)]);
+/// assert_eq!(derived.held.map(|held| held.given.len()), Some(1));
+/// ```
+pub fn describe_held(
+    text: &str,
+    stem: &str,
+    parameters: &[&str],
+) -> Result<(Description, Vec<TextMistake>), Vec<TextMistake>> {
+    describe_as(text, stem, parameters, Parameters::Held)
+}
+
+/// What becomes of the parameters that a derivation is to know about.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Parameters {
+    /// Functions are differentiated by them once.
+    Differentiated,
+    /// They are coordinates without motion.
+    Held,
+}
+
+fn describe_as(
+    text: &str,
+    stem: &str,
+    parameters: &[&str],
+    kind: Parameters,
+) -> Result<(Description, Vec<TextMistake>), Vec<TextMistake>> {
     let tokens = text::tokens(text, stem)?;
     let mut diagnostics = Diagnostics::default();
     diagnostics.is_data = true;
-    match derived(tokens, parameters, &mut diagnostics) {
+    match derived(tokens, (parameters, kind), &mut diagnostics) {
         Ok((_, _, description)) if diagnostics.mistakes() == 0 => {
             Ok((description, in_text(diagnostics.into_mistakes())))
         }
@@ -211,14 +255,15 @@ fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
     let text = text::of_declaration(input.clone());
-    let (declared, scene, description) = derived(input, &[], diagnostics)?;
+    let (declared, scene, description) =
+        derived(input, (&[], Parameters::Differentiated), diagnostics)?;
     Ok(emit::scene(&declared, &scene, &description, &text))
 }
 
 /// From tokens to everything that is derived from them, differentiated by those parameters besides the inputs.
 fn derived(
     input: TokenStream,
-    parameters: &[&str],
+    (parameters, kind): (&[&str], Parameters),
     diagnostics: &mut Diagnostics,
 ) -> Checked<(ast::Scene, scene::CheckedScene, Description)> {
     graph::reset();
@@ -226,7 +271,13 @@ fn derived(
     let mut scene = check::scene(&declared, diagnostics)?;
     let known = scene.parameters.iter().zip(0_u16..);
     let chosen = known.filter(|(known, _)| parameters.contains(&known.name.text.as_str()));
-    scene.differentiated = chosen.map(|(_, index)| index).collect();
+    let chosen: Vec<u16> = chosen.map(|(_, index)| index).collect();
+    if kind == Parameters::Differentiated {
+        scene.differentiated = chosen;
+    } else if !chosen.is_empty() {
+        check::without_free_bounds(&scene, &chosen, diagnostics)?;
+        scene = derive::with_held(scene, &chosen);
+    }
     // Only what happens to constants from here on is of interest.
     graph::take_fault();
     let place = lagrangian(&declared);

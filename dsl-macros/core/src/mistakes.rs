@@ -1,7 +1,7 @@
 //! A page about each mistake that a declaration, or the start of a simulation, can contain.
 
 /// Codes and pages, in order.
-const PAGES: [(&str, &str); 24] = [
+const PAGES: [(&str, &str); 25] = [
     ("E01", include_str!("pages/E01.md")),
     ("E02", include_str!("pages/E02.md")),
     ("E03", include_str!("pages/E03.md")),
@@ -26,6 +26,7 @@ const PAGES: [(&str, &str); 24] = [
     ("E22", include_str!("pages/E22.md")),
     ("E23", include_str!("pages/E23.md")),
     ("E24", include_str!("pages/E24.md")),
+    ("E25", include_str!("pages/E25.md")),
 ];
 
 /// The name of the page about mistakes that have no code, and its text.
@@ -82,7 +83,7 @@ mod tests {
             "E0",
             "E+7",
             "7",
-            "E25",
+            "E26",
             "E7x",
             "E99999999999999999999",
         ] {

@@ -12,12 +12,16 @@ pub(crate) struct CheckedScene {
     pub(crate) visibility: TokenStream,
     pub(crate) name: Name,
     pub(crate) parameters: Vec<Parameter>,
+    /// The declared coordinates, and behind them one for each state, whose velocity the state is.
     pub(crate) coordinates: Vec<Coordinate>,
     pub(crate) controls: Vec<Coordinate>,
+    /// States of first order, as declared.
+    pub(crate) states: Vec<Coordinate>,
     pub(crate) lagrangian: Sym,
-    /// Generalized forces in the units of the coordinates as declared, one a coordinate.
+    /// Generalized forces in the units of the coordinates as declared, one a coordinate; of states their rates.
     pub(crate) forces: Vec<Sym>,
     pub(crate) contacts: Vec<Contact>,
+    pub(crate) joints: Vec<Joint>,
     /// Initial coordinates and velocities, in declared units.
     pub(crate) start: (Vec<Sym>, Vec<Sym>),
     pub(crate) horizon: Option<Sym>,
@@ -27,6 +31,25 @@ pub(crate) struct CheckedScene {
     pub(crate) picture: Option<Picture>,
     /// Parameters (indices) by which all functions are differentiated besides their inputs; none unless asked for.
     pub(crate) differentiated: Vec<u16>,
+    /// Parameters that optimal control is to find.
+    pub(crate) free_parameters: Vec<FreeParameter>,
+    /// The parameters that are coordinates without motion here, the last ones; none unless asked for.
+    pub(crate) held: Vec<u16>,
+}
+
+/// A parameter that optimal control is to find.
+pub(crate) struct FreeParameter {
+    /// Index of the parameter.
+    pub(crate) index: u16,
+    /// In the declared unit; functions of parameters that are not free.
+    pub(crate) bounds: (Sym, Sym),
+}
+
+impl CheckedScene {
+    /// Number of declared coordinates, those of a mechanism.
+    pub(crate) fn mechanical(&self) -> usize {
+        self.coordinates.len() - self.states.len()
+    }
 }
 
 /// A quantity that is recorded.
@@ -127,13 +150,25 @@ pub(crate) struct Parameter {
     pub(crate) default: f64,
 }
 
-/// A coordinate or a control.
+/// A coordinate, a control or a state.
 pub(crate) struct Coordinate {
     pub(crate) name: Name,
     pub(crate) unit: Option<WrittenUnit>,
     pub(crate) documentation: Documentation,
     /// In the declared unit.
     pub(crate) bounds: Option<(Sym, Sym)>,
+}
+
+/// Equations between positions, or linear ones between velocities.
+pub(crate) struct Joint {
+    pub(crate) name: Name,
+    pub(crate) documentation: Documentation,
+    /// Of the positions, or of the velocities times a second.
+    pub(crate) unit: Option<Unit>,
+    /// What vanishes, one function a component, in SI units.
+    pub(crate) rows: Vec<Sym>,
+    /// Whether they are functions of positions; of velocities otherwise.
+    pub(crate) holonomic: bool,
 }
 
 /// A surface with its law, or dry friction without a surface.
@@ -155,6 +190,9 @@ pub(crate) struct Contact {
     pub(crate) friction: Option<Friction>,
     /// Largest force of dry friction, in SI units; such a contact has no gap, and its coefficient is 1.
     pub(crate) bound: Option<Sym>,
+    /// Of a switch what it acts by, one force a coordinate in declared units: it is dry friction with the bound 1, against minus
+    /// its function.
+    pub(crate) switch: Option<Vec<Sym>>,
 }
 
 /// Coulomb friction of a contact.

@@ -15,7 +15,7 @@ const MOST: usize = 20;
 /// One mistake of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextMistake {
-    /// Code of the mistake (`E01` to `E24`); `None` for plain syntax errors.
+    /// Code of the mistake (`E01` to `E25`); `None` for plain syntax errors.
     pub code: Option<&'static str>,
     /// What is wrong and what to write instead, in one line.
     pub message: String,

@@ -1,10 +1,12 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 20] = [
+pub(crate) const STATEMENTS: [&str; 23] = [
     "parameters",
     "coordinates",
     "controls",
+    "states",
+    "rates",
     "let",
     "fn",
     "profile",
@@ -14,6 +16,7 @@ pub(crate) const STATEMENTS: [&str; 20] = [
     "surface",
     "impact",
     "dry",
+    "joint",
     "start",
     "horizon",
     "constraint",
@@ -111,13 +114,11 @@ const OTHERWISE: [(&str, &str); 49] = [
         "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
     ),
     (
-        "states",
-        "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
-    ),
-    (
         "state",
-        "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
+        "what changes at a rate stands in `states { a: A }`, and the rate in `rates { a: ... }`; what moves stands in \
+         `coordinates { x: m }`",
     ),
+    ("rate", "the rates of states stand in `rates { a: ... }`"),
     (
         "unknowns",
         "what moves stands in `coordinates { x: m }`; velocities are `dot(x)`",
@@ -360,6 +361,12 @@ pub(crate) const NONSMOOTH: [&str; 10] = [
 
 /// Those of them that a surface may contain, as its pieces are smooth.
 pub(crate) const EDGES: [&str; 3] = ["abs", "min", "max"];
+
+/// Those of them that jump, which forces and rates may contain besides.
+pub(crate) const JUMPS: [&str; 4] = ["sign", "signum", "step", "heaviside"];
+
+/// What chooses between two values by a comparison; its name as that of a function is no name of a scene.
+pub(crate) const IF: &str = "if";
 
 /// Names that the time-freezing reformulation and the emitted code keep for themselves.
 pub(crate) const RESERVED: [&str; 6] =

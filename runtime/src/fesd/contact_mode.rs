@@ -11,9 +11,14 @@ use super::contacts::{Contacts, Line, ModeError, dot, norm};
 use super::coulomb::{self, Cone};
 use super::impact;
 use super::sharing::{self, Share};
+use super::switch;
+use crate::model::Switching;
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
 const BIACTIVE: f64 = 1e-8;
+
+/// Most times that the sides of switches are chosen again, as what they change elsewhere is known.
+const ROUNDS: usize = 4;
 
 /// A condition whose two sides both vanish in accelerations.
 #[derive(Debug, Clone, Copy)]
@@ -47,12 +52,13 @@ pub(crate) fn select(
         active.clear();
         return Ok(());
     }
-    let solved = Solved::new(contacts, touching, time)?;
+    let solved = Solved::sided(contacts, x, &touching, time)?;
     let Sorted {
         mut strict,
         mut undecided,
         shares,
     } = solved.sort(contacts);
+    switch::is_unique(contacts, &strict)?;
     sharing::share_friction(contacts, &mut strict, &shares)?;
     drop_held(contacts, &mut strict, &mut undecided)?;
     if !undecided.is_empty() {
@@ -67,6 +73,7 @@ pub(crate) fn select(
 /// Forces and accelerations of the contacts that touch: their normals, then the tangents of the cones.
 struct Solved {
     touching: Vec<usize>,
+    lines: Vec<Line>,
     cones: Vec<Cone>,
     forces: Vec<f64>,
     accelerations: Vec<f64>,
@@ -84,8 +91,10 @@ struct Sorted {
 
 impl Solved {
     fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
-        let at_rest =
-            |i: usize| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest();
+        let at_rest = |i: usize| {
+            contacts.switch(i) != Some(Switching::Passes)
+                && contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest()
+        };
         let (lines, cones) = impact::coulomb_lines(contacts, &touching, at_rest);
         let free: Vec<f64> = lines
             .iter()
@@ -100,8 +109,50 @@ impl Solved {
             touching,
             cones,
             accelerations: accelerations.collect(),
+            lines,
             forces,
         })
+    }
+
+    /// The same with the sides of the switches that are passed now.
+    fn sided(
+        contacts: &mut Contacts<'_>,
+        x: &[f64],
+        touching: &[usize],
+        time: f64,
+    ) -> Result<Self, ModeError> {
+        contacts.sides.fill(0.0);
+        let passed: Vec<usize> = touching
+            .iter()
+            .copied()
+            .filter(|&i| contacts.switch(i) == Some(Switching::Passes))
+            .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
+            .collect();
+        let mut motion = contacts.free_acceleration().to_vec();
+        for _ in 0..ROUNDS {
+            let before = contacts.sides.clone();
+            for &i in &passed {
+                let scale = contacts.tangential_scale(i);
+                let (_, time_scale) = difference_step(contacts, x, (&motion, scale));
+                let zero = BIACTIVE * scale;
+                contacts.sides[i] = switch::side(contacts, i, x, (&motion, time_scale), zero);
+            }
+            let solved = Self::new(contacts, touching.to_vec(), time)?;
+            if contacts.sides == before {
+                return Ok(solved);
+            }
+            motion = solved.motion(contacts);
+        }
+        Self::new(contacts, touching.to_vec(), time)
+    }
+
+    /// The acceleration of the motion with the forces.
+    fn motion(&self, contacts: &Contacts<'_>) -> Vec<f64> {
+        let mut motion = contacts.free_acceleration().to_vec();
+        for (&line, &force) in self.lines.iter().zip(&self.forces) {
+            contacts.push(line, force, &mut motion);
+        }
+        motion
     }
 
     /// The line of the tangent of the `k`-th contact, where its friction has a cone.
@@ -201,7 +252,7 @@ fn drop_held(
 /// State of a contact that slides or has no friction.
 fn sliding_state(contacts: &Contacts<'_>, contact: usize) -> Tangential {
     if contacts.friction(contact) > 0.0 {
-        Tangential::slip(contacts.sliding_velocity(contact))
+        Tangential::slip(contacts.side(contact))
     } else {
         Tangential::Idle
     }

@@ -9,7 +9,8 @@ use super::contact_size::ContactSize;
 use crate::linalg::{dense, lcp};
 use crate::model::rounding::rounding_error_at_start;
 use crate::model::{
-    Model, Pieces, contact_point, contains_ground, friction_coefficients, surfaces, tangent_point,
+    Model, Pieces, Switching, contact_point, contains_ground, friction_coefficients, surfaces,
+    switching_terms, tangent_point,
 };
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
@@ -30,6 +31,8 @@ pub(crate) enum ModeError {
     NotFinite,
     /// The bound of this dry friction is negative.
     NegativeBound(usize),
+    /// Both sides of this switch push away from the zero of its function, on which the motion is.
+    NotUnique(usize),
 }
 
 impl From<lcp::LcpError> for ModeError {
@@ -69,6 +72,8 @@ pub(crate) struct Contacts<'a> {
     friction: Vec<f64>,
     /// Number of contacts that are surfaces.
     pub(crate) surfaces: usize,
+    /// Which side of each switch that is only passed acts: the sign of minus its function, 0 for all others.
+    pub(super) sides: Vec<f64>,
     acceleration: Vec<f64>,
     points: Vec<f64>,
     /// Tangential sides; empty if no contact has friction.
@@ -107,6 +112,7 @@ impl<'a> Contacts<'a> {
             pieces: Pieces::default(),
             friction,
             surfaces: surfaces(model),
+            sides: vec![0.0; contacts],
             acceleration: vec![0.0; n],
             points: vec![0.0; contacts * contact_point::length(n)],
             tangents: vec![0.0; tangents * tangent_point::length(n)],
@@ -160,6 +166,11 @@ impl<'a> Contacts<'a> {
         contact >= self.surfaces
     }
 
+    /// How the motion meets the zeros of a switch, if the contact is one.
+    pub(crate) fn switch(&self, contact: usize) -> Option<Switching> {
+        self.model.declaration().contacts[contact].switch
+    }
+
     /// Whether the bound of a dry friction is not negative at the last evaluation.
     pub(crate) fn check_bounds(&self) -> Result<(), ModeError> {
         let negative = |&i: &usize| -self.normal_acceleration(i) < -NEGATIVE * self.scales[i];
@@ -187,6 +198,19 @@ impl<'a> Contacts<'a> {
     /// Sliding velocity of the last evaluation, for a contact with friction.
     pub(crate) fn sliding_velocity(&self, contact: usize) -> f64 {
         self.tangent(contact)[tangent_point::SLIDING_VELOCITY]
+    }
+
+    /// The sliding velocity, or where it vanishes for a switch that is only passed a number with the sign of the side that acts.
+    pub(super) fn side(&self, contact: usize) -> f64 {
+        match self.sides[contact] {
+            0.0 => self.sliding_velocity(contact),
+            side => side,
+        }
+    }
+
+    /// Acceleration without contact forces at the last evaluation.
+    pub(super) fn free_acceleration(&self) -> &[f64] {
+        &self.acceleration
     }
 
     /// Contact force `lambda_i = r_i / D_i` for a normal contact acceleration, `lambda_t,i = s_i / D_i` for a
@@ -231,7 +255,8 @@ impl<'a> Contacts<'a> {
         let sliding = if self.friction[contact] > 0.0 {
             let tangent = self.tangent(contact);
             let along = &tangent[tangent_point::TANGENT..][..self.n];
-            sum_of_sizes(along, v).max(tangent[tangent_point::SLIDING_VELOCITY].abs())
+            let terms = sum_of_sizes(along, v).max(tangent[tangent_point::SLIDING_VELOCITY].abs());
+            terms.max(switching_terms(self.model, contact, x))
         } else {
             0.0
         };

@@ -21,7 +21,7 @@ pub(super) fn coulomb_lines(
             tangents.push(Line::Tangent { contact, sense });
             cones.push(Cone { normal, friction });
         } else if friction > 0.0 {
-            slope = -friction * contacts.sliding_velocity(contact).signum();
+            slope = -friction * contacts.side(contact).signum();
         }
         lines.push(Line::Normal { contact, slope });
     }

@@ -18,4 +18,5 @@ mod coulomb;
 pub(crate) mod finite_element;
 pub(crate) mod impact;
 pub(crate) mod sharing;
+mod switch;
 pub(crate) mod transcription;

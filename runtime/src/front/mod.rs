@@ -28,8 +28,10 @@ impl StartValues {
                 Some(Quantity::Coordinate(k)) => q[k] = *value,
                 Some(Quantity::Velocity(k)) => v[k] = *value,
                 _ => {
-                    let known = declaration.coordinates.iter();
+                    let known = declaration.coordinates[..declaration.mechanical()].iter();
                     let known = known.map(|c| format!("{0}, dot({0})", c.name));
+                    let states = declaration.states.iter().map(|known| known.name.to_owned());
+                    let known = known.chain(states);
                     return Err(InputError::new(format!(
                         "the start of `{}` has no `{name}`; it has {}",
                         declaration.name,

@@ -43,6 +43,7 @@ pub fn solve(model: &dyn Model) -> Solve<'_> {
         horizon: None,
         start: StartValues::default(),
         settings: Settings::default(),
+        gradient: Vec::new(),
         observer: None,
     }
 }
@@ -85,6 +86,7 @@ pub struct Solve<'a> {
     horizon: Option<f64>,
     start: StartValues,
     settings: Settings,
+    gradient: Vec<String>,
     observer: Option<Box<Observer<'a>>>,
 }
 
@@ -144,6 +146,12 @@ impl<'a> Solve<'a> {
         self
     }
 
+    /// Names of parameters by which the optimum is differentiated, see [`Solution::gradient`]; for scenes with a text, as from files.
+    pub fn gradient<'n>(mut self, names: impl IntoIterator<Item = &'n str>) -> Self {
+        self.gradient.extend(names.into_iter().map(str::to_owned));
+        self
+    }
+
     /// Sees the progress after every interior point iteration; where it returns `false`, the run ends as
     /// [`Interrupted`](ocp::Status::Interrupted) with the best motion found so far.
     pub fn observer(mut self, observer: impl FnMut(&Progress) -> bool + Send + 'a) -> Self {
@@ -173,9 +181,15 @@ impl<'a> Solve<'a> {
         }
         self.start
             .write(declaration, &mut problem.q, &mut problem.v)?;
+        let mut settings = self.settings;
+        for name in &self.gradient {
+            settings
+                .gradient
+                .push(ocp::parameter_named(self.model, name)?);
+        }
         match self.observer {
-            Some(mut observer) => ocp::solve(self.model, &problem, &self.settings, &mut *observer),
-            None => ocp::solve(self.model, &problem, &self.settings, &mut |_| true),
+            Some(mut observer) => ocp::solve(self.model, &problem, &settings, &mut *observer),
+            None => ocp::solve(self.model, &problem, &settings, &mut |_| true),
         }
     }
 }

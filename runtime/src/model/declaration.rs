@@ -1,5 +1,7 @@
 //! What a scene declares, as static data: names, units, patterns, operation counts.
 
+use super::joint::JointsDeclaration;
+
 /// Everything about a scene that does not depend on parameter values.
 #[derive(Debug, Clone, Copy)]
 pub struct Declaration {
@@ -9,12 +11,17 @@ pub struct Declaration {
     pub documentation: &'static str,
     /// Parameters in order of declaration.
     pub parameters: &'static [ParameterDeclaration],
-    /// Coordinates in order of declaration; their number is `n_q`.
+    /// Coordinates in order of declaration, and behind them one for each state; their number is `n_q`.
     pub coordinates: &'static [VariableDeclaration],
     /// Controls in order of declaration; their number is `n_u`.
     pub controls: &'static [VariableDeclaration],
+    /// States of first order in order of declaration: the velocities of the last coordinates, which have unit mass and which no
+    /// function reads.
+    pub states: &'static [VariableDeclaration],
     /// Contacts in order of declaration; their number is `n_c`.
     pub contacts: &'static [ContactDeclaration],
+    /// Joints, if there are any.
+    pub joints: Option<JointsDeclaration>,
     /// Whether the physical time is the last component of the input vector.
     pub explicit_time: bool,
     /// Pattern of the Jacobian of the free acceleration.
@@ -34,6 +41,18 @@ impl Declaration {
     #[must_use]
     pub const fn inputs(&self) -> usize {
         2 * self.coordinates.len() + self.controls.len() + self.explicit_time as usize
+    }
+
+    /// Number of coordinates of the mechanism; those behind them belong to the [`states`](Self::states).
+    #[must_use]
+    pub const fn mechanical(&self) -> usize {
+        self.coordinates.len() - self.states.len()
+    }
+
+    /// The state of first order that this velocity is, if it is one.
+    #[must_use]
+    pub fn state(&self, velocity: usize) -> Option<&'static VariableDeclaration> {
+        self.states.get(velocity.checked_sub(self.mechanical())?)
     }
 
     /// Length of what path functions read.
@@ -106,6 +125,8 @@ pub struct ContactDeclaration {
     /// Whether this is dry friction without a surface: the contact always touches, its normal force is the declared
     /// bound, and its coefficient of friction is 1. Such contacts stand behind all others.
     pub dry: bool,
+    /// Of a switch of what acts, which is [`dry`](Self::dry): how the motion meets the zeros of its function.
+    pub switch: Option<Switching>,
     /// Whether the scene declares its own impulse direction.
     pub custom_direction: bool,
     /// Coordinates (indices) that are rigid under the contact force.
@@ -132,6 +153,18 @@ pub enum ImpactLaw {
     Inelastic,
     /// Newton's law, `v_n+ = -e v_n-` with `e` from [`Model::restitution`](super::Model::restitution).
     Restitution,
+}
+
+/// A switch: what acts contains the sign `s` of a function `c` of the motion, `f = f_0 + a s` with `|s| <= 1` and `s = sign c` unless
+/// `c = 0` (Filippov). It is dry friction with the sliding velocity `-c`, the direction `M^-1 a / D`, the normal acceleration
+/// `D > 0` and the coefficient 1, so that its friction force is `s`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Switching {
+    /// The sign may change the rate of `c`: the motion crosses `c = 0`, or slides along it with the `s` that holds `c' = 0`.
+    Slides,
+    /// The sign does not change the rate of `c` where `c = 0`, and the motion passes; `D` is 1.
+    Passes,
 }
 
 /// Coulomb friction of a contact in the plane.

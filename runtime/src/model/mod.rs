@@ -31,27 +31,44 @@
 //! impacts: its normal force is the declared bound `f(q, t)`, so that `r_i = D_i f` is given and `|s_i| <= r_i`. The factor
 //! `D_i > 0` is a scale: `e_i = M^-1 b_i / D_i` for any other would be the same friction.
 //!
+//! A *switch* of what acts ([`Switching`]) is dry friction as well, in another direction.
+//!
 //! A contact that *holds* coordinates acts on the system in which those are locked: `M^-1` in `w`, `D` and `e`
 //! is then the inverse inertia of that system, with zeros in the rows and columns of the held coordinates.
+//!
+//! *Joints* ([`JointsDeclaration`]) are equations that hold all along the motion. `M^-1` is then what it is of the system in which they do,
+//! `M^-1 - M^-1 G' (G M^-1 G')^-1 G M^-1`, in `a`, `w`, `D` and `e` alike, so that whatever acts on a mechanism acts on it as it
+//! can move.
+//!
+//! *States of first order*, `z' = f(q, v, z, u, t)`, are the velocities of coordinates behind those of the mechanism
+//! ([`Declaration::states`]): coordinates of unit mass, on which `f` is the force and which no function reads. They are continuous
+//! through impacts since no contact direction has entries there.
 //!
 //! Every kernel reads one *input vector* `x = (q, v, u)`, with the physical time appended if the
 //! scene depends on it explicitly ([`Declaration::explicit_time`]).
 
 mod control_piece;
 mod declaration;
+pub(crate) mod held;
+mod joint;
 mod parameter_derivatives;
 mod picture;
 mod pieces;
 pub(crate) mod rounding;
+mod switching;
 
 pub(crate) use control_piece::ControlPiece;
+pub(crate) use joint::joint_rows;
 pub(crate) use pieces::{Pieces, edge};
+pub(crate) use switching::terms as switching_terms;
 
 pub use declaration::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
     FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
-    SparsityPattern, VariableDeclaration,
+    SparsityPattern, Switching, VariableDeclaration,
 };
+pub use held::{Given, Held};
+pub use joint::{JointDeclaration, JointsDeclaration};
 pub use parameter_derivatives::ParameterDerivatives;
 pub use picture::{Picture, Shape};
 
@@ -169,6 +186,25 @@ pub trait Model: Send + Sync {
     ) {
     }
 
+    /// Whether an equation of a joint is held; one that follows from others is not, and carries no force. All are at first.
+    /// Equations are counted over all joints.
+    fn hold_joint_row(&mut self, _row: usize, _held: bool) {}
+
+    /// Whether an equation of a joint is [held](Self::hold_joint_row).
+    fn joint_row_held(&self, _row: usize) -> bool {
+        true
+    }
+
+    /// `(g, w)` of all equations of joints, with 0 for `g` of joints of velocities: twice as many numbers as there are
+    /// [equations](JointsDeclaration::rows).
+    fn joints(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Jacobian of [`joints`](Self::joints) by `x`: the values of [`JointsDeclaration::jacobian`], in its order.
+    fn joints_jacobian(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Forces `lambda` of all equations of joints where nothing is in contact, in `M v' = f + G' lambda`.
+    fn joint_forces(&self, _x: &[f64], _forces: &mut [f64]) {}
+
     /// Path functions at `x`, or `(x, r, s)` if they read [forces](ContactTerms): the running cost if there is one, then the path constraints. Length
     /// [`OptimalControlDeclaration::path_functions`].
     fn path_functions(&self, _x: &[f64], _values: &mut [f64]) {}
@@ -212,7 +248,8 @@ pub trait Model: Send + Sync {
 
     /// Values of [`outputs`](Self::outputs), in their units, where the motion is at `x = (q, v, u, t)`; the physical
     /// time `t` stands there in every scene. `contacts` holds the normal forces of all contacts, then their tangential
-    /// forces, and then the same two of the impulses of all impacts until now; its length is `4 n_c`.
+    /// forces, and then the same two of the impulses of all impacts until now; its length is `4 n_c`, and behind that stand
+    /// the forces of all equations of joints.
     fn output_values(&self, _x: &[f64], _contacts: &[f64], _values: &mut [f64]) {}
 
     /// How the motion is drawn; `None` unless the scene declares a `picture`.
@@ -239,6 +276,38 @@ pub trait Model: Send + Sync {
     ) -> Option<Box<dyn ParameterDerivatives>> {
         None
     }
+
+    /// Parameters (indices, increasing) that optimal control is to find; none unless the scene declares them.
+    fn free_parameters(&self) -> &'static [usize] {
+        &[]
+    }
+
+    /// The ranges in which the [`free_parameters`](Self::free_parameters) are looked for, in their units.
+    fn free_parameter_bounds(&self, _lower: &mut [f64], _upper: &mut [f64]) {}
+
+    /// The scene with some of its parameters (indices, increasing) as coordinates without motion behind all others, at their
+    /// present values, so that every function is differentiated by them twice: `p'' = 0`, and no contact acts on them. Those
+    /// that are free are free at the start, within their ranges. None where it would have to be compiled.
+    ///
+    /// # Errors
+    /// Why the scene cannot be so, in one line.
+    fn with_held(&self, _parameters: &[usize]) -> Option<Result<Box<dyn Model>, String>> {
+        None
+    }
+
+    /// The parameters that are coordinates without motion in this scene, see [`with_held`](Self::with_held).
+    fn held(&self) -> Option<Held> {
+        None
+    }
+
+    /// Values of [`Held::given`] where the parameters are as the coordinates in `x` say.
+    fn given_values(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`Held::jacobian`], in its order.
+    fn given_jacobian(&self, _x: &[f64], _values: &mut [f64]) {}
+
+    /// Values of [`Held::hessian`] for the weighted sum of the [`given_values`](Self::given_values).
+    fn given_hessian(&self, _x: &[f64], _multipliers: &[f64], _values: &mut [f64]) {}
 
     /// A copy behind a fresh box.
     fn boxed(&self) -> Box<dyn Model>;

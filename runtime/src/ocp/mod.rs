@@ -88,6 +88,7 @@ mod size;
 mod solution;
 mod solve;
 mod summary;
+mod unknown;
 mod words;
 
 pub use global::time_freezing::TimeFreezing;
@@ -98,7 +99,8 @@ pub use problem::{Horizon, Problem};
 pub use settings::{Formulation, Guess, PathPoints, SearchSpace, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{
-    Counts, Excess, Improvement, Margin, Miss, Nearest, Optimum, RelaxedReport, Solution, Source,
-    Status, TimeFreezingReport,
+    Counts, Excess, FoundParameter, Improvement, Margin, Miss, Nearest, Optimum, OptimumGradient,
+    RelaxedReport, Solution, Source, Status, TimeFreezingReport,
 };
 pub use solve::solve;
+pub use unknown::parameter_named;

@@ -1,8 +1,8 @@
 //! The optimal control problem, and the checks that come before it is solved.
 
-use crate::model::{Model, Pieces, contact_point};
+use crate::model::{Given, Model, Pieces, contact_point, held};
 use crate::refusal;
-use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
+use crate::simulation::{ControlSignal, InitialValueProblem, InputError, refuse_joints};
 
 /// Most control intervals: the programs are kept in memory.
 const MOST_INTERVALS: usize = 10_000;
@@ -64,6 +64,13 @@ impl Problem {
         let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
         model.start(&mut q, &mut v);
         let horizon = match declaration.optimal_control {
+            Some(declared)
+                if !declared.free_time && held::place(model, Given::Horizon).is_some() =>
+            {
+                Horizon::Free {
+                    guess: model.horizon(),
+                }
+            }
             Some(declared) if !declared.free_time => {
                 Horizon::Fixed(model.horizon().unwrap_or(f64::NAN))
             }
@@ -100,9 +107,16 @@ impl Problem {
             Horizon::Fixed(horizon) => horizon,
             Horizon::Free { guess } => guess.or_else(|| model.horizon()).unwrap_or(1.0),
         };
+        refuse_joints(
+            model,
+            "optimal control",
+            "describe the mechanism by coordinates that need no joint, such as the angles of its links",
+        )?;
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
         InitialValueProblem::check_at_once(model, "optimal control")?;
+        let remedy = "write a smooth function in its place, as `tanh(c/width)` for `sign(c)` and `sqrt(c^2 + width^2)` for `|c|`";
+        InitialValueProblem::check_switches(model, "optimal control", remedy)?;
         let (lower, upper) = bounds(model);
         let declaration = model.declaration();
         let bounded = declaration
@@ -273,6 +287,11 @@ impl Problem {
     pub(in crate::ocp) fn start_ranges(&self, model: &dyn Model) -> Vec<(f64, f64)> {
         let start = self.q.iter().chain(&self.v);
         let mut ranges: Vec<(f64, f64)> = start.map(|&value| (value, value)).collect();
+        for given in model.held().map_or(&[][..], |held| held.given) {
+            if let Given::Start(k) = *given {
+                ranges[k] = (f64::NEG_INFINITY, f64::INFINITY);
+            }
+        }
         let Some(declared) = model.declaration().optimal_control else {
             return ranges;
         };

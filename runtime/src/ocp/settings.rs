@@ -222,6 +222,11 @@ pub struct Settings {
     /// The best result is returned, with the distinct local optima; it does not depend
     /// on the number of threads.
     pub starts: Option<usize>,
+    /// Free parameters (indices) that are not to be found, but keep the values of the model; default none.
+    pub given_parameters: Vec<usize>,
+    /// Parameters (indices) by which the optimum is differentiated, see [`Solution::gradient`](super::Solution::gradient), none of
+    /// them free. Default none.
+    pub gradient: Vec<usize>,
     /// Finite elements of a phase at the start; default 1, at least 1. Where the re-simulation does not confirm a plan,
     /// more are taken in the intervals that a simulation of each shows to be inaccurate; see
     /// [`Solution::elements`](super::Solution::elements).
@@ -273,6 +278,8 @@ impl Default for Settings {
             controls: ControlShape::default(),
             guess: Guess::default(),
             starts: None,
+            given_parameters: Vec::new(),
+            gradient: Vec::new(),
             elements: 1,
             stages: 4,
             bounds_at_nodes: false,

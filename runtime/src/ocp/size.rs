@@ -17,6 +17,7 @@ use super::program::units::Units;
 use super::scale::Scale;
 use super::search::ride::ride;
 use super::settings::{Formulation, Settings, TimeFreezingSettings};
+use super::unknown::with_unknowns;
 use crate::model::{Declaration, Kernel, Model};
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::{FormulationSize, InputError};
@@ -56,6 +57,11 @@ pub fn program_sizes(
     settings: &Settings,
 ) -> Result<Vec<FormulationSize>, InputError> {
     settings.check()?;
+    let unknown = with_unknowns(model, problem, settings)?;
+    let (model, problem) = match &unknown {
+        Some(unknown) => (&*unknown.model, &unknown.problem),
+        None => (model, problem),
+    };
     problem.check(model)?;
     match &settings.formulation {
         Formulation::Phases => phases(model, problem, settings),

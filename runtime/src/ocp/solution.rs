@@ -204,6 +204,66 @@ pub struct Excess {
     pub time: f64,
 }
 
+/// A free parameter that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct FoundParameter {
+    /// Its index among the parameters of the scene.
+    pub index: usize,
+    /// Its name.
+    pub name: &'static str,
+    /// Its value, in its unit.
+    pub value: f64,
+    /// That unit.
+    pub unit: &'static str,
+    /// The range that it was looked for in.
+    pub range: (f64, f64),
+}
+
+/// Distance from an end of its range, as a share of that, up to which a parameter ends there.
+const AT_BOUND: f64 = 1e-6;
+
+impl FoundParameter {
+    /// The end of its range that it lies at, `"lower"` or `"upper"`, if it does: the objective improves beyond it.
+    #[must_use]
+    pub fn at_bound(&self) -> Option<&'static str> {
+        let (lower, upper) = self.range;
+        let near = AT_BOUND * (upper - lower);
+        if self.value - lower <= near {
+            Some("lower")
+        } else if upper - self.value <= near {
+            Some("upper")
+        } else {
+            None
+        }
+    }
+}
+
+impl std::fmt::Display for FoundParameter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let value = format!("{} {}", number(self.value), self.unit);
+        write!(f, "{} = {}", self.name, value.trim_end())?;
+        match self.at_bound() {
+            Some(end) => write!(f, ", at the {end} end of its range"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Derivatives of an optimum by given parameters, in their units, on its control grid and as long as its contact sequence stays.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct OptimumGradient {
+    /// Indices of the parameters.
+    pub parameters: Vec<usize>,
+    /// Their names.
+    pub names: Vec<&'static str>,
+    /// Derivatives of the objective, by the multipliers.
+    pub objective: Vec<f64>,
+    /// Derivatives of the final time \[s\]; none where the optimum leaves it open to first order.
+    pub final_time: Vec<Option<f64>>,
+}
+
 /// A condition that a motion does not meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Miss {
@@ -286,6 +346,12 @@ pub struct Solution {
     /// Shortest and longest final time that was looked at \[s\]; where the final time is free, the range is moved until
     /// the plan lies inside.
     pub final_times: (f64, f64),
+    /// The values of the free parameters; none where nothing is free, or no motion was found. The motion is that of the scene
+    /// with these values.
+    pub parameters: Vec<FoundParameter>,
+    /// How the optimum changes with given parameters, where that is asked for by
+    /// [`Settings::gradient`](super::Settings::gradient); none without a confirmed motion.
+    pub gradient: Option<OptimumGradient>,
     /// What is proved about the contact sequence. `S`: nowhere do gap and force of a contact vanish together, and no
     /// switch sticks to a jump of the controls, so that the sequence has no neighbours. `B`: no neighbour is better.
     pub stationarity: Stationarity,
@@ -399,6 +465,8 @@ impl Solution {
             objective_unit: 0.0,
             horizon: f64::NAN,
             final_times: (f64::NAN, f64::NAN),
+            parameters: Vec::new(),
+            gradient: None,
             stationarity: Stationarity::None,
             resimulation_error: f64::INFINITY,
             departure: f64::INFINITY,

@@ -48,6 +48,9 @@ impl fmt::Display for Solution {
         };
         let (objective, horizon) = (number(self.objective), number(self.horizon));
         writeln!(f, "\nobjective {objective}, final time {horizon} s")?;
+        for found in &self.parameters {
+            writeln!(f, "{found}")?;
+        }
         writeln!(f, "stationarity {}", proof(self.stationarity))?;
         write!(
             f,

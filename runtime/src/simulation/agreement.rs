@@ -109,6 +109,9 @@ impl Sizes {
         let (mut mass, mut free) = (vec![0.0; n * n], vec![0.0; n]);
         model.mass_matrix(&start, &mut mass);
         model.free_acceleration(&start, &mut free);
+        // States have no energy.
+        let mechanical = model.declaration().mechanical();
+        (mechanical..n).for_each(|k| mass[k * n + k] = 0.0);
         // What does not move has rounding errors only.
         let held =
             |(q, a): (&f64, &f64)| (ROUNDING * q.abs()).max(HELD * a.abs() * horizon.powi(2));

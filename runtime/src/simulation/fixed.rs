@@ -9,6 +9,7 @@ use super::event::dynamics::{Dynamics, motion};
 use super::event::impact::{LowestBounce, Undetermined};
 use super::event::velocity_jump;
 use super::impulse;
+use super::joints::Closed;
 use super::other_grid::{self, Judge, OtherGrid};
 use super::watch::Watch;
 use super::{
@@ -119,7 +120,8 @@ impl Simulator for FixedStep {
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         check(self.steps, self.auxiliary_acceleration)?;
-        problem.check(model)?;
+        let closed = Closed::of(model, problem)?;
+        let (model, problem) = closed.scene();
         InitialValueProblem::check_inelastic(model, self.name())?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
@@ -143,6 +145,7 @@ impl Simulator for FixedStep {
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }
+        closed.finish(&mut result);
         Ok(result)
     }
 
@@ -347,11 +350,12 @@ impl<'a> FixedRun<'a> {
             } else {
                 EventKind::Slip
             };
+            let declared = &self.dynamics.model.declaration().contacts[i];
             self.result.events.push(Event {
                 time: t,
-                kind,
+                kind: kind.of(declared),
                 contact: i,
-                contact_name: self.dynamics.model.declaration().contacts[i].name,
+                contact_name: declared.name,
                 modes: self.dynamics.contact_modes(),
                 q: self.y[..n].to_vec(),
                 v_before: before.clone(),

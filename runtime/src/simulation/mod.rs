@@ -17,6 +17,7 @@ mod gradient;
 mod hand_over;
 mod impact_cluster;
 mod impulse;
+mod joints;
 mod moreau;
 mod order_of_impacts;
 mod other_grid;
@@ -25,12 +26,14 @@ mod quantity;
 mod recorder;
 mod result;
 mod shared_load;
+mod singular;
 mod smooth;
 mod state;
 mod trajectory;
 mod watch;
 
 pub use crate::InputError;
+pub use crate::joints::joint_forces;
 pub use crate::size::{FormulationSize, SizeGroup};
 pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
@@ -47,6 +50,7 @@ pub use state::State;
 pub use trajectory::Trajectory;
 
 pub(crate) use event::{Ending, simulate_once, simulate_to};
+pub(crate) use joints::refuse as refuse_joints;
 pub(crate) use quantity::{Quantity, number, per_second};
 
 use crate::Observer;

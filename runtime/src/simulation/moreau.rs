@@ -4,8 +4,9 @@ use hangtime_solver::clock::ThreadTime;
 
 use super::event::contact_problem::ContactProblem;
 use super::event::coulomb::{CoulombSolution, TangentialLaw};
-use super::event::dynamics::{Dynamics, dot, largest};
+use super::event::dynamics::{Dynamics, dot, largest, motion};
 use super::fixed::check_gaps;
+use super::joints::Closed;
 use super::other_grid::{self, Judge, OtherGrid};
 use super::watch::Watch;
 use super::{
@@ -94,8 +95,11 @@ impl Simulator for Moreau {
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         super::fixed::check(self.steps, self.auxiliary_acceleration)?;
-        problem.check(model)?;
+        let closed = Closed::of(model, problem)?;
+        let (model, problem) = closed.scene();
         InitialValueProblem::check_at_once(model, "Moreau's time stepping")?;
+        let remedy = "simulate by finite elements or from event to event";
+        InitialValueProblem::check_switches(model, "Moreau's time stepping", remedy)?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
         let others = OtherGrid::of_steps(self.steps, |steps| Self {
@@ -121,6 +125,7 @@ impl Simulator for Moreau {
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }
+        closed.finish(&mut result);
         Ok(result)
     }
 
@@ -187,14 +192,19 @@ impl<'a> TimeStepping<'a> {
             for k in 0..n {
                 self.end[k] = self.start[k] + 0.5 * h * (self.start[n + k] + self.end[n + k]);
             }
-            self.start.copy_from_slice(&self.end);
-            self.numerical_time += h;
-            self.result.counts.elements += 1;
             let time = if step + 1 == self.settings.steps {
                 self.problem.horizon
             } else {
                 t + h
             };
+            if !motion::project_on_joints(&mut self.dynamics, time, &mut self.end) {
+                let message = "the joints cannot be closed again; take more steps";
+                let diagnosis = self.diagnosis(t, None, message.into());
+                return Err(SimulationStatus::StepFailed(diagnosis));
+            }
+            self.start.copy_from_slice(&self.end);
+            self.numerical_time += h;
+            self.result.counts.elements += 1;
             self.record(time)?;
             let count = self.result.counts.elements;
             watch.reach(time, count, &mut self.result.trajectory)?;

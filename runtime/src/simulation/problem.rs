@@ -195,6 +195,12 @@ impl InitialValueProblem {
     /// The first [`InputError`] found: parameters, lengths, finiteness, horizon, controls, mass
     /// matrix, gaps.
     pub fn check(&self, model: &dyn Model) -> Result<(), InputError> {
+        self.check_numbers(model)?;
+        self.check_contacts(model, &self.input(model))
+    }
+
+    /// Checks all but the contacts.
+    pub(in crate::simulation) fn check_numbers(&self, model: &dyn Model) -> Result<(), InputError> {
         let declaration = model.declaration();
         for (index, parameter) in declaration.parameters.iter().enumerate() {
             let value = model.parameter(index);
@@ -213,7 +219,10 @@ impl InitialValueProblem {
         length("initial velocities", self.v.len(), n)?;
         for (i, coordinate) in declaration.coordinates.iter().enumerate() {
             finite(&format!("initial `{}`", coordinate.name), self.q[i])?;
-            finite(&format!("initial d`{}`/dt", coordinate.name), self.v[i])?;
+            match declaration.state(i) {
+                None => finite(&format!("initial d`{}`/dt", coordinate.name), self.v[i])?,
+                Some(state) => finite(&format!("initial `{}`", state.name), self.v[i])?,
+            }
         }
         finite("horizon", self.horizon)?;
         if self.horizon <= 0.0 {
@@ -242,9 +251,7 @@ impl InitialValueProblem {
             ));
         }
         self.controls.check(declaration.controls.len())?;
-        let x = self.input(model);
-        check_mass(model, &x)?;
-        self.check_contacts(model, &x)
+        check_mass(model, &self.input(model))
     }
 
     /// Rounding error of a gap at the start `x`.
@@ -354,6 +361,22 @@ impl InitialValueProblem {
         }
     }
 
+    /// Refuses a scene in which something switches, for what knows smooth functions only; `what` is refused with a `remedy`.
+    pub(crate) fn check_switches(
+        model: &dyn Model,
+        what: &str,
+        remedy: &str,
+    ) -> Result<(), InputError> {
+        let contacts = model.declaration().contacts;
+        match contacts.iter().find(|known| known.switch.is_some()) {
+            None => Ok(()),
+            Some(contact) => Err(refusal::unsupported(
+                format!("the switch `{}`, by {what}", contact.name),
+                remedy,
+            )),
+        }
+    }
+
     /// The input vector `x = (q, v, u)` at the start of a problem that was checked.
     pub(crate) fn input(&self, model: &dyn Model) -> Vec<f64> {
         let declaration = model.declaration();
@@ -422,6 +445,14 @@ pub(crate) fn negative_bound(name: &str) -> String {
     )
 }
 
+/// What is wrong where the motion is on the zero of a switch that it may leave to either side at any time.
+pub(crate) fn not_unique(name: &str) -> String {
+    format!(
+        "the motion is not unique: it is where the function of `{name}` vanishes, and what acts pushes away from there on both sides; \
+         start to one side of it, or check the sign of what it switches"
+    )
+}
+
 /// What of the model has a value at the input `x` that is infinite or not a number.
 pub(in crate::simulation) fn not_finite_at(model: &dyn Model, x: &[f64]) -> Option<String> {
     let declaration = model.declaration();
@@ -429,9 +460,12 @@ pub(in crate::simulation) fn not_finite_at(model: &dyn Model, x: &[f64]) -> Opti
     let mut acceleration = vec![0.0; n];
     model.free_acceleration(x, &mut acceleration);
     let pairs = declaration.coordinates.iter().zip(&acceleration);
-    for (coordinate, value) in pairs {
+    for (k, (coordinate, value)) in pairs.enumerate() {
         if !value.is_finite() {
-            return Some(format!("the acceleration of `{}`", coordinate.name));
+            return Some(match declaration.state(k) {
+                None => format!("the acceleration of `{}`", coordinate.name),
+                Some(state) => format!("the rate of `{}`", state.name),
+            });
         }
     }
     let mut point = vec![0.0; contact_point::length(n)];
@@ -486,6 +520,12 @@ fn check_mass(model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
     let mut m = vec![0.0; n * n];
     model.mass_matrix(x, &mut m);
     let m = nalgebra::DMatrix::from_row_slice(n, n, &m);
+    // States of first order have inertias of 1 of their own.
+    let mechanical = declaration.mechanical();
+    if mechanical == 0 {
+        return Ok(());
+    }
+    let m = m.view((0, 0), (mechanical, mechanical)).into_owned();
     if m.iter().any(|value| !value.is_finite()) {
         return Err(refusal::not_finite("mass matrix at the start", f64::NAN));
     }

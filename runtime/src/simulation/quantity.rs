@@ -10,6 +10,7 @@ const DIGITS: usize = 7;
 pub(crate) enum Quantity {
     Time,
     Coordinate(usize),
+    /// Velocity of a coordinate; those of the last coordinates are the states of first order.
     Velocity(usize),
     Control(usize),
     /// Normal force of a contact.
@@ -37,6 +38,11 @@ impl Quantity {
             Some(rest.strip_prefix('(')?.strip_suffix(')')?.trim())
         };
         let coordinate = |name: &str| declaration.coordinates.iter().position(|c| c.name == name);
+        let state = || {
+            let mut states = declaration.states.iter();
+            let state = states.position(|known| known.name == name);
+            state.map(|state| Self::Velocity(declaration.mechanical() + state))
+        };
         let contact = |name: &str| declaration.contacts.iter().position(|c| c.name == name);
         if let Some(name) = argument("dot") {
             return coordinate(name).map(Self::Velocity);
@@ -54,6 +60,7 @@ impl Quantity {
         let time = (name == "time").then_some(Self::Time);
         coordinate(name)
             .map(Self::Coordinate)
+            .or_else(state)
             .or_else(|| control().map(Self::Control))
             .or(time)
             .or_else(|| {
@@ -70,11 +77,10 @@ impl Quantity {
         outputs: &[VariableDeclaration],
         name: &str,
     ) -> String {
-        let coordinates = declaration.coordinates.iter().map(|c| c.name.to_owned());
-        let velocities = declaration
-            .coordinates
-            .iter()
-            .map(|c| format!("dot({})", c.name));
+        let mechanical = &declaration.coordinates[..declaration.mechanical()];
+        let coordinates = mechanical.iter().map(|c| c.name.to_owned());
+        let velocities = mechanical.iter().map(|c| format!("dot({})", c.name));
+        let states = declaration.states.iter().map(|known| known.name.to_owned());
         let controls = declaration.controls.iter().map(|c| c.name.to_owned());
         let forces = declaration
             .contacts
@@ -86,6 +92,7 @@ impl Quantity {
         let impulses = striking.map(|c| format!("impulse({})", c.name));
         let all = coordinates
             .chain(velocities)
+            .chain(states)
             .chain(controls)
             .chain(forces)
             .chain(frictions)

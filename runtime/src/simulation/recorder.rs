@@ -3,7 +3,8 @@
 use std::fmt;
 use std::sync::Arc;
 
-use crate::model::{Model, VariableDeclaration};
+use crate::joints::joint_forces;
+use crate::model::{Model, VariableDeclaration, joint_rows};
 
 /// The scene of a motion, with its parameters.
 #[derive(Clone)]
@@ -68,6 +69,11 @@ impl Recorder {
         let mut contacts = [at.contact_force, at.friction_force].concat();
         contacts.resize(2 * at.contact_force.len(), 0.0);
         contacts.extend(at.impulses);
+        if joint_rows(&*self.0) > 0 {
+            contacts.resize(4 * at.contact_force.len(), 0.0);
+            let forces = joint_forces(&*self.0, &x, at.contact_force, at.friction_force);
+            contacts.extend(forces);
+        }
         let mut values = vec![f64::NAN; self.declared().len()];
         self.0.output_values(&x, &contacts, &mut values);
         values

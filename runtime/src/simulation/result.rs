@@ -7,7 +7,7 @@ use hangtime_solver::{ProblemSize, Seconds};
 
 use super::quantity::{Quantity, number};
 use super::{ContactMode, InputError, Residuals, State, Trajectory};
-use crate::model::Declaration;
+use crate::model::{ContactDeclaration, Declaration, Model};
 use crate::refusal;
 
 /// Result of a simulation.
@@ -81,6 +81,18 @@ enum Side {
 }
 
 impl Simulation {
+    /// Leaves the coordinates out that stand for parameters, at the values of which `scene` is the model without them.
+    pub(crate) fn leave_held_out(&mut self, scene: &dyn Model) {
+        let n = scene.declaration().coordinates.len();
+        self.declaration = scene.declaration();
+        self.trajectory.leave_held_out(scene);
+        for event in &mut self.events {
+            for values in [&mut event.q, &mut event.v_before, &mut event.v_after] {
+                values.truncate(n);
+            }
+        }
+    }
+
     /// The state at a time, right after an impact at that time.
     ///
     /// Between two points of the trajectory coordinates follow the cubic through their values and velocities, and
@@ -407,6 +419,10 @@ pub enum EventKind {
     Stick,
     /// A sticking contact begins to slip, or the direction of sliding turns round.
     Slip,
+    /// The motion begins to slide along the zero of a switch.
+    Slide,
+    /// The motion passes the zero of a switch, or leaves it.
+    Switch,
 }
 
 impl EventKind {
@@ -419,6 +435,17 @@ impl EventKind {
             Self::LiftOff => "lift_off",
             Self::Stick => "stick",
             Self::Slip => "slip",
+            Self::Slide => "slide",
+            Self::Switch => "switch",
+        }
+    }
+
+    /// The kind of a change of friction that is one of the contact `declared`.
+    pub(super) fn of(self, declared: &ContactDeclaration) -> Self {
+        match (self, declared.switch) {
+            (Self::Stick, Some(_)) => Self::Slide,
+            (Self::Slip, Some(_)) => Self::Switch,
+            (kind, _) => kind,
         }
     }
 }

@@ -6,6 +6,7 @@ use hangtime_solver::clock::ThreadTime;
 use super::event::dop853::{Dop853, System};
 use super::event::dynamics::Dynamics;
 use super::fixed::check_gaps;
+use super::joints;
 use super::other_grid::{self, Judge, OtherGrid};
 use super::watch::Watch;
 use super::{
@@ -110,6 +111,7 @@ impl Simulator for Smooth {
                 return Err(refusal::out_of_range(what, value, "", bound));
             }
         }
+        joints::refuse(model, "smoothed steps", joints::LOCATED)?;
         problem.check(model)?;
         InitialValueProblem::check_inelastic(model, self.name())?;
         InitialValueProblem::check_at_once(model, "smoothed steps")?;

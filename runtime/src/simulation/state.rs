@@ -9,7 +9,7 @@ use crate::model::{Declaration, VariableDeclaration};
 
 /// State of a simulation at one instant, see [`Simulation::at`](super::Simulation::at).
 ///
-/// Values are read by name: a coordinate `"z"`, its velocity `"dot(z)"`, a control `"u"`, the normal and the tangential
+/// Values are read by name: a coordinate `"z"`, its velocity `"dot(z)"`, a state of first order `"a"`, a control `"u"`, the normal and the tangential
 /// force of a contact `"force(floor)"` and `"friction_force(floor)"` (or `"friction(floor)"`), the impulses of all its
 /// impacts so far `"impulse(floor)"` and `"friction_impulse(floor)"`, `"time"`, and what the scene declares in `outputs`.
 /// Impulses are not numbers where the method does not tell impacts from lasting forces.
@@ -161,7 +161,9 @@ impl Index<&str> for State {
 impl fmt::Display for State {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "t = {} s:", number(self.time))?;
-        for (k, known) in self.declaration.coordinates.iter().enumerate() {
+        let mechanical = self.declaration.mechanical();
+        let coordinates = &self.declaration.coordinates[..mechanical];
+        for (k, known) in coordinates.iter().enumerate() {
             let comma = if k == 0 { "" } else { "," };
             write!(
                 f,
@@ -171,9 +173,13 @@ impl fmt::Display for State {
                 known.unit
             )?;
         }
-        for (k, known) in self.declaration.coordinates.iter().enumerate() {
+        for (k, known) in coordinates.iter().enumerate() {
             let unit = per_second(known.unit);
             write!(f, ", dot({}) = {} {unit}", known.name, number(self.v[k]))?;
+        }
+        let states = self.declaration.states.iter();
+        for (known, value) in states.zip(&self.v[mechanical..]) {
+            write!(f, ", {} = {} {}", known.name, number(*value), known.unit)?;
         }
         for (known, value) in self.declaration.controls.iter().zip(&self.u) {
             write!(f, ", {} = {} {}", known.name, number(*value), known.unit)?;

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::recorder::{Impulses, Instant, Recorder};
-use crate::model::VariableDeclaration;
+use crate::model::{Model, VariableDeclaration};
 
 /// States over time; entry `k` of every field belongs to the same instant.
 ///
@@ -66,6 +66,17 @@ impl Trajectory {
         self.u.truncate(instants);
         self.contact_force.truncate(instants);
         self.friction_force.truncate(instants);
+    }
+
+    /// Leaves out the coordinates that `scene` does not have, the last ones; what is recorded is that of the scene.
+    pub(super) fn leave_held_out(&mut self, scene: &dyn Model) {
+        self.columns.take();
+        self.outputs.take();
+        let n = scene.declaration().coordinates.len();
+        for states in [&mut self.q, &mut self.v] {
+            states.iter_mut().for_each(|state| state.truncate(n));
+        }
+        self.recorder = Recorder::of(scene);
     }
 
     /// Leaves out both sides of every second jump.

@@ -40,8 +40,12 @@ pub(super) struct Checker<'a> {
     pub(super) scope: Scope,
     pub(super) diagnostics: &'a mut Diagnostics,
     pub(super) parameters: Vec<Parameter>,
+    pub(super) free_parameters: Vec<scene::FreeParameter>,
     pub(super) coordinates: Vec<Coordinate>,
     pub(super) controls: Vec<Coordinate>,
+    pub(super) states: Vec<Coordinate>,
+    /// Rates in SI units, by state.
+    pub(super) rates: Vec<(usize, Sym)>,
     pub(super) abbreviations: Vec<Abbreviation>,
     pub(super) lagrangian: Option<(Sym, Place)>,
     pub(super) dissipation: Option<Sym>,
@@ -49,6 +53,7 @@ pub(super) struct Checker<'a> {
     pub(super) forces: Vec<(usize, Sym)>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) laws: Laws,
+    pub(super) joints: Vec<scene::Joint>,
     pub(super) start: Vec<Assignment>,
     pub(super) horizon: Option<Sym>,
     pub(super) task: Task,
@@ -131,6 +136,12 @@ impl Checker<'_> {
         };
         match variable {
             Variable::Coordinate(i) => format!("the coordinate `{}`", name(&self.coordinates, i)),
+            Variable::Velocity(i) if i >= self.scope.first_state => {
+                format!(
+                    "the state `{}`",
+                    name(&self.states, i - self.scope.first_state)
+                )
+            }
             Variable::Velocity(i) => format!("the velocity `dot({})`", name(&self.coordinates, i)),
             Variable::Control(i) => format!("the control `{}`", name(&self.controls, i)),
             Variable::Time => "the time `t`".to_owned(),
@@ -140,7 +151,9 @@ impl Checker<'_> {
             Variable::ContactImpulse(_) | Variable::FrictionImpulse(_) => {
                 "the impulse of a contact".to_owned()
             }
+            Variable::JointForce(_) => "the force of a joint".to_owned(),
             Variable::Sum(_) => "a sum over impacts".to_owned(),
+            Variable::Switch(_) => "a switch".to_owned(),
             _ => "a parameter".to_owned(),
         }
     }
@@ -220,6 +233,26 @@ impl Checker<'_> {
         }
     }
 
+    /// The free parameter that a value depends on, if it depends on one.
+    pub(super) fn free_parameter_in(&self, value: Sym) -> Option<&str> {
+        let read = graph::variables(&[value]);
+        let mut free = self.free_parameters.iter();
+        let found = free.find(|free| read.contains(&Variable::Parameter(free.index)))?;
+        Some(self.parameters[usize::from(found.index)].name.text.as_str())
+    }
+
+    /// A bound of `of`, which is the same for all values of free parameters.
+    pub(super) fn fixed_bound(&mut self, bound: Sym, expr: &Expr, of: &str) -> Checked<Sym> {
+        let Some(name) = self.free_parameter_in(bound) else {
+            return Ok(bound);
+        };
+        let message = format!(
+            "a bound of `{of}` depends on the free parameter `{name}`; write it as a condition, such as \
+             `constraint limit: {of} <= {expr}`"
+        );
+        Err(self.diagnostics.syntax(expr.place, message))
+    }
+
     pub(super) fn coordinate_index(&mut self, name: &Name) -> Checked<usize> {
         if let Some(index) = self
             .coordinates
@@ -237,7 +270,13 @@ impl Checker<'_> {
             .map(|known| known.name.text.clone())
             .collect();
         let names = || names.iter().map(String::as_str);
-        let message = if self.scope.names.contains_key(&name.text) {
+        let mut states = self.states.iter();
+        let message = if states.any(|known| known.name.text == name.text) {
+            format!(
+                "`{0}` is a state, not a coordinate; what it changes by stands in `rates {{ {0}: ... }}`",
+                name.text
+            )
+        } else if self.scope.names.contains_key(&name.text) {
             format!(
                 "`{}` is not a coordinate (coordinates: {})",
                 name.text,

@@ -22,7 +22,8 @@ pub(super) fn coordinates(lagrangian: Sym, checker: &mut Checker<'_>) {
         let name = &checker.coordinates[i].name;
         let mut given = checker.start.iter();
         let starts = given.any(|start| start.velocity && start.target.text == name.text);
-        let released = checker.task.free.iter().any(|free| free.index == n + i);
+        let velocity = n + checker.states.len() + i;
+        let released = checker.task.free.iter().any(|free| free.index == velocity);
         if starts || released {
             continue;
         }

@@ -10,10 +10,11 @@ use crate::scene::{Contact, Friction};
 use hangtime_units::Unit;
 use std::collections::HashMap;
 
-/// E20: a surface or a dry friction has a name of its own.
+/// E20: a surface, a dry friction or a joint has a name of its own.
 pub(super) fn new_contact(checker: &mut Checker<'_>, name: &Name, what: &str) -> Checked<()> {
     let text = &name.text;
-    let dry = checker.scope.dry.contains(text);
+    let mut joints = checker.scope.joints.iter();
+    let dry = checker.scope.dry.contains(text) || joints.any(|(known, _)| known == text);
     let mut surfaces = checker.surfaces.iter().map(|known| &known.name.text);
     if dry || surfaces.any(|known| known == text) || checker.diagnostics.is_poisoned(text) {
         let message = format!("{what} `{text}` is declared twice; rename one");
@@ -116,6 +117,7 @@ pub(super) fn append(
                 sliding: dry.sliding,
             }),
             bound: Some(dry.bound),
+            switch: None,
         });
     }
 }

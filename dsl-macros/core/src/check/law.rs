@@ -124,9 +124,13 @@ pub(super) fn velocities(expr: &Expr) -> &[Expr] {
 /// The sliding velocity, which must be `b(q, t)' v + c(q, t)`: `c` is the velocity of a ground that moves.
 pub(super) fn sliding(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
     let sliding = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
-    if let Some(variable) = graph::variables(&[sliding])
-        .into_iter()
-        .find(|variable| matches!(variable, Variable::Control(_)))
+    if let Some(variable) =
+        graph::variables(&[sliding])
+            .into_iter()
+            .find(|&variable| match variable {
+                Variable::Velocity(i) => i >= checker.scope.first_state,
+                other => matches!(other, Variable::Control(_)),
+            })
     {
         let message = format!(
             "the sliding velocity depends on {}; it may depend on positions and velocities only",
@@ -391,6 +395,7 @@ pub(super) fn contacts(
             restitution: law.restitution,
             friction,
             bound: None,
+            switch: None,
         });
     }
     if failed { Err(Reported) } else { Ok(contacts) }

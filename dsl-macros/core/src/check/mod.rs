@@ -3,7 +3,9 @@
 mod checker;
 mod chosen;
 mod dependence;
+mod design;
 mod dry;
+mod joint;
 mod law;
 mod names;
 mod optimal_control;
@@ -13,9 +15,13 @@ mod pieces;
 mod reach;
 mod rules;
 mod start;
+mod states;
+mod switches;
 mod units;
 mod values;
 
+pub(crate) use design::without_free_bounds;
+pub(crate) use joint::rate as joint_rate;
 pub(crate) use law::normal;
 pub(crate) use start::inertia_at_start;
 
@@ -37,14 +43,18 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         scope: Scope::default(),
         diagnostics,
         parameters: Vec::new(),
+        free_parameters: Vec::new(),
         coordinates: Vec::new(),
         controls: Vec::new(),
+        states: Vec::new(),
+        rates: Vec::new(),
         abbreviations: Vec::new(),
         lagrangian: None,
         dissipation: None,
         forces: Vec::new(),
         surfaces: Vec::new(),
         laws: Laws::default(),
+        joints: Vec::new(),
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
@@ -58,16 +68,19 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
             failed.insert(index);
         }
     }
-    let units = units::inferred(declared, &failed, checker.diagnostics);
+    let rolling = joint::of_velocities(&checker);
+    let units = units::inferred(declared, (&failed, rolling), checker.diagnostics);
     let complete = before == 0 && failed.is_empty();
     finish(checker, declared, &units, complete)
 }
 
 fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()> {
     match statement {
-        Statement::Parameters(_) => Ok(()),
+        Statement::Parameters(quantities) => design::bounds(checker, quantities),
         Statement::Coordinates(quantities) => values::bounds(checker, quantities, false),
         Statement::Controls(quantities) => values::bounds(checker, quantities, true),
+        Statement::States(quantities) => values::bounds_of_states(checker, quantities),
+        Statement::Rates(assignments) => states::rates(checker, assignments),
         Statement::Let { name, value } => abbreviation(checker, name, value),
         Statement::Function {
             name,
@@ -91,6 +104,12 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             bound,
             sliding,
         } => dry::friction(checker, (documentation, name), bound, sliding),
+        Statement::Joint {
+            documentation,
+            name,
+            left,
+            right,
+        } => joint::joint(checker, (documentation, name), left, right),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
         Statement::Minimize { keyword, value } => {
@@ -109,7 +128,9 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
 fn abbreviation(checker: &mut Checker<'_>, name: &Name, value: &Expr) -> Checked<()> {
     let free = checker.new_name(name, "abbreviation");
     checker.scope.later.remove(&name.text);
+    checker.scope.defers = true;
     let value = expression::value(&mut checker.scope, value, checker.diagnostics);
+    checker.scope.defers = false;
     free?;
     let meaning = match value {
         Ok(value) => value,
@@ -227,6 +248,7 @@ fn finish(
 ) -> Checked<CheckedScene> {
     let mut checker = checker;
     rules::missing_statements(&declared.name, &mut checker);
+    states::without_rate(&mut checker);
     let start = values::start_values(&mut checker);
     start::gaps(&mut checker, declared, &start, units, complete);
     reach::surfaces(&mut checker, units);
@@ -241,7 +263,11 @@ fn finish(
         return Err(Reported);
     }
     let moves = match units.energy {
-        true => rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics),
+        // A scene of states only has no mechanism.
+        true if checker.coordinates.is_empty() => Ok(()),
+        true => states::momenta(&mut checker, lagrangian, place).and_then(|()| {
+            rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)
+        }),
         false => Err(Reported),
     };
     let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &units.gaps, &mut checker);
@@ -252,7 +278,9 @@ fn finish(
     rules::unused(&mut checker);
     let mut contacts = contacts?;
     dry::append(&mut checker, &units.gaps, &mut contacts);
-    let forces = total_forces(&checker);
+    let mut forces = total_forces(&checker);
+    states::append(&mut checker, &mut forces);
+    switches::append(&mut checker, &mut forces, &mut contacts)?;
     let mut dynamics: Vec<Sym> = vec![lagrangian];
     dynamics.extend(&forces);
     for contact in &contacts {
@@ -260,7 +288,10 @@ fn finish(
         dynamics.extend(contact.bound);
         dynamics.extend(contact.along.iter().flatten());
         dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
+        dynamics.extend(contact.switch.iter().flatten());
     }
+    joint::finish(&mut checker, &units.gaps, &contacts);
+    dynamics.extend(checker.joints.iter().flat_map(|joint| &joint.rows));
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
     if let Some(task) = &optimal_control {
         dynamics.extend(task.running_cost);
@@ -269,6 +300,8 @@ fn finish(
         dynamics.extend(&task.sums);
     }
     moves?;
+    let given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
+    design::finish(&mut checker, &given, &contacts, optimal_control.as_ref());
     outputs::finish(&mut checker, &contacts, units);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
@@ -281,9 +314,11 @@ fn finish(
         parameters: checker.parameters,
         coordinates: checker.coordinates,
         controls: checker.controls,
+        states: checker.states,
         lagrangian,
         forces,
         contacts,
+        joints: checker.joints,
         start,
         horizon: checker.horizon,
         explicit_time,
@@ -291,6 +326,8 @@ fn finish(
         outputs: checker.shown.outputs,
         picture: checker.shown.picture,
         differentiated: Vec::new(),
+        free_parameters: checker.free_parameters,
+        held: Vec::new(),
     })
 }
 

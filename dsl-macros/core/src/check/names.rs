@@ -1,12 +1,12 @@
 //! Names: what is declared, what may not be, what is taken.
 
 use super::checker::Checker;
-use super::values;
+use super::{states, values};
 use crate::ast::{Name, Quantity, Statement};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::{Meaning, Value};
 use crate::graph::{Compose, Sym, Variable};
-use crate::scene::{self, Coordinate, Parameter};
+use crate::scene::{self, Coordinate, FreeParameter, Parameter};
 
 /// Most coordinates, and most parameters or controls, of one scene.
 const MOST: usize = 500;
@@ -48,6 +48,13 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
             _ => {}
         }
     }
+    // Behind all coordinates.
+    checker.scope.first_state = checker.coordinates.len() as u16;
+    for statement in statements {
+        if let Statement::States(quantities) = statement {
+            declare(checker, quantities, state);
+        }
+    }
 }
 
 fn declare(
@@ -87,14 +94,21 @@ fn parameter(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
             ))
         }
     };
-    if let Some((lower, _)) = &quantity.bounds {
+    if let Some((lower, _)) = quantity.bounds.as_ref().filter(|_| !quantity.free) {
         checker.diagnostics.syntax(
             lower.place,
             format!(
-                "bounds belong to coordinates and controls; parameter `{}` has none",
+                "bounds belong to coordinates, controls and free parameters; parameter `{0}` has none: leave them out, or \
+                 write `free {0}...` outside of `parameters` if `solve` is to find it",
                 name.text
             ),
         );
+    }
+    if quantity.free {
+        checker.free_parameters.push(FreeParameter {
+            index,
+            bounds: (Sym::ZERO, Sym::ZERO),
+        });
     }
     checker.parameters.push(Parameter {
         name: name.clone(),
@@ -151,6 +165,29 @@ fn coordinate(checker: &mut Checker<'_>, quantity: &Quantity, control: bool) -> 
     } else {
         checker.coordinates.push(declared);
     }
+    Ok(())
+}
+
+fn state(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
+    let name = &quantity.name;
+    checker.new_name(name, "state")?;
+    room(checker, name, checker.states.len())?;
+    if let Some(value) = &quantity.value {
+        let message = format!(
+            "initial values belong to `start {{ {}: ... }}`; leave `= ...` out",
+            name.text
+        );
+        checker.diagnostics.syntax(value.place, message);
+    }
+    let unit = quantity.unit.clone();
+    let sym = Sym::variable(states::variable(checker, checker.states.len()));
+    declare_value(checker, name, sym.scaled(scene::scale(unit.as_ref())));
+    checker.states.push(Coordinate {
+        name: name.clone(),
+        unit,
+        documentation: quantity.documentation.clone(),
+        bounds: None,
+    });
     Ok(())
 }
 

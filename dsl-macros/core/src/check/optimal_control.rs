@@ -2,7 +2,7 @@
 
 use super::checker::{Checker, Cost, Free, Task};
 use super::rules::smooth;
-use super::{units, values};
+use super::{states, units, values};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::expression;
@@ -122,7 +122,7 @@ fn running_term(
     let value = in_role(checker, Role::Running, |checker| {
         expression::scalar(&mut checker.scope, expr, checker.diagnostics)
     })?;
-    if !moves(value) {
+    if !moves(checker, value) {
         return Err(meaningless(
             checker,
             expr.place,
@@ -150,7 +150,7 @@ fn running_term(
 
 fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
     let value = at_the_end(checker, expr, "the final cost")?;
-    if !moves(value) {
+    if !moves(checker, value) {
         return Err(meaningless(
             checker,
             expr.place,
@@ -273,7 +273,7 @@ fn checked_condition(
         Relation::AtMost => right - left,
         Relation::AtLeast | Relation::Equal => left - right,
     };
-    if !moves(function) {
+    if !moves(checker, function) {
         return Err(meaningless(
             checker,
             condition.left.place.to(condition.right.place),
@@ -306,12 +306,22 @@ pub(super) fn free(checker: &mut Checker<'_>, values: &[FreeStart]) -> Checked<(
 }
 
 fn free_value(checker: &mut Checker<'_>, value: &FreeStart) -> Checked<()> {
-    let coordinate = checker.coordinate_index(&value.target)?;
-    let n = checker.coordinates.len();
-    let (index, shown) = if value.velocity {
-        (n + coordinate, format!("dot({})", value.target.text))
-    } else {
-        (coordinate, value.target.text.clone())
+    let name = &value.target.text;
+    let (index, shown, unit) = match states::index(checker, &value.target) {
+        Some(state) if !value.velocity => {
+            let unit = checker.states[state].unit.clone();
+            (states::place(checker, state), name.clone(), unit)
+        }
+        _ => {
+            let coordinate = checker.coordinate_index(&value.target)?;
+            let unit = checker.coordinates[coordinate].unit.clone();
+            let n = checker.coordinates.len() + checker.states.len();
+            if value.velocity {
+                (n + coordinate, format!("dot({name})"), unit)
+            } else {
+                (coordinate, name.clone(), unit)
+            }
+        }
     };
     if checker.task.free.iter().any(|known| known.index == index) {
         return Err(checker.diagnostics.syntax(
@@ -319,7 +329,6 @@ fn free_value(checker: &mut Checker<'_>, value: &FreeStart) -> Checked<()> {
             format!("`{shown}` is listed in `free` twice; keep one"),
         ));
     }
-    let unit = checker.coordinates[coordinate].unit.clone();
     let bounds = value
         .bounds
         .as_ref()
@@ -354,6 +363,7 @@ pub(super) fn optimal_control(
     for (condition, unit) in goals.iter_mut().zip(&units.goals) {
         condition.unit = *unit;
     }
+    constraints.extend(states::constraints(checker));
     free.sort_by_key(|free| free.index);
     let cost = cost.unwrap_or_default();
     let (at_impacts, constraints) = constraints.into_iter().partition(is_at_impacts);
@@ -372,11 +382,10 @@ pub(super) fn optimal_control(
     })
 }
 
-/// Whether a value depends on the motion.
-fn moves(value: Sym) -> bool {
-    graph::depends_on(value, |variable| {
-        !matches!(variable, Variable::Parameter(_))
-    })
+/// Whether a value depends on the motion, or on a parameter that is to be found with it.
+fn moves(checker: &Checker<'_>, value: Sym) -> bool {
+    let of_motion = |variable| !matches!(variable, Variable::Parameter(_));
+    graph::depends_on(value, of_motion) || checker.free_parameter_in(value).is_some()
 }
 
 /// A condition as written.

@@ -120,6 +120,7 @@ impl Range {
             Function::Asin => Self::new(-FRAC_PI_2, FRAC_PI_2),
             Function::Acos => Self::new(0.0, PI),
             Function::Abs => self.size(),
+            Function::Sign => Self::new(-1.0, 1.0),
             Function::Cosh => {
                 let size = self.size();
                 Self::around(&[size.least.cosh(), size.most.cosh()])

@@ -16,7 +16,9 @@ fn is_coordinate(variable: Variable) -> bool {
 
 /// E04: a scene needs coordinates and a Lagrangian.
 pub(super) fn missing_statements(name: &Name, checker: &mut Checker<'_>) {
-    if checker.coordinates.is_empty() && checker.diagnostics.mistakes() == 0 {
+    if checker.coordinates.is_empty() && !checker.states.is_empty() {
+        without_coordinates(name, checker);
+    } else if checker.coordinates.is_empty() && checker.diagnostics.mistakes() == 0 {
         checker.diagnostics.report(
             "E04",
             name.place(),
@@ -34,6 +36,21 @@ pub(super) fn missing_statements(name: &Name, checker: &mut Checker<'_>) {
                 name.text
             ),
         );
+    }
+}
+
+/// E04: what a scene of states only has no mechanism for.
+fn without_coordinates(name: &Name, checker: &mut Checker<'_>) {
+    if checker.lagrangian.is_none() {
+        checker.lagrangian = Some((Sym::ZERO, name.place()));
+        return;
+    }
+    if checker.diagnostics.mistakes() == 0 {
+        let message = format!(
+            "scene `{}` declares states and no coordinates, so that there is nothing to have a Lagrangian; leave it out, or              declare what moves, as in `coordinates {{ y: m }}`",
+            name.text
+        );
+        checker.diagnostics.report("E04", name.place(), message);
     }
 }
 
@@ -248,8 +265,13 @@ fn mentions(expr: &Expr, names: &[String]) -> bool {
 pub(super) fn unused(checker: &mut Checker<'_>) {
     let mut unused: Vec<(Place, String)> = Vec::new();
     let is_unused = |name: &Name| !checker.scope.used.contains(&name.text);
-    for parameter in &checker.parameters {
-        if is_unused(&parameter.name) {
+    // Of free ones more is asked, see `design`.
+    let free = |index: usize| {
+        let mut free = checker.free_parameters.iter();
+        free.any(|free| usize::from(free.index) == index)
+    };
+    for (index, parameter) in checker.parameters.iter().enumerate() {
+        if is_unused(&parameter.name) && !free(index) {
             unused.push((
                 parameter.name.place(),
                 format!("parameter `{}` is never used", parameter.name.text),

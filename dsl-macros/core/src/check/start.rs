@@ -2,6 +2,7 @@
 //! parameters.
 
 use super::checker::Checker;
+use super::states;
 use super::units::{Inferred, rounded};
 use super::values::StartValues;
 use crate::ast::{Name, Scene, Statement};
@@ -42,22 +43,18 @@ pub(super) fn gaps(
     complete: bool,
 ) {
     let has = |wanted: fn(&Statement) -> bool| declared.statements.iter().any(wanted);
-    // A start that is to be found is not a given one.
-    if has(|statement| matches!(statement, Statement::Free(_))) {
+    // A start that is to be found, or that joints complete, is not a given one.
+    if has(|statement| matches!(statement, Statement::Free(_) | Statement::Joint { .. })) {
         return;
     }
     let n = checker.coordinates.len();
-    let values: Vec<Sym> = start
-        .declared
-        .iter()
-        .map(|value| value.map_or(Sym::ZERO, |(value, _)| value))
-        .collect();
+    let [q, v] = states::of_coordinates(&start.declared, n);
     let parameters = checker
         .parameters
         .iter()
         .map(|known| known.default)
         .collect();
-    let at = Start::new(parameters, (&values[..n], &values[n..]));
+    let at = Start::new(parameters, (&q, &v));
     let positions = start.declared[..n].iter().any(Option::is_some);
     let scale = at.coordinates.iter().fold(1.0, |s: f64, q| s.max(q.abs()));
     let surfaces = std::mem::take(&mut checker.surfaces);

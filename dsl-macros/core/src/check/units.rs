@@ -47,10 +47,11 @@ pub(super) fn rounded(value: f64) -> f64 {
     (value * scale).round() / scale
 }
 
-/// Checks and infers units. Statements at the positions `skip` failed before and are passed over.
+/// Checks and infers units. Statements at the positions `skip` failed before and are passed over; the joints called
+/// `rolling` are equations between velocities.
 pub(super) fn inferred(
     scene: &Scene,
-    skip: &HashSet<usize>,
+    (skip, rolling): (&HashSet<usize>, HashSet<String>),
     diagnostics: &mut Diagnostics,
 ) -> Inferred {
     if !declares_units(scene) {
@@ -83,6 +84,8 @@ pub(super) fn inferred(
         faulty: HashSet::new(),
         angles: Vec::new(),
         radians: HashSet::new(),
+        joints: Vec::new(),
+        rolling,
     };
     let mut sound = true;
     statement::declare(&mut walk, scene);
@@ -131,9 +134,10 @@ pub(super) fn inferred(
 
 fn declares_units(scene: &Scene) -> bool {
     scene.statements.iter().any(|statement| match statement {
-        Statement::Parameters(list) | Statement::Coordinates(list) | Statement::Controls(list) => {
-            list.iter().any(|quantity| quantity.unit.is_some())
-        }
+        Statement::Parameters(list)
+        | Statement::Coordinates(list)
+        | Statement::Controls(list)
+        | Statement::States(list) => list.iter().any(|quantity| quantity.unit.is_some()),
         _ => false,
     })
 }

@@ -1,6 +1,7 @@
 //! Numbers of the declaration: defaults, bounds, start, horizon; and the formulas of the dynamics.
 
 use super::checker::Checker;
+use super::states;
 use crate::ast::{Assignment, Expr, Kind, Name, Quantity, WrittenUnit};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Place, Reported};
@@ -82,6 +83,21 @@ pub(super) fn bounds(
     Ok(())
 }
 
+/// Bounds of states.
+pub(super) fn bounds_of_states(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Checked<()> {
+    for quantity in quantities {
+        let state = states::index(checker, &quantity.name);
+        let (Some(state), Some(bounds)) = (state, &quantity.bounds) else {
+            continue;
+        };
+        let (name, unit) = (&quantity.name.text, quantity.unit.as_ref());
+        if let Ok(range) = range(checker, bounds, unit, name) {
+            checker.states[state].bounds = Some(range);
+        }
+    }
+    Ok(())
+}
+
 /// E17: bounds in the declared unit. A unit behind the upper bound is meant for both: `0.3..=0.5 [m]`.
 pub(super) fn range(
     checker: &mut Checker<'_>,
@@ -99,7 +115,8 @@ pub(super) fn range(
         if let Some(fault) = graph::take_fault() {
             return Err(unrepresentable(fault, expr, checker.diagnostics));
         }
-        checker.constant(sym, expr, &what)
+        let sym = checker.constant(sym, expr, &what)?;
+        checker.fixed_bound(sym, expr, name)
     };
     let (low, high) = (bound(lower, shared), bound(upper, 1.0));
     let (low, high) = (low?, high?);
@@ -296,39 +313,25 @@ fn start_value(checker: &mut Checker<'_>, sym: Sym, expr: &Expr, shown: &str) ->
 
 /// Checks and evaluates what `start` says.
 pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
-    let n = checker.coordinates.len();
+    let n = checker.coordinates.len() + checker.states.len();
     let mut values: Vec<Option<(Sym, Place)>> = vec![None; 2 * n];
     let mut failed = false;
     for assignment in std::mem::take(&mut checker.start) {
-        let index = checker.coordinate_index(&assignment.target);
-        let Ok(index) = index else {
+        let value = match states::index(checker, &assignment.target) {
+            Some(state) => state_start(checker, &assignment, state),
+            None => coordinate_start(checker, &assignment, n),
+        };
+        let Ok((slot, value)) = value else {
             failed = true;
             continue;
         };
-        let unit = checker.coordinates[index].unit.clone();
-        let name = &assignment.target.text;
-        let shown = if assignment.velocity {
-            format!("dot({name})")
-        } else {
-            name.clone()
-        };
-        let value = in_declared_unit(checker, &assignment.value, unit.as_ref())
-            .and_then(|sym| start_value(checker, sym, &assignment.value, &shown));
-        let Ok(value) = value else {
-            failed = true;
-            continue;
-        };
-        let place = assignment.value.place;
-        if !assignment.velocity
-            && let Some(bounds) = checker.coordinates[index].bounds
+        if values[slot]
+            .replace((value, assignment.value.place))
+            .is_some()
         {
-            checker.within(value, bounds, place, name);
-        }
-        let slot = index + if assignment.velocity { n } else { 0 };
-        if values[slot].replace((value, place)).is_some() {
             checker.diagnostics.syntax(
                 assignment.target.place(),
-                format!("`{shown}` has two start values; keep one"),
+                format!("`{}` has two start values; keep one", shown(&assignment)),
             );
             failed = true;
         }
@@ -339,6 +342,77 @@ pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
     StartValues {
         declared: values,
         complete: !failed,
+    }
+}
+
+/// The start value of a coordinate or a velocity, and its place in `(q, v)` of the length `2 n`.
+fn coordinate_start(
+    checker: &mut Checker<'_>,
+    assignment: &Assignment,
+    n: usize,
+) -> Checked<(usize, Sym)> {
+    let index = checker.coordinate_index(&assignment.target)?;
+    let unit = checker.coordinates[index].unit.clone();
+    let value = start_number(
+        checker,
+        &assignment.value,
+        unit.as_ref(),
+        &shown(assignment),
+    )?;
+    if assignment.velocity {
+        return Ok((n + index, value));
+    }
+    if let Some(bounds) = checker.coordinates[index].bounds {
+        checker.within(
+            value,
+            bounds,
+            assignment.value.place,
+            &assignment.target.text,
+        );
+    }
+    Ok((index, value))
+}
+
+/// The start value of a state, and its place in `(q, v)`.
+fn state_start(
+    checker: &mut Checker<'_>,
+    assignment: &Assignment,
+    state: usize,
+) -> Checked<(usize, Sym)> {
+    let name = &assignment.target;
+    if assignment.velocity {
+        let message = format!(
+            "`{0}` is a state, whose rate stands in `rates`; its start value is written `{0}: ...`",
+            name.text
+        );
+        return Err(checker.diagnostics.syntax(name.place(), message));
+    }
+    let unit = checker.states[state].unit.clone();
+    let value = start_number(checker, &assignment.value, unit.as_ref(), &name.text)?;
+    if let Some(bounds) = checker.states[state].bounds {
+        checker.within(value, bounds, assignment.value.place, &name.text);
+    }
+    Ok((states::place(checker, state), value))
+}
+
+/// A start value in the unit of what is `shown`.
+fn start_number(
+    checker: &mut Checker<'_>,
+    value: &Expr,
+    unit: Option<&WrittenUnit>,
+    shown: &str,
+) -> Checked<Sym> {
+    let sym = in_declared_unit(checker, value, unit)?;
+    start_value(checker, sym, value, shown)
+}
+
+/// What an assignment is to.
+fn shown(assignment: &Assignment) -> String {
+    let name = &assignment.target.text;
+    if assignment.velocity {
+        format!("dot({name})")
+    } else {
+        name.clone()
     }
 }
 

@@ -65,6 +65,7 @@ impl Renaming<'_> {
                 InverseInertia::Solved => InverseInertia::Solved,
             },
             direction: None,
+            passes: contact.passes,
             friction: friction.map(|friction| FrictionEquations {
                 rows: self.rows(&friction.rows, 1),
                 curvature: self.formulas(&[friction.curvature], 0)[0],

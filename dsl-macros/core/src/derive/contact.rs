@@ -9,14 +9,18 @@
 
 use super::alike::{Alike, Renaming};
 use super::contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
+use super::held::along_motion;
 use super::implicit::{self, Implicit, WRITTEN_OUT};
+use super::joint::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
-use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{Contact, Friction};
+
+/// Square of an acceleration that is none.
+const NOTHING: f64 = 1e-200;
 
 /// `H` by factors.
 pub(super) struct Inertia {
@@ -69,11 +73,13 @@ fn inner(a: &[Sym], b: &[Sym]) -> Sym {
 }
 
 /// Gap, normal velocity, curvature and normal.
-fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
+fn geometry(contact: &Contact, (n, moving): (usize, usize)) -> (Vec<Sym>, Sym, Vec<Sym>) {
     let gap = contact.gap;
-    let normal: Vec<Sym> = normal(gap, n).into_iter().map(simplify).collect();
-    let normal_velocity = graph::directional(&[gap], velocity_direction)[0];
-    let curvature = graph::directional(&[normal_velocity], velocity_direction)[0];
+    let mut normal: Vec<Sym> = normal(gap, moving).into_iter().map(simplify).collect();
+    normal.resize(n, Sym::ZERO);
+    let along = along_motion(moving);
+    let normal_velocity = graph::directional(&[gap], along)[0];
+    let curvature = graph::directional(&[normal_velocity], along)[0];
     (
         vec![gap, simplify(normal_velocity)],
         simplify(curvature),
@@ -82,10 +88,10 @@ fn geometry(contact: &Contact, n: usize) -> (Vec<Sym>, Sym, Vec<Sym>) {
 }
 
 /// Sliding velocity, its curvature and the tangent.
-fn slip(friction: &Friction, n: usize) -> (Sym, Sym, Vec<Sym>) {
+fn slip(friction: &Friction, (n, moving): (usize, usize)) -> (Sym, Sym, Vec<Sym>) {
     let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
     let sliding = simplify(friction.sliding);
-    let curvature = graph::directional(&[sliding], velocity_direction)[0];
+    let curvature = graph::directional(&[sliding], along_motion(moving))[0];
     let tangent = graph::gradient(sliding, &velocities);
     (
         sliding,
@@ -108,10 +114,13 @@ pub(super) struct Mechanism<'a> {
     pub(super) coordinates: &'a [usize],
     /// Number of coordinates of the scene.
     pub(super) all: usize,
+    pub(super) joints: &'a [Row],
     /// The inverse mass matrix by formulas, of few coordinates.
     pub(super) formulas: Option<&'a Inertia>,
     /// The mass matrix by factors, unless it is solved with at run time.
     pub(super) written_out: Option<&'a Factorization>,
+    /// Number of coordinates that move.
+    pub(super) moving: usize,
     pub(super) inputs: &'a [Variable],
 }
 
@@ -134,7 +143,13 @@ impl Mechanism<'_> {
         contacts: &[ContactEquations],
         alike: &mut Alike,
     ) -> Result<ContactEquations, Failure> {
-        let geometry = geometry(contact, self.all);
+        if let (Some(action), Some(friction)) = (&contact.switch, &contact.friction) {
+            return Ok(self.switch(action, friction));
+        }
+        if let (Some(bound), Some(friction)) = (contact.bound, &contact.friction) {
+            return Ok(self.dry(bound, friction));
+        }
+        let geometry = geometry(contact, (self.all, self.moving));
         let Some(part) = self.part_of(contact, &geometry.2) else {
             return self.with_geometry(contact, &contact.held, geometry);
         };
@@ -155,8 +170,6 @@ impl Mechanism<'_> {
         let friction = contact.friction.as_ref();
         formulas.extend(friction.map(|friction| friction.sliding));
         formulas.push(number(usize::from(friction.is_some())));
-        formulas.extend(contact.bound);
-        formulas.push(number(usize::from(contact.bound.is_some())));
         let held = contact.held.iter();
         formulas.extend(held.filter_map(|i| part.binary_search(i).ok().map(number)));
         formulas.push(Sym::ZERO);
@@ -171,12 +184,12 @@ impl Mechanism<'_> {
     /// there are too many others for formulas.
     fn part_of(&self, contact: &Contact, normal: &[Sym]) -> Option<Vec<usize>> {
         let n = self.all;
-        if self.written_out.is_some() || contact.along.is_some() {
+        if self.written_out.is_some() || contact.along.is_some() || !self.joints.is_empty() {
             return None;
         }
         let mut moved: Vec<bool> = normal.iter().map(|n| !n.is_structural_zero()).collect();
         if let Some(friction) = &contact.friction {
-            let (_, _, tangent) = slip(friction, n);
+            let (_, _, tangent) = slip(friction, (n, self.moving));
             for (moved, component) in moved.iter_mut().zip(tangent) {
                 *moved |= !component.is_structural_zero();
             }
@@ -221,9 +234,11 @@ impl Mechanism<'_> {
             momenta: &momenta,
             coordinates,
             all: n,
+            joints: &[],
             // Simplified formulas are for reading; of many contacts they take long.
             formulas: None,
             written_out: Some(&factors),
+            moving: self.moving,
             inputs: self.inputs,
         };
         let place = |i: &usize| coordinates.binary_search(i).ok();
@@ -243,9 +258,6 @@ impl Mechanism<'_> {
         held: &[usize],
         (mut rows, curvature, normal): (Vec<Sym>, Sym, Vec<Sym>),
     ) -> Result<ContactEquations, Failure> {
-        if let (Some(bound), Some(friction)) = (contact.bound, &contact.friction) {
-            return Ok(self.dry(bound, friction));
-        }
         let n = self.momenta.len();
         let own_normal = self.own(&normal);
         let singular = |row: usize| Failure::SingularMass {
@@ -260,7 +272,7 @@ impl Mechanism<'_> {
                     .transpose()
                     .map_err(singular)?,
                 factors
-                    .map(|_| Factorization::stepwise(&inertia.matrix(), n))
+                    .map(|_| inertia.factorized())
                     .transpose()
                     .map_err(singular)?,
             ),
@@ -303,6 +315,7 @@ impl Mechanism<'_> {
             normal,
             direction,
             friction,
+            passes: false,
         })
     }
 
@@ -314,7 +327,7 @@ impl Mechanism<'_> {
         normal: &[Sym],
         (formulas, factors): (Option<&Inertia>, Option<&Factorization>),
     ) -> FrictionEquations {
-        let (sliding, curvature, tangent) = slip(law, self.all);
+        let (sliding, curvature, tangent) = slip(law, (self.all, self.moving));
         let own = self.own(&tangent);
         let formula = formulas.map(|formulas| {
             let divisor = inner(normal, &formulas.solve(normal));
@@ -347,7 +360,8 @@ impl Mechanism<'_> {
             return Ok(formula);
         }
         let inertia = self.holding(&declared.held);
-        let factors = Factorization::stepwise(&inertia.matrix(), self.momenta.len())
+        let factors = inertia
+            .factorized()
             .map_err(|coordinate| Failure::SingularMass { coordinate })?;
         let normal = inertia.free_part(&contact.normal);
         Ok(Bordered::new(&factors, vec![normal]).inverse_inertia())
@@ -360,25 +374,85 @@ impl Mechanism<'_> {
             momenta: self.momenta,
             coordinates: self.coordinates,
             held,
+            joints: self.joints,
         }
     }
 
     /// Dry friction: no gap and no normal, the given normal acceleration `D f` for a force `f`, and the direction
     /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
     fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
+        let slip = slip(friction, (self.momenta.len(), self.moving));
+        let scale = simplify(self.size_of_force(&slip.2));
+        let action = slip.2.clone();
+        self.given(slip, &action, scale, simplify(scale * bound))
+    }
+
+    /// `sum_k f_k^2 / M_kk`, about the square of the acceleration by a force of that size.
+    fn size_of_force(&self, force: &[Sym]) -> Sym {
+        let n = force.len();
+        let terms = force.iter().enumerate();
+        terms
+            .map(|(k, &f)| f * f * self.mass[k * n + k].power(-2))
+            .sum()
+    }
+
+    /// A switch: the friction direction is `M^-1 a / D` for what it acts by, `a`, and the given normal acceleration `D`, about what
+    /// the switch changes the rate of its function by. Where it does not change that, the function is only passed, and `D` is 1.
+    fn switch(&self, action: &[Sym], friction: &Friction) -> ContactEquations {
+        let slip = slip(friction, (self.momenta.len(), self.moving));
+        let passes = !self.couples(&slip.2, action);
+        let scale = if passes {
+            Sym::ONE
+        } else {
+            let size = simplify(self.size_of_force(&slip.2) * self.size_of_force(action));
+            // Where nothing acts the direction is none instead of not a number.
+            match size.as_number() {
+                Some(size) => Sym::number(size.sqrt()),
+                None => (size + Sym::number(NOTHING)).kept().power(1),
+            }
+        };
+        let mut equations = self.given(slip, action, scale, scale);
+        equations.passes = passes;
+        equations
+    }
+
+    /// Whether a force along `action` may change a velocity with this gradient: some entries of both belong to one block of the
+    /// mass matrix.
+    fn couples(&self, gradient: &[Sym], action: &[Sym]) -> bool {
+        let n = gradient.len();
+        let mut block: Vec<usize> = (0..n).collect();
+        for _ in 0..n {
+            for (k, entry) in self.mass.iter().enumerate() {
+                if !entry.is_structural_zero() {
+                    let least = block[k / n].min(block[k % n]);
+                    (block[k / n], block[k % n]) = (least, least);
+                }
+            }
+        }
+        let entries = |vector: &[Sym]| -> Vec<usize> {
+            let nonzero = (0..n).filter(|&k| !vector[k].is_structural_zero());
+            nonzero.map(|k| block[k]).collect()
+        };
+        let acted = entries(action);
+        entries(gradient).iter().any(|block| acted.contains(block))
+    }
+
+    /// A contact without gap and normal whose normal acceleration `pressed` is given, with the friction direction
+    /// `M^-1 action / scale`.
+    fn given(
+        &self,
+        (sliding, curvature, tangent): (Sym, Sym, Vec<Sym>),
+        action: &[Sym],
+        scale: Sym,
+        pressed: Sym,
+    ) -> ContactEquations {
         let n = self.momenta.len();
-        let (sliding, curvature, tangent) = slip(friction, self.all);
-        let own = self.own(&tangent);
-        let terms = own.iter().enumerate();
-        let scale = terms.map(|(k, &b)| b * b * self.mass[k * n + k].power(-2));
-        let scale = simplify(scale.sum());
-        let pressed = simplify(scale * bound);
         let inertia = self.holding(&[]);
         let (rows, direction) = self.directed(
             vec![sliding],
             self.formulas
-                .map(|formulas| over(&formulas.solve(&own), scale)),
-            || implicit::of_force(&inertia, over(&own, scale), self.inputs),
+                .map(|formulas| over(&formulas.solve(action), scale)),
+            || implicit::of_force(&inertia, over(action, scale), self.inputs),
             self.written_out,
         );
         let friction = FrictionEquations {
@@ -388,14 +462,15 @@ impl Mechanism<'_> {
             direction,
         };
         let mut values = vec![Sym::ZERO, pressed];
-        values.resize(2 + self.all, Sym::ZERO);
+        values.resize(2 + n, Sym::ZERO);
         ContactEquations {
             rows: Explicit::new(values, self.inputs),
             curvature: simplify(-pressed),
-            normal: vec![Sym::ZERO; self.all],
+            normal: vec![Sym::ZERO; n],
             inverse_inertia: InverseInertia::Formula(scale),
             direction: None,
             friction: Some(friction),
+            passes: false,
         }
     }
 

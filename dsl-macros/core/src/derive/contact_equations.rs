@@ -15,6 +15,8 @@ pub(crate) struct ContactEquations {
     /// The contact direction, unless it is among the `rows`.
     pub(crate) direction: Option<Implicit>,
     pub(crate) friction: Option<FrictionEquations>,
+    /// Of a switch: whether it does not change the rate of its function, which is only passed then.
+    pub(crate) passes: bool,
 }
 
 /// `D = n' H n`.

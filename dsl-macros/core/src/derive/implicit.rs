@@ -10,6 +10,7 @@
 //! because `F` is linear in `y`.
 
 use super::explicit::{Sparse, hessian, jacobian};
+use super::joint::Row;
 use super::ldl::Factorization;
 use crate::graph::{self, Sym, Variable};
 use crate::tape;
@@ -126,19 +127,22 @@ impl Implicit {
 }
 
 /// The motion without contact: `M a = r`. The residual is built from the momenta along the motion,
-/// which takes far fewer operations than the entries of `M` if those are many.
+/// which takes far fewer operations than the entries of `M` if those are many. Coordinates from `moving` on are held.
+///
+/// Joints add their equations and, with the other sign, their forces among the unknowns.
 pub(super) fn motion(
-    mass: Vec<Sym>,
+    inertia: &Locked<'_>,
     right: Vec<Sym>,
     factorization: Option<&Factorization>,
-    momenta: &[Sym],
-    applied: &[Sym],
+    (applied, moving): (&[Sym], usize),
     inputs: &[Variable],
 ) -> Implicit {
-    let n = right.len();
+    let (momenta, mass, n) = (inertia.momenta, inertia.mass, right.len());
+    let size = inertia.size();
     let rates = graph::directional(momenta, |variable| match variable {
+        Variable::Coordinate(i) if usize::from(i) >= moving => Sym::ZERO,
         Variable::Coordinate(i) => Sym::variable(Variable::Velocity(i)),
-        Variable::Velocity(i) => Implicit::unknown(n, usize::from(i)),
+        Variable::Velocity(i) => Implicit::unknown(size, usize::from(i)),
         Variable::Time => Sym::ONE,
         _ => Sym::ZERO,
     });
@@ -157,15 +161,21 @@ pub(super) fn motion(
         rows.map(|row| (0..n).map(|j| row[j] * unknown(j)).sum())
             .collect()
     };
-    let by_entries: Vec<Sym> = times(&|j| Implicit::unknown(n, j))
+    let by_entries: Vec<Sym> = times(&|j| Implicit::unknown(size, j))
         .into_iter()
         .zip(&right)
         .map(|(inertial, &right)| inertial - right)
         .collect();
-    let residual = shorter(residual, by_entries);
-    let transposed = shorter(transposed, times(&Implicit::multiplier));
+    let mut residual = shorter(residual, by_entries);
+    let mut transposed = shorter(transposed, times(&Implicit::multiplier));
+    let right = inertia.right(&right);
+    inertia.add_joints(&mut residual, &|i| Implicit::unknown(size, i));
+    for (residual, right) in residual[n..].iter_mut().zip(&right[n..]) {
+        *residual -= *right;
+    }
+    inertia.add_joints(&mut transposed, &Implicit::multiplier);
     let solution = factorization.map(|factorization| factorization.solve(&right));
-    let mut motion = Implicit::new(mass, right, &residual, &transposed, inputs);
+    let mut motion = Implicit::new(inertia.matrix(), right, &residual, &transposed, inputs);
     motion.solution = solution;
     motion
 }
@@ -178,7 +188,8 @@ fn shorter(one: Vec<Sym>, other: Vec<Sym>) -> Vec<Sym> {
     }
 }
 
-/// The mass matrix with the rows and columns of held coordinates replaced by those of the identity.
+/// The mass matrix with the rows and columns of held coordinates replaced by those of the identity, bordered by the
+/// equations of joints.
 pub(super) struct Locked<'a> {
     /// Mass matrix, row-major.
     pub(super) mass: &'a [Sym],
@@ -188,11 +199,19 @@ pub(super) struct Locked<'a> {
     pub(super) coordinates: &'a [usize],
     /// Rows that are held.
     pub(super) held: &'a [usize],
+    /// Joints, whose equations border it.
+    pub(super) joints: &'a [Row],
 }
 
 impl Locked<'_> {
-    fn size(&self) -> usize {
+    /// Number of coordinates.
+    fn coordinates(&self) -> usize {
         self.momenta.len()
+    }
+
+    /// Number of coordinates and of equations of joints.
+    pub(super) fn size(&self) -> usize {
+        self.coordinates() + self.joints.len()
     }
 
     fn is_held(&self, i: usize) -> bool {
@@ -200,8 +219,15 @@ impl Locked<'_> {
     }
 
     fn entry(&self, i: usize, j: usize) -> Sym {
+        let n = self.coordinates();
+        match (i.min(j), i.max(j)) {
+            (_, last) if last < n => {}
+            (first, last) if first < n => return self.joints[last - n].entry(first, self.held),
+            (first, last) if first == last => return self.joints[last - n].own(self.held),
+            _ => return Sym::ZERO,
+        }
         match (self.is_held(i) || self.is_held(j), i == j) {
-            (false, _) => self.mass[i * self.size() + j],
+            (false, _) => self.mass[i * n + j],
             (true, true) => Sym::ONE,
             (true, false) => Sym::ZERO,
         }
@@ -220,7 +246,41 @@ impl Locked<'_> {
         for &i in self.held {
             rows[i] = of(i);
         }
+        self.add_joints(&mut rows, &of);
         rows
+    }
+
+    /// Adds what joints add to a product with a vector, in the rows of the coordinates and in their own behind those.
+    fn add_joints(&self, rows: &mut Vec<Sym>, of: &dyn Fn(usize) -> Sym) {
+        let n = self.coordinates();
+        for (k, joint) in self.joints.iter().enumerate() {
+            let mut own = joint.own(self.held) * of(n + k);
+            for (i, row) in rows[..n].iter_mut().enumerate() {
+                let entry = joint.entry(i, self.held);
+                *row += entry * of(n + k);
+                own += entry * of(i);
+            }
+            rows.push(own);
+        }
+    }
+
+    /// Generalized forces, followed by the right-hand sides of the joints.
+    pub(super) fn right(&self, forces: &[Sym]) -> Vec<Sym> {
+        let joints = self.joints.iter().map(Row::right);
+        forces.iter().copied().chain(joints).collect()
+    }
+
+    /// Its factors, with every intermediate result as one quantity.
+    ///
+    /// # Errors
+    /// The coordinate whose pivot is structurally zero.
+    pub(super) fn factorized(&self) -> Result<Factorization, usize> {
+        let (matrix, order) = (self.matrix(), self.size());
+        if self.joints.is_empty() {
+            Factorization::stepwise(&matrix, order)
+        } else {
+            Factorization::saddle(&matrix, order)
+        }
     }
 
     /// Row-major.
@@ -229,7 +289,7 @@ impl Locked<'_> {
         (0..n * n).map(|k| self.entry(k / n, k % n)).collect()
     }
 
-    /// A vector with zeros for the held coordinates.
+    /// A vector with zeros for the held coordinates and the joints.
     pub(super) fn free_part(&self, vector: &[Sym]) -> Vec<Sym> {
         let component = |(i, &component)| {
             if self.is_held(i) {
@@ -238,7 +298,9 @@ impl Locked<'_> {
                 component
             }
         };
-        vector.iter().enumerate().map(component).collect()
+        let mut part: Vec<Sym> = vector.iter().enumerate().map(component).collect();
+        part.resize(self.size(), Sym::ZERO);
+        part
     }
 }
 
@@ -261,6 +323,7 @@ pub(super) fn friction(
 /// The acceleration `a` by a generalized force: `M a = f`.
 pub(super) fn of_force(inertia: &Locked<'_>, force: Vec<Sym>, inputs: &[Variable]) -> Implicit {
     let n = inertia.size();
+    let force = inertia.free_part(&force);
     let products = inertia.times(|i| Implicit::unknown(n, i));
     let residual: Vec<Sym> = products.iter().zip(&force).map(|(&a, &f)| a - f).collect();
     let transposed = inertia.times(Implicit::multiplier);

@@ -51,6 +51,15 @@ impl Factorization {
         })
     }
 
+    /// Factorizes a positive definite matrix bordered by equations, which are eliminated last, with every intermediate
+    /// result as one quantity.
+    ///
+    /// # Errors
+    /// The coordinate whose pivot is structurally zero.
+    pub(crate) fn saddle(matrix: &[Sym], n: usize) -> Result<Self, usize> {
+        Self::in_order(matrix, n, (0..n).collect(), Sym::kept)
+    }
+
     fn in_order(
         matrix: &[Sym],
         n: usize,

@@ -5,6 +5,9 @@
 //! ```text
 //! M = d2L/dv2          r = dL/dq + Q - (d2L/dv dq) v - d2L/dv dt          M a = r
 //! ```
+//!
+//! A state of first order, `z' = f`, is the velocity of a coordinate of unit mass that nothing reads, and `f` the force on it: a
+//! row `1 z' = f` that no other one is coupled to by the mass matrix.
 
 mod alike;
 mod contact;
@@ -12,7 +15,9 @@ mod contact_equations;
 mod control;
 mod explicit;
 mod failure;
+mod held;
 mod implicit;
+mod joint;
 mod ldl;
 mod residual;
 mod simplify;
@@ -21,10 +26,12 @@ pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseI
 pub(crate) use control::ControlEquations;
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
+pub use held::Given;
+pub(crate) use held::{given, with_held};
 pub(crate) use implicit::{Implicit, WRITTEN_OUT};
+pub(crate) use joint::JointEquations;
 pub(crate) use simplify::simplify;
 
-use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::CheckedScene;
 use ldl::Factorization;
@@ -56,6 +63,8 @@ pub(crate) struct Equations {
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
+    /// None without joints.
+    pub(crate) joints: Option<JointEquations>,
     pub(crate) optimal_control: Option<ControlEquations>,
 }
 
@@ -65,15 +74,22 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let inputs = inputs(scene);
     let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
     let lagrangian = scene.lagrangian;
-    let momenta = graph::gradient(lagrangian, velocities);
+    let mechanical = scene.mechanical();
+    let mut momenta = graph::gradient(lagrangian, &velocities[..mechanical]);
+    let energy = energy(lagrangian, &momenta, &velocities[..mechanical]);
+    // A state is the velocity of a coordinate of unit mass.
+    let states = &velocities[mechanical..];
+    momenta.extend(states.iter().copied().map(Sym::variable));
     let mass = mass_matrix(&momenta, velocities)?;
-    let conservative = graph::gradient(lagrangian, coordinates);
+    let moving = held::moving(scene);
+    let mut conservative = graph::gradient(lagrangian, coordinates);
+    conservative[moving..].fill(Sym::ZERO);
     let applied: Vec<Sym> = conservative
         .iter()
         .zip(&scene.forces)
         .map(|(&conservative, &force)| conservative + force)
         .collect();
-    let transport = graph::directional(&momenta, velocity_direction);
+    let transport = graph::directional(&momenta, held::along_motion(moving));
     let right: Vec<Sym> = conservative
         .iter()
         .zip(&transport)
@@ -83,20 +99,35 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
             simplify(simplify_equation(conservative - transport) + simplify_equation(force))
         })
         .collect();
-    let energy = energy(lagrangian, &momenta, velocities);
+    let joints = joint::rows(scene);
+    let all: Vec<usize> = (0..n).collect();
+    let inertia = implicit::Locked {
+        mass: &mass,
+        momenta: &momenta,
+        coordinates: &all,
+        held: &[],
+        joints: &joints,
+    };
+    // Equations of motion and of joints.
+    let order = inertia.size();
     let singular = |coordinate| Failure::SingularMass { coordinate };
-    let formulas = (n <= EXPLICIT)
+    let formulas = (n <= EXPLICIT && joints.is_empty())
         .then(|| Factorization::of(&mass, n))
         .transpose()
         .map_err(singular)?;
-    let stepwise = (n <= implicit::FORMULAS)
-        .then(|| Factorization::stepwise(&mass, n))
+    let stepwise = (order <= implicit::FORMULAS)
+        .then(|| inertia.factorized())
         .transpose()
         .map_err(singular)?;
-    let written_out = stepwise.as_ref().filter(|_| n <= WRITTEN_OUT);
+    let written_out = stepwise.as_ref().filter(|_| order <= WRITTEN_OUT);
     let motion = || {
-        let (mass, right, factors) = (mass.clone(), right.clone(), stepwise.as_ref());
-        implicit::motion(mass, right, factors, &momenta, &applied, &inputs)
+        implicit::motion(
+            &inertia,
+            right.clone(),
+            stepwise.as_ref(),
+            (&applied, moving),
+            &inputs,
+        )
     };
     let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
     let by_elimination =
@@ -110,15 +141,21 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         (None, Some(factors)) => Solution::Explicit(by_elimination(factors)),
         (_, None) => Solution::Implicit(motion()),
     };
+    let forces = (!joints.is_empty()).then(|| {
+        let solution = stepwise.as_ref();
+        let solution = solution.map(|factors| factors.solve(&inertia.right(&right)));
+        joint::equations(scene, &joints, (solution.as_deref(), n), &inputs)
+    });
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
-    let all: Vec<usize> = (0..n).collect();
     let inertia = contact::Mechanism {
         mass: &mass,
         momenta: &momenta,
         coordinates: &all,
         all: n,
+        joints: &joints,
         formulas: formulas.as_ref(),
         written_out,
+        moving,
         inputs: &inputs,
     };
     let contacts = inertia.contacts(&scene.contacts)?;
@@ -129,11 +166,12 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     Ok(Equations {
         inputs,
         right,
-        readable: n <= EXPLICIT,
+        readable: n <= EXPLICIT && joints.is_empty(),
         mass,
         energy,
         acceleration,
         contacts,
+        joints: forces,
         optimal_control,
     })
 }
@@ -182,7 +220,7 @@ fn mass_matrix(momenta: &[Sym], velocities: &[Variable]) -> Result<Vec<Sym>, Fai
 fn energy(lagrangian: Sym, momenta: &[Sym], velocities: &[Variable]) -> [Sym; 2] {
     let at_rest = |values: &[Sym]| {
         graph::substitute(values, |variable| {
-            matches!(variable, Variable::Velocity(_)).then_some(Sym::ZERO)
+            velocities.contains(&variable).then_some(Sym::ZERO)
         })
     };
     let rest = at_rest(&[lagrangian])[0];

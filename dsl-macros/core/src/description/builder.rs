@@ -57,6 +57,12 @@ pub(super) struct Builder<'a> {
 }
 
 impl Builder<'_> {
+    /// Number of switches whose kernels have been added.
+    pub(super) fn switches(&self) -> usize {
+        let of_switch = |kernel: &&Kernel| kernel.name.starts_with("gap_switching_function_");
+        self.kernels.iter().filter(of_switch).count()
+    }
+
     /// Adds a kernel; its index.
     pub(super) fn kernel(&mut self, name: &str, outputs: &[Sym]) -> usize {
         self.add(name, outputs, true)

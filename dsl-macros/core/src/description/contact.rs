@@ -25,6 +25,8 @@ pub struct Contact {
     pub alternatives: Vec<usize>,
     /// Whether it is dry friction without a surface.
     pub dry: bool,
+    /// Of a switch, which is a dry friction: whether its function is only passed, as it does not change the rate of that.
+    pub switch: Option<bool>,
     /// Kernel of the gap.
     pub gap: usize,
     /// Kernel of what is known at a point, as far as it is formulas.
@@ -81,7 +83,10 @@ pub(super) fn contact(
     contact: &ContactEquations,
 ) -> Contact {
     // A piece of a surface has a number behind a point.
-    let name = &declared.name.text.replace('.', "__");
+    let name = &match declared.switch {
+        Some(_) => format!("switching_function_{}", builder.switches() + 1),
+        None => declared.name.text.replace('.', "__"),
+    };
     let rows = &contact.rows;
     let gap = builder.kernel(&format!("gap_{name}"), &rows.values[..1]);
     let dry = declared.bound.is_some();
@@ -107,6 +112,7 @@ pub(super) fn contact(
         sequence: declared.sequence,
         alternatives: declared.alternatives.clone(),
         dry,
+        switch: declared.switch.as_ref().map(|_| contact.passes),
         gap,
         point,
         inertia_from_motion: solves && solved.is_none(),

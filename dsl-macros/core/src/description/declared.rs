@@ -19,7 +19,7 @@ pub struct Parameter {
     pub documentation: String,
 }
 
-/// A coordinate or a control.
+/// A coordinate, a control or a state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
     /// Name, as written.

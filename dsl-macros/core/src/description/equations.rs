@@ -25,6 +25,7 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<[Stri
     for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
         list.contact(contact, derived);
     }
+    list.joints(equations);
     if !scene.contacts.is_empty() {
         list.free_dynamics(equations);
     }
@@ -64,9 +65,9 @@ impl List<'_> {
     }
 
     fn motion(&mut self, equations: &Equations) {
-        let n = self.names.len();
+        let (n, mechanical) = (self.names.len(), self.scene.mechanical());
         let names = self.names.clone();
-        for i in 0..n {
+        for i in 0..mechanical {
             for j in 0..=i {
                 let entry = equations.mass[i * n + j];
                 if !entry.is_structural_zero() {
@@ -74,25 +75,63 @@ impl List<'_> {
                 }
             }
         }
-        self.add("kinetic energy".to_owned(), equations.energy[0]);
-        self.add("potential energy".to_owned(), equations.energy[1]);
+        if mechanical > 0 {
+            self.add("kinetic energy".to_owned(), equations.energy[0]);
+            self.add("potential energy".to_owned(), equations.energy[1]);
+        }
         match &equations.acceleration {
             Solution::Explicit(solution) if self.readable => {
-                for (name, &acceleration) in names.iter().zip(&solution.values) {
+                let pairs = names.iter().zip(&solution.values);
+                for (name, &acceleration) in pairs.take(mechanical) {
                     self.add(format!("{name}''"), acceleration);
                 }
             }
             _ => {
-                for (name, &right) in names.iter().zip(&equations.right) {
+                for (name, &right) in names.iter().zip(&equations.right).take(mechanical) {
                     self.add(format!("(M q'')({name})"), right);
                 }
             }
         }
+        for (state, &rate) in self.scene.states.iter().zip(&equations.right[mechanical..]) {
+            self.add(format!("{}'", state.name.text), rate);
+        }
+    }
+
+    /// What joints hold; the accelerations and directions of contacts are those of the system in which they do.
+    fn joints(&mut self, equations: &Equations) {
+        let Some(derived) = &equations.joints else {
+            return;
+        };
+        let count = derived.values.len() / 2;
+        let (positions, velocities) = derived.values.split_at(count);
+        let mut row = 0;
+        for joint in &self.scene.joints {
+            for i in 0..joint.rows.len() {
+                let name = match joint.rows.len() {
+                    1 => joint.name.text.clone(),
+                    _ => format!("{}.{}", joint.name.text, i + 1),
+                };
+                if joint.holonomic {
+                    self.add(format!("joint({name}) = 0"), positions[row]);
+                }
+                let rate = if joint.holonomic { "'" } else { "" };
+                self.add(format!("joint({name}){rate} = 0"), velocities[row]);
+                row += 1;
+            }
+        }
+        let law = "M q'' = f + G' force, G = d joint'/dq', and M^-1 of contacts is that where all joints hold";
+        self.all.push(("joints".to_owned(), law.to_owned()));
     }
 
     fn contact(&mut self, contact: &Contact, derived: &ContactEquations) {
         let name = &contact.name.text;
         if let (Some(bound), Some(derived)) = (contact.bound, &derived.friction) {
+            if contact.switch.is_some() {
+                self.add(format!("switch({name})"), simplify(-derived.rows.values[0]));
+                let law = "-1..=1, the sign of its function where that is not 0".to_owned();
+                self.all.push((format!("value({name})"), law));
+                return;
+            }
             self.add(format!("slip({name})"), derived.rows.values[0]);
             self.add(format!("bound({name})"), bound);
             let law = format!(

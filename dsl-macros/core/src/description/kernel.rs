@@ -163,8 +163,14 @@ fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operatio
         Variable::Sum(i) => input(2 * n + 1 + usize::from(i)),
         Variable::Provided(i) => input(plain + usize::from(i)),
         Variable::ProvidedSliding(i) => input(plain + scene.contacts.len() + usize::from(i)),
-        Variable::Multiplier(i) | Variable::Unknown(i) | Variable::Argument(i) => {
-            Operation::Weight(u32::from(i))
+        // Behind the parameters.
+        Variable::JointHeld(i) => {
+            Operation::Parameter(u32::from(i) + scene.parameters.len() as u32)
         }
+        Variable::JointForce(i) => of_contact(4, i),
+        Variable::Multiplier(i)
+        | Variable::Unknown(i)
+        | Variable::Argument(i)
+        | Variable::Switch(i) => Operation::Weight(u32::from(i)),
     }
 }

@@ -5,7 +5,9 @@
 mod builder;
 mod contact;
 mod declared;
+mod design;
 mod equations;
+mod joint;
 mod kernel;
 mod optimal_control;
 mod readable;
@@ -13,11 +15,14 @@ mod renamed;
 mod sensitivity;
 mod shown;
 
+pub use crate::derive::Given as GivenBy;
 pub use crate::graph::{Function, Function2, Profile};
 pub use builder::{Pattern, System};
 pub use contact::{Contact, Friction, Rows, SolvedRows};
 pub(crate) use declared::text as documentation_text;
 pub use declared::{Parameter, Variable};
+pub use design::{FreeParameters, Held};
+pub use joint::{Joint, Joints};
 pub use kernel::{Kernel, Operation};
 pub use optimal_control::{Condition, ContactTerms, Functions, OptimalControl};
 pub(crate) use readable::formula;
@@ -44,10 +49,12 @@ pub struct Description {
     pub documentation: String,
     /// Parameters in order of declaration.
     pub parameters: Vec<Parameter>,
-    /// Coordinates in order of declaration.
+    /// Coordinates in order of declaration, and behind them one for each state, whose velocity the state is.
     pub coordinates: Vec<Variable>,
     /// Controls in order of declaration.
     pub controls: Vec<Variable>,
+    /// States of first order, in order of declaration.
+    pub states: Vec<Variable>,
     /// Whether the physical time is the last component of the input vector.
     pub explicit_time: bool,
     /// The derived equations, left and right sides, as a person would write them.
@@ -58,6 +65,8 @@ pub struct Description {
     pub motion: Motion,
     /// Contacts in order of declaration.
     pub contacts: Vec<Contact>,
+    /// Joints, if there are any.
+    pub joints: Option<Joints>,
     /// What is declared for optimal control, if anything is.
     pub optimal_control: Option<OptimalControl>,
     /// What is recorded, if anything is.
@@ -67,6 +76,10 @@ pub struct Description {
     /// Derivatives by parameters; none unless they were asked for. With them, every Jacobian has a column for each of these
     /// parameters behind those of the inputs, and Hessians are empty.
     pub sensitivity: Option<Sensitivity>,
+    /// The parameters that optimal control is to find, if there are any.
+    pub free_parameters: Option<FreeParameters>,
+    /// The parameters that are coordinates without motion; none unless they were asked for.
+    pub held: Option<Held>,
     /// All straight-line functions.
     pub kernels: Vec<Kernel>,
     /// All linear systems.
@@ -137,6 +150,8 @@ impl Description {
             .zip(&equations.contacts)
             .map(|(declared, contact)| contact::contact(&mut builder, declared, contact))
             .collect();
+        let joints = equations.joints.as_ref();
+        let joints = joints.map(|derived| joint::joints(&mut builder, derived));
         let optimal_control = scene
             .optimal_control
             .as_ref()
@@ -148,21 +163,27 @@ impl Description {
         let picture = shown::picture(&mut builder);
         let given = given(&mut builder);
         let sensitivity = sensitivity::sensitivity(&mut builder, equations);
+        let free_parameters = design::free(&mut builder);
+        let held = design::held(&mut builder, equations);
         let description = Self {
             name: scene.name.text.clone(),
             documentation: text(&scene.documentation),
             parameters: scene.parameters.iter().map(Parameter::of).collect(),
             coordinates: scene.coordinates.iter().map(Variable::of).collect(),
             controls: scene.controls.iter().map(Variable::of).collect(),
+            states: scene.states.iter().map(Variable::of).collect(),
             explicit_time: scene.explicit_time,
             equations: Vec::new(),
             given,
             motion,
             contacts,
+            joints,
             optimal_control,
             outputs,
             picture,
             sensitivity,
+            free_parameters,
+            held,
             kernels: builder.kernels,
             systems: builder.systems,
         };
@@ -233,7 +254,7 @@ fn motion(builder: &mut Builder<'_>, equations: &Equations) -> Motion {
             let acceleration =
                 solution.map(|solution| builder.kernel("free_acceleration", solution));
             let system = builder.system("motion", implicit);
-            let n = implicit.size;
+            let n = builder.scene.coordinates.len();
             let jacobian = Pattern {
                 rows: n,
                 columns: builder.inputs,

@@ -129,7 +129,7 @@ pub(super) fn optimal_control(
     }
 }
 
-fn functions(builder: &mut Builder<'_>, kind: &str, functions: &Explicit) -> Functions {
+pub(super) fn functions(builder: &mut Builder<'_>, kind: &str, functions: &Explicit) -> Functions {
     let Explicit {
         values,
         jacobian,

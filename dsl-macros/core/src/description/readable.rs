@@ -239,6 +239,22 @@ impl Printer<'_> {
         contact.map_or("", |contact| &contact.name.text)
     }
 
+    /// What belongs to an equation of a joint: `word(name)`, with its number behind a point if the joint has several.
+    fn joint(&self, word: &str, row: u16) -> String {
+        let mut first = 0;
+        for joint in &self.scene.joints {
+            let own = usize::from(row) - first;
+            if own < joint.rows.len() {
+                return match joint.rows.len() {
+                    1 => format!("{word}({})", joint.name.text),
+                    _ => format!("{word}({}).{}", joint.name.text, own + 1),
+                };
+            }
+            first += joint.rows.len();
+        }
+        String::new()
+    }
+
     fn name(&self, variable: Variable) -> String {
         let named = |list: &[crate::scene::Coordinate], i: u16, suffix: &str| {
             list.get(usize::from(i))
@@ -252,7 +268,10 @@ impl Printer<'_> {
                 parameter.name.text.clone()
             }
             Variable::Coordinate(i) => named(&self.scene.coordinates, i, ""),
-            Variable::Velocity(i) => named(&self.scene.coordinates, i, "'"),
+            Variable::Velocity(i) => match usize::from(i).checked_sub(self.scene.mechanical()) {
+                Some(state) => named(&self.scene.states, state as u16, ""),
+                None => named(&self.scene.coordinates, i, "'"),
+            },
             Variable::Control(i) => named(&self.scene.controls, i, ""),
             Variable::ContactForce(i) => format!("force({})", self.contact(i)),
             Variable::FrictionForce(i) => format!("friction_force({})", self.contact(i)),
@@ -269,6 +288,9 @@ impl Printer<'_> {
                     summed.map_or_else(String::new, |&sum| formula(self.scene, sum))
                 )
             }
+            Variable::JointForce(i) => self.joint("force", i),
+            Variable::JointHeld(i) => self.joint("held", i),
+            Variable::Switch(i) => format!("s{i}"),
             Variable::Multiplier(i) => format!("lambda{i}"),
             Variable::Unknown(i) => format!("a{i}"),
             Variable::Argument(i) => {

@@ -31,14 +31,17 @@ pub(super) fn write(scene: &Description, code: &mut String) {
     for (field, list) in [
         ("coordinates", &scene.coordinates),
         ("controls", &scene.controls),
+        ("states", &scene.states),
     ] {
         let _ = write!(code, "], {field}: &[{}", variables(list));
     }
     code.push_str("], contacts: &[");
     contacts(&scene.contacts, code);
+    code.push_str("], joints: ");
+    joints(scene, code);
     let _ = write!(
         code,
-        "], explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
+        ", explicit_time: {}, free_jacobian: {}, free_hessian: {}, optimal_control: {}, kernels: &[",
         scene.explicit_time,
         pattern(&scene.motion.jacobian),
         pattern(&scene.motion.hessian),
@@ -116,7 +119,7 @@ fn contacts(contacts: &[Contact], code: &mut String) {
         let _ = write!(
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
-             ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, custom_direction: {}, held: &{:?}, \
+             ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, switch: {}, custom_direction: {}, held: &{:?}, \
              sequence: {}, alternatives: &{:?}, jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name,
             contact.unit,
@@ -126,6 +129,11 @@ fn contacts(contacts: &[Contact], code: &mut String) {
                 "Inelastic"
             },
             contact.dry,
+            match contact.switch {
+                None => "__Option::None",
+                Some(true) => "__Option::Some(::hangtime::model::Switching::Passes)",
+                Some(false) => "__Option::Some(::hangtime::model::Switching::Slides)",
+            },
             contact.custom_direction,
             contact.held,
             contact.sequence,
@@ -135,6 +143,22 @@ fn contacts(contacts: &[Contact], code: &mut String) {
             contact.documentation
         );
     }
+}
+
+fn joints(scene: &Description, code: &mut String) {
+    let Some(joints) = &scene.joints else {
+        return code.push_str("__Option::None");
+    };
+    code.push_str("__Option::Some(::hangtime::model::JointsDeclaration { list: &[");
+    for joint in &joints.list {
+        let _ = write!(
+            code,
+            "::hangtime::model::JointDeclaration {{ name: {:?}, unit: {:?}, rows: {}, holonomic: {}, documentation: \
+             {:?} }},",
+            joint.name, joint.unit, joint.rows, joint.holonomic, joint.documentation
+        );
+    }
+    let _ = write!(code, "], jacobian: {} }})", pattern(&joints.pattern));
 }
 
 fn optimal_control(task: Option<&OptimalControl>) -> String {

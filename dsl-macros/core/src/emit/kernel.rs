@@ -9,6 +9,9 @@ use std::fmt::Write;
 /// profile, crashes on functions with some 3000 `let`s (rust-lang/rust#93908).
 const CHUNK: usize = 400;
 
+/// Field of the scene that tells which equations of joints are held, where there are joints.
+pub(super) const HELD: &str = "__held";
+
 /// Name of the function of a kernel; names of surfaces may make two names of kernels equal.
 pub(super) fn function(description: &Description, kernel: usize) -> String {
     format!("__{kernel}_{}", description.kernels[kernel].name)
@@ -143,10 +146,13 @@ impl<'a> Writer<'a> {
     fn operand(&self, chunk: usize, position: u32) -> String {
         let index = position as usize;
         match self.operations[index] {
-            Operation::Parameter(i) => {
-                let name = &self.description.parameters[i as usize].name;
-                format!("p.{}", words::rust_name(name))
-            }
+            Operation::Parameter(i) => match self.description.parameters.get(i as usize) {
+                Some(known) => format!("p.{}", words::rust_name(&known.name)),
+                None => format!(
+                    "p.{HELD}[{}]",
+                    i as usize - self.description.parameters.len()
+                ),
+            },
             Operation::Input(i) => format!("x[{i}]"),
             Operation::Weight(i) => format!("y[{i}]"),
             Operation::Constant(value) => literal(value),

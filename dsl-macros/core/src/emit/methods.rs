@@ -1,8 +1,8 @@
 //! The bodies of the model trait's methods: calls of kernels, and linear systems with the derivatives of their solutions.
 
-use super::kernel::function;
+use super::kernel::{HELD, function};
 use crate::description::{
-    Contact, Description, Functions, MotionDerivatives, Rows, SolvedRows, System,
+    Contact, Description, Functions, Joints, MotionDerivatives, Rows, SolvedRows, System,
 };
 use std::fmt::Write;
 
@@ -50,7 +50,10 @@ pub(super) fn free_acceleration(description: &Description) -> String {
     match (motion.acceleration, motion.derivatives) {
         (None, MotionDerivatives::System(system)) => {
             let System { name, size, .. } = &description.systems[system];
-            format!("let (_, y) = __{name}_solution(self, x); a.copy_from_slice(&y[{size}..])")
+            format!(
+                "let (_, y) = __{name}_solution(self, x); a.copy_from_slice(&y[{size}..{}])",
+                size + description.coordinates.len()
+            )
         }
         (kernel, _) => of_inputs(description, kernel.unwrap_or_default(), "a"),
     }
@@ -77,12 +80,39 @@ pub(super) fn free_hessian(description: &Description) -> String {
         MotionDerivatives::System(system) => {
             let System { name, size, .. } = &description.systems[system];
             format!(
-                "let mut lambda = [0.0_f64; {size}]; lambda.copy_from_slice(multipliers); \
+                "let mut lambda = [0.0_f64; {size}]; lambda[..{}].copy_from_slice(multipliers); \
                  __{name}_second(self, x, &lambda, {}, values)",
+                description.coordinates.len(),
                 positions(&description.motion.hessian.entries)
             )
         }
     }
+}
+
+/// The methods of joints.
+pub(super) fn joints(description: &Description, joints: &Joints) -> String {
+    let forces = match (joints.forces, description.motion.derivatives) {
+        (None, MotionDerivatives::System(system)) => {
+            let System { name, size, .. } = &description.systems[system];
+            format!(
+                "let (_, y) = __{name}_solution(self, x); for (force, y) in forces.iter_mut().zip(&y[{}..]) {{ *force \
+                 = -y; }}",
+                size + description.coordinates.len()
+            )
+        }
+        (kernel, _) => of_inputs(description, kernel.unwrap_or_default(), "forces"),
+    };
+    format!(
+        "fn hold_joint_row(&mut self, row: __usize, held: bool) {{ if let __Option::Some(known) = \
+         self.{HELD}.get_mut(row) {{ *known = if held {{ 1.0 }} else {{ 0.0 }}; }} }}
+        fn joint_row_held(&self, row: __usize) -> bool {{ match self.{HELD}.get(row) {{ __Option::Some(held) => *held \
+         > 0.0, __Option::None => true }} }}
+        fn joints(&self, x: &[__f64], values: &mut [__f64]) {{ {} }}
+        fn joints_jacobian(&self, x: &[__f64], values: &mut [__f64]) {{ {} }}
+        fn joint_forces(&self, x: &[__f64], forces: &mut [__f64]) {{ {forces} }}",
+        of_inputs(description, joints.values, "values"),
+        of_inputs(description, joints.jacobian, "values"),
+    )
 }
 
 /// The solution of a system and its sensitivity, and the beginning of a call that picks entries of that.

@@ -75,7 +75,11 @@ fn implementation(scene: &CheckedScene, derived: &Description, text: &str, code:
         }
         arms
     };
-    let further = laws(derived) + &optimal_control(derived) + &shown(derived);
+    let joints = derived.joints.as_ref();
+    let joints = joints.map_or_else(String::new, |joints| methods::joints(derived, joints));
+    let of_control = optimal_control(derived);
+    let further =
+        laws(derived) + &joints + &of_control + &shown(derived) + &free_parameters(derived);
     let given = &derived.given;
     let of_parameters = |kernel, out| methods::of_parameters(derived, kernel, out);
     let _ = write!(
@@ -188,6 +192,20 @@ fn shown(derived: &Description) -> String {
         );
     }
     written
+}
+
+/// The methods for parameters that are to be found, if there are any.
+fn free_parameters(derived: &Description) -> String {
+    let Some(free) = &derived.free_parameters else {
+        return String::new();
+    };
+    format!(
+        "fn free_parameters(&self) -> &'static [__usize] {{ &{:?} }}
+        fn free_parameter_bounds(&self, lower: &mut [__f64], upper: &mut [__f64]) {{ {}; {} }}",
+        free.parameters,
+        methods::of_parameters(derived, free.bounds[0], "lower"),
+        methods::of_parameters(derived, free.bounds[1], "upper")
+    )
 }
 
 /// The methods for optimal control, as far as the scene declares it.

@@ -1,7 +1,7 @@
 //! The struct of a scene: its parameters as fields, with defaults and setters.
 
 use crate::ast::{Name, WrittenUnit};
-use crate::description::{Description, documentation_text as text, formula};
+use crate::description::{Description, Joints, documentation_text as text, formula};
 use crate::scene::{CheckedScene, Contact, Coordinate, OptimalControl, Parameter};
 use proc_macro2::{Ident, Literal, Span, TokenStream};
 use quote::{format_ident, quote};
@@ -43,18 +43,27 @@ pub(super) fn tokens(scene: &CheckedScene, derived: &Description) -> TokenStream
             }
         }
     });
+    // Which equations of joints are held: 1 each.
+    let held = format_ident!("{}", super::kernel::HELD, span = Span::call_site());
+    let rows = derived.joints.as_ref().map(Joints::rows);
+    let rows = rows.map(Literal::usize_unsuffixed);
+    let held_field = rows
+        .clone()
+        .map(|rows| quote!(#[doc(hidden)] pub #held: [::core::primitive::f64; #rows],));
+    let held_default = rows.map(|rows| quote!(#held: [1.0; #rows],));
     quote! {
         #documentation
         #[derive(::core::fmt::Debug, ::core::clone::Clone, ::core::cmp::PartialEq)]
         #[allow(non_snake_case)]
         #visibility struct #name {
             #(#fields)*
+            #held_field
         }
 
         #[automatically_derived]
         impl ::core::default::Default for #name {
             fn default() -> Self {
-                Self { #(#defaults)* }
+                Self { #(#defaults)* #held_default }
             }
         }
 
@@ -163,8 +172,9 @@ fn scene_documentation(scene: &CheckedScene, derived: &Description) -> String {
     }
     page.push_str("\n\n# Coordinates and controls\n\n");
     for (what, list) in [
-        ("coordinate", &scene.coordinates),
-        ("control", &scene.controls),
+        ("coordinate", &scene.coordinates[..scene.mechanical()]),
+        ("control", &scene.controls[..]),
+        ("state", &scene.states[..]),
     ] {
         for quantity in list {
             page.push_str(&quantity_line(what, quantity));
@@ -263,6 +273,9 @@ fn optimal_control(scene: &CheckedScene, task: &OptimalControl) -> String {
 
 /// The law of a contact in words.
 fn law(scene: &CheckedScene, contact: &Contact) -> String {
+    if contact.switch.is_some() {
+        return "a switch of what acts".to_owned();
+    }
     if let Some(bound) = contact.bound {
         return format!("dry friction, bound {}", formula(scene, bound));
     }

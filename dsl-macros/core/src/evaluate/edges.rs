@@ -1,6 +1,6 @@
 //! `max`, `min` and `|x|`, which may stand in a surface, and in what is recorded and drawn.
 
-use super::kink::Kink;
+use super::kink::{Kink, has_switch};
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::{Expr, Kind};
@@ -50,6 +50,14 @@ fn remedy(role: Role, surface: bool) -> &'static str {
             "which objectives, constraints and goals must not have; write a condition for each side, as `x <= c` and \
              `x >= -c`, or square it"
         }
+        Role::Motion if surface => {
+            "which energies and laws must not have; write what acts in `forces`, which may switch, or declare a `surface`, \
+             which may contain it, where the motion strikes"
+        }
+        Role::Motion => {
+            "which energies and laws must not have; write what acts in `forces`, which may switch, or declare a `surface` \
+             where the motion strikes"
+        }
         _ if surface => {
             "which smooth dynamics must not have; declare a `surface`, which may contain it, where the motion switches"
         }
@@ -76,7 +84,7 @@ pub(super) fn refuse_size(
         Role::Running | Role::Impact | Role::Constraint | Role::End => {
             format!("a kink at 0, {}", remedy(scope.role, false))
         }
-        _ => "a kink at 0; square it, or declare a `surface` where the motion switches".to_owned(),
+        _ => format!("a kink at 0, {}", remedy(scope.role, true)),
     };
     let message = format!("`|{inner}|` of a number has {why}");
     diagnostics.report("E12", inner.place, message)
@@ -157,7 +165,8 @@ pub(super) fn differentiable(
     diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
     let edge = |variable| scope.kinks.iter().any(|kink| kink.variable == variable);
-    if !graph::variables(components).into_iter().any(edge) && !has_edge(components) {
+    let switches = has_switch(components);
+    if !switches && !graph::variables(components).into_iter().any(edge) && !has_edge(components) {
         return Ok(());
     }
     let message = format!(

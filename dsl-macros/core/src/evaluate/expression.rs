@@ -7,6 +7,7 @@ use super::matrix;
 use super::named;
 use super::recorded;
 use super::scope::{Meaning, Role, Scope};
+use super::switch;
 use super::value::Value;
 use crate::ast::{Expr, Kind, Link, Name, Prefix, WrittenUnit};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, list};
@@ -110,7 +111,7 @@ fn value_unguarded(
             order,
             argument,
         } => derivative(scope, function, *order, argument, diagnostics),
-        Kind::Norm(inner) => norm(scope, inner, diagnostics),
+        Kind::Norm(inner) => norm(scope, expr, inner, diagnostics),
         Kind::Vector(items) => vector(scope, items, diagnostics),
         Kind::Component { vector, name } => component(scope, vector, name, diagnostics),
         Kind::Index { vector, index } => component_at(scope, expr, vector, *index, diagnostics),
@@ -297,8 +298,14 @@ fn component(
     ))
 }
 
-fn norm(scope: &mut Scope, inner: &Expr, diagnostics: &mut Diagnostics) -> Checked<Value> {
+fn norm(
+    scope: &mut Scope,
+    whole: &Expr,
+    inner: &Expr,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
     match value(scope, inner, diagnostics)? {
+        Value::Scalar(part) if scope.may_switch() => switch::size(scope, whole, part, diagnostics),
         Value::Scalar(part) if edges::admitted(scope.role) => {
             Ok(edges::call(scope, "abs", vec![part]))
         }
@@ -372,7 +379,15 @@ fn call(
              is its velocity then",
         ));
     }
-    if words::NONSMOOTH.contains(&text) {
+    if switch::is_switch(text) && scope.may_switch() || switch::may_jump(scope, text) {
+        let parts: Vec<Checked<Sym>> = arguments
+            .iter()
+            .map(|argument| scalar(scope, argument, diagnostics))
+            .collect();
+        let parts = parts.into_iter().collect::<Checked<Vec<Sym>>>()?;
+        return switch::call(scope, whole, (text, arguments), &parts, diagnostics);
+    }
+    if words::NONSMOOTH.contains(&text) || text == words::IF {
         if let ("sign" | "signum", [argument]) = (text, arguments)
             && scope.role == Role::Motion
         {
@@ -549,9 +564,15 @@ fn time_derivative(
     let value = value(scope, argument, diagnostics)?;
     for variable in graph::variables(value.components()) {
         let message = match variable {
+            Variable::Velocity(i) if i >= scope.first_state => format!(
+                "`dot({argument})` is the rate of a state; give what stands in `rates` a name by `let`, and use that"
+            ),
             Variable::Velocity(_) => format!(
                 "`dot({argument})` would be an acceleration, which follows from the Lagrangian; \
                  take `dot` once, of positions only"
+            ),
+            Variable::Switch(_) => format!(
+                "`dot({argument})` needs the derivative of a switch, which jumps; take `dot` of positions only"
             ),
             known if known.is_of_contact() => format!(
                 "`dot({argument})` needs the derivative of what a contact does, which may jump; take `dot` \

@@ -5,6 +5,7 @@ use super::value::Value;
 use crate::ast::{Expr, Kind};
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
 use crate::graph::{self, Sym, Variable};
+use std::ops::Range;
 
 /// Number of the first dry friction in forces, until the number of contacts before it is known.
 pub(crate) const FIRST_DRY: u16 = 1 << 15;
@@ -106,6 +107,31 @@ pub(crate) fn at_impacts(value: Sym, expr: &Expr, diagnostics: &mut Diagnostics)
     Err(diagnostics.report("E24", expr.place, message))
 }
 
+/// `force(joint)`, a vector if the joint is several equations.
+fn of_joint(
+    role: Role,
+    whole: &Expr,
+    (text, name): (&str, &str),
+    rows: Range<usize>,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let message = if text != "force" {
+        format!("joint `{name}` has no `{text}`; what it carries is `force({name})`")
+    } else if role != Role::Record {
+        format!(
+            "`{whole}` is the force of a joint, which is recorded only; use it in `outputs`, and write costs and              conditions with controls or with forces of contacts"
+        )
+    } else {
+        let forces = rows.map(|row| Sym::variable(Variable::JointForce(row as u16)));
+        let forces: Vec<Sym> = forces.collect();
+        return Ok(match forces[..] {
+            [force] => Value::Scalar(force),
+            _ => Value::Vector(forces.into()),
+        });
+    };
+    Err(diagnostics.report("E24", whole.place, message))
+}
+
 /// `force(surface)`, `friction_force(surface)`, `impulse(surface)` or `friction_impulse(surface)`.
 pub(super) fn of_contact(
     scope: &mut Scope,
@@ -114,7 +140,6 @@ pub(super) fn of_contact(
     arguments: &[Expr],
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
-    admit(scope.role, whole, text, diagnostics)?;
     let surface = match arguments {
         [
             Expr {
@@ -128,6 +153,11 @@ pub(super) fn of_contact(
         }
     };
     let (variable, normal) = quantity(text);
+    let joint = scope.joints.iter().find(|(name, _)| *name == surface.text);
+    if let Some((name, rows)) = joint.cloned() {
+        return of_joint(scope.role, whole, (text, &name), rows, diagnostics);
+    }
+    admit(scope.role, whole, text, diagnostics)?;
     if let Some(index) = scope.dry.iter().position(|name| *name == surface.text) {
         if text != "friction_force" {
             let message = format!(

@@ -1,6 +1,6 @@
 //! Names in force: what they stand for, and what is said of those that are not declared.
 
-use super::kink::Kink;
+use super::kink::{Kink, Switch, has_switch};
 use super::value::Value;
 use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
@@ -63,8 +63,14 @@ const FINAL_TIMES: [&str; 6] = ["T", "tf", "t_f", "tend", "t_end", "t_final"];
 #[derive(Default)]
 pub(crate) struct Scope {
     pub(crate) role: Role,
+    /// Number of the first velocity that is a state.
+    pub(crate) first_state: u16,
     /// Whether a force is evaluated.
     pub(crate) acts: bool,
+    /// Whether what is evaluated is given a name, for whatever may use it.
+    pub(crate) defers: bool,
+    /// Switches of what acts.
+    pub(crate) switches: Vec<Switch>,
     pub(crate) names: BTreeMap<String, Meaning>,
     pub(crate) used: HashSet<String>,
     /// Names that are declared further down.
@@ -73,6 +79,8 @@ pub(crate) struct Scope {
     pub(crate) surfaces: Vec<(String, Range<usize>)>,
     /// Dry frictions declared so far, in order.
     pub(crate) dry: Vec<String>,
+    /// Joints declared so far, in order, with the equations that they are.
+    pub(crate) joints: Vec<(String, Range<usize>)>,
     /// Maxima and minima in the surface being evaluated.
     pub(crate) kinks: Vec<Kink>,
     /// Contacts of which the friction is recorded, by which function.
@@ -114,6 +122,18 @@ impl Scope {
                 let message = format!(
                     "`{}` contains `max`, `min` or `|x|`, which have no derivative at the edge; it can be used in `outputs` \
                      and `picture` only",
+                    name.text
+                );
+                Err(diagnostics.report("E12", name.place(), message))
+            }
+            Some(Meaning::Value(value))
+                if self.role != Role::Record
+                    && !self.may_switch()
+                    && has_switch(value.components()) =>
+            {
+                let message = format!(
+                    "`{}` contains a switch, which belongs to `forces`, `rates` and `outputs` only; everywhere else use \
+                     smooth functions",
                     name.text
                 );
                 Err(diagnostics.report("E12", name.place(), message))
@@ -235,6 +255,11 @@ impl Scope {
             }
         };
         diagnostics.report("E01", function.place(), message)
+    }
+
+    /// Whether switches may stand here: in forces and rates, and in what is given a name for them.
+    pub(super) fn may_switch(&self) -> bool {
+        self.role == Role::Motion && (self.acts || self.defers)
     }
 
     /// Whether a name is an output with such contents.

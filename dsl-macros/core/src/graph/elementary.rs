@@ -29,8 +29,10 @@ pub enum Function {
     Ln,
     /// Cube root.
     Cbrt,
-    /// Absolute value, of what is recorded and drawn only.
+    /// Absolute value: of what is recorded and drawn, and in what acts where it leaves no kink.
     Abs,
+    /// Sign, the derivative of the absolute value.
+    Sign,
     /// A function given by points.
     Profile(Profile),
 }
@@ -65,6 +67,7 @@ impl Function {
             Self::Ln => "ln",
             Self::Cbrt => "cbrt",
             Self::Abs => "abs",
+            Self::Sign => "signum",
             Self::Profile(profile) => profile.name(),
         }
     }
@@ -86,6 +89,7 @@ impl Function {
             Self::Ln => x.ln(),
             Self::Cbrt => x.cbrt(),
             Self::Abs => x.abs(),
+            Self::Sign => x.signum(),
             Self::Profile(profile) => profile.value(x),
         }
     }
@@ -95,6 +99,8 @@ impl Function {
         match self {
             Self::Sin | Self::Tan | Self::Asin | Self::Atan => Some(-1.0),
             Self::Sinh | Self::Tanh | Self::Cbrt => Some(-1.0),
+            // At zero it is 1 from either side.
+            Self::Sign => None,
             Self::Cos | Self::Cosh | Self::Abs => Some(1.0),
             Self::Acos | Self::Exp | Self::Ln | Self::Profile(_) => None,
         }

@@ -46,6 +46,12 @@ pub(crate) enum Variable {
     ProvidedSliding(u16),
     /// One of the sums over all impacts.
     Sum(u16),
+    /// Force of one equation of a joint, in SI units.
+    JointForce(u16),
+    /// 1 for an equation of a joint that is held, 0 for one that follows from others.
+    JointHeld(u16),
+    /// Sign of a function that switches what acts, or its size; none is left in what is derived.
+    Switch(u16),
     /// Stands for the argument of a function while it is differentiated.
     Argument(u16),
 }
@@ -53,7 +59,10 @@ pub(crate) enum Variable {
 impl Variable {
     /// Whether it is the force of a contact, which acts over a time.
     pub(crate) fn is_force(self) -> bool {
-        matches!(self, Self::ContactForce(_) | Self::FrictionForce(_))
+        matches!(
+            self,
+            Self::ContactForce(_) | Self::FrictionForce(_) | Self::JointForce(_)
+        )
     }
 
     /// Whether it is the impulse of a contact, which acts at an instant.

@@ -4,7 +4,7 @@ use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
 use super::expression::{compared, expression};
 use super::pieces::{block, entries, name, range, target};
-use crate::ast::{Condition, Documentation, FreeStart, Name, Relation, Statement};
+use crate::ast::{Condition, Documentation, FreeStart, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics};
 
 /// `finally { condition, ... }`.
@@ -121,4 +121,44 @@ pub(super) fn free(
         })
     });
     Ok(Statement::Free(values))
+}
+
+/// Whether a parameter that is to be found stands behind `free`, and no block of initial values.
+pub(super) fn is_parameter(cursor: &Cursor) -> bool {
+    cursor.ident().is_some()
+}
+
+/// `free name: unit in lower..=upper = value`, a parameter that is to be found.
+pub(super) fn free_parameter(
+    quantity: Quantity,
+    documentation: Documentation,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    let Quantity { name, unit, .. } = &quantity;
+    let unit = unit
+        .as_ref()
+        .map_or(String::new(), |unit| format!(": {}", unit.text));
+    if quantity.bounds.is_none() {
+        diagnostics.poison(&name.text);
+        let message = format!(
+            "free parameter `{0}` needs the range in which it is looked for, as in `free {0}{unit} in 1..=10 = 2`; a \
+             free initial value stands in braces, `free {{ {0} }}`",
+            name.text
+        );
+        return Err(diagnostics.syntax(name.place(), message));
+    }
+    if quantity.value.is_none() {
+        diagnostics.poison(&name.text);
+        let message = format!(
+            "free parameter `{0}` needs a value to begin with, as in `free {0}{unit} in 1..=10 = 2`; a free initial \
+             value stands in braces, `free {{ {0} in ... }}`",
+            name.text
+        );
+        return Err(diagnostics.syntax(name.place(), message));
+    }
+    Ok(Statement::Parameters(vec![Quantity {
+        documentation,
+        free: true,
+        ..quantity
+    }]))
 }

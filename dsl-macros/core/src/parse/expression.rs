@@ -373,13 +373,17 @@ impl Parser<'_> {
     }
 
     fn name(&mut self, cursor: &mut Cursor, name: Name) -> Checked<Expr> {
-        let switches = name.text == "if" || name.text == "match";
+        if name.text == words::IF && !self.diagnostics.is_declared(&name.text) {
+            return self.choice(cursor, name);
+        }
+        let switches = name.text == "match";
         if switches && !self.diagnostics.is_declared(&name.text) {
             return Err(self.diagnostics.report(
                 "E12",
                 name.place(),
                 format!(
-                    "`{}` switches inside smooth dynamics; declare a `surface` where the motion switches",
+                    "`{}` is no expression; write `if c >= 0 {{ a }} else {{ b }}` in `forces` or `rates`, and declare a `surface` \
+                     where the motion strikes",
                     name.text
                 ),
             ));
@@ -413,6 +417,69 @@ impl Parser<'_> {
             whole,
             depth,
         )
+    }
+
+    /// `if left >= right { value } else { other }`, with the cursor behind `if`: a call with the larger side, the smaller one and
+    /// both values.
+    fn choice(&mut self, cursor: &mut Cursor, name: Name) -> Checked<Expr> {
+        const SHAPE: &str = "`if c >= 0 { a } else { b }`";
+        let left = self.climb(cursor, 0)?;
+        let place = cursor.place();
+        let greater = cursor.at_symbol(">");
+        if !greater && !cursor.at_symbol("<") {
+            let message = format!(
+                "`if` compares two numbers by `>=` or `<=`, found {}; write {SHAPE}",
+                cursor.describe()
+            );
+            return Err(self.diagnostics.syntax(place, message));
+        }
+        cursor.advance();
+        cursor.eat_symbol("=");
+        let right = self.climb(cursor, 0)?;
+        let yes = self.braced(cursor, SHAPE)?;
+        if !cursor.eat_word("else") {
+            let message =
+                format!("`else` is missing, as what acts has a value on both sides; write {SHAPE}");
+            return Err(self.diagnostics.syntax(cursor.place(), message));
+        }
+        let no = match cursor.at_word(words::IF) {
+            true => self.primary(cursor)?,
+            false => self.braced(cursor, SHAPE)?,
+        };
+        let (large, small) = if greater {
+            (left, right)
+        } else {
+            (right, left)
+        };
+        let arguments = vec![large, small, yes, no];
+        let depth = arguments.iter().map(|part| part.depth).max().unwrap_or(0);
+        let whole = name.place().to(cursor.previous());
+        let function = name;
+        self.node(
+            Kind::Call {
+                function,
+                arguments,
+            },
+            whole,
+            depth,
+        )
+    }
+
+    /// An expression in braces.
+    fn braced(&mut self, cursor: &mut Cursor, shape: &str) -> Checked<Expr> {
+        let Some(group) = cursor.eat_group(Delimiter::Brace) else {
+            let message = format!(
+                "expected a value in braces, found {}; write {shape}",
+                cursor.describe()
+            );
+            return Err(self.diagnostics.syntax(cursor.place(), message));
+        };
+        let mut inner = Cursor::inside(&group);
+        let value = self.climb(&mut inner, 0)?;
+        if inner.is_empty() {
+            return Ok(value);
+        }
+        Err(unexpected(&inner, self.diagnostics, "an operator or `}`"))
     }
 
     /// `cos theta` or `cos 2*theta`, which is reported and read as a call.

@@ -5,6 +5,7 @@ mod control;
 mod cursor;
 mod documentation;
 mod expression;
+mod joint;
 mod law;
 mod picture;
 mod pieces;
@@ -72,13 +73,13 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
 /// Notes which names the scene declares, so that messages about what stands before them know.
 fn note_names(mut cursor: Cursor, diagnostics: &mut Diagnostics) {
     while !cursor.is_empty() {
-        if cursor.eat_word("let") || cursor.eat_word("fn") {
+        if cursor.eat_word("let") || cursor.eat_word("fn") || cursor.eat_word("free") {
             if let Some(name) = cursor.eat_name() {
                 diagnostics.declare(&name.text);
             }
             continue;
         }
-        let block = ["parameters", "coordinates", "controls", "outputs"]
+        let block = ["parameters", "coordinates", "controls", "states", "outputs"]
             .iter()
             .any(|word| cursor.at_word(word));
         cursor.advance();

@@ -5,7 +5,7 @@ use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, block, entries, equals, name, range, target};
-use super::{control, law, picture, profile, slips, unit};
+use super::{control, joint, law, picture, profile, slips, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
@@ -85,6 +85,8 @@ fn statement(
             diagnostics,
         )?)),
         "controls" => Ok(Statement::Controls(quantities(cursor, &word, diagnostics)?)),
+        "states" => Ok(Statement::States(quantities(cursor, &word, diagnostics)?)),
+        "rates" => Ok(Statement::Rates(assignments(cursor, &word, diagnostics)?)),
         "let" => {
             let name = name(cursor, "the name of the abbreviation", diagnostics)?;
             let value = equals(cursor, diagnostics).and_then(|()| expression(cursor, diagnostics));
@@ -112,6 +114,7 @@ fn statement(
         "surface" => surface(cursor, documentation, diagnostics),
         "impact" => law::impact(cursor, diagnostics),
         "dry" => law::dry_friction(cursor, documentation, diagnostics),
+        "joint" => joint::joint(cursor, documentation, diagnostics),
         "start" => Ok(Statement::Start(assignments(cursor, &word, diagnostics)?)),
         "horizon" => {
             let value = expression(cursor, diagnostics)?;
@@ -124,6 +127,10 @@ fn statement(
         }
         "constraint" => control::constraint(cursor, documentation, diagnostics),
         "finally" => control::finally(cursor, &word, diagnostics),
+        "free" if control::is_parameter(cursor) => {
+            let quantity = quantity(cursor, diagnostics)?;
+            control::free_parameter(quantity, documentation, diagnostics)
+        }
         "free" => control::free(cursor, &word, diagnostics),
         "outputs" => Ok(Statement::Outputs(quantities(cursor, &word, diagnostics)?)),
         "picture" => picture::picture(cursor, &word, diagnostics),
@@ -192,6 +199,7 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
             unit: None,
             bounds: Some((lower, upper)),
             value: None,
+            free: false,
         });
     }
     let name = name(cursor, "a name", diagnostics)?;
@@ -212,6 +220,7 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
         unit,
         bounds,
         value,
+        free: false,
     })
 }
 

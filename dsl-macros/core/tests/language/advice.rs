@@ -35,19 +35,23 @@ fn assert_says(messages: &[String], words: &[&str]) {
 }
 
 #[test]
-fn sign_and_size_of_a_velocity_name_dry_friction_and_drag() {
+fn sign_and_size_of_a_velocity_act_and_name_dry_friction_and_drag_elsewhere() {
+    for acts in [
+        "forces { s: -3 [N]*sign(dot(s)) }",
+        "let w = dot(s) - 1 [m/s] forces { s: -3 [N]*sign(w) }",
+        "forces { s: -3 [kg/m]*|dot(s)|*dot(s) }",
+        "forces { s: -3 [N]*sign(s) }",
+    ] {
+        assert_eq!(moved(acts), [""; 0]);
+    }
     assert_says(
-        &moved("forces { s: -3 [N]*sign(dot(s)) }"),
+        &moved("dissipation 3 [N]*sign(dot(s))*dot(s)"),
         &["dry friction name: bound f, sliding dot(s)"],
     );
-    let brake = "let w = dot(s) - 1 [m/s] forces { s: -3 [N]*sign(w) }";
-    assert_says(&moved(brake), &["dry friction name: bound f, sliding w"]);
-    let drag = "forces { s: -3 [kg/m]*|dot(s)|*dot(s) }";
+    let drag = "dissipation 3 [kg/m]*|dot(s)|*dot(s)^2";
     assert_says(&moved(drag), &["`sqrt(dot(s)^2 + v_0^2)`", "dry friction"]);
-    let as_advised = "forces { s: -3 [kg/m]*sqrt(dot(s)^2 + (1 [mm/s])^2)*dot(s) }";
+    let as_advised = "dissipation 3 [kg/m]*sqrt(dot(s)^2 + (1 [mm/s])^2)*dot(s)^2";
     assert_eq!(moved(as_advised), [""; 0]);
-    // The sign of a place is none of it.
-    assert_says(&moved("forces { s: -3 [N]*sign(s) }"), &["surface"]);
 }
 
 #[test]

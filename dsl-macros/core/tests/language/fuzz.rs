@@ -53,7 +53,7 @@ impl Random {
     }
 }
 
-const WORDS: [&str; 69] = [
+const WORDS: [&str; 70] = [
     "rotation",
     "rotation_x",
     "transpose",
@@ -70,6 +70,7 @@ const WORDS: [&str; 69] = [
     "surface",
     "impact",
     "dry",
+    "joint",
     "bound",
     "inelastic",
     "along",

@@ -267,11 +267,11 @@ texts! {
     velocity_at_an_edge: beside "surface s: dot(|y|) >= 0 impact s: inelastic" =>
         "E12: `|y|` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces";
     absolute_value: beside "let top = abs(y) surface wall: z + top >= 0 impact wall: inelastic" =>
-        "E12: `abs` has a kink or a jump, which smooth dynamics must not have; declare a `surface`, which may contain it, where the motion switches";
+        "E12: `top` contains a switch, which belongs to `forces`, `rates` and `outputs` only; everywhere else use smooth functions";
     bars_around_a_number: with "lagrangian m/2*|dot((y, z))|^2 - m*g*|z|" =>
-        "E12: `|z|` of a number has a kink at 0; square it, or declare a `surface` where the motion switches";
+        "E12: `|z|` of a number has a kink at 0, which energies and laws must not have; write what acts in `forces`, which may switch, or declare a `surface`, which may contain it, where the motion strikes";
     branch: with "lagrangian if y > 0 { 1 } else { 2 }" =>
-        "E12: `if` switches inside smooth dynamics; declare a `surface` where the motion switches";
+        "E12: `if` has a kink or a jump, which energies and laws must not have; write what acts in `forces`, which may switch, or declare a `surface` where the motion strikes";
     norm_of_velocity: with "lagrangian m/2*|dot((y, z))|^2 + m*|dot((y, z))|*1 [m/s]" =>
         "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
 

@@ -135,8 +135,9 @@ texts! {
          `picture` only";
     rate_of_an_edge: "outputs { speed: m/s = dot(|y|) }" =>
         "E12: `|y|` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces";
-    jump_in_an_output: "outputs { way = sign(dot(y)) }" =>
-        "E12: `sign` has a kink or a jump, which smooth dynamics must not have; declare a `surface` where the motion \
+    jump_in_an_output: "outputs { way = sign(dot(y)), side = if y >= 0 [m] { 1 } else { -1 } }" => "accepted";
+    rounding_in_an_output: "outputs { way = floor(y/r) }" =>
+        "E12: `floor` has a kink or a jump, which smooth dynamics must not have; declare a `surface` where the motion \
          switches";
     output_twice: "outputs { z: m = y, height: m = z, height: m = z }" =>
         "E19: `z` is declared twice; rename this output",

@@ -2,7 +2,7 @@
 
 use super::{FiniteElement, numerical_time};
 
-/// Products of rows with the directions of the position corrections of all contacts, of which each has few components that
+/// Products of rows with the directions of all position corrections, of which each has few components that
 /// are not zero.
 struct Products {
     /// Components of each direction that are not zero, with their places.
@@ -11,7 +11,7 @@ struct Products {
 }
 
 impl Products {
-    fn new(element: &FiniteElement<'_>, contacts: usize) -> Self {
+    fn new(element: &FiniteElement<'_>, positions: usize) -> Self {
         let n = element.n;
         let direction = |i: usize| {
             let components = element.corrections[i * n..(i + 1) * n].iter();
@@ -19,7 +19,7 @@ impl Products {
             components.filter(|(_, d)| *d != 0.0).collect()
         };
         Self {
-            directions: (0..contacts).map(direction).collect(),
+            directions: (0..positions).map(direction).collect(),
             values: Vec::new(),
         }
     }
@@ -35,35 +35,34 @@ impl Products {
         }
     }
 
-    /// Of one row, a product for each contact.
+    /// Of one row, a product for each correction.
     fn of_row(&self, row: usize) -> &[f64] {
-        let contacts = self.directions.len();
-        &self.values[row * contacts..(row + 1) * contacts]
+        let count = self.directions.len();
+        &self.values[row * count..(row + 1) * count]
     }
 }
 
 /// The Newton matrix at the present stages.
 pub(super) fn assemble(element: &mut FiniteElement<'_>) {
     let (n, h, block) = (element.n, element.length, element.block());
-    let (contacts, forces) = (element.constraints.normals(), element.constraints.count());
+    let (positions, forces) = (element.constraints.positions(), element.constraints.count());
     let stages = element.tableau.stages();
     let size = stages * block;
     element.matrix.clear();
     element.matrix.resize(size * size, 0.0);
     numerical_time::differentiate(element);
-    let new = || Products::new(element, contacts);
+    let new = || Products::new(element, positions);
     let (mut corrected, mut turned, mut along) = (new(), new(), new());
     for m in 0..stages {
         evaluate_stage_jacobian(element, m);
         let constraints = &element.constraints;
         corrected.multiply(&element.by_q, n);
         turned.multiply(&constraints.turning[..forces * n], n);
-        along.multiply(&constraints.gradients[..contacts * n], n);
+        along.multiply(&constraints.gradients[..forces * n], n);
         for j in 0..stages {
             let (first, second) = numerical_time::weights(element, m, j);
             let shift = h * element.tableau.a(m, j);
-            let rows = m * block;
-            let columns = j * block;
+            let (rows, columns) = (m * block, j * block);
             for row in 0..n {
                 let line = &mut element.matrix[(rows + row) * size + columns..][..block];
                 let by_q = &element.by_q[row * n..(row + 1) * n];
@@ -87,8 +86,9 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 let turning = &constraints.turning[i * n..(i + 1) * n];
                 let velocity_row = (rows + n + i) * size + columns;
                 if constraints.is_given(i) {
-                    for (entry, turning) in element.matrix[velocity_row..].iter_mut().zip(turning) {
-                        *entry = -second * turning;
+                    let entries = element.matrix[velocity_row..].iter_mut();
+                    for (entry, (turning, gradient)) in entries.zip(turning.iter().zip(gradient)) {
+                        *entry = -second * turning - first * gradient;
                     }
                     for (other, turned) in turned.of_row(i).iter().enumerate() {
                         element.matrix[velocity_row + n + forces + other] = -h * shift * turned;
@@ -106,13 +106,14 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                     element.matrix[velocity_row + n + forces + other] = shift * turned;
                 }
             }
-            for i in 0..contacts {
-                let normal = &constraints.gradients[i * n..(i + 1) * n];
+            for i in 0..positions {
+                let row = constraints.of_position(i);
+                let normal = &constraints.gradients[row * n..(row + 1) * n];
                 let gap_row = (rows + n + forces + i) * size + columns;
                 for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
                     *entry = second * gradient / (h * h);
                 }
-                for (other, along) in along.of_row(i).iter().enumerate() {
+                for (other, along) in along.of_row(row).iter().enumerate() {
                     element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
                 }
             }
@@ -145,5 +146,5 @@ fn evaluate_stage_jacobian(element: &mut FiniteElement<'_>, m: usize) {
     let forces = &element.unknowns[m * block + n..(m + 1) * block];
     element
         .constraints
-        .differentiate(x, forces, &mut element.by_q);
+        .differentiate(x, forces, (&mut element.by_q, &mut element.by_v));
 }

@@ -38,7 +38,7 @@ pub(super) fn finish(element: &mut FiniteElement<'_>) -> Result<(), ElementError
         element.end.v[k] = element.start.v[k] + h * first;
         element.end.q[k] = element.start.q[k] + h * (element.start.v[k] + h * second);
     }
-    if !element.active().is_empty() {
+    if !element.active().is_empty() || element.constraints.count() > 0 {
         project_end(element)?;
     }
     Ok(())
@@ -47,11 +47,7 @@ pub(super) fn finish(element: &mut FiniteElement<'_>) -> Result<(), ElementError
 /// Moves the end state onto `g = 0`, `v_n = 0`, and `v_t = 0` where a contact sticks, along the directions
 /// of the forces.
 fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
-    let (n, contacts, forces) = (
-        element.n,
-        element.constraints.normals(),
-        element.constraints.count(),
-    );
+    let (n, forces) = (element.n, element.constraints.count());
     let mut x = element.stage_input(element.tableau.stages() - 1).to_vec();
     element.write_time(element.end.time, &mut x);
     let mut matrix = vec![0.0; forces * forces];
@@ -79,13 +75,15 @@ fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
         dense::factorize(&mut matrix, &mut pivots).map_err(|_| ElementError::Singular)?;
         if gap <= 4.0 * constraints.gap_rounding || iteration + 1 == MAX_ITERATIONS {
             shift.copy_from_slice(&constraints.velocities);
-            shift[contacts..constraints.active().len()].fill(0.0);
+            shift[constraints.normals()..constraints.active().len()].fill(0.0);
             dense::solve(&matrix, &pivots, &mut shift);
             subtract(&constraints.directions, &shift, &mut element.end.v);
             return Ok(());
         }
-        shift[..contacts].copy_from_slice(&constraints.gaps);
-        shift[contacts..].fill(0.0);
+        shift.fill(0.0);
+        for (number, gap) in constraints.gaps.iter().enumerate() {
+            shift[constraints.of_position(number)] = *gap;
+        }
         dense::solve(&matrix, &pivots, &mut shift);
         subtract(&constraints.directions, &shift, &mut element.end.q);
     }

@@ -22,11 +22,14 @@
 //! which has index 2 as well, so that the order stays. The force `r_i` of dry friction is given, `r_i = D_i f(q, t)`; it has
 //! neither `d_i` nor `eta_i`.
 //!
+//! *Joints* are held alike: rows `w = 0`, with a force as unknown, and `g = 0`, with an `eta`. The acceleration `a` contains their
+//! forces, so that both unknowns vanish with the step length, and act along directions of `q_0`.
+//!
 //! In *numerical time* ([`FiniteElement::in_numerical_time`]) the same equations are those of the time-freezing system in
 //! a sliding mode, whose right-hand side a contact slows down by the speed of the clock (`numerical_time`).
 //!
 //! Unknowns of stage `m`: accelerations `A_m` (`n_q`), then the forces: `r_m` of each active contact and
-//! `s_m` of each that sticks; then `eta_m`, one an active surface. [`newton`] solves for them, with the matrix of `assembly`
+//! `s_m` of each that sticks, then those of the rows of joints; then `eta_m`, one an active surface and one a position of a joint. [`newton`] solves for them, with the matrix of `assembly`
 //! the end state of `end`, and its error by `local_error`.
 
 mod assembly;
@@ -101,7 +104,7 @@ pub(crate) struct FiniteElement<'a> {
     constraints: Constraints<'a>,
     start: State,
     length: f64,
-    /// Correction directions: those of the forces at `q_0`, one row an active contact.
+    /// Correction directions: those of the forces at `q_0`, one row a position that is held.
     corrections: Vec<f64>,
     /// Unknowns of all stages, `stages * block`.
     unknowns: Vec<f64>,
@@ -180,7 +183,7 @@ impl<'a> FiniteElement<'a> {
 
     /// Unknowns of one stage.
     fn block(&self) -> usize {
-        self.n + self.constraints.count() + self.constraints.normals()
+        self.n + self.constraints.count() + self.constraints.positions()
     }
 
     /// Unknowns of the element without its length.
@@ -204,10 +207,10 @@ impl<'a> FiniteElement<'a> {
         &self.unknowns[begin..begin + self.constraints.normals()]
     }
 
-    /// Forces of all constraints at stage `m`: normals, then the friction of contacts that stick.
+    /// Forces of all constraints of contacts at stage `m`: normals, then the friction of contacts that stick.
     pub(crate) fn stage_constraint_forces(&self, m: usize) -> &[f64] {
         let begin = m * self.block() + self.n;
-        &self.unknowns[begin..begin + self.constraints.count()]
+        &self.unknowns[begin..begin + self.constraints.of_contacts()]
     }
 
     /// Physical time of stage `m` of the solved element \[s\].
@@ -248,7 +251,8 @@ impl<'a> FiniteElement<'a> {
         self.residual.resize(size, 0.0);
         self.pivots.resize(size, 0);
         let normals = self.constraints.normals();
-        self.corrections.resize(normals * self.n, 0.0);
+        let positions = self.constraints.positions();
+        self.corrections.resize(positions * self.n, 0.0);
         self.clock.set_mode(self.tableau.stages(), normals);
         self.has_previous = false;
         self.factorized = false;
@@ -290,27 +294,31 @@ impl<'a> FiniteElement<'a> {
         let mut values = [0.0; ButcherTableau::MAX_STAGES];
         self.tableau.lagrange_values(0.0, &mut values[..stages]);
         let weight = h / (stages * stages) as f64;
-        let (mut velocity, mut position) = (0.0_f64, 0.0_f64);
+        let (mut velocity, mut position, mut states) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let mechanical = n - motion.states.len();
+        let (rounding, cancelled) = (motion.rounding, self.cancelled_velocity());
+        let beyond = |error: f64, rounding: f64, size: f64| (error - rounding).max(0.0) / size;
         for (k, &start) in acceleration.iter().enumerate() {
             let (mut by_velocity, mut by_position) = (-start, -self.start.v[k]);
             for (j, value) in values[..stages].iter().enumerate() {
                 by_velocity += value * self.unknowns[j * block + k];
                 by_position += value * self.inputs_of_stages[j * self.inputs + n + k];
             }
+            if let Some(size) = k.checked_sub(mechanical).map(|state| motion.states[state]) {
+                // A state is measured by itself, and nothing reads its integral.
+                let size = size.max(self.end.v[k].abs()) + f64::MIN_POSITIVE;
+                states = states.max(beyond(weight * by_velocity.abs(), cancelled, size));
+                continue;
+            }
             velocity = velocity.max(weight * by_velocity.abs());
             position = position.max(weight * by_position.abs());
         }
         // A start from rest is measured by the velocity that the element itself reaches.
-        let speed = motion.speed.max(largest(&self.end.v)) + f64::MIN_POSITIVE;
+        let speed = motion.speed.max(largest(&self.end.v[..mechanical])) + f64::MIN_POSITIVE;
         let distance = motion.distance.max(h * speed);
-        let rounding = motion.rounding;
-        let cancelled = self.cancelled_velocity();
-        let beyond = |error: f64, rounding: f64, size: f64| (error - rounding).max(0.0) / size;
-        beyond(velocity, rounding / h + cancelled, speed).max(beyond(
-            position,
-            self.position_rounding(motion),
-            distance,
-        ))
+        beyond(velocity, rounding / h + cancelled, speed)
+            .max(beyond(position, self.position_rounding(motion), distance))
+            .max(states)
     }
 
     /// Velocity that rounding errors of accelerations that cancel leave.

@@ -8,6 +8,10 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 #[derive(Debug, Clone, Default)]
 pub(crate) struct MotionSize {
     start: Vec<f64>,
+    /// Number of coordinates of the mechanism.
+    mechanical: usize,
+    /// Largest size of each state of first order.
+    pub(crate) states: Vec<f64>,
     /// Largest distance of a coordinate from its start.
     pub(crate) distance: f64,
     /// Largest velocity.
@@ -17,10 +21,12 @@ pub(crate) struct MotionSize {
 }
 
 impl MotionSize {
-    /// Of a motion that starts at `(q, v)`.
-    pub(crate) fn new(q: &[f64], v: &[f64]) -> Self {
+    /// Of a motion that starts at `(q, v)`, with so many coordinates of a mechanism.
+    pub(crate) fn new(q: &[f64], v: &[f64], mechanical: usize) -> Self {
         let mut size = Self {
             start: q.to_vec(),
+            mechanical,
+            states: vec![0.0; q.len() - mechanical],
             ..Self::default()
         };
         size.include(q, v);
@@ -37,7 +43,10 @@ impl MotionSize {
 
     /// Grows to the state `(q, v)`.
     pub(crate) fn include(&mut self, q: &[f64], v: &[f64]) {
-        for (k, start) in self.start.iter().enumerate() {
+        for (size, state) in self.states.iter_mut().zip(&v[self.mechanical..]) {
+            *size = size.max(state.abs());
+        }
+        for (k, start) in self.start.iter().enumerate().take(self.mechanical) {
             self.distance = self.distance.max((q[k] - start).abs());
             self.speed = self.speed.max(v[k].abs());
             self.rounding = self.rounding.max(ROUNDING * q[k].abs());

@@ -47,7 +47,7 @@ pub(crate) fn solve(
     {
         controls.write(start.time + c * h, &mut stage[place.clone()]);
     }
-    evaluate_start(element);
+    evaluate_start(element)?;
     predict(element, h);
     let predicted = element.has_previous;
     let mut outcome = iterate(element);
@@ -56,7 +56,7 @@ pub(crate) fn solve(
         if predicted {
             // The prediction may have led astray.
             element.has_previous = false;
-            evaluate_start(element);
+            evaluate_start(element)?;
             predict(element, h);
             outcome = iterate(element);
         }
@@ -104,9 +104,9 @@ fn predict(element: &mut FiniteElement<'_>, h: f64) {
 
 /// Evaluates the directions of the position corrections, and the free acceleration at the start where no
 /// previous element helps.
-fn evaluate_start(element: &mut FiniteElement<'_>) {
-    if element.active().is_empty() && element.has_previous {
-        return;
+fn evaluate_start(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
+    if element.constraints.count() == 0 && element.active().is_empty() && element.has_previous {
+        return Ok(());
     }
     let n = element.n;
     let mut first = std::mem::take(&mut element.first);
@@ -121,11 +121,14 @@ fn evaluate_start(element: &mut FiniteElement<'_>) {
             .free_acceleration(&first, &mut element.acceleration);
     }
     element.constraints.evaluate(&first);
+    let frozen = element.constraints.freeze_joints(&first);
     element.first = first;
-    let length = element.corrections.len();
-    element
-        .corrections
-        .copy_from_slice(&element.constraints.directions[..length]);
+    for (number, correction) in element.corrections.chunks_exact_mut(n).enumerate() {
+        let row = element.constraints.of_position(number);
+        let direction = &element.constraints.directions[row * n..(row + 1) * n];
+        correction.copy_from_slice(direction);
+    }
+    frozen
 }
 
 /// Simplified Newton iterations: the factors are kept as long as they contract well.
@@ -140,7 +143,8 @@ fn iterate(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
                 ElementError::NotConverged
             }
         })?;
-        if iteration == 0 && element.active().is_empty() && is_solved(element) {
+        let free = element.constraints.count() == 0 && element.active().is_empty();
+        if iteration == 0 && free && is_solved(element) {
             // The prediction already satisfies the stage equations (constant acceleration).
             return Ok(());
         }

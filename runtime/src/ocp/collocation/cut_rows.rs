@@ -6,6 +6,7 @@ use super::friction_rows::reserve_between;
 use super::layout::{Cut, CutKind, Distance, Kept, Phase};
 use super::provided;
 use super::stage_inputs::drive_within;
+use crate::model::held::is_held;
 use crate::ocp::program::frame::{Provided, state_name};
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
@@ -136,6 +137,9 @@ pub(in crate::ocp) fn state_at(
     let program = &mut builder.program;
     (0..count)
         .map(|k| {
+            if is_held(model, k) {
+                return phase.start[k];
+            }
             let name = format!("{} {at}", state_name(model, k));
             let unit = units.states[k];
             let variable = program.variable(name.clone(), free, sample[k], unit);

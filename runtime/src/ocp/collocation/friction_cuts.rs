@@ -69,6 +69,12 @@ fn sliding<'m>(
     }
 }
 
+/// The coefficient of friction of a contact, which may be an unknown.
+fn coefficient(motion: &DenseMotion, contact: usize) -> f64 {
+    let found = motion.program.program.laws().friction(contact);
+    found.map_or_else(|| motion.program.model.friction(contact), |mu| motion.x[mu])
+}
+
 /// `mu r + sigma s` of a sticking contact inside a phase.
 fn reserve(
     motion: &DenseMotion,
@@ -79,7 +85,7 @@ fn reserve(
 ) -> f64 {
     let mut weights = vec![0.0; phase.stages.len()];
     motion.program.tableau.lagrange_values(theta, &mut weights);
-    let mu = motion.program.model.friction(contact);
+    let mu = coefficient(motion, contact);
     let stages = phase.stages.iter().zip(weights);
     stages
         .flat_map(|(stage, weight)| stage.tangential.iter().map(move |t| (t, weight)))
@@ -91,7 +97,7 @@ fn reserve(
 
 /// The largest `mu r` of a contact at the stages of a phase, at least the smallest positive number.
 fn largest_force(motion: &DenseMotion, phase: &Phase, contact: usize) -> f64 {
-    let mu = motion.program.model.friction(contact);
+    let mu = coefficient(motion, contact);
     let tangential = phase.stages.iter().flat_map(|stage| &stage.tangential);
     let own = tangential.filter(|tangential| tangential.contact == contact);
     own.map(|tangential| mu * motion.x[tangential.normal])

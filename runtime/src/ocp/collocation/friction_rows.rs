@@ -64,14 +64,37 @@ pub(in crate::ocp) fn tangential(
             normal.force_unit,
         )
     });
+    let slipping = slipping(program, model, normal, label);
     Some(Tangential {
         contact,
         mode,
         normal: normal.force,
         unit: normal.row_unit,
         force,
+        slipping,
         rows: Vec::new(),
     })
+}
+
+/// Adds the tangential force `s = -+ mu r` of a contact that slips with a coefficient that is an unknown.
+fn slipping(
+    program: &mut Program,
+    model: &dyn Model,
+    normal: &Normal,
+    label: &str,
+) -> Option<usize> {
+    let ContactMode::Slip(direction) = normal.mode else {
+        return None;
+    };
+    let mu = program.laws().friction(normal.contact)?;
+    let name = model.declaration().contacts[normal.contact].name;
+    let name = format!("friction of `{name}` {label}");
+    let guess = -direction.sign() * program.guessed(mu) * program.guessed(normal.force);
+    let force = program.variable(name.clone(), FREE, guess, normal.force_unit);
+    let row = program.row_in(normal.force_unit, name, 0.0, 0.0);
+    program.linear(row, force, 1.0);
+    program.bilinear(row, mu, normal.force, direction.sign());
+    Some(force)
 }
 
 /// Adds the effect of the tangential force at `(q, u)`: `coefficient e_k s` for each (row, k, coefficient).
@@ -82,7 +105,7 @@ pub(in crate::ocp) fn push(
     [q, u]: [&[usize]; 2],
     uses: &[(usize, usize, f64)],
 ) {
-    let (force, ratio) = match (tangential.force, tangential.mode) {
+    let (force, ratio) = match (tangential.force.or(tangential.slipping), tangential.mode) {
         (Some(force), _) => (force, 1.0),
         (None, ContactMode::Slip(direction)) => {
             let mu = model.friction(tangential.contact);
@@ -150,8 +173,8 @@ pub(in crate::ocp) fn constrain(
         };
         let name = format!("friction cone of `{name}` {label}");
         let row = program.row_in(unit, name, 0.0, upper);
-        let mu = model.friction(contact);
-        reserve(program, row, 1.0, mu, direction, tangential.normal, force);
+        let mu = (contact, model.friction(contact));
+        reserve(program, row, 1.0, mu, direction, [tangential.normal, force]);
         if !reaches {
             tangential.rows.push((direction, row));
         }
@@ -163,12 +186,14 @@ fn reserve(
     program: &mut Program,
     row: usize,
     weight: f64,
-    mu: f64,
+    (contact, mu): (usize, f64),
     direction: Direction,
-    normal: usize,
-    force: usize,
+    [normal, force]: [usize; 2],
 ) {
-    program.linear(row, normal, weight * mu);
+    match program.laws().friction(contact) {
+        Some(mu) => program.bilinear(row, mu, normal, weight),
+        None => program.linear(row, normal, weight * mu),
+    }
     program.linear(row, force, weight * direction.sign());
 }
 
@@ -185,16 +210,9 @@ pub(in crate::ocp) fn reserve_between(
     for (stage, &weight) in stages.iter().zip(weights) {
         for tangential in stage.tangential.iter().filter(|t| t.contact == contact) {
             if let Some(force) = tangential.force {
-                let mu = model.friction(contact);
-                reserve(
-                    program,
-                    row,
-                    weight,
-                    mu,
-                    direction,
-                    tangential.normal,
-                    force,
-                );
+                let mu = (contact, model.friction(contact));
+                let forces = [tangential.normal, force];
+                reserve(program, row, weight, mu, direction, forces);
             }
         }
     }

@@ -6,6 +6,7 @@ use super::friction_rows::Normal;
 use super::layout::{Distance, FREE, Kept};
 use super::turns::Turns;
 use super::{friction_rows, provided};
+use crate::model::held::is_held;
 use crate::model::{ContactDeclaration, contact_point};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::frame::state_name;
@@ -145,6 +146,10 @@ fn velocities_after(builder: &mut Builder, label: &str, time: f64) -> (Vec<usize
     let mut after = builder.state[..n].to_vec();
     let mut rows = Vec::with_capacity(n);
     for (k, &guess) in sample.iter().enumerate().take(2 * n).skip(n) {
+        if is_held(model, k) {
+            after.push(builder.state[k]);
+            continue;
+        }
         let name = format!(
             "{} after the impact that ends {label}",
             state_name(model, k)
@@ -190,10 +195,11 @@ fn impulse_rows(
     let row = program.row_in(unit, format!("impact of {label}"), 0.0, 0.0);
     let kernel = Kernel::Contact(contact);
     program.block(&kernel, [q, v, drive, &[]], None, vec![(row, 1, 1.0)]);
-    if restitution > 0.0 {
+    let found = program.laws().restitution(contact);
+    if found.is_some() || restitution > 0.0 {
         let v = &builder.state[n..];
-        let uses = vec![(row, 1, restitution)];
-        program.block(&kernel, [q, v, drive, &[]], None, uses);
+        let uses = vec![(row, 1, if found.is_some() { 1.0 } else { restitution })];
+        program.block(&kernel, [q, v, drive, &[]], found, uses);
     }
     impulse
 }

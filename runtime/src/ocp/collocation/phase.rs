@@ -8,6 +8,7 @@ use super::stage_inputs::{Elapsed, drive_at, drive_within};
 use super::turns::Turns;
 use super::{cut_rows, friction_rows, provided, start_conditions};
 use crate::model::Pieces;
+use crate::model::held::{is_held, moving};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::program::frame::{Provided, force_name, state_name};
@@ -227,6 +228,9 @@ fn stage_state(builder: &mut Builder, sample: &[f64], last: bool, at: &str) -> V
             } else {
                 FREE
             };
+            if is_held(model, k) {
+                return builder.frame.start[k];
+            }
             let name = format!("{} {at}", state_name(model, k));
             builder
                 .program
@@ -254,10 +258,11 @@ fn stage_rows(
         let rows = rows.iter().enumerate();
         rows.map(|(k, &row)| (row, k, coefficient)).collect()
     };
-    let (moves, pushes) = (each(-1.0, &rows[..n]), each(-1.0, &rows[n..]));
+    let moving = moving(model);
+    let (moves, pushes) = (each(-1.0, &rows[..moving]), each(-1.0, &rows[moving..]));
     let program = &mut builder.program;
     let kernel = Kernel::Acceleration(Vec::new());
-    let free = each(-element.factor, &rows[n..]);
+    let free = each(-element.factor, &rows[moving..]);
     program.block(&kernel, [q, v, &u, &[]], Some(element.scale), free);
     if !phase.closed.is_empty() {
         let at = format!("at stage {stage} of {}", element.label());
@@ -309,7 +314,7 @@ fn given_forces(
     }
 }
 
-/// Adds the collocation rows of a stage with all that is linear in the unknowns, and the velocities.
+/// Adds the collocation rows of a stage with all that is linear in the unknowns, and the velocities: those of the coordinates that move.
 fn collocation_rows(
     builder: &mut Builder,
     element: &Element,
@@ -327,6 +332,9 @@ fn collocation_rows(
     let place = format!("stage {stage}, {}", element.label());
     let mut rows = Vec::with_capacity(2 * n);
     for (k, &before) in phase.start.iter().enumerate() {
+        if is_held(model, k) {
+            continue;
+        }
         let name = format!("collocation of {}, {place}", state_name(model, k));
         let row = program.row_in(units.states[k], name, 0.0, 0.0);
         program.linear(row, before, slopes[0]);
@@ -536,7 +544,11 @@ fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: u
         ..
     } = builder.setting;
     let contact = phase.closed[slot];
-    let e = model.restitution(contact);
+    let found = builder.program.laws().restitution(contact);
+    let e = found.map_or_else(
+        || model.restitution(contact),
+        |e| builder.program.guessed(e),
+    );
     let declared = &model.declaration().contacts[contact];
     let name = declared.name;
     let name = format!(
@@ -551,17 +563,22 @@ fn settling_row(builder: &mut Builder, element: &Element, phase: &Phase, slot: u
     let impulse: Vec<(usize, f64)> = weights
         .map(|(stage, weight)| (stage.forces[slot], (1.0 - e) * weight))
         .collect();
-    for &(force, weight) in &impulse {
-        program.linear(row, force, weight);
-    }
     let (q, v) = phase.start.split_at(builder.n);
     let kernel = Kernel::Contact(contact);
-    program.block(
-        &kernel,
-        [q, v, &drive, &[]],
-        None,
-        vec![(row, 1, -(1.0 + e))],
-    );
+    let inputs = [q, v, &drive[..], &[]];
+    if let Some(e) = found {
+        for (stage, weight) in phase.stages.iter().zip(tableau.b()) {
+            program.linear(row, stage.forces[slot], *weight);
+            program.bilinear(row, e, stage.forces[slot], -weight);
+        }
+        program.block(&kernel, inputs, Some(e), vec![(row, 1, -1.0)]);
+        program.block(&kernel, inputs, None, vec![(row, 1, -1.0)]);
+    } else {
+        for &(force, weight) in &impulse {
+            program.linear(row, force, weight);
+        }
+        program.block(&kernel, inputs, None, vec![(row, 1, -(1.0 + e))]);
+    }
     builder.distances.push(Distance {
         name,
         kept: Kept::Settling {

@@ -144,7 +144,7 @@ pub(super) fn at_stages(builder: &mut Builder, phase: &mut Phase, [from, to]: [f
 
 /// The variable that is the tangential force or impulse of a contact, but for a factor.
 fn sliding(model: &dyn Model, tangential: &Tangential) -> Option<(usize, f64)> {
-    match (tangential.force, tangential.mode) {
+    match (tangential.force.or(tangential.slipping), tangential.mode) {
         (Some(force), _) => Some((force, 1.0)),
         (None, ContactMode::Slip(direction)) => {
             let mu = model.friction(tangential.contact);

@@ -4,7 +4,8 @@ use super::builder::Builder;
 use super::discretization::Setting;
 use super::layout::Phase;
 use super::provided;
-use crate::model::contact_point;
+use crate::model::held::{is_held, moving};
+use crate::model::{Given, contact_point};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::mode::{sliding_velocity, zero_velocity};
 use crate::ocp::problem::has_free_start;
@@ -45,7 +46,7 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
         let mode = builder.modes[i];
         let closed = !mode.is_open();
         let mut uses = Vec::new();
-        if reads(0) {
+        if reads(0) && !(closed && follows_from_parameters(builder, i, 0)) {
             let acting = builder.pieces.acting(i);
             let touches = !builder.modes[acting].is_open();
             let upper = if touches { 0.0 } else { f64::INFINITY };
@@ -58,7 +59,10 @@ pub(in crate::ocp) fn add(builder: &mut Builder) {
                 uses.push((row, 0, 1.0));
             }
         }
-        if closed && reads(1) && !contact.dry && !is_level(builder, i, &free) {
+        let says_more = |builder: &Builder| {
+            !is_level(builder, i, &free) && !follows_from_parameters(builder, i, 1)
+        };
+        if closed && reads(1) && !contact.dry && says_more(builder) {
             let name = format!("normal velocity of `{}` at the start", contact.name);
             let row = builder.program.row_in(units.gap_rows[i], name, 0.0, 0.0);
             uses.push((row, 1, 1.0));
@@ -110,6 +114,57 @@ fn is_level(builder: &Builder, contact: usize, free: &[usize]) -> bool {
     let largest = normal.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
     let mut velocities = free.iter().filter(|&&k| k >= n);
     velocities.all(|&k| normal[k - n].abs() <= LEVEL * largest)
+}
+
+/// Share of its terms up to which the derivative of a gap by a parameter is rounding.
+const NO_CHANGE: f64 = 1e-9;
+
+/// Whether a contact that is closed at the start stays so (row 0: its gap; row 1: its normal velocity) whatever the parameters are that
+/// decide the start: the condition that it does would say again what the start says.
+fn follows_from_parameters(builder: &Builder, contact: usize, row: u32) -> bool {
+    let Setting { model, problem, .. } = builder.setting;
+    let (Some(held), Some(declared)) = (model.held(), model.declaration().optimal_control) else {
+        return false;
+    };
+    let n = builder.n;
+    let mut input = problem.start();
+    input.resize(model.declaration().inputs(), 0.0);
+    let pattern = model.declaration().contacts[contact].jacobian.entries;
+    let mut slopes = vec![0.0; pattern.len()];
+    model.contact_jacobian(contact, &input, &mut slopes);
+    let own = pattern
+        .iter()
+        .zip(slopes)
+        .filter(|(entry, _)| entry.0 == row);
+    let own: Vec<(usize, f64)> = own
+        .map(|(entry, slope)| (entry.1 as usize, slope))
+        .collect();
+    let mut moves = own.iter().filter(|(column, _)| !is_held(model, *column));
+    if moves.any(|(column, _)| declared.free_start.contains(column)) {
+        return false;
+    }
+    let mut given = vec![0.0; held.jacobian.entries.len()];
+    model.given_jacobian(&input, &mut given);
+    (moving(model)..n).all(|parameter| {
+        let (mut total, mut size) = (0.0, 0.0_f64);
+        let mut add = |term: f64| {
+            total += term;
+            size = size.max(term.abs());
+        };
+        for &(column, slope) in &own {
+            if column == parameter {
+                add(slope);
+            }
+            let entries = held.jacobian.entries.iter().zip(&given);
+            for (&(of, by), value) in entries {
+                let start = held.given[of as usize] == Given::Start(column);
+                if start && by as usize == parameter {
+                    add(slope * value);
+                }
+            }
+        }
+        total.abs() <= NO_CHANGE * size
+    })
 }
 
 /// The path constraints on linear controls, on forces, and on what is free at the start, at the very start, which is no stage.

@@ -29,6 +29,7 @@
 //! one, so that the relaxed products are balanced.
 
 use crate::model::Model;
+use crate::model::held::{is_held, moving};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::FREE;
 use crate::ocp::collocation::provided::read;
@@ -132,7 +133,7 @@ impl<'a> ContactImplicit<'a> {
                 let name = format!("time after element {index}");
                 u.push(frame.time(&mut program, name, &[(frame.horizon, passed)], time));
             }
-            let mut variables = states(&mut program, setting, index, &sample);
+            let mut variables = states(&mut program, setting, index, (&sample, &before));
             let (q, v) = variables.split_at(n);
             let element = Element {
                 index,
@@ -254,8 +255,13 @@ impl<'a> ContactImplicit<'a> {
     }
 }
 
-/// Adds the variables of the state at the end of an element.
-fn states(program: &mut Program, setting: Setting, element: usize, sample: &[f64]) -> Vec<usize> {
+/// Adds the variables of the state at the end of an element, where it is not that `before`.
+fn states(
+    program: &mut Program,
+    setting: Setting,
+    element: usize,
+    (sample, before): (&[f64], &[usize]),
+) -> Vec<usize> {
     let Setting {
         model,
         units,
@@ -266,6 +272,9 @@ fn states(program: &mut Program, setting: Setting, element: usize, sample: &[f64
     let states = sample.iter().take(2 * n).enumerate();
     states
         .map(|(k, &value)| {
+            if is_held(model, k) {
+                return before[k];
+            }
             let range = if k < n {
                 (bounds.0[k], bounds.1[k])
             } else {
@@ -463,7 +472,7 @@ fn motion(
     } = element;
     let n = q.len();
     let mut uses = Vec::with_capacity(n);
-    for k in 0..n {
+    for k in 0..moving(model) {
         let name = model.declaration().coordinates[k].name;
         let label = format!("motion of `{name}`, element {index}");
         let row = program.row_in(units.states[k], label, 0.0, 0.0);
@@ -523,7 +532,10 @@ fn friction(
     let cone = program.row_in(units.gap_rows[contact], label, 0.0, 0.0);
     let uses = vec![(row, 0, -1.0)];
     program.block(&Kernel::Sliding(contact), [q, v, u, &[]], None, uses);
-    program.linear(cone, force, -2.0 * mu);
+    match program.laws().friction(contact) {
+        Some(mu) => program.bilinear(cone, mu, force, -2.0),
+        None => program.linear(cone, force, -2.0 * mu),
+    }
     Direction::BOTH.map(|direction| {
         let sign = direction.sign();
         let side = format!("{direction:?} of `{name}` in element {index}");

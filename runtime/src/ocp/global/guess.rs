@@ -1,6 +1,6 @@
 //! Where the search starts: motions made from model and problem alone.
 
-use crate::model::Model;
+use crate::model::{Model, held};
 use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::{drive, with_forces};
 use crate::ocp::motion::targets::{horizon_guess, targets};
@@ -53,8 +53,8 @@ pub(in crate::ocp) fn random(
     (driven, drawn)
 }
 
-/// Coordinates with a goal move to it at constant speed, the others rest; controls are 0, or as near to
-/// it as their bounds allow.
+/// Coordinates with a goal move to it at constant speed, the others rest; states of first order are as at the start; controls are 0,
+/// or as near to it as their bounds allow.
 fn straight(model: &dyn Model, problem: &Problem, bounds: (&[f64], &[f64])) -> Trajectory {
     let declaration = model.declaration();
     let n = declaration.coordinates.len();
@@ -73,6 +73,10 @@ fn straight(model: &dyn Model, problem: &Problem, bounds: (&[f64], &[f64])) -> T
                 x[n + k] = (target - problem.q[k]) / horizon;
                 x[k] += share * (target - problem.q[k]);
             }
+        }
+        for k in declaration.mechanical()..n {
+            x[n + k] = problem.v[k];
+            x[k] += share * horizon * problem.v[k];
         }
         with_forces(model, x, &drive(model, &controls, share * horizon))
     });
@@ -131,6 +135,7 @@ fn random_start(model: &dyn Model, problem: &Problem, seed: u64, horizon: f64) -
         };
         start[k] = (from + 0.5 * (sign * random() + 1.0) * (to - from)).clamp(lower, upper);
     }
+    held::complete_start(model, &mut start);
     (!declared.free_start.is_empty()).then_some(start)
 }
 

@@ -4,6 +4,7 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::disagreement::compare;
 use super::forces;
+use super::gradient::gradient;
 use super::margins::margins;
 use super::objective::replayed;
 use super::refine_grid::{ROUNDS, refine, refine_all};
@@ -148,8 +149,9 @@ impl Plan {
         if runner.effort != Effort::Conclude {
             return Ok((plan, solution));
         }
-        let local = local.polished(runner);
-        let polished = confirm(runner, setting, elements, &local, stationarity)?;
+        let mut local = local.polished(runner);
+        let mut polished = confirm(runner, setting, elements, &local, stationarity)?;
+        polished.gradient = gradient(&mut local);
         if polished.status == Status::Unconfirmed && solution.status != Status::Unconfirmed {
             let (counts, seconds) = (runner.counts, runner.seconds);
             let solution = Solution {
@@ -322,6 +324,8 @@ fn confirm(
         objective_unit: program.program.size_of(0.0),
         horizon: trajectory.horizon,
         final_times: (f64::NAN, f64::NAN),
+        parameters: Vec::new(),
+        gradient: None,
         stationarity,
         resimulation_error: distance,
         departure,

@@ -94,11 +94,14 @@ impl Replay<'_> {
             0.0
         };
         let closes = matches!(event.kind, EventKind::Impact | EventKind::Contact);
-        let slides = matches!(event.kind, EventKind::Stick | EventKind::Slip);
+        let slides = matches!(
+            event.kind,
+            EventKind::Stick | EventKind::Slip | EventKind::Slide | EventKind::Switch
+        );
         let leads = |other: &Event| {
             let kind = match other.kind {
                 EventKind::Impact => true,
-                EventKind::Stick | EventKind::Slip => slides,
+                EventKind::Stick | EventKind::Slip | EventKind::Slide | EventKind::Switch => slides,
                 EventKind::LiftOff => event.kind == EventKind::Contact,
                 EventKind::Contact => false,
             };

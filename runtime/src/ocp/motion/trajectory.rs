@@ -2,7 +2,7 @@
 
 use super::control_grid::ControlGrid;
 use super::model_input::drive;
-use crate::model::{Model, contact_point};
+use crate::model::{Model, contact_point, held};
 use crate::ocp::problem::Problem;
 use crate::simulation::{ControlSignal, Simulation};
 
@@ -60,9 +60,11 @@ impl Trajectory {
     pub(in crate::ocp) fn start(&self, model: &dyn Model, problem: &Problem) -> Vec<f64> {
         let ranges = problem.start_ranges(model).into_iter();
         let start = ranges.zip(&self.states[0]);
-        start
+        let mut start: Vec<f64> = start
             .map(|((lower, upper), value)| value.max(lower).min(upper))
-            .collect()
+            .collect();
+        held::complete_start(model, &mut start);
+        start
     }
 
     /// The motion up to its last jump, stretched to the whole length, if that is a jump in the last interval: a

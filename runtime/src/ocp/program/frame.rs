@@ -1,5 +1,6 @@
 //! What all programs have in common: horizon, controls, start, objective, goals and path functions.
 
+use super::given;
 use super::kernel::Kernel;
 use super::sparse_program::{OBJECTIVE, Program};
 use super::units::{THOUSAND, Units, nearest_power};
@@ -67,12 +68,13 @@ impl<'a> Frame<'a> {
             })
             .collect();
         let start = problem.start_ranges(model).into_iter().enumerate();
-        let start = start
+        let start: Vec<usize> = start
             .map(|(k, range)| {
                 let name = format!("initial {}", state_name(model, k));
                 program.variable(name, range, guess.states[0][k], units.states[k])
             })
             .collect();
+        given::add(program, model, (horizon, &start), units);
         Self {
             model,
             horizon,

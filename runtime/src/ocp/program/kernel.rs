@@ -22,6 +22,8 @@ pub(in crate::ocp) enum Kernel {
     Terminal,
     /// The impact functions that the scene declares, of `(q, v, u)` and what contacts provide.
     Impact,
+    /// What parameters that stand behind the coordinates decide of start, horizon and laws, of `q`.
+    Given,
 }
 
 impl Kernel {
@@ -31,7 +33,12 @@ impl Kernel {
             Self::Acceleration(contacts) | Self::Push(contacts) | Self::Friction(contacts) => {
                 contacts
             }
-            Self::Contact(_) | Self::Sliding(_) | Self::Path | Self::Terminal | Self::Impact => &[],
+            Self::Contact(_)
+            | Self::Sliding(_)
+            | Self::Path
+            | Self::Terminal
+            | Self::Impact
+            | Self::Given => &[],
         }
     }
 
@@ -67,11 +74,17 @@ fn scatter(entries: &[(u32, u32)], values: &[f64], matrix: &mut [f64], columns: 
     }
 }
 
-/// Patterns of Jacobian and Hessian, and number of the functions that a scene declares for optimal control.
+/// Patterns of Jacobian and Hessian, and number of the functions that a scene declares for optimal control, or of those of
+/// parameters alone.
 fn declared(
     kernel: &Kernel,
-    declaration: &Declaration,
+    model: &dyn Model,
 ) -> Option<(SparsityPattern, SparsityPattern, usize)> {
+    let declaration = model.declaration();
+    if *kernel == Kernel::Given {
+        let held = model.held()?;
+        return Some((held.jacobian, held.hessian, held.given.len()));
+    }
     let declared = declaration.optimal_control?;
     match kernel {
         Kernel::Path => Some((
@@ -125,7 +138,8 @@ struct Structure {
 }
 
 impl Structure {
-    fn of(kernel: &Kernel, declaration: &Declaration, plain: usize, outputs: usize) -> Self {
+    fn of(kernel: &Kernel, model: &dyn Model, plain: usize, outputs: usize) -> Self {
+        let declaration = model.declaration();
         let inputs = plain + kernel.acting().len();
         let mut structure = Self {
             jacobian: vec![false; outputs * inputs],
@@ -154,7 +168,7 @@ impl Structure {
             structure.mark_first(first, |row| Some(row).filter(|row| *row < observed));
             structure.mark_second(second);
         }
-        if let Some((first, second, _)) = declared(kernel, declaration) {
+        if let Some((first, second, _)) = declared(kernel, model) {
             structure.mark_first(first, Some);
             structure.mark_second(second);
         }
@@ -199,14 +213,16 @@ impl<'a> Evaluator<'a> {
             _ => declaration.inputs(),
         };
         let inputs = plain + kernel.acting().len();
-        let functions = declared(&kernel, declaration);
+        let functions = declared(&kernel, model);
         let outputs = match kernel {
             Kernel::Contact(_) => 2,
             Kernel::Sliding(_) => 1,
-            Kernel::Path | Kernel::Terminal | Kernel::Impact => functions.map_or(0, |f| f.2),
+            Kernel::Path | Kernel::Terminal | Kernel::Impact | Kernel::Given => {
+                functions.map_or(0, |f| f.2)
+            }
             Kernel::Acceleration(_) | Kernel::Push(_) | Kernel::Friction(_) => n,
         };
-        let structure = Structure::of(&kernel, declaration, plain, outputs);
+        let structure = Structure::of(&kernel, model, plain, outputs);
         let values = declaration
             .contacts
             .iter()
@@ -257,6 +273,7 @@ impl<'a> Evaluator<'a> {
             Kernel::Path => self.model.path_functions(plain, &mut self.outputs),
             Kernel::Terminal => self.model.terminal_functions(plain, &mut self.outputs),
             Kernel::Impact => self.model.impact_functions(plain, &mut self.outputs),
+            Kernel::Given => self.model.given_values(plain, &mut self.outputs),
             Kernel::Contact(contact) => {
                 self.model.contact(*contact, plain, &mut self.point);
                 self.outputs[0] = self.point[contact_point::GAP];
@@ -352,11 +369,12 @@ impl<'a> Evaluator<'a> {
                 }
             }
         }
-        if let Some((pattern, ..)) = declared(&self.kernel, declaration) {
+        if let Some((pattern, ..)) = declared(&self.kernel, self.model) {
             let values = &mut self.values[..pattern.entries.len()];
             match self.kernel {
                 Kernel::Terminal => self.model.terminal_jacobian(plain, values),
                 Kernel::Impact => self.model.impact_jacobian(plain, values),
+                Kernel::Given => self.model.given_jacobian(plain, values),
                 _ => self.model.path_jacobian(plain, values),
             }
             scatter(pattern.entries, &self.values, &mut self.jacobian, inputs);
@@ -400,11 +418,12 @@ impl<'a> Evaluator<'a> {
                 }
             }
         }
-        if let Some((_, pattern, _)) = declared(&self.kernel, declaration) {
+        if let Some((_, pattern, _)) = declared(&self.kernel, self.model) {
             let values = &mut self.values[..pattern.entries.len()];
             match self.kernel {
                 Kernel::Terminal => self.model.terminal_hessian(plain, multipliers, values),
                 Kernel::Impact => self.model.impact_hessian(plain, multipliers, values),
+                Kernel::Given => self.model.given_hessian(plain, multipliers, values),
                 _ => self.model.path_hessian(plain, multipliers, values),
             }
             scatter(pattern.entries, &self.values, &mut self.hessian, inputs);

@@ -4,6 +4,7 @@
 //! Uses [`motion`](super::motion) for guesses. What is in a program, and why, is the business of the layers above.
 
 pub(in crate::ocp) mod frame;
+mod given;
 pub(in crate::ocp) mod kernel;
 pub(in crate::ocp) mod purposes;
 pub(in crate::ocp) mod runner;

@@ -8,7 +8,7 @@ use crate::model::Declaration;
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Beginnings of the names of variables and rows, without the names that the scene gives.
-const BEGINNINGS: [(&str, Purpose); 30] = [
+const BEGINNINGS: [(&str, Purpose); 31] = [
     ("final time", Purpose::FinalTime),
     ("initial ", Purpose::FreeStart),
     ("time ", Purpose::ExplicitTime),
@@ -32,6 +32,7 @@ const BEGINNINGS: [(&str, Purpose); 30] = [
     ("departure of", Purpose::SwitchTime),
     ("touch of", Purpose::SwitchTime),
     ("impact o", Purpose::Impact),
+    ("impact law of", Purpose::Impact),
     ("impulse of", Purpose::Impact),
     ("control point", Purpose::Bound),
     ("product ", Purpose::Bound),

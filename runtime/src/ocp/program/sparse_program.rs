@@ -89,9 +89,29 @@ pub(in crate::ocp) struct Program<'a> {
     /// Variables with a price in the objective, of their physical values.
     penalties: Vec<(usize, f64)>,
     pairs: Vec<(usize, usize)>,
+    laws: Laws,
     jacobian: Pattern,
     hessian: Pattern,
     scratch: Scratch,
+}
+
+/// Variables that are coefficients of the laws of contacts, where those are unknowns; empty where none is.
+#[derive(Debug, Clone, Default)]
+pub(in crate::ocp) struct Laws {
+    pub(in crate::ocp) restitution: Vec<Option<usize>>,
+    pub(in crate::ocp) friction: Vec<Option<usize>>,
+}
+
+impl Laws {
+    /// The coefficient of restitution of a contact, if it is an unknown.
+    pub(in crate::ocp) fn restitution(&self, contact: usize) -> Option<usize> {
+        self.restitution.get(contact).copied().flatten()
+    }
+
+    /// The coefficient of friction of a contact, if it is an unknown.
+    pub(in crate::ocp) fn friction(&self, contact: usize) -> Option<usize> {
+        self.friction.get(contact).copied().flatten()
+    }
 }
 
 impl<'a> Program<'a> {
@@ -107,10 +127,21 @@ impl<'a> Program<'a> {
             objective_size: 1.0,
             penalties: Vec::new(),
             pairs: Vec::new(),
+            laws: Laws::default(),
             jacobian: Pattern::default(),
             hessian: Pattern::default(),
             scratch: Scratch::default(),
         }
+    }
+
+    /// Says which variables are coefficients of the laws of contacts.
+    pub(in crate::ocp) fn set_laws(&mut self, laws: Laws) {
+        self.laws = laws;
+    }
+
+    /// The variables that are coefficients of the laws of contacts.
+    pub(in crate::ocp) fn laws(&self) -> &Laws {
+        &self.laws
     }
 
     /// Adds a variable with bounds, guess and unit.

@@ -64,15 +64,7 @@ impl Units {
     ) -> Self {
         let declaration = model.declaration();
         let (n, controls) = (declaration.coordinates.len(), declaration.controls.len());
-        let control_units = (n..n + controls).map(|k| {
-            let half = (bounds.1[k] - bounds.0[k]) / 2.0;
-            if half.is_finite() && half > 0.0 {
-                half
-            } else {
-                1.0
-            }
-        });
-        let control_units: Vec<f64> = control_units.collect();
+        let control_units = control_units(bounds, n, controls);
         let mut x = motion.states[0][..2 * n].to_vec();
         x.extend(drive(model, motion.controls.start(), 0.0));
         let accelerations: Vec<f64> = (0..declaration.contacts.len())
@@ -131,7 +123,27 @@ impl Units {
     }
 }
 
+/// Half of the range of each of so many controls behind the coordinates, or 1 where that is infinite.
+fn control_units(bounds: (&[f64], &[f64]), n: usize, controls: usize) -> Vec<f64> {
+    let unit = |k: usize| {
+        let half = (bounds.1[k] - bounds.0[k]) / 2.0;
+        if half.is_finite() && half > 0.0 {
+            half
+        } else {
+            1.0
+        }
+    };
+    (n..n + controls).map(unit).collect()
+}
+
 impl Units {
+    /// The same with controls measured by a part of their bounds.
+    pub(in crate::ocp) fn driven_within(mut self, range: (&[f64], &[f64])) -> Self {
+        let controls = self.controls.len();
+        self.controls = control_units(range, range.0.len() - controls, controls);
+        self
+    }
+
     /// The same with controls that have no bounds measured by those of a known motion.
     pub(in crate::ocp) fn measured_by(
         mut self,

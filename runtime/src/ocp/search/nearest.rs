@@ -1,7 +1,7 @@
 //! What a problem without a motion asks for too much: of simulated motions under random controls within their bounds the one that comes
 //! nearest to the goals, changed at random to come nearer. It says nothing of what is possible at all, but names what is hard.
 
-use super::sampled::{CHANGED, CHANGES, DRAWN, End, drawn, ends_of_changed};
+use super::sampled::{CHANGED, CHANGES, DRAWN, End, drawing_range, drawn, ends_of_changed};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::uniform;
 use crate::ocp::solution::{Miss, Nearest};
@@ -12,7 +12,7 @@ const MET: f64 = 1e-3;
 
 /// The simulated motion that comes nearest to the goals; none where no simulation ends.
 pub(in crate::ocp) fn nearest(setting: Setting) -> Result<Option<Nearest>, InputError> {
-    let archive = drawn(setting, DRAWN, usize::MAX)?;
+    let archive = drawn((setting, &drawing_range(setting)?), DRAWN, usize::MAX)?;
     let distance = |end: &End| archive.rank(end).2;
     let nearer = |a: &End, b: &End| distance(a) < distance(b);
     let found = archive.ends().cloned();

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use super::replay::{parts, simulated};
-use crate::model::{Model, OptimalControlDeclaration};
+use crate::model::{Model, OptimalControlDeclaration, held};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::{guess, random, uniform};
 use crate::ocp::motion::candidate::Candidate;
@@ -50,8 +50,19 @@ const FAR: f64 = 1.0;
 /// Orders that are tried.
 const TRIED: usize = 12;
 
+/// Motions by which ranges of random controls are compared.
+const PILOTS: u64 = 12;
+/// Share of the bounds of controls in the next narrower range, most such steps, and the share of the distance to the goals below which
+/// motions are nearer in it.
+const NARROWED: f64 = 0.25;
+const NARROWER: i32 = 12;
+const NEARER: f64 = 0.5;
+
 /// What happens, one after the other: contacts, and whether they are struck.
 pub(super) type Order = Vec<(usize, bool)>;
+
+/// Least and largest values of coordinates and controls between which random controls are drawn.
+pub(in crate::ocp) type Range = (Vec<f64>, Vec<f64>);
 
 /// What a motion is made of.
 #[derive(Clone)]
@@ -94,13 +105,14 @@ pub(in crate::ocp) fn sampled(
     runner: &mut Runner,
     setting: Setting,
 ) -> Result<Vec<Candidate>, InputError> {
-    Ok(best_of_each_order(runner, setting, (DRAWN, CHANGED), TRIED)?.motions)
+    let range = drawing_range(setting)?;
+    Ok(best_of_each_order(runner, (setting, &range), (DRAWN, CHANGED), TRIED)?.motions)
 }
 
 /// The same of so many motions that are drawn and that are made of the best ones, and of at most so many orders.
 pub(in crate::ocp) fn best_of_each_order(
     runner: &mut Runner,
-    setting: Setting,
+    (setting, range): (Setting, &Range),
     (drawn_motions, changed): (u64, usize),
     most: usize,
 ) -> Result<Sampled, InputError> {
@@ -113,7 +125,7 @@ pub(in crate::ocp) fn best_of_each_order(
     {
         return Ok(Sampled::default());
     }
-    let mut archive = drawn(setting, drawn_motions, EVENTS)?;
+    let mut archive = drawn((setting, range), drawn_motions, EVENTS)?;
     let mut random = uniform(drawn_motions);
     for k in 0..changed {
         if archive.best.is_empty() || !runner.goes_on("random motions") {
@@ -165,7 +177,7 @@ pub(super) struct Archive {
 
 /// The archive of random motions, as far as they have no more than `most_events`.
 pub(super) fn drawn(
-    setting: Setting,
+    (setting, range): (Setting, &Range),
     count: u64,
     most_events: usize,
 ) -> Result<Archive, InputError> {
@@ -179,17 +191,8 @@ pub(super) fn drawn(
     let mut throws = Vec::new();
     let mut all = Vec::new();
     for seed in 0..count {
-        let (motion, start) = random(straight.clone(), model, problem, seed, bounds);
-        let throw = Throw {
-            start: start.unwrap_or_else(|| problem.start()),
-            controls: motion.controls,
-            horizon: motion.horizon,
-        };
-        let longest = match problem.horizon {
-            Horizon::Fixed(horizon) => horizon,
-            Horizon::Free { .. } => LONGER * throw.horizon,
-        };
-        all.extend(ends(setting, &throw, longest, most_events));
+        let (throw, ends) = one_drawn(setting, &straight, range, (seed, most_events));
+        all.extend(ends);
         throws.push(throw);
     }
     let starts = throws.iter().map(|throw| &throw.start);
@@ -202,6 +205,88 @@ pub(super) fn drawn(
     };
     all.into_iter().for_each(|end| archive.add(end));
     Ok(archive)
+}
+
+/// A motion under random controls in a range, and where it may end.
+fn one_drawn(
+    setting: Setting,
+    straight: &Trajectory,
+    range: &Range,
+    (seed, most_events): (u64, usize),
+) -> (Throw, Vec<End>) {
+    let Setting { model, problem, .. } = setting;
+    let (motion, start) = random(straight.clone(), model, problem, seed, (&range.0, &range.1));
+    let throw = Throw {
+        start: start.unwrap_or_else(|| problem.start()),
+        controls: motion.controls,
+        horizon: motion.horizon,
+    };
+    let longest = match problem.horizon {
+        Horizon::Fixed(horizon) => horizon,
+        Horizon::Free { .. } => LONGER * throw.horizon,
+    };
+    let ends = ends(setting, &throw, longest, most_events);
+    (throw, ends)
+}
+
+/// The bounds from which random controls are drawn: the declared ones, or a part of them around what is nearest to zero as long as
+/// motions come nearer to the goals in it. So bounds that no control comes near do not decide what random motions find.
+pub(in crate::ocp) fn drawing_range(setting: Setting) -> Result<Range, InputError> {
+    let Setting {
+        model,
+        problem,
+        bounds: (lower, upper),
+        ..
+    } = setting;
+    let n = problem.q.len();
+    let straight = guess(model, problem, &Guess::Straight, setting.bounds)?;
+    let within = |share: f64| {
+        let (mut from, mut to) = (lower.to_vec(), upper.to_vec());
+        for k in n..lower.len() {
+            let nearest = 0.0_f64.clamp(lower[k], upper[k]);
+            if (upper[k] - lower[k]).is_finite() {
+                from[k] = nearest + share * (lower[k] - nearest);
+                to[k] = nearest + share * (upper[k] - nearest);
+            }
+        }
+        (from, to)
+    };
+    let ends = |range: &Range| {
+        let one = |seed| one_drawn(setting, &straight, range, (seed, EVENTS)).1;
+        (0..PILOTS).map(one).collect::<Vec<Vec<End>>>()
+    };
+    let mut best = within(1.0);
+    let first = ends(&best);
+    let units = units(setting, &first.concat());
+    let mut least = usual_distance(&units, &first);
+    for narrower in 1..=NARROWER {
+        let range = within(NARROWED.powi(narrower));
+        let distance = usual_distance(&units, &ends(&range));
+        if distance >= NEARER * least {
+            break;
+        }
+        (best, least) = (range, distance);
+    }
+    Ok(best)
+}
+
+/// The median over motions of how near they come to the goals.
+fn usual_distance(units: &[f64], motions: &[Vec<End>]) -> f64 {
+    let nearest = |ends: &Vec<End>| {
+        let distances = ends.iter().map(|end| distance(&end.missing, units));
+        distances.fold(f64::INFINITY, f64::min)
+    };
+    let mut all: Vec<f64> = motions.iter().map(nearest).collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied().unwrap_or(f64::INFINITY)
+}
+
+/// What is missing, in units.
+fn distance(missing: &[f64], units: &[f64]) -> f64 {
+    let terms = missing.iter().zip(units);
+    let terms = terms.filter(|(_, unit)| **unit > 0.0);
+    let squares: f64 = terms.map(|(value, unit)| (value / unit).powi(2)).sum();
+    squares.sqrt()
 }
 
 /// Range of each component.
@@ -249,10 +334,7 @@ impl Archive {
     }
 
     pub(super) fn rank(&self, end: &End) -> Rank {
-        let terms = end.missing.iter().zip(&self.units);
-        let terms = terms.filter(|(_, unit)| **unit > 0.0);
-        let squares: f64 = terms.map(|(value, unit)| (value / unit).powi(2)).sum();
-        let distance = squares.sqrt();
+        let distance = distance(&end.missing, &self.units);
         ((distance / ALIKE) as u64, end.cost, distance)
     }
 
@@ -318,6 +400,7 @@ impl Archive {
                 *x = (*x + share * random() * (range.1 - range.0)).clamp(lower, upper);
             }
         }
+        held::complete_start(model, &mut throw.start);
         if matches!(problem.horizon, Horizon::Free { .. }) {
             throw.horizon *= (share * random()).exp();
         }

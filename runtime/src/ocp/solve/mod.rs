@@ -18,6 +18,7 @@ use self::impossible::Shown;
 use super::problem::Problem;
 use super::settings::{Formulation, Guess, Settings};
 use super::solution::{Solution, Status};
+use super::unknown::with_unknowns;
 use crate::Observer;
 use crate::model::Model;
 use crate::simulation::InputError;
@@ -36,6 +37,22 @@ pub fn solve(
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
     settings.check()?;
+    match with_unknowns(model, problem, settings)? {
+        Some(unknown) => {
+            let solution = solve_given(&*unknown.model, &unknown.problem, settings, observer)?;
+            Ok(unknown.of_scene(solution))
+        }
+        None => solve_given(model, problem, settings, observer),
+    }
+}
+
+/// Solves a problem whose parameters are given.
+fn solve_given(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    observer: &mut Observer<'_>,
+) -> Result<Solution, InputError> {
     problem.check(model)?;
     let problem = &problem.on_the_ground(model);
     let search = matches!(settings.formulation, Formulation::Phases)
@@ -52,7 +69,10 @@ pub fn solve(
     }?;
     if matches!(solution.status, Status::NotFound | Status::Failed(_)) && solution.motion.is_none()
     {
-        if let Shown::Impossible { least_time } = impossible::shown(model, problem) {
+        // What it shows holds for given parameters.
+        if model.held().is_none()
+            && let Shown::Impossible { least_time } = impossible::shown(model, problem)
+        {
             solution.status = Status::Infeasible;
             solution.least_time = least_time;
         }

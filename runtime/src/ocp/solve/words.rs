@@ -20,6 +20,7 @@ use crate::ocp::program::units::Units;
 use crate::ocp::progress::Watch;
 use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
+use crate::ocp::search::sampled::drawing_range;
 use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
 use crate::ocp::words::beginnings::beginnings;
@@ -146,20 +147,25 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     let bounds = (&lower[..], &upper[..]);
     let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let scale = Scale::of(model, problem);
-    let units = Units::new(model, &scale, &straight, bounds);
+    let declared = Units::new(model, &scale, &straight, bounds);
     let tableaus = tableaus(settings.stages);
     let first = tableaus.split_first();
     let (tableau, finer) = first.ok_or_else(|| settings.refuse_stages())?;
     let coarse =
         ButcherTableau::new(Scheme::RadauIia, STAGES).ok_or_else(|| settings.refuse_stages())?;
     let parabolas = parabolas(model, &problem.start());
-    let setting = Setting::new(
-        (model, problem),
-        settings,
-        (tableau, &units),
-        (bounds, &parabolas),
-    );
-    let (beginnings, library) = beginnings(&mut runner, setting)?;
+    let setting = |units| {
+        Setting::new(
+            (model, problem),
+            settings,
+            (tableau, units),
+            (bounds, &parabolas),
+        )
+    };
+    let range = drawing_range(setting(&declared))?;
+    let units = declared.clone().driven_within((&range.0, &range.1));
+    let setting = setting(&units);
+    let (beginnings, library) = beginnings(&mut runner, setting, &range)?;
     let (words, goals) = Words::new(setting, &coarse, library).run(&mut runner, &beginnings);
     let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
     let units: Vec<Units> = words.iter().map(own).collect();

@@ -13,7 +13,7 @@ use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::replay::{parts, simulations};
-use crate::ocp::search::sampled::best_of_each_order;
+use crate::ocp::search::sampled::{Range, best_of_each_order};
 use crate::ocp::search::stepping::stepping;
 use crate::ocp::settings::Guess;
 use crate::simulation::InputError;
@@ -39,14 +39,15 @@ pub(in crate::ocp) struct Beginning {
     pub(super) source: &'static str,
 }
 
-/// Words to begin with and the library of what their motions went through.
+/// Words to begin with and the library of what their motions went through; random controls are drawn from a range.
 pub(in crate::ocp) fn beginnings(
     runner: &mut Runner,
     setting: Setting,
+    range: &Range,
 ) -> Result<(Vec<Beginning>, (Library, Goals)), InputError> {
     let mut library = Library::default();
     let mut found: Vec<Beginning> = Vec::new();
-    let sampled = best_of_each_order(runner, setting, (DRAWN, CHANGED), LEARNED)?;
+    let sampled = best_of_each_order(runner, (setting, range), (DRAWN, CHANGED), LEARNED)?;
     let mut drafts: Vec<(Draft, Motion)> = Vec::new();
     for candidate in sampled.motions {
         let (draft, motion) = read(setting, candidate);

@@ -26,6 +26,8 @@ const MOMENTS: [(f64, f64); 7] = [
 ];
 /// Forces and accelerations below this share of the terms they are sums of may be rounding error.
 const NOISE: f64 = 1e-13;
+/// Share of a smooth time after which a function is looked at that vanishes with its rate.
+const LATER: f64 = 1e-3;
 /// Largest number of modes that are compared by what follows a moment later; of more undecided contacts each is decided
 /// by itself.
 const MOST_MODES: usize = 64;
@@ -120,7 +122,7 @@ fn select(
     let Some(&contact) = resting.first() else {
         return Ok(());
     };
-    let candidates = candidates(dynamics, t, y, resting, vanished)
+    let candidates = candidates(dynamics, (t, y), resting, vanished, outlook.moment)
         .map_err(|message| Undetermined { contact, message })?;
     for candidate in &candidates {
         mode[candidate.contact] = candidate.states[0];
@@ -264,10 +266,10 @@ fn release_dependent<'c>(
 /// The resting contacts with the states that the balance of forces leaves open.
 fn candidates(
     dynamics: &mut Dynamics<'_>,
-    t: f64,
-    y: &[f64],
+    (t, y): (f64, &[f64]),
     resting: &[usize],
     vanished: Option<Switch>,
+    moment: f64,
 ) -> Result<Vec<Candidate>, String> {
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
@@ -295,13 +297,17 @@ fn candidates(
         let mu = dynamics.laws.friction[i];
         let velocity = dynamics.sliding_velocity(i);
         let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i);
-        laws.push(
-            if stops || velocity.abs() <= dynamics.zero_sliding_velocity(i) {
-                TangentialLaw::Coulomb(mu)
-            } else {
-                TangentialLaw::Sliding(mu, Direction::of(velocity))
-            },
-        );
+        let rests = stops || velocity.abs() <= dynamics.zero_sliding_velocity(i);
+        laws.push(if rests && dynamics.passes(i) {
+            TangentialLaw::Sliding(
+                mu,
+                side(dynamics, i, (t, y, moment), acceleration, vanished),
+            )
+        } else if stops || velocity.abs() <= dynamics.zero_sliding_velocity(i) {
+            TangentialLaw::Coulomb(mu)
+        } else {
+            TangentialLaw::Sliding(mu, Direction::of(velocity))
+        });
     }
     switching::set_force_floors(dynamics, resting);
     let solution = ContactProblem {
@@ -330,6 +336,39 @@ fn candidates(
             candidate
         })
         .collect())
+}
+
+/// The side of a switch that is only passed, where its function vanishes: the other one of a side that has ended, else that of its
+/// rate, and where that vanishes too, of the function a little later.
+fn side(
+    dynamics: &mut Dynamics<'_>,
+    contact: usize,
+    (t, y, moment): (f64, &[f64], f64),
+    rate: f64,
+    vanished: Option<Switch>,
+) -> Direction {
+    if let Some(Switch::SlidingVelocity(other, direction)) = vanished
+        && other == contact
+    {
+        return direction.reversed();
+    }
+    if rate.abs() > BIACTIVE * dynamics.sliding_acceleration_scale(contact) {
+        return Direction::of(rate);
+    }
+    let n = dynamics.n;
+    let moment = LATER * moment;
+    let a = dynamics.free_acceleration().to_vec();
+    let mut later = y.to_vec();
+    for k in 0..n {
+        later[k] += moment * y[n + k] + 0.5 * moment * moment * a[k];
+        later[n + k] += moment * a[k];
+    }
+    dynamics.load(t + moment, &later);
+    dynamics.evaluate_tangent(contact);
+    let direction = Direction::of(dynamics.sliding_velocity(contact));
+    dynamics.load(t, y);
+    dynamics.evaluate_sides(contact);
+    direction
 }
 
 /// The states of one contact that the solution leaves open; `zeros` are the normal and tangential
@@ -439,7 +478,7 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
         let (_, acceleration) = dynamics.contact_accelerations(i, &slope[n..2 * n]);
         let rests = dynamics.sliding_velocity(i).abs() <= dynamics.zero_sliding_velocity(i)
             && acceleration.abs() <= BIACTIVE * dynamics.sliding_acceleration_scale(i);
-        if rests && motion::holds(dynamics, i) {
+        if rests && !dynamics.passes(i) && motion::holds(dynamics, i) {
             *state = ContactState::Held(Some(direction));
         }
     }

@@ -5,6 +5,7 @@ use super::coulomb::{CoulombProblem, CoulombSolution, TangentialLaw};
 use super::dynamics::{Dynamics, dot, largest};
 use super::many_contacts::Blocks;
 use crate::model::contact_point;
+use crate::simulation::problem::not_unique;
 
 /// Two solutions are one if their changes of the velocity agree to this relative accuracy.
 const SAME: f64 = 1e-8;
@@ -68,6 +69,9 @@ impl ContactProblem<'_> {
                 .zip(&reference)
                 .any(|(a, b)| (a - b).abs() > tolerance);
             if apart {
+                if let Some(why) = self.pushes_apart(dynamics) {
+                    return Err(why);
+                }
                 return Err(format!(
                     "the {} has several solutions with different velocities: {}",
                     self.what,
@@ -127,6 +131,17 @@ impl ContactProblem<'_> {
             }
         }
         change
+    }
+
+    /// Says which switch pushes away from its zero on both sides, if there is one.
+    fn pushes_apart(&self, dynamics: &Dynamics<'_>) -> Option<String> {
+        let declared = dynamics.model.declaration().contacts;
+        let mut contacts = self.contacts.iter().zip(self.laws);
+        contacts.find_map(|(&i, law)| {
+            let slides = declared[i].switch.is_some() && matches!(law, TangentialLaw::Coulomb(_));
+            let gains = slides && dot(dynamics.tangent(i), dynamics.friction_direction(i)) <= 0.0;
+            gains.then(|| not_unique(declared[i].name))
+        })
     }
 
     /// Says which contact friction pushes into the ground, if there is one.

@@ -20,6 +20,8 @@ const TINY: f64 = 1e-140;
 pub(super) struct ErrorScale {
     /// Group of each coordinate.
     group: Vec<usize>,
+    /// Number of coordinates of the mechanism; those behind them are of states.
+    mechanical: usize,
     /// Largest size of the velocities of each group so far.
     fastest: Vec<f64>,
     /// Size of the present accelerations of each group.
@@ -32,11 +34,18 @@ pub(super) struct ErrorScale {
 
 impl ErrorScale {
     pub(super) fn new(declaration: &Declaration) -> Self {
+        let mechanical = declaration.mechanical();
         let coordinates = declaration.coordinates;
         let mut units: Vec<&str> = Vec::new();
         let group = coordinates
             .iter()
-            .map(|coordinate| {
+            .enumerate()
+            .map(|(k, coordinate)| {
+                if k >= mechanical {
+                    // A state is measured by itself.
+                    units.push("");
+                    return units.len() - 1;
+                }
                 let known = units.iter().position(|&unit| unit == coordinate.unit);
                 known.unwrap_or_else(|| {
                     units.push(coordinate.unit);
@@ -46,6 +55,7 @@ impl ErrorScale {
             .collect();
         Self {
             group,
+            mechanical,
             fastest: vec![0.0; units.len()],
             acceleration: vec![0.0; units.len()],
             end: vec![0.0; units.len()],
@@ -87,7 +97,16 @@ impl ErrorScale {
                 heaviest = heaviest.max(mass[k * n + k]);
             }
         }
+        let is_state = self
+            .group
+            .iter()
+            .skip(self.mechanical)
+            .any(|own| *own == group);
+        if is_state {
+            return square.sqrt();
+        }
         let rows = mass.chunks_exact(n.max(1)).zip(vector);
+        let rows = rows.take(self.mechanical);
         let energy: f64 = rows.map(|(row, x)| x * dot(row, vector)).sum();
         let others = IDLE * (energy / heaviest).max(0.0).sqrt();
         f64::max(square.sqrt(), others)
@@ -97,6 +116,10 @@ impl ErrorScale {
     /// fastest velocity, or what rounding makes of accelerations, and the way covered with that in the step.
     pub(super) fn allowed(&self, component: usize, h: f64, tolerance: f64) -> f64 {
         let n = self.group.len();
+        if (self.mechanical..n).contains(&component) {
+            // Nothing reads the integral of a state.
+            return f64::INFINITY;
+        }
         let group = self.group[component % n];
         let speed = self.fastest[group].max(self.end[group]);
         let rounding = ROUNDING * h * self.free[group];

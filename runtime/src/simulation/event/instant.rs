@@ -29,11 +29,12 @@ impl Instant<'_, '_> {
 
     fn event(&self, kind: EventKind, contact: usize) -> Event {
         let n = self.dynamics.n;
+        let declared = &self.dynamics.model.declaration().contacts[contact];
         Event {
             time: self.time,
-            kind,
+            kind: kind.of(declared),
             contact,
-            contact_name: self.dynamics.model.declaration().contacts[contact].name,
+            contact_name: declared.name,
             modes: self.dynamics.contact_modes(),
             q: self.after[..n].to_vec(),
             v_before: self.velocities.to_vec(),

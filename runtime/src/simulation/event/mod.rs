@@ -37,11 +37,12 @@ pub use settings::EventDriven;
 use integration::Integration;
 
 use super::explicit_time::ExplicitTime;
+use super::joints::Closed;
 use super::watch::Watch;
 use super::{
     InitialValueProblem, InputError, Simulation, Simulator, impulse, order_of_impacts, shared_load,
 };
-use crate::model::Model;
+use crate::model::{Model, held};
 use crate::refusal;
 use crate::{Observer, Progress};
 
@@ -56,6 +57,8 @@ impl Simulator for EventDriven {
         problem: &InitialValueProblem,
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
+        let closed = Closed::of(model, problem)?;
+        let (model, problem) = closed.scene();
         check(self, model, problem)?;
         let mut watch = Watch::new(problem, observer);
         let mut result = accuracy::promised(self, (model, problem), &mut watch);
@@ -63,6 +66,7 @@ impl Simulator for EventDriven {
         shared_load::record(model, &mut result);
         order_of_impacts::note(model, &mut result);
         watch.finish(model, &mut result);
+        closed.finish(&mut result);
         Ok(result)
     }
 
@@ -94,13 +98,18 @@ pub(crate) fn simulate_to(
     problem: &InitialValueProblem,
     ending: Option<Ending>,
 ) -> Result<Simulation, InputError> {
+    let closed = Closed::of(model, problem)?;
+    let (model, problem) = closed.scene();
     check(settings, model, problem)?;
+    let own = held::with_laws(model, &problem.q);
+    let model = own.as_deref().unwrap_or(model);
     let mut unseen = |_: &Progress| true;
     let mut watch = Watch::new(problem, &mut unseen);
     let hasty = ExplicitTime::hasty(model, problem);
     let mut result = Integration::new(settings, model, problem, hasty).run(&mut watch, ending);
     impulse::record(model, &mut result);
     watch.finish(model, &mut result);
+    closed.finish(&mut result);
     Ok(result)
 }
 

@@ -152,7 +152,7 @@ impl<'a> Driver<'a> {
                 recorded: 0,
             },
             now,
-            control: ErrorControl::new(problem, tableau.stages()),
+            control: ErrorControl::new(problem, model.declaration().mechanical(), tableau.stages()),
             explicit_time: ExplicitTime::of(model, problem),
             element: settings.element(model, tableau),
             next_element: settings.element(model, tableau),
@@ -277,7 +277,7 @@ impl<'a> Driver<'a> {
         let state = &self.now.state;
         self.record.events.push(Event {
             time: state.time,
-            kind,
+            kind: kind.of(&self.setup.model.declaration().contacts[contact]),
             contact,
             contact_name: self.setup.name(contact),
             modes: self.now.modes(),

@@ -36,11 +36,12 @@ pub(super) struct ErrorControl {
 }
 
 impl ErrorControl {
-    pub(super) fn new(problem: &InitialValueProblem, stages: usize) -> Self {
+    /// Of a run with so many coordinates of a mechanism.
+    pub(super) fn new(problem: &InitialValueProblem, mechanical: usize, stages: usize) -> Self {
         Self {
             tolerance: None,
             proposed_length: problem.horizon,
-            motion: MotionSize::new(&problem.q, &problem.v),
+            motion: MotionSize::new(&problem.q, &problem.v, mechanical),
             local_errors: vec![0.0; problem.q.len() + problem.v.len()],
             estimate: 0.0,
             horizon: problem.horizon,

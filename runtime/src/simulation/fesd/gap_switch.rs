@@ -336,8 +336,9 @@ fn dip(
 pub(super) fn beyond(error: ModeError) -> Stop {
     Stop::Element(match error {
         ModeError::NotFinite => ElementError::NotFinite,
-        ModeError::Jammed | ModeError::Dependent | ModeError::NegativeBound(_) => {
-            ElementError::Singular
-        }
+        ModeError::Jammed
+        | ModeError::Dependent
+        | ModeError::NegativeBound(_)
+        | ModeError::NotUnique(_) => ElementError::Singular,
     })
 }

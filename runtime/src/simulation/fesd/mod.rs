@@ -51,6 +51,7 @@ pub use settings::{Fesd, StepFormulation};
 pub use size::step_sizes;
 
 use super::hand_over::{self, Other};
+use super::joints::{self, Closed};
 use super::watch::Watch;
 use super::{
     InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse,
@@ -87,7 +88,11 @@ impl Simulator for Fesd {
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
         let tableau = self.tableau()?;
-        problem.check(model)?;
+        let closed = Closed::of(model, problem)?;
+        let (model, problem) = closed.scene();
+        if self.formulation == StepFormulation::Complementarity {
+            joints::refuse(model, "complementarity problems", "use another formulation")?;
+        }
         if self.formulation == StepFormulation::Complementarity
             && let Some(name) = edge(model)
         {
@@ -98,6 +103,14 @@ impl Simulator for Fesd {
         }
         if self.formulation == StepFormulation::Complementarity {
             InitialValueProblem::check_at_once(model, "the complementarity problem")?;
+        }
+        if self.formulation != StepFormulation::ActiveSet {
+            let formulation = "a formulation by complementarity or time-freezing";
+            InitialValueProblem::check_switches(
+                model,
+                formulation,
+                "use the active-set formulation",
+            )?;
         }
         let mut watch = Watch::new(problem, observer);
         let mut result = match self.promise() {
@@ -123,6 +136,7 @@ impl Simulator for Fesd {
         shared_load::record(model, &mut result);
         order_of_impacts::note(model, &mut result);
         watch.finish(model, &mut result);
+        closed.finish(&mut result);
         Ok(result)
     }
 

@@ -8,6 +8,7 @@ use crate::fesd::finite_element::{State, groups as groups_of_element};
 use crate::fesd::transcription::{Task, size_groups, transcribe};
 use crate::model::{ImpactLaw, Model, friction_coefficients};
 use crate::rk::ButcherTableau;
+use crate::simulation::joints::Closed;
 use crate::simulation::{FormulationSize, InitialValueProblem, InputError};
 use crate::size::kernels;
 use crate::time_freezing::TimeFreezingSystem;
@@ -50,7 +51,8 @@ pub fn step_sizes(
     method: &Fesd,
 ) -> Result<Vec<FormulationSize>, InputError> {
     let tableau = method.tableau()?;
-    problem.check(model)?;
+    let closed = Closed::of(model, problem)?;
+    let (model, problem) = closed.scene();
     match method.formulation {
         StepFormulation::Complementarity => {
             Ok(vec![program_of_a_step(model, problem, method, &tableau)])
@@ -102,6 +104,9 @@ fn elements(
     let x = problem.input(model);
     let sizes = modes.into_iter().map(|(name, active)| {
         let mut prefixes = vec!["free_", "gap_", "contact_"];
+        if declaration.joints.is_some() {
+            prefixes.push("joints");
+        }
         if active
             .iter()
             .any(|held| held.tangential != Tangential::Idle)

@@ -10,7 +10,7 @@ use super::stop::Stop;
 use super::{bounces, impacts, location, mode_change, program};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
-use crate::model::edge;
+use crate::model::{edge, joint_rows};
 use crate::simulation::agreement;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::MOMENT;
@@ -350,8 +350,12 @@ fn recover(
         let jammed = Stop::Mode(ModeError::Jammed);
         return Err(diagnosis::stopped(driver, step.number, &jammed));
     }
-    // The program knows no edges.
-    if mode || not_finite || edge(driver.setup.model).is_some() {
+    // The program knows no edges, no joints and no switches.
+    let mut declared = driver.setup.model.declaration().contacts.iter();
+    let switches = declared.any(|known| known.switch.is_some());
+    let unknown =
+        switches || edge(driver.setup.model).is_some() || joint_rows(driver.setup.model) > 0;
+    if mode || not_finite || unknown {
         return Err(diagnosis::stopped(driver, step.number, &stop));
     }
     program::solve_program(driver, end, watch)

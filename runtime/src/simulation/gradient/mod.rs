@@ -24,7 +24,7 @@ mod projection;
 mod walk;
 mod wanted;
 
-use super::{InitialValueProblem, InputError, Simulation};
+use super::{InitialValueProblem, InputError, Simulation, joints};
 use crate::model::Model;
 use walk::Walk;
 use wanted::Wanted;
@@ -69,6 +69,11 @@ pub fn differentiate(
     run: &Simulation,
     names: &[String],
 ) -> Result<Gradient, InputError> {
+    joints::refuse(
+        model,
+        "derivatives of a motion",
+        "compare two motions, or describe the mechanism by coordinates that need no joint",
+    )?;
     let wanted = Wanted::of(model, names)?;
     let trajectory = &run.trajectory;
     let (n, columns) = (problem.q.len(), wanted.count());

@@ -62,6 +62,8 @@ impl Wanted {
                 None => of_state(model, name)?,
             });
         }
+        let remedy = "take differences of two simulations, or write a smooth function in its place, as `tanh(c/width)`";
+        InitialValueProblem::check_switches(model, "gradients", remedy)?;
         if by.is_empty() {
             return Err(InputError::new(
                 "a gradient by nothing is asked for; name parameters, coordinates for their start, or `all` parameters",

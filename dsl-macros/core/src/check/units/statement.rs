@@ -14,7 +14,8 @@ pub(super) fn declare(walk: &mut Walk<'_>, scene: &Scene) {
     for statement in &scene.statements {
         let (Statement::Parameters(list)
         | Statement::Coordinates(list)
-        | Statement::Controls(list)) = statement
+        | Statement::Controls(list)
+        | Statement::States(list)) = statement
         else {
             continue;
         };
@@ -42,7 +43,10 @@ pub(super) fn declare(walk: &mut Walk<'_>, scene: &Scene) {
 
 pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<()> {
     match statement {
-        Statement::Parameters(list) | Statement::Coordinates(list) | Statement::Controls(list) => {
+        Statement::Parameters(list)
+        | Statement::Coordinates(list)
+        | Statement::Controls(list)
+        | Statement::States(list) => {
             for quantity in list {
                 let _: Checked<()> = declared_quantity(walk, quantity);
             }
@@ -73,6 +77,12 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             let wanted = walk.energy.over(&Dimension::second());
             walk.expect(value, &own, &wanted, "the dissipation is a power")
         }
+        Statement::Rates(assignments) => {
+            for assignment in assignments {
+                let _: Checked<()> = rate(walk, assignment);
+            }
+            Ok(())
+        }
         Statement::Forces(assignments) => {
             for assignment in assignments {
                 let _: Checked<()> = force(walk, assignment);
@@ -87,6 +97,12 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         }
         Statement::Impact { surfaces, law } => impact_law(walk, surfaces, law),
         Statement::Dry { .. } => dry_friction(walk, statement),
+        Statement::Joint {
+            name, left, right, ..
+        } => {
+            let result = joint(walk, name, left, right);
+            noted(walk, name, result)
+        }
         Statement::Minimize { value, .. } => walk.scalar(value).map(|_| ()),
         Statement::Constraint { name, condition } => {
             let what = format!("both sides of constraint `{}`", name.text);
@@ -153,6 +169,42 @@ fn surface(walk: &mut Walk<'_>, name: &Name, left: &Expr, right: &Expr) -> Check
     Ok(())
 }
 
+/// Both sides of a joint agree, component by component. A force does work on what it holds: a joint of velocities is measured
+/// by the way.
+fn joint(walk: &mut Walk<'_>, name: &Name, left: &Expr, right: &Expr) -> Checked<()> {
+    angle::compared(walk, left, right);
+    let (own, its) = (walk.units(left), walk.units(right));
+    let (own, its) = (own?, its?);
+    let place = left.place.to(right.place);
+    let what = format!("both sides of joint `{}`", name.text);
+    let (first, second) = (own.components(), its.components());
+    let mut unit = None;
+    for i in 0..first.len().max(second.len()) {
+        // A zero stands for all components of the other side.
+        let pair = [first, second].map(|list| list.get(i).or(list.first()));
+        let [Some(own), Some(its)] = pair else {
+            return Err(Reported);
+        };
+        if !walk.unifier.unify(own, its) {
+            return Err(walk.differ(place, (left, own), (right, its), &what));
+        }
+        let one = unit.get_or_insert_with(|| own.clone());
+        if !walk.unifier.unify(one, own) {
+            let what = format!("the components of joint `{}`", name.text);
+            let (one, own) = (one.clone(), own.clone());
+            return Err(walk.differ(place, (left, &one), (left, &own), &what));
+        }
+    }
+    let mut unit = unit.ok_or(Reported)?;
+    if walk.rolling.contains(&name.text) {
+        unit = unit.times(&Dimension::second());
+    }
+    let count = first.len().max(second.len());
+    walk.joints.push((name.text.clone(), count));
+    walk.gaps.push((name.text.clone(), unit));
+    Ok(())
+}
+
 fn declared_quantity(walk: &mut Walk<'_>, quantity: &Quantity) -> Checked<()> {
     let wanted = walk.named(&quantity.name);
     let mut exprs: Vec<&Expr> = quantity.value.iter().collect();
@@ -192,6 +244,17 @@ fn force(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
     );
     // On an angle acts a torque.
     walk.expect_called(&assignment.value, (&own, &wanted), &reason, ["J", "N m"])
+}
+
+/// What a state changes by.
+fn rate(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
+    let own = walk.scalar(&assignment.value)?;
+    let wanted = walk.named(&assignment.target).over(&Dimension::second());
+    let reason = format!(
+        "the rate of `{}` is the unit of the state over s",
+        assignment.target.text
+    );
+    walk.expect(&assignment.value, &own, &wanted, &reason)
 }
 
 fn start(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {

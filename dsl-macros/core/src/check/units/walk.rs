@@ -76,6 +76,10 @@ pub(super) struct Walk<'a> {
     pub(super) angles: Vec<(String, Expr)>,
     /// Names that are declared in rad.
     pub(super) radians: HashSet<String>,
+    /// Joints, and how many equations each is.
+    pub(super) joints: Vec<(String, usize)>,
+    /// Joints that are equations between velocities.
+    pub(super) rolling: HashSet<String>,
 }
 
 impl Walk<'_> {
@@ -429,6 +433,14 @@ impl Walk<'_> {
                 Ok(Units::Scalar(own.power(exponent.unwrap_or(Ratio::ONE))))
             }
             ("abs", [argument]) => self.units(argument),
+            (_, [argument]) if words::JUMPS.contains(&text) => {
+                self.scalar(argument)?;
+                Ok(Units::Scalar(Dimension::one()))
+            }
+            (words::IF, [left, right, yes, no]) => {
+                self.extreme(function, left, std::slice::from_ref(right))?;
+                self.extreme(function, yes, std::slice::from_ref(no))
+            }
             ("max" | "min", [first, others @ ..]) => self.extreme(function, first, others),
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
@@ -455,6 +467,11 @@ impl Walk<'_> {
         let gap = self.gaps.iter().find(|(name, _)| name == surface);
         let gap = gap.map(|(_, gap)| gap.clone()).ok_or(Reported)?;
         let force = self.energy.over(&gap);
+        if let Some((_, count)) = self.joints.iter().find(|(name, _)| name == surface)
+            && *count > 1
+        {
+            return Ok(Units::Vector(vec![force; *count]));
+        }
         Ok(Units::Scalar(match text {
             "force" | "friction_force" => force,
             _ => force.times(&Dimension::second()),

@@ -13,9 +13,11 @@ pub(in crate::simulation) mod switching;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
+use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, Pieces, contact_point, contains_ground, surfaces, tangent_point,
+    ControlPiece, Model, Pieces, Switching, contact_point, contains_ground, surfaces,
+    switching_terms, tangent_point,
 };
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
@@ -62,6 +64,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     scales: Vec<ContactScale>,
     auxiliary_acceleration: f64,
     explicit_time: bool,
+    /// Joints, if there are any.
+    joints: Option<Joints<'a>>,
 }
 
 /// Coefficients of the contact laws, one entry a contact.
@@ -200,6 +204,7 @@ impl<'a> Dynamics<'a> {
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
+            joints: Joints::of(model),
         }
     }
 
@@ -351,6 +356,11 @@ impl<'a> Dynamics<'a> {
     /// Whether a contact is dry friction without a surface, whose normal force is given.
     pub(in crate::simulation) fn is_dry(&self, contact: usize) -> bool {
         contact >= self.surfaces
+    }
+
+    /// Whether a contact is a switch whose function is only passed.
+    pub(in crate::simulation) fn passes(&self, contact: usize) -> bool {
+        self.model.declaration().contacts[contact].switch == Some(Switching::Passes)
     }
 
     /// The sliding contact with the smallest [`gain`](Self::gain), and that.
@@ -513,6 +523,8 @@ impl<'a> Dynamics<'a> {
             let instant = Instant::new(&y[..2 * n], &self.evaluated.acceleration, moment);
             let time = if self.explicit_time { t } else { 0.0 };
             self.scales[i].observe(point, friction, instant.at(time));
+            let terms = switching_terms(self.model, i, &self.evaluated.x);
+            self.scales[i].observe_switch(terms);
         }
     }
 

@@ -57,7 +57,12 @@ fn depends(dynamics: &Dynamics<'_>, (covector, direction): (&[f64], &[f64])) -> 
 
 /// Moves the state onto `g = 0`, `v_n = 0` of the active contacts and `v_t = 0` of the sticking ones,
 /// along their directions `d` and `e`. `false` if it cannot.
+///
+/// Before that, in the metric of the mass matrix, onto the joints, which contacts leave as they are.
 pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mut [f64]) -> bool {
+    if !project_on_joints(dynamics, t, y) {
+        return false;
+    }
     if dynamics.mode.active.is_empty() {
         return true;
     }
@@ -107,6 +112,26 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
     rows::add_columns(dynamics, rows, false, &mut y[n..2 * n]);
     dynamics.load(t, y);
     true
+}
+
+/// Moves the state onto the joints, in the metric of the mass matrix; `false` if it cannot.
+pub(in crate::simulation) fn project_on_joints(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &mut [f64],
+) -> bool {
+    let Some(mut joints) = dynamics.joints.take() else {
+        return true;
+    };
+    let n = dynamics.n;
+    dynamics.load(t, y);
+    let mut x = dynamics.input().to_vec();
+    let moved = joints.project_positions(&mut x, 0.0);
+    let moved = moved.and_then(|()| joints.project_velocities(&mut x));
+    dynamics.joints = Some(joints);
+    y[..2 * n].copy_from_slice(&x[..2 * n]);
+    dynamics.load(t, y);
+    moved.is_ok()
 }
 
 /// `dtau/dt = 1/p` of the time-freezing system with `a_bar`, `p = prod_i (1 - s_i p)`,

@@ -198,6 +198,11 @@ impl ContactScale {
         }
     }
 
+    /// Takes note of the terms of the function of a switch.
+    pub(super) fn observe_switch(&mut self, terms: f64) {
+        self.sliding_velocity = self.sliding_velocity.max(terms);
+    }
+
     /// Largest terms of the sliding velocity so far.
     pub(super) fn sliding_velocity(&self) -> f64 {
         self.sliding_velocity

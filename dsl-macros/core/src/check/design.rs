@@ -1,0 +1,126 @@
+//! Parameters that optimal control is to find, `free name: unit in lower..=upper = value`.
+
+use super::checker::Checker;
+use super::values;
+use crate::ast::Quantity;
+use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::graph::{self, Sym, Variable};
+use crate::scene::{CheckedScene, Condition, Contact, OptimalControl};
+
+/// E17: the ranges of free parameters, which hold the values that these begin with.
+pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Checked<()> {
+    let before = checker.diagnostics.mistakes();
+    for quantity in quantities.iter().filter(|quantity| quantity.free) {
+        let name = &quantity.name;
+        let index = checker
+            .parameters
+            .iter()
+            .position(|known| known.name.text == name.text);
+        let (Some(index), Some(range)) = (index, &quantity.bounds) else {
+            continue;
+        };
+        let Ok(range) = values::range(checker, range, quantity.unit.as_ref(), &name.text) else {
+            continue;
+        };
+        let value = Sym::number(checker.parameters[index].default);
+        checker.within(value, range, name.place(), &name.text);
+        for free in &mut checker.free_parameters {
+            if usize::from(free.index) == index {
+                free.bounds = range;
+            }
+        }
+    }
+    if checker.diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(())
+}
+
+/// Free parameters belong to a scene with an objective, and something that it judges reads each of them.
+pub(super) fn finish(
+    checker: &mut Checker<'_>,
+    dynamics: &[Sym],
+    contacts: &[Contact],
+    task: Option<&OptimalControl>,
+) {
+    if checker.free_parameters.is_empty() {
+        return;
+    }
+    let mut functions = dynamics.to_vec();
+    for contact in contacts {
+        functions.extend(contact.restitution);
+        functions.extend(contact.friction.iter().map(|known| known.coefficient));
+    }
+    functions.extend(checker.horizon);
+    functions.extend(task.into_iter().flat_map(functions_of));
+    let read = graph::variables(&functions);
+    for free in &checker.free_parameters {
+        let name = &checker.parameters[usize::from(free.index)].name;
+        let message = if task
+            .is_none_or(|task| task.running_cost.is_none() && task.final_cost.is_none())
+        {
+            format!(
+                "free parameter `{0}` in a scene without `minimize`, so that nothing says which value is best; add an \
+                 objective, or write `parameters {{ {0} = ... }}`",
+                name.text
+            )
+        } else if !read.contains(&Variable::Parameter(free.index)) {
+            format!(
+                "nothing in the motion, its conditions or its objective reads the free parameter `{}`, so that all its \
+                 values are as good; use it or leave it out",
+                name.text
+            )
+        } else {
+            continue;
+        };
+        checker.diagnostics.report("E15", name.place(), message);
+    }
+}
+
+/// Costs and the functions of conditions.
+fn functions_of(task: &OptimalControl) -> Vec<Sym> {
+    let lists = [&task.constraints, &task.at_impacts, &task.goals];
+    let conditions = lists.into_iter().flatten();
+    let mut functions: Vec<Sym> = conditions.map(|known: &Condition| known.function).collect();
+    functions.extend(task.running_cost);
+    functions.extend(task.final_cost);
+    functions.extend(&task.sums);
+    functions
+}
+
+/// Reports what of a scene depends on parameters that are to become coordinates without motion, but has to be the same for
+/// all of their values: bounds.
+pub(crate) fn without_free_bounds(
+    scene: &CheckedScene,
+    chosen: &[u16],
+    diagnostics: &mut Diagnostics,
+) -> Checked<()> {
+    let quantities = scene.coordinates.iter().chain(&scene.controls);
+    let mut declared: Vec<(&str, (Sym, Sym))> = quantities
+        .filter_map(|known| Some((known.name.text.as_str(), known.bounds?)))
+        .collect();
+    let n = scene.coordinates.len();
+    let free_start = scene
+        .optimal_control
+        .iter()
+        .flat_map(|task| &task.free_start);
+    declared.extend(free_start.filter_map(|&(index, bounds)| {
+        Some((scene.coordinates[index % n].name.text.as_str(), bounds?))
+    }));
+    for (of, (lower, upper)) in declared {
+        let read = graph::variables(&[lower, upper]);
+        let mut chosen = chosen.iter();
+        if let Some(&index) = chosen.find(|&&index| read.contains(&Variable::Parameter(index))) {
+            let name = &scene.parameters[usize::from(index)].name;
+            return Err(diagnostics.syntax(
+                name.place(),
+                format!(
+                    "a bound of `{of}` depends on `{0}`, so that nothing is differentiated by `{0}`; write the bound \
+                     as a condition, such as `constraint limit: {of} <= {0}`",
+                    name.text
+                ),
+            ));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,225 @@
+//! E25: joints, which are equations between positions, or linear ones between velocities.
+
+use super::checker::Checker;
+use super::dry;
+use super::rules::is_velocity;
+use crate::ast::{Documentation, Expr, Name};
+use crate::diagnostics::{Checked, Place};
+use crate::evaluate::{Value, expression, velocity_direction};
+use crate::graph::{self, Sym, Variable};
+use crate::scene::{Contact, Joint};
+use hangtime_units::Unit;
+use std::collections::{HashMap, HashSet};
+
+/// Most equations of all joints of one scene.
+const MOST: usize = 500;
+
+/// `joint name: left == right`.
+pub(super) fn joint(
+    checker: &mut Checker<'_>,
+    (documentation, name): (&Documentation, &Name),
+    left: &Expr,
+    right: &Expr,
+) -> Checked<()> {
+    dry::new_contact(checker, name, "joint")?;
+    let own = expression::value(&mut checker.scope, left, checker.diagnostics);
+    let its = expression::value(&mut checker.scope, right, checker.diagnostics);
+    let (Ok(own), Ok(its)) = (own, its) else {
+        return checker.poison(name);
+    };
+    let place = left.place.to(right.place);
+    let Ok(rows) = rows(checker, name, (left, &own), (right, &its)) else {
+        return checker.poison(name);
+    };
+    let Ok(holonomic) = kind(checker, name, &rows, place) else {
+        return checker.poison(name);
+    };
+    let first = checker.joints.iter().map(|joint| joint.rows.len()).sum();
+    if first + rows.len() > MOST {
+        let message = format!("the joints of a scene are at most {MOST} equations");
+        return Err(checker.diagnostics.syntax(name.place(), message));
+    }
+    let known = (name.text.clone(), first..first + rows.len());
+    checker.scope.joints.push(known);
+    checker.joints.push(Joint {
+        name: name.clone(),
+        documentation: documentation.clone(),
+        unit: None,
+        rows,
+        holonomic,
+    });
+    Ok(())
+}
+
+/// The differences of both sides, one a component.
+fn rows(
+    checker: &mut Checker<'_>,
+    name: &Name,
+    (left, own): (&Expr, &Value),
+    (right, its): (&Expr, &Value),
+) -> Checked<Vec<Sym>> {
+    let zero = |value: &Value| matches!(value, Value::Scalar(Sym::ZERO));
+    let place = left.place.to(right.place);
+    let matrix = |value: &Value| matches!(value, Value::Matrix(_));
+    if matrix(own) || matrix(its) {
+        let message = format!(
+            "joint `{}` compares matrices; write an equation for each entry, or for vectors",
+            name.text
+        );
+        return Err(checker.diagnostics.report("E25", place, message));
+    }
+    let (first, second) = (own.components(), its.components());
+    // A bare zero is the zero of any number of components.
+    if zero(its) {
+        return Ok(first.to_vec());
+    }
+    if zero(own) {
+        return Ok(second.iter().map(|&value| -value).collect());
+    }
+    if first.len() != second.len() {
+        let components = |value: &Value| match value {
+            Value::Scalar(_) => "a number".to_owned(),
+            other => format!("a vector with {} components", other.components().len()),
+        };
+        let message = format!(
+            "joint `{}` compares {} with {}; both sides need the same number of components",
+            name.text,
+            components(own),
+            components(its)
+        );
+        return Err(checker.diagnostics.report("E25", place, message));
+    }
+    Ok(first.iter().zip(second).map(|(&a, &b)| a - b).collect())
+}
+
+/// Whether a joint is one of positions; it is one of velocities otherwise, and linear in them.
+fn kind(checker: &mut Checker<'_>, name: &Name, rows: &[Sym], place: Place) -> Checked<bool> {
+    let text = &name.text;
+    let n = checker.coordinates.len();
+    if let Some(control) = graph::variables(rows)
+        .into_iter()
+        .find(|known| matches!(known, Variable::Control(_)))
+    {
+        let message = format!(
+            "joint `{text}` depends on {}; it may depend on positions, velocities and the time only. What a motor \
+             moves is held by a force, `forces {{ x: u }}`, or given over the time `t`",
+            checker.in_words(control)
+        );
+        return Err(checker.diagnostics.report("E25", place, message));
+    }
+    let moving: Vec<bool> = rows
+        .iter()
+        .map(|&row| graph::depends_on(row, is_velocity))
+        .collect();
+    let holonomic = !moving.contains(&true);
+    if !holonomic && moving.contains(&false) {
+        let message = format!(
+            "joint `{text}` has velocities in some of its components and positions alone in others; declare two \
+             joints"
+        );
+        return Err(checker.diagnostics.report("E25", place, message));
+    }
+    for (i, &row) in rows.iter().enumerate() {
+        let component = match rows.len() {
+            1 => format!("joint `{text}`"),
+            _ => format!("component {} of joint `{text}`", i + 1),
+        };
+        let rate = rate(row, holonomic);
+        let gradient = graph::gradient(rate, &velocities(n));
+        if gradient.iter().all(|entry| entry.is_structural_zero()) {
+            let message = format!(
+                "{component} depends on no coordinate, so that it holds nothing; write positions on its sides, or \
+                 velocities"
+            );
+            return Err(checker.diagnostics.report("E25", place, message));
+        }
+        if !holonomic {
+            linear(checker, &component, &gradient, place)?;
+        } else if is_square(row) {
+            let message = format!(
+                "{component} is a square that is 0, whose gradient vanishes where it holds; write what is squared \
+                 itself, and a component for each direction of a distance"
+            );
+            return Err(checker.diagnostics.report("E25", place, message));
+        }
+    }
+    Ok(holonomic)
+}
+
+/// A joint of velocities is linear in them.
+fn linear(
+    checker: &mut Checker<'_>,
+    component: &str,
+    gradient: &[Sym],
+    place: Place,
+) -> Checked<()> {
+    let bends = gradient
+        .iter()
+        .any(|&entry| graph::depends_on(entry, is_velocity));
+    if !bends {
+        return Ok(());
+    }
+    let message = format!(
+        "{component} is not linear in the velocities, as an ideal joint is; write components of velocities, such as \
+         `dot(x) == r*dot(phi)`, or a force for what only brakes"
+    );
+    Err(checker.diagnostics.report("E25", place, message))
+}
+
+/// Whether a row is one square, or a multiple of it.
+fn is_square(row: Sym) -> bool {
+    let coordinate = |variable: Variable| matches!(variable, Variable::Coordinate(_));
+    let squared = |sym: Sym| match sym.node() {
+        graph::Node::Product(factors) => factors
+            .iter()
+            .any(|&(factor, halves)| halves >= 4 && graph::depends_on(factor, coordinate)),
+        _ => false,
+    };
+    match row.node() {
+        graph::Node::Sum(terms) if terms.len() == 1 => squared(terms[0].0),
+        _ => squared(row),
+    }
+}
+
+/// The rate of a row of positions; a row of velocities itself.
+pub(crate) fn rate(row: Sym, holonomic: bool) -> Sym {
+    if holonomic {
+        graph::directional(&[row], velocity_direction)[0]
+    } else {
+        row
+    }
+}
+
+fn velocities(n: usize) -> Vec<Variable> {
+    (0..n).map(|i| Variable::Velocity(i as u16)).collect()
+}
+
+/// Names of the joints that are equations between velocities.
+pub(super) fn of_velocities(checker: &Checker<'_>) -> HashSet<String> {
+    let rolling = checker.joints.iter().filter(|joint| !joint.holonomic);
+    rolling.map(|joint| joint.name.text.clone()).collect()
+}
+
+/// The units of all joints, now that they are known, and contacts that do not go with them.
+pub(super) fn finish(
+    checker: &mut Checker<'_>,
+    units: &HashMap<String, Unit>,
+    contacts: &[Contact],
+) {
+    if checker.joints.is_empty() {
+        return;
+    }
+    for contact in contacts.iter().filter(|contact| contact.along.is_some()) {
+        let message = format!(
+            "the impulse direction `along` of `{0}` is not known to joints; leave it out, so that the impulse of `{0}` acts as \
+             the mechanism can move, or write `holding` with the coordinates that it does not move",
+            contact.name.text
+        );
+        let place = contact.name.place();
+        checker.diagnostics.report("E25", place, message);
+    }
+    for joint in &mut checker.joints {
+        let unit = units.get(&joint.name.text).copied();
+        joint.unit = unit;
+    }
+}

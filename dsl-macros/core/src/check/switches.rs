@@ -1,0 +1,166 @@
+//! Switches in forces and rates, as contacts whose normal force is given.
+//!
+//! What acts is linear in the signs `s_k` of the switching functions `c_k`, so that by Filippov's rule
+//!
+//! ```text
+//! f = f_0 + sum_k a_k s_k        |s_k| <= 1,  s_k = sign c_k unless c_k = 0
+//! ```
+//!
+//! which is the law of dry friction with the bound 1 and the sliding velocity `-c_k`, but for its direction: `a_k` instead of the
+//! gradient of `c_k`. The convex combination of Stewart is `(1 + s_k)/2`. Of a kink, `|c_k| = c_k s_k`, the direction vanishes with
+//! `c_k`.
+
+use super::checker::Checker;
+use crate::derive::simplify;
+use crate::diagnostics::{Checked, Reported};
+use crate::evaluate::Switch;
+use crate::graph::{self, Compose, Function, Sym, Variable};
+use crate::scene::{Contact, Friction};
+
+/// Takes the switches out of the forces, and puts a contact for each that is needed behind the others.
+pub(super) fn append(
+    checker: &mut Checker<'_>,
+    forces: &mut [Sym],
+    contacts: &mut Vec<Contact>,
+) -> Checked<()> {
+    let switches = std::mem::take(&mut checker.scope.switches);
+    for switch in &switches {
+        if is_smooth(switch, forces) {
+            let size = switch.function.call(Function::Abs);
+            replace(forces, |variable| {
+                (variable == switch.variable).then_some(size)
+            });
+        }
+    }
+    let acting = graph::variables(forces);
+    let acting: Vec<&Switch> = switches
+        .iter()
+        .filter(|switch| acting.contains(&switch.variable))
+        .collect();
+    let still = |variable| matches!(variable, Variable::Switch(_)).then_some(Sym::ZERO);
+    let before = checker.diagnostics.mistakes();
+    for (k, switch) in acting.iter().enumerate() {
+        let slopes = graph::partial(forces, switch.variable);
+        if let Some(other) = acting[..=k]
+            .iter()
+            .rev()
+            .find(|other| depends(&slopes, other))
+        {
+            product(checker, switch, other);
+            continue;
+        }
+        let mut action: Vec<Sym> = slopes.into_iter().map(simplify).collect();
+        if switch.kink {
+            action.iter_mut().for_each(|a| *a *= switch.function);
+        }
+        contacts.push(contact(switch, action));
+    }
+    let first = contacts.len() - acting.len().min(contacts.len());
+    shown(checker, &switches, &acting, first);
+    replace(forces, still);
+    if checker.diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(())
+}
+
+fn replace(values: &mut [Sym], by: impl Fn(Variable) -> Option<Sym>) {
+    let replaced = graph::substitute(values, by);
+    values.copy_from_slice(&replaced);
+}
+
+fn depends(slopes: &[Sym], switch: &Switch) -> bool {
+    slopes
+        .iter()
+        .any(|&slope| graph::depends_on(simplify(slope), |variable| variable == switch.variable))
+}
+
+fn contact(switch: &Switch, action: Vec<Sym>) -> Contact {
+    let mut name = crate::ast::Name {
+        text: switch.shown.clone(),
+        ident: proc_macro2::Ident::new("switch", switch.place.start),
+    };
+    name.text.retain(|c| c != '\n');
+    Contact {
+        name,
+        documentation: crate::ast::Documentation::default(),
+        gap: Sym::ZERO,
+        alternatives: Vec::new(),
+        unit: None,
+        along: None,
+        held: Vec::new(),
+        sequence: false,
+        restitution: None,
+        friction: Some(Friction {
+            coefficient: Sym::ONE,
+            sliding: -switch.function,
+        }),
+        bound: Some(Sym::ONE),
+        switch: Some(action),
+    }
+}
+
+/// Whether a kink leaves no jump of the derivatives of what acts: the slope by `|c|` vanishes with `c`. Told where `c` is linear in
+/// one of its variables; any other kink is a switch, which is right as well.
+fn is_smooth(switch: &Switch, forces: &[Sym]) -> bool {
+    if !switch.kink {
+        return false;
+    }
+    let slopes = graph::partial(forces, switch.variable);
+    let function = switch.function;
+    let mut variables = graph::variables(&[function]).into_iter();
+    variables.any(|variable| {
+        let by = simplify(graph::partial(&[function], variable)[0]);
+        if by.is_structural_zero() || graph::depends_on(by, |other| other == variable) {
+            return false;
+        }
+        let zero = |other| (other == variable).then_some(Sym::ZERO);
+        let rest = graph::substitute(&[function], zero)[0];
+        let root = simplify(-rest * by.power(-2));
+        let at_root = |other| {
+            if other == variable {
+                Some(root)
+            } else {
+                (other == switch.variable).then_some(Sym::ZERO)
+            }
+        };
+        let slopes = graph::substitute(&slopes, at_root).into_iter();
+        slopes
+            .into_iter()
+            .all(|slope| simplify(slope).is_structural_zero())
+    })
+}
+
+/// E12: what two switches do together is not said by what each does.
+fn product(checker: &mut Checker<'_>, switch: &Switch, other: &Switch) {
+    let message = if switch.variable == other.variable {
+        format!(
+            "what acts is no linear function of `{}`; write `if c {{ a }} else {{ b }}` with what acts on both sides",
+            switch.shown
+        )
+    } else {
+        format!(
+            "what acts contains a product of the switches `{}` and `{}`, and where both functions vanish the motion is not \
+             determined by that; write a sum of terms with one switch each, or one switch by a single function",
+            other.shown, switch.shown
+        )
+    };
+    checker.diagnostics.report("E12", switch.place, message);
+}
+
+/// Lets outputs know switches: those that act by the value that they have, also where the motion slides, the others by their
+/// functions.
+fn shown(checker: &mut Checker<'_>, switches: &[Switch], acting: &[&Switch], first: usize) {
+    let value = |variable: Variable| {
+        let switch = switches.iter().find(|known| known.variable == variable)?;
+        let contact = acting.iter().position(|known| known.variable == variable);
+        Some(match contact {
+            _ if switch.kink => switch.function.call(Function::Abs),
+            Some(k) => Sym::variable(Variable::FrictionForce((first + k) as u16)),
+            None => switch.function.call(Function::Sign),
+        })
+    };
+    for output in &mut checker.shown.outputs {
+        output.value = graph::substitute(&[output.value], value)[0];
+    }
+}

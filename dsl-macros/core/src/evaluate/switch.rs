@@ -1,0 +1,157 @@
+//! `sign`, `step`, `if`, `max`, `min` and `|x|` in what acts: switches, which a variable stands for until it is known what they
+//! act on.
+
+use super::kink::Switch;
+use super::scope::{Role, Scope};
+use super::value::Value;
+use crate::ast::Expr;
+use crate::diagnostics::{Checked, Diagnostics, Place};
+use crate::graph::{self, Compose, Function, Sym, Variable};
+use crate::words;
+
+/// Whether a jump may stand here: where switches may, and in what is recorded.
+pub(super) fn may_jump(scope: &Scope, text: &str) -> bool {
+    let jumps = words::JUMPS.contains(&text) || text == words::IF;
+    scope.role == Role::Record && jumps
+}
+
+/// Whether a function is a switch where those may stand.
+pub(super) fn is_switch(text: &str) -> bool {
+    words::EDGES.contains(&text) || words::JUMPS.contains(&text) || text == words::IF
+}
+
+/// The value of a switch of these arguments.
+pub(super) fn call(
+    scope: &mut Scope,
+    whole: &Expr,
+    (text, arguments): (&str, &[Expr]),
+    parts: &[Sym],
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let wanted = match text {
+        "max" | "min" => 2,
+        words::IF => 4,
+        _ => 1,
+    };
+    if parts.len() != wanted {
+        let message = if wanted == 2 && parts.len() > 2 {
+            format!(
+                "`{text}` of {} in what acts would switch where other switches do; write it of two smooth functions, and \
+                 `if c {{ a }} else {{ b }}` for more cases",
+                parts.len()
+            )
+        } else {
+            let plural = if wanted == 1 { "" } else { "s" };
+            format!(
+                "`{text}` takes {wanted} argument{plural}, found {}",
+                parts.len()
+            )
+        };
+        return Err(diagnostics.report("E02", whole.place, message));
+    }
+    let half = |value: Sym| value.scaled(0.5);
+    let value = match (text, parts) {
+        ("abs", &[part]) => switch(scope, shown(whole), (part, true), diagnostics)?,
+        ("max" | "min", &[a, b]) => {
+            let apart = switch(scope, shown(whole), (a - b, true), diagnostics)?;
+            let sign = if text == "min" { -1.0 } else { 1.0 };
+            half(a + b + apart.scaled(sign))
+        }
+        (words::IF, &[left, right, yes, no]) => {
+            let shown = format!("{} >= {}", arguments[0], arguments[1]);
+            let place = arguments[0].place.to(arguments[1].place);
+            let sign = switch(scope, (shown, place), (left - right, false), diagnostics)?;
+            half(yes + no + (yes - no) * sign)
+        }
+        ("sign" | "signum", &[part]) => switch(scope, shown(whole), (part, false), diagnostics)?,
+        (_, &[part]) => {
+            let sign = switch(scope, shown(whole), (part, false), diagnostics)?;
+            half(sign + Sym::ONE)
+        }
+        _ => Sym::ZERO,
+    };
+    Ok(Value::Scalar(value))
+}
+
+/// The size of a number in what acts.
+pub(super) fn size(
+    scope: &mut Scope,
+    whole: &Expr,
+    part: Sym,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    switch(scope, shown(whole), (part, true), diagnostics).map(Value::Scalar)
+}
+
+/// An expression as written, and its place.
+fn shown(expr: &Expr) -> (String, Place) {
+    (expr.to_string(), expr.place)
+}
+
+/// What stands for the sign of a function, or for its size; the same for the same function.
+fn switch(
+    scope: &mut Scope,
+    (shown, place): (String, Place),
+    (function, kink): (Sym, bool),
+    diagnostics: &mut Diagnostics,
+) -> Checked<Sym> {
+    if let Some(value) = function.as_number() {
+        let sign = if value == 0.0 { 0.0 } else { value.signum() };
+        return Ok(Sym::number(if kink { value.abs() } else { sign }));
+    }
+    for known in scope.switches.iter().filter(|known| known.kink == kink) {
+        let variable = Sym::variable(known.variable);
+        if known.function == function {
+            return Ok(variable);
+        }
+        if known.function == -function {
+            return Ok(if kink { variable } else { -variable });
+        }
+    }
+    let variables = graph::variables(&[function]);
+    let moving = |variable: &Variable| {
+        matches!(
+            variable,
+            Variable::Coordinate(_)
+                | Variable::Velocity(_)
+                | Variable::Time
+                | Variable::Parameter(_)
+        )
+    };
+    if scope.role == Role::Record && !variables.iter().all(moving) {
+        return Ok(function.call(Function::Sign));
+    }
+    let wrong = variables.iter().find_map(|variable| match variable {
+        Variable::Switch(_) => Some((
+            "E12",
+            "switches itself, so that it has no rate where it would vanish; switch by a smooth function, and \
+             put one `if` inside of the braces of another",
+        )),
+        Variable::Control(_) => Some((
+            "E07",
+            "depends on a control, which may jump; switch by what moves, and let the control act in its place",
+        )),
+        _ => None,
+    });
+    let moves = variables.iter().any(|variable| {
+        matches!(
+            variable,
+            Variable::Coordinate(_) | Variable::Velocity(_) | Variable::Time
+        )
+    });
+    let still = "depends on nothing that changes, so that it never switches; write a parameter of 1 or -1 in its place";
+    let still = (!moves && scope.role != Role::Record).then_some(("E07", still));
+    if let Some((code, why)) = wrong.or(still) {
+        let message = format!("what `{shown}` switches by {why}");
+        return Err(diagnostics.report(code, place, message));
+    }
+    let variable = Variable::Switch(scope.switches.len() as u16);
+    scope.switches.push(Switch {
+        variable,
+        function,
+        kink,
+        shown,
+        place,
+    });
+    Ok(Sym::variable(variable))
+}

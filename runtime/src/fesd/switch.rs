@@ -1,0 +1,67 @@
+//! Switches of what acts: which side of a function that is only passed acts where it vanishes, and whether the motion is unique.
+//!
+//! A switch that may slide is decided by the laws of friction, as it is one. One that is only passed (`Switching::Passes`) is neither
+//! held at its zero nor does its sign change the rate of its function, so that this rate says which side comes next.
+
+use super::active_contact::ActiveContact;
+use super::contacts::{Contacts, Line, ModeError};
+use crate::model::{switching_terms, tangent_point};
+
+/// Share of the time scale of the motion after which a function is looked at whose rate vanishes with it: the square of it is far
+/// above rounding.
+const LATER: f64 = 1e-3;
+
+/// The side of a switch whose function vanishes at `x`, where the motion has the acceleration `motion` and this time scale: the sign of
+/// its rate, and where that is none, below `zero`, of the function a little later; the side of before, if that says nothing.
+pub(super) fn side(
+    contacts: &Contacts<'_>,
+    contact: usize,
+    x: &[f64],
+    (motion, time_scale): (&[f64], f64),
+    zero: f64,
+) -> f64 {
+    let rate = contacts.sliding_acceleration(contact, motion);
+    if rate.abs() > zero {
+        return rate.signum();
+    }
+    let n = contacts.n;
+    let step = LATER * time_scale;
+    let mut later = x.to_vec();
+    for k in 0..n {
+        later[k] += step * x[n + k] + 0.5 * step * step * motion[k];
+        later[n + k] += step * motion[k];
+    }
+    if contacts.model.declaration().explicit_time
+        && let Some(time) = later.last_mut()
+    {
+        *time += step;
+    }
+    let mut point = vec![0.0; tangent_point::length(n)];
+    contacts.model.tangent(contact, &later, &mut point);
+    let value = point[tangent_point::SLIDING_VELOCITY];
+    let rounding = f64::EPSILON * switching_terms(contacts.model, contact, &later);
+    if value.abs() > 16.0 * rounding {
+        value.signum()
+    } else if contacts.sides[contact] == 0.0 {
+        1.0
+    } else {
+        contacts.sides[contact]
+    }
+}
+
+/// Refuses a motion along the zero of a switch whose two sides both push away from it: it could leave to either at any time.
+pub(super) fn is_unique(
+    contacts: &Contacts<'_>,
+    active: &[ActiveContact],
+) -> Result<(), ModeError> {
+    for held in active.iter().filter(|held| held.sticks()) {
+        let line = Line::Tangent {
+            contact: held.contact,
+            sense: 1.0,
+        };
+        if contacts.switch(held.contact).is_some() && contacts.coupling(line, line) <= 0.0 {
+            return Err(ModeError::NotUnique(held.contact));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,86 @@
+//! Parameters as unknowns: which ones are to be found, and scenes in which parameters are coordinates without motion.
+
+use super::{Model, SparsityPattern};
+
+/// Parameters that stand behind the coordinates of a scene as coordinates without motion, see [`Model::with_held`].
+#[derive(Debug, Clone, Copy)]
+pub struct Held {
+    /// Their indices among the parameters, in the order of these coordinates, which are the last ones.
+    pub parameters: &'static [usize],
+    /// What of start, horizon and laws depends on them; the start, the horizon and the laws of the model itself have the values
+    /// that the parameters were given.
+    pub given: &'static [Given],
+    /// Pattern of the Jacobian of [`Model::given_values`] with respect to `x`.
+    pub jacobian: SparsityPattern,
+    /// Pattern (lower triangle) of the Hessian of the weighted [`Model::given_values`].
+    pub hessian: SparsityPattern,
+}
+
+/// What a scene declares as a function of parameters alone, by the index of a component of the start `(q, v)` or of a contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Given {
+    /// A component of the start `(q, v)`, where it is not free.
+    Start(usize),
+    /// The length of the motion.
+    Horizon,
+    /// The coefficient of restitution of a contact.
+    Restitution(usize),
+    /// The coefficient of friction of a contact.
+    Friction(usize),
+}
+
+/// Number of coordinates that move: all but those that stand for parameters.
+pub(crate) fn moving(model: &dyn Model) -> usize {
+    let held = model.held().map_or(0, |held| held.parameters.len());
+    model.declaration().coordinates.len() - held
+}
+
+/// Whether a component of `(q, v)` stands for a parameter.
+pub(crate) fn is_held(model: &dyn Model, k: usize) -> bool {
+    let n = model.declaration().coordinates.len();
+    k % n >= moving(model)
+}
+
+/// Which of the values that parameters give is that one.
+pub(crate) fn place(model: &dyn Model, given: Given) -> Option<usize> {
+    let held = model.held()?;
+    held.given.iter().position(|&known| known == given)
+}
+
+/// The values that parameters give, where these are as `start = (q, v)` says.
+pub(crate) fn given_at(model: &dyn Model, start: &[f64]) -> Vec<f64> {
+    let count = model.held().map_or(0, |held| held.given.len());
+    let mut values = vec![0.0; count];
+    if count > 0 {
+        let mut x = start.to_vec();
+        x.resize(model.declaration().inputs(), 0.0);
+        model.given_values(&x, &mut values);
+    }
+    values
+}
+
+/// Gives the components of a start `(q, v)` that parameters decide the values that go with those of the parameters in it.
+pub(crate) fn complete_start(model: &dyn Model, start: &mut [f64]) {
+    let Some(held) = model.held() else { return };
+    let values = given_at(model, start);
+    for (given, value) in held.given.iter().zip(values) {
+        if let Given::Start(k) = *given {
+            start[k] = value;
+        }
+    }
+}
+
+/// The scene with the laws of contact that go with the parameters in the start of a motion; none where they are its own.
+pub(crate) fn with_laws(model: &dyn Model, q: &[f64]) -> Option<Box<dyn Model>> {
+    let held = model.held()?;
+    let is_law = |given: &Given| matches!(given, Given::Restitution(_) | Given::Friction(_));
+    let first = moving(model);
+    if !held.given.iter().any(is_law) || q.len() != first + held.parameters.len() {
+        return None;
+    }
+    let mut own = model.boxed();
+    for (&parameter, &value) in held.parameters.iter().zip(&q[first..]) {
+        own.set_parameter(parameter, value);
+    }
+    Some(own)
+}

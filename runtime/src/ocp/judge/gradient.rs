@@ -1,0 +1,43 @@
+//! How an optimum and its final time change with parameters, as long as its contact sequence stays.
+
+use hangtime_solver::nlp::{NlpProblem as _, moved};
+
+use crate::model::held::moving;
+use crate::ocp::search::attempt::Local;
+use crate::ocp::solution::OptimumGradient;
+
+/// Derivatives by the parameters that stand behind the coordinates and are given; none where there are none.
+pub(super) fn gradient(local: &mut Local) -> Option<OptimumGradient> {
+    let program = &mut local.program;
+    let held = program.model.held()?;
+    let first = moving(program.model);
+    let start = &program.phases.first()?.start;
+    let given = held.parameters.iter().zip(&start[first..]);
+    let given = given.filter(|&(_, &variable)| {
+        let (lower, upper) = program.program.bounds(variable);
+        lower >= upper
+    });
+    let given = given.map(|(&index, &variable)| (index, variable));
+    let (indices, variables): (Vec<usize>, Vec<usize>) = given.unzip();
+    if indices.is_empty() || variables.iter().any(|&i| i >= program.program.variables()) {
+        return None;
+    }
+    let unit = program.program.objective_unit();
+    let moved = moved(&mut program.program, &local.solution, &variables);
+    let (model, horizon, program) = (program.model, program.horizon, &program.program);
+    let units: Vec<f64> = variables.iter().map(|&i| program.unit(i)).collect();
+    let objective = moved.iter().zip(&units);
+    let final_time = moved.iter().zip(&units).map(|(moved, own)| {
+        let x = moved.x.as_ref()?;
+        Some(x[horizon] * program.unit(horizon) / own)
+    });
+    let parameters = model.declaration().parameters;
+    Some(OptimumGradient {
+        names: indices.iter().map(|&i| parameters[i].name).collect(),
+        objective: objective
+            .map(|(moved, own)| moved.objective * unit / own)
+            .collect(),
+        final_time: final_time.collect(),
+        parameters: indices,
+    })
+}

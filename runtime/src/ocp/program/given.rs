@@ -1,0 +1,60 @@
+//! What parameters that are unknowns decide of a motion: parts of its start, its length, and the laws of contacts.
+
+use super::frame::state_name;
+use super::kernel::Kernel;
+use super::sparse_program::{Laws, Program};
+use super::units::Units;
+use crate::model::{Given, Model, held};
+
+/// Bounds of what a row decides.
+const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// Adds a row for each of the values that parameters decide, `value = f(p)`, and a variable for each that is a coefficient of
+/// a law. `start` are the variables of `(q, v)` at the start.
+pub(in crate::ocp) fn add(
+    program: &mut Program,
+    model: &dyn Model,
+    (horizon, start): (usize, &[usize]),
+    units: &Units,
+) {
+    let Some(known) = model.held().filter(|held| !held.given.is_empty()) else {
+        return;
+    };
+    let contacts = model.declaration().contacts;
+    let guess: Vec<f64> = start.iter().map(|&i| program.guessed(i)).collect();
+    let guess = held::given_at(model, &guess);
+    let mut laws = Laws {
+        restitution: vec![None; contacts.len()],
+        friction: vec![None; contacts.len()],
+    };
+    let mut uses = Vec::with_capacity(guess.len());
+    for (index, (given, guess)) in known.given.iter().zip(guess).enumerate() {
+        let coefficient = |program: &mut Program, what: &str, contact: usize| {
+            let name = format!("{what} of `{}` by parameters", contacts[contact].name);
+            (program.variable(name.clone(), FREE, guess, 1.0), name, 1.0)
+        };
+        let (variable, name, unit) = match *given {
+            Given::Start(k) => {
+                let name = format!("initial {} by parameters", state_name(model, k));
+                (start[k], name, units.states[k])
+            }
+            Given::Horizon => (horizon, "final time by parameters".to_owned(), units.time),
+            Given::Restitution(contact) => {
+                let known = coefficient(program, "impact law", contact);
+                laws.restitution[contact] = Some(known.0);
+                known
+            }
+            Given::Friction(contact) => {
+                let known = coefficient(program, "friction", contact);
+                laws.friction[contact] = Some(known.0);
+                known
+            }
+        };
+        let row = program.row_in(unit, name, 0.0, 0.0);
+        program.linear(row, variable, 1.0);
+        uses.push((row, index, -1.0));
+    }
+    let (q, v) = start.split_at(start.len() / 2);
+    program.block(&Kernel::Given, [q, v, &[], &[]], None, uses);
+    program.set_laws(laws);
+}

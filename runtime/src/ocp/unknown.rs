@@ -1,0 +1,189 @@
+//! Free parameters as unknowns: the scene with these as coordinates without motion, and its solution as one of the scene itself.
+//!
+//! A parameter is one variable of each program: the stages of a motion read the one at its start, and it has no rows. So it joins all
+//! intervals like the final time does.
+
+use crate::model::{Given, Model, held};
+use crate::ocp::problem::{Horizon, Problem};
+use crate::ocp::settings::{Formulation, Settings};
+use crate::ocp::solution::{FoundParameter, Solution};
+use crate::refusal;
+use crate::simulation::InputError;
+
+/// A problem with free parameters.
+pub(in crate::ocp) struct Unknown<'a> {
+    /// The scene as it was given.
+    scene: &'a dyn Model,
+    /// The same with its free parameters as coordinates.
+    pub(in crate::ocp) model: Box<dyn Model>,
+    pub(in crate::ocp) problem: Problem,
+    /// The parameters (indices) that are coordinates in it.
+    held: Vec<usize>,
+    /// The free ones among them with their ranges.
+    free: Vec<(usize, (f64, f64))>,
+}
+
+/// The problem with free parameters as unknowns, and with those that it is differentiated by as variables; none where there are
+/// none.
+pub(in crate::ocp) fn with_unknowns<'a>(
+    scene: &'a dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+) -> Result<Option<Unknown<'a>>, InputError> {
+    let free = free_parameters(scene, settings)?;
+    let mut indices: Vec<usize> = free.iter().map(|free| free.0).collect();
+    indices.extend(&settings.gradient);
+    indices.sort_unstable();
+    indices.dedup();
+    let names = scene.declaration().parameters;
+    let Some(first) = indices.first().and_then(|&first| names.get(first)) else {
+        return Ok(None);
+    };
+    let what = if free.is_empty() {
+        format!("the derivative of an optimum by `{}`", first.name)
+    } else {
+        format!("the free parameter `{}`", first.name)
+    };
+    if matches!(settings.formulation, Formulation::TimeFreezing(_)) {
+        return Err(refusal::unsupported(
+            format!("{what} in the time-freezing formulation"),
+            "solve in phases, the default",
+        ));
+    }
+    if !scene.declaration().states.is_empty() {
+        return Err(refusal::unsupported(
+            format!("{what} of a scene with states of first order"),
+            "give the parameter a value by `--set` and compare, or state the quantity as a coordinate",
+        ));
+    }
+    let model = match scene.with_held(&indices) {
+        Some(Ok(model)) => model,
+        Some(Err(why)) => return Err(InputError::unsupported(why)),
+        None => {
+            return Err(refusal::unsupported(
+                format!("{what} of a compiled scene"),
+                "solve `hangtime_scene_files::of_model(&scene)`, which derives it as an unknown",
+            ));
+        }
+    };
+    let problem = extended(scene, problem, &indices, model.as_ref());
+    Ok(Some(Unknown {
+        scene,
+        model,
+        problem,
+        held: indices,
+        free,
+    }))
+}
+
+/// The free parameters (indices) that are to be found, with their ranges.
+fn free_parameters(
+    scene: &dyn Model,
+    settings: &Settings,
+) -> Result<Vec<(usize, (f64, f64))>, InputError> {
+    let declared = scene.free_parameters();
+    let (mut lower, mut upper) = (vec![0.0; declared.len()], vec![0.0; declared.len()]);
+    scene.free_parameter_bounds(&mut lower, &mut upper);
+    let ranges = lower.into_iter().zip(upper);
+    let mut free = Vec::new();
+    for (&index, (lower, upper)) in declared.iter().zip(ranges) {
+        let (value, known) = (
+            scene.parameter(index),
+            &scene.declaration().parameters[index],
+        );
+        if settings.gradient.contains(&index) {
+            return Err(refusal::unsupported(
+                format!(
+                    "the derivative of an optimum by the free parameter `{}`, where it vanishes or presses against a bound,",
+                    known.name
+                ),
+                format!(
+                    "declare it in `parameters {{ {} = ... }}`, or leave it out",
+                    known.name
+                ),
+            ));
+        }
+        if settings.given_parameters.contains(&index) {
+            continue;
+        }
+        if !(lower..=upper).contains(&value) {
+            return Err(refusal::out_of_range(
+                format!("free parameter `{}`", known.name),
+                value,
+                known.unit,
+                format!("within its range {lower}..={upper}"),
+            ));
+        }
+        free.push((index, (lower, upper)));
+    }
+    Ok(free)
+}
+
+/// The problem with parameters at the end of the coordinates; a horizon that depends on them is an unknown.
+fn extended(
+    scene: &dyn Model,
+    problem: &Problem,
+    parameters: &[usize],
+    model: &dyn Model,
+) -> Problem {
+    let mut problem = problem.clone();
+    let values = parameters.iter().map(|&index| scene.parameter(index));
+    problem.q.extend(values);
+    problem.v.resize(problem.q.len(), 0.0);
+    if let Horizon::Fixed(horizon) = problem.horizon
+        && held::place(model, Given::Horizon).is_some()
+        && scene.horizon() == Some(horizon)
+    {
+        problem.horizon = Horizon::Free {
+            guess: Some(horizon),
+        };
+    }
+    problem
+}
+
+impl Unknown<'_> {
+    /// A solution of the problem as one of the scene with the values that were found.
+    pub(in crate::ocp) fn of_scene(&self, mut solution: Solution) -> Solution {
+        let n = self.scene.declaration().coordinates.len();
+        let Some(motion) = &mut solution.motion else {
+            return solution;
+        };
+        let Some(start) = motion.trajectory.q.first() else {
+            return solution;
+        };
+        let mut scene = self.scene.boxed();
+        let declared = scene.declaration().parameters;
+        let found = self.held.iter().zip(&start[n..]);
+        solution.parameters = found
+            .filter_map(|(&index, &value)| {
+                let &(_, range) = self.free.iter().find(|free| free.0 == index)?;
+                scene.set_parameter(index, value);
+                Some(FoundParameter {
+                    index,
+                    name: declared[index].name,
+                    value,
+                    unit: declared[index].unit,
+                    range,
+                })
+            })
+            .collect();
+        motion.leave_held_out(&*scene);
+        solution
+    }
+}
+
+/// The parameter of that name by which an optimum is to be differentiated.
+///
+/// # Errors
+/// [`InputError`] with the names of the parameters if the scene has none of that name.
+pub fn parameter_named(model: &dyn Model, name: &str) -> Result<usize, InputError> {
+    let parameters = model.declaration().parameters;
+    let found = parameters.iter().position(|known| known.name == name);
+    found.ok_or_else(|| {
+        let names: Vec<&str> = parameters.iter().map(|known| known.name).collect();
+        refusal::unsupported(
+            format!("the derivative of an optimum by `{name}`, which is no parameter,"),
+            format!("name one of: {}", names.join(", ")),
+        )
+    })
+}
