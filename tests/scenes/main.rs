@@ -9,6 +9,7 @@ mod convergence_order;
 mod design;
 mod gradient;
 mod joints;
+mod many_contacts;
 mod own_command_line;
 mod published_data;
 mod published_results;
