@@ -70,7 +70,7 @@ fn mistakes_with_free_parameters_say_what_to_write() {
             "a bound of `k` depends on the free parameter `far`; write it as a condition, such as `constraint limit: k <= far`",
         ),
         (
-            "free k: N/m in 1..=10 = 2*m",
+            "free k: N/m in 1..=10 = m*2 [N/m/kg]",
             TASK,
             "the default of parameter `k` must be a number; abbreviations of other parameters belong to `let`",
         ),
