@@ -197,9 +197,10 @@ impl Mechanism<'_> {
         let mut next = 0;
         while let Some(&i) = part.get(next) {
             next += 1;
-            for j in 0..n {
-                if !moved[j] && !self.mass[i * n + j].is_structural_zero() {
-                    moved[j] = true;
+            let coupled = &self.mass[i * n..(i + 1) * n];
+            for (j, (moved, mass)) in moved.iter_mut().zip(coupled).enumerate() {
+                if !*moved && !mass.is_structural_zero() {
+                    *moved = true;
                     part.push(j);
                 }
             }
