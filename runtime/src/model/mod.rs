@@ -49,6 +49,7 @@
 
 mod control_piece;
 mod declaration;
+mod given;
 pub(crate) mod held;
 mod parameter_derivatives;
 mod picture;
@@ -66,7 +67,7 @@ pub use declaration::{
     OptimalControlDeclaration, ParameterDeclaration, SparsityPattern, Switching,
     VariableDeclaration,
 };
-pub use held::{Given, Held};
+pub use given::{Given, Held};
 pub use parameter_derivatives::ParameterDerivatives;
 pub use picture::{Picture, Shape};
 

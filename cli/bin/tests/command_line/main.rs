@@ -6,6 +6,7 @@ mod ampl;
 mod book;
 mod browser;
 mod contact_scenes;
+mod design;
 mod gradients;
 mod joints;
 mod mixed_scenes;

@@ -9,7 +9,9 @@
 //! A state of first order, `z' = f`, is the velocity of a coordinate of unit mass that nothing reads, and `f` the force on it: a
 //! row `1 z' = f` that no other one is coupled to by the mass matrix.
 
+mod alike;
 mod contact;
+mod contact_equations;
 mod control;
 mod explicit;
 mod failure;
@@ -21,13 +23,13 @@ mod ldl;
 mod residual;
 mod simplify;
 
-pub(crate) use contact::{ContactEquations, FrictionEquations, InverseInertia};
+pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
 pub(crate) use control::ControlEquations;
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
 pub use held::Given;
 pub(crate) use held::{given, with_held};
-pub(crate) use implicit::Implicit;
+pub(crate) use implicit::{Implicit, WRITTEN_OUT};
 pub(crate) use joint::JointEquations;
 pub(crate) use simplify::simplify;
 
@@ -39,10 +41,6 @@ use simplify::simplify_equation;
 /// Largest number of coordinates whose acceleration is simplified as one formula; above, formulas
 /// through the inverse of the mass matrix explode.
 const EXPLICIT: usize = 4;
-
-/// Largest number of coordinates for which elimination is written out; above, loops over dense matrices
-/// are faster, and much shorter to compile.
-const WRITTEN_OUT: usize = 8;
 
 /// A vector-valued function of the inputs.
 pub(crate) enum Solution {
@@ -82,9 +80,11 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     conservative[moving..].fill(Sym::ZERO);
     let [applied, right] = right_hand_side(&momenta, &conservative, &scene.forces, moving);
     let joints = joint_row::rows(scene);
+    let all: Vec<usize> = (0..n).collect();
     let inertia = implicit::Locked {
         mass: &mass,
         momenta: &momenta,
+        coordinates: &all,
         held: &[],
         joints: &joints,
     };
@@ -125,17 +125,15 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let inertia = contact::Mechanism {
         mass: &mass,
         momenta: &momenta,
+        coordinates: &all,
+        all: n,
         joints: &joints,
         formulas: formulas.as_ref(),
         written_out,
         moving,
         inputs: &inputs,
     };
-    let contacts: Vec<ContactEquations> = scene
-        .contacts
-        .iter()
-        .map(|contact| inertia.contact(contact))
-        .collect::<Result<_, _>>()?;
+    let contacts = inertia.contacts(&scene.contacts)?;
     let optimal_control = scene.optimal_control.as_ref();
     let optimal_control = optimal_control
         .map(|task| control::equations(task, scene, &contacts, &inertia))

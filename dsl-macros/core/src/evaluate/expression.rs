@@ -26,7 +26,7 @@ const DEPTH: usize = 300;
 const DEEPEST: usize = 300;
 
 /// Why an expression is refused that takes more work than a compilation can wait for.
-pub(crate) const TOO_LARGE: &str = "the declaration grows too large to be derived: abbreviations or functions that use others twice, again and again, double each time; use fewer, or make an intermediate quantity a coordinate of its own";
+const TOO_LARGE: &str = "the declaration grows too large to be derived: abbreviations or functions that use others twice, again and again, double each time; use fewer, or make an intermediate quantity a coordinate of its own";
 
 const TOO_DEEP: &str = "abbreviations or functions build on each other too many times; use fewer, or make an intermediate quantity a coordinate of its own";
 
@@ -380,12 +380,7 @@ fn call(
         ));
     }
     if switch::is_switch(text) && scope.may_switch() || switch::may_jump(scope, text) {
-        let parts: Vec<Checked<Sym>> = arguments
-            .iter()
-            .map(|argument| scalar(scope, argument, diagnostics))
-            .collect();
-        let parts = parts.into_iter().collect::<Checked<Vec<Sym>>>()?;
-        return switch::call(scope, whole, (text, arguments), &parts, diagnostics);
+        return switched(scope, whole, (text, arguments), diagnostics);
     }
     if words::NONSMOOTH.contains(&text) || text == words::IF {
         if let ("sign" | "signum", [argument]) = (text, arguments)
@@ -438,6 +433,21 @@ fn call(
         return Err(diagnostics.report("E02", whole.place, message));
     }
     known_function(scope, whole, text, arguments, diagnostics)
+}
+
+/// A switch of these arguments.
+fn switched(
+    scope: &mut Scope,
+    whole: &Expr,
+    (text, arguments): (&str, &[Expr]),
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let parts: Vec<Checked<Sym>> = arguments
+        .iter()
+        .map(|argument| scalar(scope, argument, diagnostics))
+        .collect();
+    let parts = parts.into_iter().collect::<Checked<Vec<Sym>>>()?;
+    switch::call(scope, whole, (text, arguments), &parts, diagnostics)
 }
 
 /// Evaluates an expression in which `name` stands for a number.

@@ -68,18 +68,8 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         }
         Statement::Lagrangian { value, .. } => lagrangian(walk, value),
         Statement::Dissipation { value, .. } => dissipation(walk, value),
-        Statement::Rates(assignments) => {
-            for assignment in assignments {
-                let _: Checked<()> = rate(walk, assignment);
-            }
-            Ok(())
-        }
-        Statement::Forces(assignments) => {
-            for assignment in assignments {
-                let _: Checked<()> = force(walk, assignment);
-            }
-            Ok(())
-        }
+        Statement::Forces(assignments) => each(walk, assignments, force),
+        Statement::Rates(assignments) => each(walk, assignments, rate),
         Statement::Surface {
             name, left, right, ..
         } => {
@@ -118,6 +108,18 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
         Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
+}
+
+/// Each assignment reports its own mistakes; the next one is checked all the same.
+fn each(
+    walk: &mut Walk<'_>,
+    assignments: &[Assignment],
+    one: fn(&mut Walk<'_>, &Assignment) -> Checked<()>,
+) -> Checked<()> {
+    for assignment in assignments {
+        let _: Checked<()> = one(walk, assignment);
+    }
+    Ok(())
 }
 
 fn lagrangian(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
