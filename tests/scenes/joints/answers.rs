@@ -93,12 +93,12 @@ fn joints_add_their_rows_to_elements_and_nothing_else() -> Result<(), InputError
     };
     let (free, none) = groups("")?;
     assert_eq!(none, (0, 0));
-    // Four stages: a force for each row, and a correction for each position.
+    // Six stages: a force for each row, and a correction for each position.
     let (held, joints) = groups("joint rod: x^2 + z^2 == l^2  start { x: l }")?;
-    assert_eq!((held.0, joints.0), (free.0, 4 * 2));
+    assert_eq!((held.0, joints.0), (free.0, 6 * 2));
     let (_, rolling) = groups("joint roll: dot(x) == l*dot(phi)")?;
     // Its force in 3 accelerations of its stage, and 2 velocities of all stages in its row.
-    assert_eq!(rolling, (4, 4 * 3 + 2 * 16));
+    assert_eq!(rolling, (6, 6 * 3 + 2 * 36));
     Ok(())
 }
 

@@ -297,7 +297,7 @@ fn forces_of_joints_know_the_forces_of_contacts() {
 fn contacts_that_hold_coordinates_know_joints() {
     let rest = "surface floor: a + 2*b >= 0  impact floor: restitution 0.5, holding a
          start { a: 0.2, b: 0.4, dot(a): 0.3, dot(b): -1 }
-         horizon 0.6 [s]";
+         horizon 2 [s]";
     let joined = scene(&format!(
         "parameters {{ m: kg = 1, k: kg = 0.4, s: N/m = 3 }} coordinates {{ a: m, b: m, c: m }}
          lagrangian m/2*(dot(a)^2 + dot(b)^2 + dot(c)^2) + k*dot(a)*dot(b) - s/2*(a^2 + b*c)
