@@ -285,12 +285,7 @@ fn finish(
     joint::finish(&mut checker, &units.gaps, &contacts);
     dynamics.extend(checker.joints.iter().flat_map(|joint| &joint.rows));
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
-    if let Some(task) = &optimal_control {
-        dynamics.extend(task.running_cost);
-        let constraints = task.constraints.iter().chain(&task.at_impacts);
-        dynamics.extend(constraints.map(|known| known.function));
-        dynamics.extend(&task.sums);
-    }
+    dynamics.extend(optimal_control.iter().flat_map(along_the_motion));
     moves?;
     let given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
     design::finish(&mut checker, &given, &contacts, optimal_control.as_ref());
@@ -321,6 +316,14 @@ fn finish(
         free_parameters: checker.free_parameters,
         held: Vec::new(),
     })
+}
+
+/// What optimal control asks for all along the motion.
+fn along_the_motion(task: &scene::OptimalControl) -> Vec<Sym> {
+    let constraints = task.constraints.iter().chain(&task.at_impacts);
+    let constraints = constraints.map(|known| known.function);
+    let functions = task.running_cost.into_iter().chain(constraints);
+    functions.chain(task.sums.iter().copied()).collect()
 }
 
 /// What the motion follows from.

@@ -26,9 +26,8 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                     *entry -= second * q + first * v;
                 }
                 for i in 0..positions {
-                    let correction: f64 = (0..n)
-                        .map(|k| element.by_q[row * n + k] * element.corrections[i * n + k])
-                        .sum();
+                    let terms = by_q.iter().zip(&element.corrections[i * n..]);
+                    let correction: f64 = terms.map(|(q, c)| q * c).sum();
                     line[n + forces + i] -= h * shift * correction;
                 }
                 if m == j {

@@ -108,33 +108,25 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             }
             Ok(())
         }
-        Statement::Free(values) => {
-            for value in values {
-                let _: Checked<()> = free(walk, value);
-            }
-            Ok(())
-        }
-        Statement::Start(assignments) => {
-            for assignment in assignments {
-                let result = start(walk, assignment);
-                let _: Checked<()> = noted(walk, &assignment.target, result);
-            }
-            Ok(())
-        }
+        Statement::Free(values) => each(walk, values, free),
+        Statement::Start(assignments) => each(walk, assignments, |walk, assignment| {
+            let result = start(walk, assignment);
+            noted(walk, &assignment.target, result)
+        }),
         Statement::Horizon { value, .. } => horizon(walk, value),
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
         Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
 }
 
-/// Each assignment reports its own mistakes; the next one is checked all the same.
-fn each(
+/// Each entry reports its own mistakes; the next one is checked all the same.
+fn each<T>(
     walk: &mut Walk<'_>,
-    assignments: &[Assignment],
-    one: fn(&mut Walk<'_>, &Assignment) -> Checked<()>,
+    entries: &[T],
+    one: fn(&mut Walk<'_>, &T) -> Checked<()>,
 ) -> Checked<()> {
-    for assignment in assignments {
-        let _: Checked<()> = one(walk, assignment);
+    for entry in entries {
+        let _: Checked<()> = one(walk, entry);
     }
     Ok(())
 }
