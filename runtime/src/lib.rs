@@ -54,6 +54,7 @@ pub mod __private;
 #[cfg(test)]
 extern crate self as hangtime;
 
+mod contact_law;
 mod dcs;
 mod fesd;
 mod front;

@@ -280,7 +280,10 @@ fn derived(
     }
     // Only what happens to constants from here on is of interest.
     graph::take_fault();
+    let place = lagrangian(&declared);
     let equations = derive::equations(&scene).map_err(|failure| match failure {
+        // From there on all is zero.
+        _ if graph::is_exhausted() => diagnostics.report("E22", place, too_large(&scene)),
         derive::Failure::SingularMass { coordinate } => {
             let name = &scene.coordinates[coordinate].name;
             diagnostics.report(
@@ -294,9 +297,8 @@ fn derived(
             )
         }
     })?;
-    let place = lagrangian(&declared);
     if graph::is_exhausted() {
-        return Err(diagnostics.report("E22", place, evaluate::TOO_LARGE));
+        return Err(diagnostics.report("E22", place, too_large(&scene)));
     }
     if graph::take_fault().is_some_and(graph::Fault::is_of_range) {
         return Err(diagnostics.report("E21", place, DERIVED_CONSTANT));
@@ -315,10 +317,22 @@ fn derived(
                 description::BUDGET
             ),
         ),
-        Unfit::Exhausted => diagnostics.report("E22", place, evaluate::TOO_LARGE),
+        Unfit::Exhausted => diagnostics.report("E22", place, too_large(&scene)),
         Unfit::Constant => diagnostics.report("E21", place, DERIVED_CONSTANT),
     })?;
     Ok((declared, scene, description))
+}
+
+/// What is said where not a formula of the declaration but what follows from it is too long.
+fn too_large(scene: &scene::CheckedScene) -> String {
+    format!(
+        "deriving the motion of {} coordinates and {} contacts takes more than {} million terms, which is more than some seconds \
+         of work; what costs most is inertia that many coordinates share, as angles along a chain do: choose coordinates of which \
+         fewer move together, or leave out bodies or contacts",
+        scene.coordinates.len(),
+        scene.contacts.len(),
+        graph::WORK / 1_000_000,
+    )
 }
 
 const DERIVED_CONSTANT: &str = "a constant in the derivatives of the declaration has no finite value in double \

@@ -6,7 +6,7 @@ use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use std::ops::Range;
 
 /// Most bytes of a text.
-pub(crate) const LONGEST: usize = 1 << 16;
+pub(crate) const LONGEST: usize = 1 << 18;
 /// Most brackets inside each other.
 const DEEPEST: usize = 64;
 /// Most mistakes of the characters that are listed.

@@ -7,33 +7,22 @@
 //! ```
 //!
 //! Each cone slips forward, slips backward or sticks; for a given choice the normals are left with a linear
-//! complementarity problem. Few contacts touch at a time, so the choices are tried one after the other. For
-//! many contacts the problem is solved as one linear complementarity problem, whose degenerate pivots need
-//! more digits, with
-//!
-//! ```text
-//! s = b_+ - b_-    0 <= b_+ _|_  w_t + l >= 0    0 <= b_- _|_ -w_t + l >= 0
-//!                  0 <= l   _|_  mu p - b_+ - b_- >= 0
-//! ```
-//!
-//! In the plane this polyhedral form is exact. Source: Stewart, Trinkle, An implicit time-stepping scheme for
-//! rigid body dynamics, 1996.
+//! complementarity problem. Contacts that are not coupled are solved apart; of few that are the choices are tried one after
+//! the other, many are solved by [`contact_law`].
 
+use crate::contact_law::{self, solve_polyhedral};
 use crate::linalg::{dense, lcp};
 
+pub(super) use crate::contact_law::Cone;
+
 /// Most cones whose choices are tried one after the other.
-const MOST_CHOICES: u32 = 6;
+const MOST_CHOICES: usize = 6;
+/// Most lines beside few cones that are left to Lemke's method at first.
+const FEW_LINES: usize = 14;
 /// Violation of the friction law that is rounding error, relative to the largest force or velocity.
 const ROUNDING: f64 = 1e-11;
 /// The same where nothing else is left: contacts that are nearly dependent.
 const ILL_CONDITIONED: f64 = 1e-7;
-
-/// Friction of one contact: the line of its normal and its coefficient.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Cone {
-    pub(super) normal: usize,
-    pub(super) friction: f64,
-}
 
 /// What a cone does.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,11 +45,67 @@ pub(super) fn solve(
     cones: &[Cone],
     forces: &mut [f64],
 ) -> Result<(), lcp::LcpError> {
-    if cones.is_empty() {
+    if offsets.len() <= 1 {
         return lcp::solve(couplings, offsets, forces);
     }
     if couplings.iter().chain(offsets).any(|v| !v.is_finite()) {
         return Err(lcp::LcpError::NotFinite);
+    }
+    let (lines, normals) = (offsets.len(), offsets.len() - cones.len());
+    let contact = |line: usize| line.checked_sub(normals).map_or(line, |k| cones[k].normal);
+    let together = |i: usize, j: usize| {
+        contact(i) == contact(j)
+            || couplings[i * lines + j] != 0.0
+            || couplings[j * lines + i] != 0.0
+    };
+    let blocks = contact_law::blocks(lines, together);
+    if let [_] = blocks[..] {
+        return solve_block(couplings, offsets, cones, forces);
+    }
+    for block in blocks {
+        let entries = block.iter().flat_map(|&row| {
+            let columns = block.iter();
+            columns.map(move |&column| couplings[row * lines + column])
+        });
+        let matrix: Vec<f64> = entries.collect();
+        let vector: Vec<f64> = block.iter().map(|&line| offsets[line]).collect();
+        let cones: Vec<Cone> = (block.iter())
+            .filter_map(|line| line.checked_sub(normals))
+            .filter_map(|k| {
+                let normal = block.iter().position(|&line| line == cones[k].normal)?;
+                let friction = cones[k].friction;
+                Some(Cone { normal, friction })
+            })
+            .collect();
+        let mut own = vec![0.0; block.len()];
+        solve_block(&matrix, &vector, &cones, &mut own)?;
+        for (&line, force) in block.iter().zip(own) {
+            forces[line] = force;
+        }
+    }
+    Ok(())
+}
+
+/// Contacts that are coupled.
+fn solve_block(
+    couplings: &[f64],
+    offsets: &[f64],
+    cones: &[Cone],
+    forces: &mut [f64],
+) -> Result<(), lcp::LcpError> {
+    if cones.len() > MOST_CHOICES || offsets.len() > FEW_LINES {
+        let problem = contact_law::Problem {
+            matrix: couplings,
+            offsets,
+            cones,
+        };
+        if let Some(solution) = contact_law::solve(&problem, None) {
+            forces.copy_from_slice(&solution.forces);
+            return Ok(());
+        }
+    }
+    if cones.is_empty() {
+        return lcp::solve(couplings, offsets, forces);
     }
     let problem = Problem {
         couplings,
@@ -68,8 +113,7 @@ pub(super) fn solve(
         cones,
         normals: offsets.len() - cones.len(),
     };
-    let few = cones.len() as u32 <= MOST_CHOICES;
-    let violation = if few {
+    let violation = if cones.len() <= MOST_CHOICES {
         problem.try_choices(forces)
     } else {
         f64::INFINITY
@@ -220,47 +264,12 @@ impl Problem<'_> {
 
     /// All choices at once, by Lemke's method.
     fn solve_polyhedral(&self, forces: &mut [f64]) -> Result<(), lcp::LcpError> {
-        let (normals, lines) = (self.normals, self.offsets.len());
-        let size = normals + 3 * self.cones.len();
-        let mut matrix = vec![0.0; size * size];
-        let mut vector = vec![0.0; size];
-        // Variables of the problem that act on a line, with their signs: b_- acts against b_+.
-        let variables = |line: usize| -> [(usize, f64); 2] {
-            match line.checked_sub(normals) {
-                None => [(line, 1.0), (line, 0.0)],
-                Some(cone) => {
-                    let first = normals + 3 * cone;
-                    [(first, 1.0), (first + 1, -1.0)]
-                }
-            }
+        let problem = contact_law::Problem {
+            matrix: self.couplings,
+            offsets: self.offsets,
+            cones: self.cones,
         };
-        for row in 0..lines {
-            for (i, row_sign) in variables(row) {
-                vector[i] += row_sign * self.offsets[row];
-                for column in 0..lines {
-                    for (j, column_sign) in variables(column) {
-                        matrix[i * size + j] += row_sign * column_sign * self.coupling(row, column);
-                    }
-                }
-            }
-        }
-        for (k, cone) in self.cones.iter().enumerate() {
-            let first = normals + 3 * k;
-            let bound = first + 2;
-            matrix[first * size + bound] = 1.0;
-            matrix[(first + 1) * size + bound] = 1.0;
-            matrix[bound * size + cone.normal] = cone.friction;
-            matrix[bound * size + first] = -1.0;
-            matrix[bound * size + first + 1] = -1.0;
-        }
-        let mut z = vec![0.0; size];
-        lcp::solve(&matrix, &vector, &mut z)?;
-        forces[..normals].copy_from_slice(&z[..normals]);
-        for (k, friction) in forces[normals..].iter_mut().enumerate() {
-            let first = normals + 3 * k;
-            *friction = z[first] - z[first + 1];
-        }
-        Ok(())
+        solve_polyhedral(&problem, forces)
     }
 }
 

@@ -78,7 +78,7 @@ pub(crate) fn drop_dependent_sticks(
 }
 
 /// Whether the velocity of `line` is free while the `active` contacts hold theirs.
-pub(super) fn is_independent(
+pub(crate) fn is_independent(
     contacts: &Contacts<'_>,
     active: &[ActiveContact],
     line: Line,

@@ -1,7 +1,10 @@
 //! Dense LU factorization of small systems, in the caller's memory.
 //!
 //! Systems of 4 to 100 unknowns are factorized thousands of times a simulation; the factors overwrite
-//! the matrix and nothing is allocated.
+//! the matrix and nothing is allocated but a list of places in large ones.
+
+/// Order of a matrix from which on rows are looked through for zeros: bodies that do not touch each other are not coupled.
+const LARGE: usize = 64;
 
 /// A matrix that cannot be factorized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -21,6 +24,7 @@ pub(crate) struct SingularMatrix {
 pub(crate) fn factorize(a: &mut [f64], pivots: &mut [usize]) -> Result<(), SingularMatrix> {
     let n = pivots.len();
     debug_assert_eq!(a.len(), n * n);
+    let mut nonzeros: Vec<usize> = Vec::new();
     for k in 0..n {
         let (mut best, mut largest) = (k, 0.0);
         let mut column = a[k..].iter().step_by(n);
@@ -45,11 +49,25 @@ pub(crate) fn factorize(a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singu
         let (upper, lower) = a.split_at_mut((k + 1) * n);
         let pivot_row = &upper[k * n + k + 1..(k + 1) * n];
         let inverse = 1.0 / pivot;
+        let sparse = n >= LARGE && {
+            nonzeros.clear();
+            let places = pivot_row.iter().enumerate();
+            nonzeros.extend(places.filter(|(_, above)| **above != 0.0).map(|(j, _)| j));
+            8 * nonzeros.len() < pivot_row.len()
+        };
         for row in lower.chunks_exact_mut(n) {
             let factor = row[k] * inverse;
             row[k] = factor;
-            if factor != 0.0 {
-                for (entry, above) in row[k + 1..].iter_mut().zip(pivot_row) {
+            if factor == 0.0 {
+                continue;
+            }
+            let rest = &mut row[k + 1..];
+            if sparse {
+                for &j in &nonzeros {
+                    rest[j] -= factor * pivot_row[j];
+                }
+            } else {
+                for (entry, above) in rest.iter_mut().zip(pivot_row) {
                     *entry -= factor * above;
                 }
             }

@@ -285,7 +285,7 @@ impl Jump<'_> {
 
 /// The smallest `x` with `matrix x = rows`, for a matrix with eigenvalues that are not negative, by the proximal point
 /// method from 0; `None` if a number is not finite.
-fn smallest(matrix: &[f64], rows: &[f64]) -> Option<Vec<f64>> {
+pub(super) fn smallest(matrix: &[f64], rows: &[f64]) -> Option<Vec<f64>> {
     let order = rows.len();
     let mut factors = matrix.to_vec();
     for entry in factors.iter_mut().step_by(order + 1) {

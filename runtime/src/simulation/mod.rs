@@ -25,6 +25,7 @@ mod problem;
 mod quantity;
 mod recorder;
 mod result;
+mod shared_load;
 mod singular;
 mod smooth;
 mod state;

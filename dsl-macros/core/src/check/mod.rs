@@ -30,7 +30,7 @@ use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::evaluate::expression;
 use crate::evaluate::{Meaning, Role, Scope, UserFunction};
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{self, CheckedScene, Contact};
+use crate::scene::{self, CheckedScene};
 use checker::{Abbreviation, Checker, Laws, Shown, Surface, Task};
 use std::collections::HashSet;
 use std::rc::Rc;
@@ -54,7 +54,6 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         forces: Vec::new(),
         surfaces: Vec::new(),
         laws: Laws::default(),
-        joints: Vec::new(),
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
@@ -281,11 +280,15 @@ fn finish(
     let mut forces = total_forces(&checker);
     states::append(&mut checker, &mut forces);
     switches::append(&mut checker, &mut forces, &mut contacts)?;
-    let mut dynamics = dynamics(lagrangian, &forces, &contacts);
     joint::finish(&mut checker, &units.gaps, &contacts);
-    dynamics.extend(checker.joints.iter().flat_map(|joint| &joint.rows));
+    let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
-    dynamics.extend(optimal_control.iter().flat_map(along_the_motion));
+    if let Some(task) = &optimal_control {
+        dynamics.extend(task.running_cost);
+        let constraints = task.constraints.iter().chain(&task.at_impacts);
+        dynamics.extend(constraints.map(|known| known.function));
+        dynamics.extend(&task.sums);
+    }
     moves?;
     let given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
     design::finish(&mut checker, &given, &contacts, optimal_control.as_ref());
@@ -293,8 +296,8 @@ fn finish(
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
     }
-    let explicit_time = graph::variables(&dynamics).contains(&Variable::Time);
     Ok(CheckedScene {
+        explicit_time: graph::variables(&dynamics).contains(&Variable::Time),
         documentation: declared.documentation.clone(),
         visibility: declared.visibility.clone(),
         name: declared.name.clone(),
@@ -305,10 +308,9 @@ fn finish(
         lagrangian,
         forces,
         contacts,
-        joints: checker.joints,
+        joints: checker.laws.joints,
         start,
         horizon: checker.horizon,
-        explicit_time,
         optimal_control,
         outputs: checker.shown.outputs,
         picture: checker.shown.picture,
@@ -318,16 +320,13 @@ fn finish(
     })
 }
 
-/// What optimal control asks for all along the motion.
-fn along_the_motion(task: &scene::OptimalControl) -> Vec<Sym> {
-    let constraints = task.constraints.iter().chain(&task.at_impacts);
-    let constraints = constraints.map(|known| known.function);
-    let functions = task.running_cost.into_iter().chain(constraints);
-    functions.chain(task.sums.iter().copied()).collect()
-}
-
-/// What the motion follows from.
-fn dynamics(lagrangian: Sym, forces: &[Sym], contacts: &[Contact]) -> Vec<Sym> {
+/// All functions of the motion.
+fn dynamics(
+    lagrangian: Sym,
+    forces: &[Sym],
+    contacts: &[scene::Contact],
+    joints: &[scene::Joint],
+) -> Vec<Sym> {
     let mut dynamics: Vec<Sym> = vec![lagrangian];
     dynamics.extend(forces);
     for contact in contacts {
@@ -337,6 +336,7 @@ fn dynamics(lagrangian: Sym, forces: &[Sym], contacts: &[Contact]) -> Vec<Sym> {
         dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
         dynamics.extend(contact.switch.iter().flatten());
     }
+    dynamics.extend(joints.iter().flat_map(|joint| &joint.rows));
     dynamics
 }
 

@@ -7,9 +7,11 @@
 //! d = w / (n' w),   w = H n or declared          e = H b / D
 //! ```
 
+use super::alike::{Alike, Renaming};
+use super::contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
 use super::held::along_motion;
-use super::implicit::{self, Implicit};
-use super::joint::Row;
+use super::implicit::{self, Implicit, WRITTEN_OUT};
+use super::joint_row::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
@@ -17,40 +19,8 @@ use crate::check::normal;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{Contact, Friction};
 
-/// What belongs to one contact.
-pub(crate) struct ContactEquations {
-    /// Gap, normal velocity, and if it is a formula, the contact direction; of dry friction zeros, with the given normal
-    /// acceleration in place of the normal velocity.
-    pub(crate) rows: Explicit,
-    pub(crate) curvature: Sym,
-    pub(crate) normal: Vec<Sym>,
-    pub(crate) inverse_inertia: InverseInertia,
-    /// The contact direction, unless it is among the `rows`.
-    pub(crate) direction: Option<Implicit>,
-    pub(crate) friction: Option<FrictionEquations>,
-    /// Of a switch: whether it does not change the rate of its function, which is only passed then.
-    pub(crate) passes: bool,
-}
-
 /// Square of an acceleration that is none.
 const NOTHING: f64 = 1e-200;
-
-/// `D = n' H n`.
-pub(crate) enum InverseInertia {
-    Formula(Sym),
-    /// From a linear system at run time: with the mass matrix, or with that of the direction.
-    Solved,
-}
-
-/// The tangential side of a contact.
-pub(crate) struct FrictionEquations {
-    /// Sliding velocity, and if it is a formula, the friction direction.
-    pub(crate) rows: Explicit,
-    pub(crate) curvature: Sym,
-    pub(crate) tangent: Vec<Sym>,
-    /// The friction direction, unless it is among the `rows`.
-    pub(crate) direction: Option<Implicit>,
-}
 
 /// `H` by factors.
 pub(super) struct Inertia {
@@ -71,16 +41,16 @@ impl Inertia {
     }
 
     /// Of the system with some coordinates locked.
-    fn locked(mass: &[Sym], n: usize, held: &[usize]) -> Result<Self, Failure> {
+    ///
+    /// # Errors
+    /// The row whose pivot is structurally zero.
+    fn locked(mass: &[Sym], n: usize, held: &[usize]) -> Result<Self, usize> {
         let free: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
         let part: Vec<Sym> = free
             .iter()
             .flat_map(|i| free.iter().map(move |j| mass[i * n + j]))
             .collect();
-        let factorization =
-            Factorization::of(&part, free.len()).map_err(|pivot| Failure::SingularMass {
-                coordinate: free[pivot],
-            })?;
+        let factorization = Factorization::of(&part, free.len()).map_err(|pivot| free[pivot])?;
         Ok(Self {
             n,
             free,
@@ -136,10 +106,14 @@ fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
     w.iter().map(|&w| simplify(w * scale)).collect()
 }
 
-/// What the directions of all contacts are derived from.
+/// What the directions of all contacts are derived from: the whole mechanism, or the part of it that a contact moves.
 pub(super) struct Mechanism<'a> {
     pub(super) mass: &'a [Sym],
     pub(super) momenta: &'a [Sym],
+    /// The coordinates that these belong to, increasing.
+    pub(super) coordinates: &'a [usize],
+    /// Number of coordinates of the scene.
+    pub(super) all: usize,
     pub(super) joints: &'a [Row],
     /// The inverse mass matrix by formulas, of few coordinates.
     pub(super) formulas: Option<&'a Inertia>,
@@ -151,25 +125,151 @@ pub(super) struct Mechanism<'a> {
 }
 
 impl Mechanism<'_> {
-    pub(super) fn contact(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+    /// All contacts of a scene.
+    pub(super) fn contacts(&self, declared: &[Contact]) -> Result<Vec<ContactEquations>, Failure> {
+        let mut contacts: Vec<ContactEquations> = Vec::with_capacity(declared.len());
+        let mut alike = Alike::default();
+        for contact in declared {
+            let derived = self.contact(contact, &contacts, &mut alike)?;
+            contacts.push(derived);
+        }
+        Ok(contacts)
+    }
+
+    /// The contact with the number `contacts.len()`, behind those that are derived.
+    fn contact(
+        &self,
+        contact: &Contact,
+        contacts: &[ContactEquations],
+        alike: &mut Alike,
+    ) -> Result<ContactEquations, Failure> {
         match (contact.bound, &contact.friction, &contact.switch) {
-            (Some(_), Some(friction), Some(action)) => Ok(self.switch(action, friction)),
-            (Some(bound), Some(friction), None) => Ok(self.dry(bound, friction)),
-            _ => self.surface(contact),
+            (Some(_), Some(friction), Some(action)) => return Ok(self.switch(action, friction)),
+            (Some(bound), Some(friction), None) => return Ok(self.dry(bound, friction)),
+            _ => {}
+        }
+        let geometry = geometry(contact, (self.all, self.moving));
+        let Some(part) = self.part_of(contact, &geometry.2) else {
+            return self.with_geometry(contact, &contact.held, geometry);
+        };
+        let formulas = self.defining(contact, &part);
+        match alike.find(&formulas, &part, contacts.len()) {
+            Some((place, from)) => {
+                let (from, to, all) = (&from, &part, self.all);
+                Ok(Renaming { from, to, all }.contact(&contacts[place]))
+            }
+            None => self.by_part(contact, geometry, &part),
         }
     }
 
-    fn surface(&self, contact: &Contact) -> Result<ContactEquations, Failure> {
+    /// All that a contact of a part of the mechanism is derived from.
+    fn defining(&self, contact: &Contact, part: &[usize]) -> Vec<Sym> {
+        let number = |value: usize| Sym::number(value as f64);
+        let mut formulas = vec![contact.gap, number(part.len())];
+        let friction = contact.friction.as_ref();
+        formulas.extend(friction.map(|friction| friction.sliding));
+        formulas.push(number(usize::from(friction.is_some())));
+        let held = contact.held.iter();
+        formulas.extend(held.filter_map(|i| part.binary_search(i).ok().map(number)));
+        formulas.push(Sym::ZERO);
+        for &i in part {
+            formulas.push(self.momenta[i]);
+            formulas.extend(part.iter().map(|&j| self.mass[i * self.all + j]));
+        }
+        formulas
+    }
+
+    /// The coordinates that the forces of a contact move, where inertia does not couple them to the others, they are few, and
+    /// there are too many others for formulas.
+    fn part_of(&self, contact: &Contact, normal: &[Sym]) -> Option<Vec<usize>> {
+        let n = self.all;
+        if self.written_out.is_some() || contact.along.is_some() || !self.joints.is_empty() {
+            return None;
+        }
+        let mut moved: Vec<bool> = normal.iter().map(|n| !n.is_structural_zero()).collect();
+        if let Some(friction) = &contact.friction {
+            let (_, _, tangent) = slip(friction, (n, self.moving));
+            for (moved, component) in moved.iter_mut().zip(tangent) {
+                *moved |= !component.is_structural_zero();
+            }
+        }
+        let mut part: Vec<usize> = (0..n).filter(|&i| moved[i]).collect();
+        let mut next = 0;
+        while let Some(&i) = part.get(next) {
+            next += 1;
+            for j in 0..n {
+                if !moved[j] && !self.mass[i * n + j].is_structural_zero() {
+                    moved[j] = true;
+                    part.push(j);
+                }
+            }
+            if part.len() > WRITTEN_OUT {
+                return None;
+            }
+        }
+        part.sort_unstable();
+        (!part.is_empty()).then_some(part)
+    }
+
+    /// A contact by the part of the mechanism that it moves.
+    fn by_part(
+        &self,
+        contact: &Contact,
+        geometry: (Vec<Sym>, Sym, Vec<Sym>),
+        coordinates: &[usize],
+    ) -> Result<ContactEquations, Failure> {
+        let (n, size) = (self.all, coordinates.len());
+        let rows = coordinates.iter();
+        let mass: Vec<Sym> = rows
+            .flat_map(|&i| coordinates.iter().map(move |&j| self.mass[i * n + j]))
+            .collect();
+        let momenta: Vec<Sym> = coordinates.iter().map(|&i| self.momenta[i]).collect();
+        let factors =
+            Factorization::stepwise(&mass, size).map_err(|row| Failure::SingularMass {
+                coordinate: coordinates[row],
+            })?;
+        let part = Mechanism {
+            mass: &mass,
+            momenta: &momenta,
+            coordinates,
+            all: n,
+            joints: &[],
+            // Simplified formulas are for reading; of many contacts they take long.
+            formulas: None,
+            written_out: Some(&factors),
+            moving: self.moving,
+            inputs: self.inputs,
+        };
+        let place = |i: &usize| coordinates.binary_search(i).ok();
+        let held: Vec<usize> = contact.held.iter().filter_map(place).collect();
+        part.with_geometry(contact, &held, geometry)
+    }
+
+    /// The components of a vector that belong to this part.
+    fn own(&self, vector: &[Sym]) -> Vec<Sym> {
+        self.coordinates.iter().map(|&i| vector[i]).collect()
+    }
+
+    /// A contact with these gap, normal velocity, curvature and normal; `held` are rows of this part.
+    fn with_geometry(
+        &self,
+        contact: &Contact,
+        held: &[usize],
+        (mut rows, curvature, normal): (Vec<Sym>, Sym, Vec<Sym>),
+    ) -> Result<ContactEquations, Failure> {
         let n = self.momenta.len();
-        let (mut rows, curvature, normal) = geometry(contact, (n, self.moving));
-        let singular = |coordinate| Failure::SingularMass { coordinate };
-        let inertia = self.holding(&contact.held);
+        let own_normal = self.own(&normal);
+        let singular = |row: usize| Failure::SingularMass {
+            coordinate: self.coordinates[row],
+        };
+        let inertia = self.holding(held);
         let (locked, locked_factors) = match (self.formulas, self.written_out) {
-            _ if contact.held.is_empty() => (None, None),
+            _ if held.is_empty() => (None, None),
             (formulas, factors) => (
                 formulas
-                    .map(|_| Inertia::locked(self.mass, n, &contact.held))
-                    .transpose()?,
+                    .map(|_| Inertia::locked(self.mass, n, held))
+                    .transpose()
+                    .map_err(singular)?,
                 factors
                     .map(|_| inertia.factorized())
                     .transpose()
@@ -179,36 +279,18 @@ impl Mechanism<'_> {
         let formulas = locked.as_ref().or(self.formulas);
         let factors = locked_factors.as_ref().or(self.written_out);
 
-        let inverse = formulas.map(|formulas| formulas.solve(&normal));
-        let divisor = inverse.as_ref().map(|inverse| inner(&normal, inverse));
+        let inverse = formulas.map(|formulas| formulas.solve(&own_normal));
+        let divisor = inverse.as_ref().map(|inverse| inner(&own_normal, inverse));
         let inverse_inertia = match (divisor, factors) {
             (Some(formula), _) => InverseInertia::Formula(formula),
             (None, Some(factors)) => InverseInertia::Formula(
-                Bordered::new(factors, vec![inertia.free_part(&normal)]).inverse_inertia(),
+                Bordered::new(factors, vec![inertia.free_part(&own_normal)]).inverse_inertia(),
             ),
             (None, None) => InverseInertia::Solved,
         };
-        let friction = contact.friction.as_ref().map(|friction| {
-            let (sliding, curvature, tangent) = slip(friction, (n, self.moving));
-            let formula = formulas
-                .zip(divisor)
-                .map(|(formulas, divisor)| over(&formulas.solve(&tangent), divisor));
-            let columns = [&tangent, &normal].map(|vector| inertia.free_part(vector));
-            let (rows, direction) = self.directed(
-                vec![sliding],
-                formula,
-                || implicit::friction(&inertia, &normal, &tangent, self.inputs),
-                factors
-                    .map(|factors| Bordered::new(factors, columns.to_vec()))
-                    .as_ref(),
-            );
-            FrictionEquations {
-                rows,
-                curvature,
-                tangent,
-                direction,
-            }
-        });
+        let friction = contact.friction.as_ref();
+        let friction =
+            friction.map(|law| self.friction(law, &inertia, &own_normal, (formulas, factors)));
         let (rows, direction) = match &contact.along {
             Some(along) => {
                 rows.extend(over(along, inner(&normal, along)));
@@ -219,9 +301,9 @@ impl Mechanism<'_> {
                 inverse
                     .zip(divisor)
                     .map(|(inverse, divisor)| over(&inverse, divisor)),
-                || implicit::direction(&inertia, &normal, self.inputs),
+                || implicit::direction(&inertia, &own_normal, self.inputs),
                 factors
-                    .map(|factors| Bordered::new(factors, vec![inertia.free_part(&normal)]))
+                    .map(|factors| Bordered::new(factors, vec![inertia.free_part(&own_normal)]))
                     .as_ref(),
             ),
         };
@@ -234,6 +316,37 @@ impl Mechanism<'_> {
             friction,
             passes: false,
         })
+    }
+
+    /// The tangential side of a contact with this normal, by the inverse of its inertia: by formulas, or by factors.
+    fn friction(
+        &self,
+        law: &Friction,
+        inertia: &implicit::Locked<'_>,
+        normal: &[Sym],
+        (formulas, factors): (Option<&Inertia>, Option<&Factorization>),
+    ) -> FrictionEquations {
+        let (sliding, curvature, tangent) = slip(law, (self.all, self.moving));
+        let own = self.own(&tangent);
+        let formula = formulas.map(|formulas| {
+            let divisor = inner(normal, &formulas.solve(normal));
+            over(&formulas.solve(&own), divisor)
+        });
+        let columns = [&own[..], normal].map(|vector| inertia.free_part(vector));
+        let (rows, direction) = self.directed(
+            vec![sliding],
+            formula,
+            || implicit::friction(inertia, normal, &own, self.inputs),
+            factors
+                .map(|factors| Bordered::new(factors, columns.to_vec()))
+                .as_ref(),
+        );
+        FrictionEquations {
+            rows,
+            curvature,
+            tangent,
+            direction,
+        }
     }
 
     /// `D` of a contact as a formula, however long.
@@ -258,6 +371,7 @@ impl Mechanism<'_> {
         implicit::Locked {
             mass: self.mass,
             momenta: self.momenta,
+            coordinates: self.coordinates,
             held,
             joints: self.joints,
         }
@@ -371,16 +485,21 @@ impl Mechanism<'_> {
         let Some(elimination) = elimination else {
             return (Explicit::new(rows, self.inputs), Some(system()));
         };
+        let first = rows.len();
         let written_out = || {
-            let weights: Vec<Sym> = (0..self.momenta.len())
-                .map(|i| Implicit::multiplier(rows.len() + i))
-                .collect();
+            let weight = |&i: &usize| Implicit::multiplier(first + i);
+            let weights: Vec<Sym> = self.coordinates.iter().map(weight).collect();
             let direction = residual::derivatives(&system(), elimination, &weights, self.inputs);
-            Explicit::new(rows.clone(), self.inputs).followed_by(direction)
+            let rows = Explicit::new(rows.clone(), self.inputs).followed_by(direction);
+            rows.spread(first, self.all, self.coordinates)
         };
         let rows = match formula {
             Some(direction) => {
-                let values = rows.iter().copied().chain(direction).collect();
+                let mut values = rows.clone();
+                values.resize(first + self.all, Sym::ZERO);
+                for (&i, component) in self.coordinates.iter().zip(direction) {
+                    values[first + i] = component;
+                }
                 Explicit::cheapest(values, written_out, self.inputs)
             }
             None => written_out(),

@@ -4,7 +4,8 @@
 //! friction `s / D`; its impulse is the same of the normal velocity that it provides in an impact. So functions of forces
 //! are functions of `r` and `s` of all contacts, which solvers know, and of coordinates.
 
-use super::contact::{ContactEquations, Mechanism};
+use super::contact::Mechanism;
+use super::contact_equations::ContactEquations;
 use super::explicit::Explicit;
 use super::{Failure, simplify};
 use crate::graph::{self, Compose, Sym, Variable};

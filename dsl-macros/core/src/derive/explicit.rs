@@ -89,6 +89,25 @@ impl Explicit {
         self
     }
 
+    /// Some rows followed by a vector of `n` components that is zero but for those listed, of which the rows behind them
+    /// are.
+    pub(super) fn spread(mut self, rows: usize, n: usize, listed: &[usize]) -> Self {
+        let place = |row: usize| match row.checked_sub(rows) {
+            Some(k) => rows + listed[k],
+            None => row,
+        };
+        let mut values = self.values[..rows].to_vec();
+        values.resize(rows + n, Sym::ZERO);
+        for (row, value) in self.values.into_iter().enumerate().skip(rows) {
+            values[place(row)] = value;
+        }
+        for (row, _) in &mut self.jacobian.entries {
+            *row = place(*row);
+        }
+        self.jacobian.rows = rows + n;
+        Self { values, ..self }
+    }
+
     /// Formulas whose derivatives are taken of themselves or from `written_out`, the same function by
     /// elimination, whichever takes fewer operations.
     pub(super) fn cheapest(
@@ -119,14 +138,24 @@ impl Explicit {
 
 /// Nonzero derivatives of `outputs` with respect to `inputs`, row by row.
 pub(crate) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
-    let columns: Vec<Vec<Sym>> = inputs
-        .iter()
-        .map(|&input| graph::partial(outputs, input))
-        .collect();
+    let columns = columns(outputs, inputs);
     let entries = (0..outputs.len())
         .flat_map(|i| (0..inputs.len()).map(move |j| (i, j)))
         .map(|(i, j)| ((i, j), columns[j][i]));
     sparse(outputs.len(), inputs.len(), entries)
+}
+
+/// Derivatives of `outputs` by each input; of most inputs of a contact nothing depends.
+fn columns(outputs: &[Sym], inputs: &[Variable]) -> Vec<Vec<Sym>> {
+    let known = graph::variables(outputs);
+    let column = |&input: &Variable| {
+        if known.contains(&input) {
+            graph::partial(outputs, input)
+        } else {
+            vec![Sym::ZERO; outputs.len()]
+        }
+    };
+    inputs.iter().map(column).collect()
 }
 
 /// Nonzero second derivatives (lower triangle) of the outputs weighted by multipliers, by two ways of which
@@ -144,10 +173,7 @@ pub(super) fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
         .map(|(i, &output)| Sym::variable(Variable::Multiplier(i as u16)) * output)
         .sum();
     let gradient = simplify_all(&graph::gradient(weighted, inputs));
-    let columns: Vec<Vec<Sym>> = inputs
-        .iter()
-        .map(|&input| graph::partial(&gradient, input))
-        .collect();
+    let columns = columns(&gradient, inputs);
     let entries = (0..inputs.len())
         .flat_map(|i| (0..=i).map(move |j| (i, j)))
         .map(|(i, j)| ((i, j), columns[j][i]));

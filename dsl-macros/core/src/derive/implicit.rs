@@ -10,11 +10,15 @@
 //! because `F` is linear in `y`.
 
 use super::explicit::{Sparse, hessian, jacobian};
-use super::joint::Row;
+use super::joint_row::Row;
 use super::ldl::Factorization;
 use crate::graph::{self, Sym, Variable};
 use crate::tape;
 use std::collections::BTreeSet;
+
+/// Largest number of coordinates for which elimination is written out; above, loops over dense matrices
+/// are faster, and much shorter to compile.
+pub(crate) const WRITTEN_OUT: usize = 8;
 
 /// Largest mass matrix that is factorized by formulas: some n^3/3 operations, which pivoting and loops
 /// would about double.
@@ -191,6 +195,9 @@ pub(super) struct Locked<'a> {
     pub(super) mass: &'a [Sym],
     /// Momenta, whose derivatives along velocities multiply by the mass matrix.
     pub(super) momenta: &'a [Sym],
+    /// The coordinates that its rows belong to, increasing.
+    pub(super) coordinates: &'a [usize],
+    /// Rows that are held.
     pub(super) held: &'a [usize],
     /// Joints, whose equations border it.
     pub(super) joints: &'a [Row],
@@ -228,8 +235,12 @@ impl Locked<'_> {
 
     /// Product with a vector, in far fewer operations than by the entries.
     fn times(&self, of: impl Fn(usize) -> Sym) -> Vec<Sym> {
+        let row = |i: u16| self.coordinates.binary_search(&usize::from(i)).ok();
         let mut rows = graph::directional(self.momenta, |variable| match variable {
-            Variable::Velocity(i) if !self.is_held(usize::from(i)) => of(usize::from(i)),
+            Variable::Velocity(i) => match row(i) {
+                Some(row) if !self.is_held(row) => of(row),
+                _ => Sym::ZERO,
+            },
             _ => Sym::ZERO,
         });
         for &i in self.held {

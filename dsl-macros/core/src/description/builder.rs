@@ -1,9 +1,11 @@
 //! Collects kernels and linear systems.
 
 use super::kernel::Kernel;
-use crate::derive::{Implicit, Sparse};
+use super::renamed::Renamed;
+use crate::derive::{Implicit, Sparse, WRITTEN_OUT};
 use crate::graph::Sym;
 use crate::scene::CheckedScene;
+use crate::tape;
 
 /// Pattern of a sparse matrix.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,6 +51,7 @@ pub(super) struct Builder<'a> {
     /// Whether kernels from now on read `(q, v, T)` with the final time `T` and what follows it instead of the input
     /// vector.
     pub(super) at_the_end: bool,
+    pub(super) renamed: Renamed,
     pub(super) kernels: Vec<Kernel>,
     pub(super) systems: Vec<System>,
 }
@@ -71,7 +74,12 @@ impl Builder<'_> {
     }
 
     fn add(&mut self, name: &str, outputs: &[Sym], listed: bool) -> usize {
-        let kernel = Kernel::new(self.scene, name, outputs, (listed, self.at_the_end));
+        let tape = if self.scene.coordinates.len() > WRITTEN_OUT {
+            self.renamed.shortest(outputs)
+        } else {
+            tape::shortest(outputs)
+        };
+        let kernel = Kernel::new(self.scene, name, tape, (listed, self.at_the_end));
         self.kernels.push(kernel);
         self.kernels.len() - 1
     }

@@ -1,8 +1,8 @@
 //! Straight-line functions of a scene: operations on parameters, inputs and weights.
 
-use crate::graph::{Function, Function2, Sym, Variable};
+use crate::graph::{Function, Function2, Variable};
 use crate::scene::CheckedScene;
-use crate::tape::{self, Op};
+use crate::tape::{Op, Tape};
 
 /// One function of a scene, as operations in order of evaluation.
 #[derive(Debug, Clone, PartialEq)]
@@ -90,15 +90,14 @@ impl Operation {
 }
 
 impl Kernel {
-    /// The kernel of these outputs. With `at_the_end` it reads `(q, v, T)` with the final time `T`, and sums behind it,
+    /// The kernel of these outputs in this order of operations. With `at_the_end` it reads `(q, v, T)` with the final time `T`, and sums behind it,
     /// instead of the input vector; what contacts provide stands behind either.
     pub(super) fn new(
         scene: &CheckedScene,
         name: &str,
-        outputs: &[Sym],
+        tape: Tape,
         (listed, at_the_end): (bool, bool),
     ) -> Self {
-        let tape = tape::shortest(outputs);
         let operations = tape.ops.iter().map(|&op| match op {
             Op::Load(variable) => place(scene, variable, at_the_end),
             Op::Constant(bits) => Operation::Constant(f64::from_bits(bits)),

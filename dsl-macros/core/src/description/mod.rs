@@ -11,6 +11,7 @@ mod joint;
 mod kernel;
 mod optimal_control;
 mod readable;
+mod renamed;
 mod sensitivity;
 mod shown;
 
@@ -33,6 +34,7 @@ use crate::graph::{self, Sym};
 use crate::scene::CheckedScene;
 use builder::Builder;
 use declared::text;
+use renamed::Renamed;
 
 /// Most operations of one kernel: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
@@ -137,6 +139,7 @@ impl Description {
             scene,
             inputs: equations.inputs.len(),
             at_the_end: false,
+            renamed: Renamed::default(),
             kernels: Vec::new(),
             systems: Vec::new(),
         };

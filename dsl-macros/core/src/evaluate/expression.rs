@@ -26,7 +26,7 @@ const DEPTH: usize = 300;
 const DEEPEST: usize = 300;
 
 /// Why an expression is refused that takes more work than a compilation can wait for.
-pub(crate) const TOO_LARGE: &str = "the declaration grows too large to be derived: abbreviations or functions that use others twice, again and again, double each time; use fewer, or make an intermediate quantity a coordinate of its own";
+const TOO_LARGE: &str = "the declaration grows too large to be derived: abbreviations or functions that use others twice, again and again, double each time; use fewer, or make an intermediate quantity a coordinate of its own";
 
 const TOO_DEEP: &str = "abbreviations or functions build on each other too many times; use fewer, or make an intermediate quantity a coordinate of its own";
 

@@ -13,7 +13,7 @@ mod switch;
 mod value;
 
 pub(crate) use edges::has_edge;
-pub(crate) use expression::{BUDGET, TOO_LARGE, unrepresentable};
+pub(crate) use expression::{BUDGET, unrepresentable};
 pub(crate) use functions::velocity_direction;
 pub(crate) use kink::{Kink, Switch};
 pub(crate) use recorded::{FIRST_DRY, at_impacts};

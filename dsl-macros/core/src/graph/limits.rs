@@ -8,7 +8,7 @@ use std::cell::Cell;
 
 /// Most terms and factors that all sums and products of one expansion may be made of, and most visits of
 /// nodes: some seconds, and some hundred megabytes. A chain of ten links takes a quarter of it.
-const WORK: usize = 16_000_000;
+pub(crate) const WORK: usize = 16_000_000;
 
 /// What happened to a constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

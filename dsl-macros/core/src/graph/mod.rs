@@ -21,7 +21,7 @@ mod second_order;
 pub use elementary::{Function, Function2};
 pub(crate) use expand::{expand, pythagoras};
 pub(crate) use function::Compose;
-pub(crate) use limits::{Fault, is_exhausted, spend, take_fault};
+pub(crate) use limits::{Fault, WORK, is_exhausted, spend, take_fault};
 pub(crate) use node::{Node, Sym, Variable, children, reset};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{

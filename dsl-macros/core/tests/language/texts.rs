@@ -49,7 +49,7 @@ fn mistakes_of_a_text_are_those_of_the_macro_with_their_place() {
 
 #[test]
 fn text_that_is_no_declaration_is_answered_by_a_message() {
-    let long = "// x\n".repeat(20_000);
+    let long = "// x\n".repeat(60_000);
     for (text, words) in [
         ("", "declares no coordinates"),
         ("Ball", "expected `{` after the name `Ball`"),
@@ -64,7 +64,7 @@ fn text_that_is_no_declaration_is_answered_by_a_message() {
             "begins here",
         ),
         ("#![no_std]", "only doc comments may stand here"),
-        (&long, "more than 65536"),
+        (&long, "more than 262144"),
     ] {
         let mistakes = describe_text(text, "ball").unwrap_err();
         let shown: Vec<String> = mistakes

@@ -2,6 +2,46 @@
 
 use super::{FiniteElement, numerical_time};
 
+/// Products of rows with the directions of all position corrections, of which each has few components that
+/// are not zero.
+struct Products {
+    /// Components of each direction that are not zero, with their places.
+    directions: Vec<Vec<(usize, f64)>>,
+    values: Vec<f64>,
+}
+
+impl Products {
+    fn new(element: &FiniteElement<'_>, positions: usize) -> Self {
+        let n = element.n;
+        let direction = |i: usize| {
+            let components = element.corrections[i * n..(i + 1) * n].iter();
+            let components = components.copied().enumerate();
+            components.filter(|(_, d)| *d != 0.0).collect()
+        };
+        Self {
+            directions: (0..positions).map(direction).collect(),
+            values: Vec::new(),
+        }
+    }
+
+    /// Multiplies rows of a row-major matrix with `n` columns.
+    fn multiply(&mut self, matrix: &[f64], n: usize) {
+        self.values.clear();
+        for row in matrix.chunks_exact(n) {
+            for direction in &self.directions {
+                let terms = direction.iter().map(|&(k, d)| row[k] * d);
+                self.values.push(terms.sum());
+            }
+        }
+    }
+
+    /// Of one row, a product for each correction.
+    fn of_row(&self, row: usize) -> &[f64] {
+        let count = self.directions.len();
+        &self.values[row * count..(row + 1) * count]
+    }
+}
+
 /// The Newton matrix at the present stages.
 pub(super) fn assemble(element: &mut FiniteElement<'_>) {
     let (n, h, block) = (element.n, element.length, element.block());
@@ -11,10 +51,16 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
     element.matrix.clear();
     element.matrix.resize(size * size, 0.0);
     numerical_time::differentiate(element);
+    let new = || Products::new(element, positions);
+    let (mut corrected, mut turned, mut along) = (new(), new(), new());
     for m in 0..stages {
         evaluate_stage_jacobian(element, m);
         let constraints = &element.constraints;
+        corrected.multiply(&element.by_q, n);
+        turned.multiply(&constraints.turning[..forces * n], n);
+        along.multiply(&constraints.gradients[..forces * n], n);
         for j in 0..stages {
+            let constraints = &element.constraints;
             let (first, second) = numerical_time::weights(element, m, j);
             let shift = h * element.tableau.a(m, j);
             let (rows, columns) = (m * block, j * block);
@@ -25,10 +71,9 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 for (entry, (q, v)) in line.iter_mut().zip(by_q.iter().zip(by_v)) {
                     *entry -= second * q + first * v;
                 }
-                for i in 0..positions {
-                    let terms = by_q.iter().zip(&element.corrections[i * n..]);
-                    let correction: f64 = terms.map(|(q, c)| q * c).sum();
-                    line[n + forces + i] -= h * shift * correction;
+                for (entry, correction) in line[n + forces..].iter_mut().zip(corrected.of_row(row))
+                {
+                    *entry -= h * shift * correction;
                 }
                 if m == j {
                     line[row] += 1.0;
@@ -46,9 +91,7 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                         let by_state = second * turning[k] + first * gradient[k];
                         element.matrix[velocity_row + k] = -by_state;
                     }
-                    for other in 0..positions {
-                        let correction = &element.corrections[other * n..(other + 1) * n];
-                        let turned: f64 = turning.iter().zip(correction).map(|(a, b)| a * b).sum();
+                    for (other, turned) in turned.of_row(i).iter().enumerate() {
                         element.matrix[velocity_row + n + forces + other] = -h * shift * turned;
                     }
                     if m == j {
@@ -60,27 +103,37 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                     element.matrix[velocity_row + k] =
                         (second * turning[k] + first * gradient[k]) / h;
                 }
-                for other in 0..positions {
-                    let correction = &element.corrections[other * n..(other + 1) * n];
-                    let turned: f64 = turning.iter().zip(correction).map(|(a, b)| a * b).sum();
+                for (other, turned) in turned.of_row(i).iter().enumerate() {
                     element.matrix[velocity_row + n + forces + other] = shift * turned;
                 }
             }
-            for i in 0..positions {
-                let row = constraints.of_position(i);
-                let normal = &constraints.gradients[row * n..(row + 1) * n];
-                let gap_row = (rows + n + forces + i) * size + columns;
-                for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
-                    *entry = second * gradient / (h * h);
-                }
-                for other in 0..positions {
-                    let correction = &element.corrections[other * n..(other + 1) * n];
-                    let along: f64 = normal.iter().zip(correction).map(|(a, b)| a * b).sum();
-                    element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
-                }
-            }
+            hold_positions(element, (m, j), second, &along);
         }
         numerical_time::add_to_rows(element, m);
+    }
+}
+
+/// The rows of positions of stage `m` in the columns of stage `j`, of whose accelerations `second` makes coordinates.
+fn hold_positions(
+    element: &mut FiniteElement<'_>,
+    (m, j): (usize, usize),
+    second: f64,
+    along: &Products,
+) {
+    let (n, h, block) = (element.n, element.length, element.block());
+    let (constraints, size) = (&element.constraints, element.tableau.stages() * block);
+    let (forces, positions) = (constraints.count(), constraints.positions());
+    let (rows, columns) = (m * block, j * block);
+    for i in 0..positions {
+        let row = constraints.of_position(i);
+        let normal = &constraints.gradients[row * n..(row + 1) * n];
+        let gap_row = (rows + n + forces + i) * size + columns;
+        for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
+            *entry = second * gradient / (h * h);
+        }
+        for (other, along) in along.of_row(row).iter().enumerate() {
+            element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
+        }
     }
 }
 

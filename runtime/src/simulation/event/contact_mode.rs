@@ -28,8 +28,9 @@ const MOMENTS: [(f64, f64); 7] = [
 const NOISE: f64 = 1e-13;
 /// Share of a smooth time after which a function is looked at that vanishes with its rate.
 const LATER: f64 = 1e-3;
-/// Largest number of modes that are compared by what follows a moment later.
-const MOST_MODES: usize = 4096;
+/// Largest number of modes that are compared by what follows a moment later; of more undecided contacts each is decided
+/// by itself.
+const MOST_MODES: usize = 64;
 
 /// Choices of a mode before the direction of sliding counts as undetermined; the second is the last in exact
 /// arithmetic.
@@ -135,14 +136,16 @@ fn select(
         return Ok(());
     };
     let mut neutral = None;
-    let combinations = combinations(&undecided).ok_or_else(|| Undetermined {
-        contact: first.contact,
-        message: format!(
-            "{} contacts are at the limit of their forces at once, which are too many to compare",
-            undecided.len()
-        ),
-    })?;
     let skipped = outlook.skipped.min(MOMENTS.len() - 1);
+    let Some(combinations) = combinations(&undecided) else {
+        return select_one_by_one(
+            dynamics,
+            probe,
+            (t, y),
+            (&mut mode, &undecided),
+            (outlook.moment, skipped),
+        );
+    };
     for &(share, multiple) in &MOMENTS[skipped..] {
         neutral = None;
         for combination in &combinations {
@@ -174,14 +177,90 @@ fn select(
             dynamics.set_mode(&mode);
             Ok(())
         }
-        None => Err(Undetermined {
-            contact: first.contact,
-            message:
-                "neither holding nor releasing the contact is consistent a moment later; start \
-                      from a slightly different state"
-                    .into(),
-        }),
+        None => Err(inconsistent(first.contact)),
     }
+}
+
+fn inconsistent(contact: usize) -> Undetermined {
+    Undetermined {
+        contact,
+        message: "neither holding nor releasing the contact is consistent a moment later; start from a slightly \
+                  different state"
+            .into(),
+    }
+}
+
+/// Chooses the states of more contacts than all combinations of them can be tried: each takes the next of its states where
+/// what follows contradicts the present one, until nothing does.
+fn select_one_by_one(
+    dynamics: &mut Dynamics<'_>,
+    probe: &mut Dop853,
+    (t, y): (f64, &[f64]),
+    (mode, undecided): (&mut [ContactState], &[&Candidate]),
+    (moment, skipped): (f64, usize),
+) -> Result<(), Undetermined> {
+    let free = release_dependent(dynamics, mode, undecided);
+    let mut neutral = None;
+    for &(share, multiple) in &MOMENTS[skipped..] {
+        neutral = None;
+        let mut choices: Vec<usize> = vec![0; free.len()];
+        for _ in 0..=4 * free.len() {
+            for (candidate, &choice) in free.iter().zip(&choices) {
+                mode[candidate.contact] = candidate.states[choice];
+            }
+            enter(dynamics, mode, t, y);
+            let delta = share * moment;
+            let Some(signs) = signs_after(dynamics, probe, (t, y), &free, delta, multiple) else {
+                break;
+            };
+            let wrong = |&k: &usize| matches!(signs[k], Sign::Negative);
+            let Some(changed) = (0..free.len()).rev().find(wrong) else {
+                if signs.iter().all(|sign| matches!(sign, Sign::Positive)) {
+                    for &(share, _) in &MOMENTS[..skipped] {
+                        accept_after(dynamics, probe, (t, y), share * moment);
+                    }
+                    return Ok(());
+                }
+                neutral = Some(dynamics.mode().to_vec());
+                break;
+            };
+            choices[changed] = (choices[changed] + 1) % free[changed].states.len();
+        }
+    }
+    match neutral {
+        Some(mode) => {
+            dynamics.set_mode(&mode);
+            Ok(())
+        }
+        None => Err(inconsistent(
+            free.first()
+                .or(undecided.first())
+                .map_or(0, |first| first.contact),
+        )),
+    }
+}
+
+/// Opens those of the undecided contacts whose normal velocity the others hold; the rest of them.
+fn release_dependent<'c>(
+    dynamics: &mut Dynamics<'_>,
+    mode: &mut [ContactState],
+    undecided: &[&'c Candidate],
+) -> Vec<&'c Candidate> {
+    for candidate in undecided {
+        mode[candidate.contact] = ContactState::Open;
+    }
+    dynamics.set_mode(mode);
+    let mut free = Vec::with_capacity(undecided.len());
+    for &candidate in undecided {
+        let opens = candidate.states.iter().any(|state| state.is_open());
+        if opens && motion::keeps_apart(dynamics, candidate.contact) {
+            continue;
+        }
+        mode[candidate.contact] = candidate.states[0];
+        dynamics.set_mode(mode);
+        free.push(candidate);
+    }
+    free
 }
 
 /// The resting contacts with the states that the balance of forces leaves open.
@@ -468,20 +547,41 @@ fn sign_after(
     delta: f64,
     multiple: f64,
 ) -> Sign {
+    let Some(signs) = signs_after(dynamics, probe, (t, y), undecided, delta, multiple) else {
+        return Sign::Negative;
+    };
+    let any = |what: fn(&Sign) -> bool| signs.iter().any(what);
+    if any(|sign| matches!(sign, Sign::Negative)) {
+        Sign::Negative
+    } else if any(|sign| matches!(sign, Sign::Zero)) {
+        Sign::Zero
+    } else {
+        Sign::Positive
+    }
+}
+
+/// The sign of each; `None` where the mode cannot be held.
+fn signs_after(
+    dynamics: &mut Dynamics<'_>,
+    probe: &mut Dop853,
+    (t, y): (f64, &[f64]),
+    undecided: &[&Candidate],
+    delta: f64,
+    multiple: f64,
+) -> Option<Vec<Sign>> {
     let mut start = y.to_vec();
     if !motion::project(dynamics, t, &mut start) {
-        return Sign::Negative;
+        return None;
     }
     probe.begin(dynamics, t, &start);
     probe.step(dynamics, t, &start, delta);
     if !motion::project(dynamics, t + delta, probe.end_mut()) {
-        return Sign::Negative;
+        return None;
     }
     probe.finish(dynamics, t, delta);
     let n = dynamics.n;
     let accelerations = probe.end_slope()[n..2 * n].to_vec();
-    let mut sign = Sign::Positive;
-    for candidate in undecided {
+    let signs = undecided.iter().map(|candidate| {
         let i = candidate.contact;
         dynamics.evaluate_sides(i);
         let (normal, tangential) = dynamics.contact_accelerations(i, &accelerations);
@@ -501,11 +601,12 @@ fn sign_after(
         }
         let noise = (multiple * candidate.remainder).max(NOISE * scale);
         if value < -noise || value.is_nan() {
-            return Sign::Negative;
+            Sign::Negative
+        } else if value <= noise {
+            Sign::Zero
+        } else {
+            Sign::Positive
         }
-        if value <= noise {
-            sign = Sign::Zero;
-        }
-    }
-    sign
+    });
+    Some(signs.collect())
 }

@@ -1,8 +1,10 @@
 //! The complementarity problem of the closed contacts at one instant: of velocities for an impact, of
 //! accelerations for a balance of forces.
 
-use super::coulomb::{CoulombProblem, CoulombSolution, MOST_DECISIONS, TangentialLaw};
+use super::coulomb::{CoulombProblem, CoulombSolution, TangentialLaw};
 use super::dynamics::{Dynamics, dot, largest};
+use super::many_contacts::Blocks;
+use crate::model::contact_point;
 use crate::simulation::problem::not_unique;
 
 /// Two solutions are one if their changes of the velocity agree to this relative accuracy.
@@ -39,16 +41,11 @@ impl ContactProblem<'_> {
             laws: self.laws,
             surfaces: surfaces.count(),
         };
-        if problem.decisions() > MOST_DECISIONS {
-            return Err(format!(
-                "{} at {} closed contacts at once; at most {MOST_DECISIONS} can be resolved exactly, and \
-                 one that may stick counts twice",
-                self.what,
-                self.contacts.len(),
-            ));
-        }
-        let mut found = problem.solutions().into_iter();
-        let Some(solution) = found.next() else {
+        let inertia = self.contacts.iter().map(|&i| dynamics.point(i));
+        let inertia: Vec<f64> = inertia
+            .map(|point| 1.0 / point[contact_point::INVERSE_INERTIA])
+            .collect();
+        let Some(found) = Blocks::solved(&problem, &inertia) else {
             return Err(format!(
                 "the {} has no solution: {}",
                 self.what,
@@ -59,12 +56,13 @@ impl ContactProblem<'_> {
                 })
             ));
         };
+        let solution = found.first(self.contacts.len());
         let reference = self.change(dynamics, &solution);
         let tolerance = SAME
             * largest(&reference)
                 .max(largest(self.normal))
                 .max(largest(self.tangential));
-        for other in found {
+        for other in found.others(&solution) {
             let apart = self
                 .change(dynamics, &other)
                 .iter()

@@ -6,12 +6,13 @@
 //! ```
 //!
 //! In the plane Coulomb's law is piecewise linear, so that every contact is in one of four linear states.
-//! Without friction this is the linear complementarity problem `0 <= p _|_ q_n + A_nn p >= 0`.
+//! Without friction this is the linear complementarity problem `0 <= p _|_ q_n + A_nn p >= 0`. It is the way of few
+//! contacts, of which it finds every solution; many are solved by [`contact_law`](crate::contact_law).
 
 use super::contact_state::{ContactState, Direction};
 use super::small_system;
 
-/// Largest number of binary decisions: `2^12` linear systems take some milliseconds.
+/// Largest number of binary decisions that are tried: `2^12` linear systems take some milliseconds.
 pub(in crate::simulation) const MOST_DECISIONS: usize = 12;
 
 /// Components below this times the largest of `q` count as zero: the systems are solved to some `1e-15`.
@@ -51,7 +52,7 @@ impl TangentialLaw {
 /// A problem of `m = laws.len()` contacts.
 #[derive(Debug, Clone)]
 pub(in crate::simulation) struct CoulombProblem<'a> {
-    /// `A`, row-major of order `2 m`: normal rows and columns first.
+    /// `A`, row-major of order `2 m`: normal rows and columns first; entries of contacts without friction are 0.
     pub(in crate::simulation) matrix: &'a [f64],
     /// `q_n`.
     pub(in crate::simulation) normal: &'a [f64],
@@ -79,7 +80,7 @@ pub(in crate::simulation) struct CoulombSolution {
 }
 
 impl CoulombProblem<'_> {
-    /// Number of binary decisions, rounded up; at most [`MOST_DECISIONS`] can be solved.
+    /// Number of binary decisions, rounded up; at most [`MOST_DECISIONS`] are tried.
     pub(in crate::simulation) fn decisions(&self) -> usize {
         let choices = (0..self.laws.len()).map(|contact| self.states(contact).count() as f64);
         choices.map(f64::log2).sum::<f64>().ceil() as usize
@@ -92,8 +93,15 @@ impl CoulombProblem<'_> {
         states.filter(move |state| opens || !state.is_open())
     }
 
+    /// What counts as zero.
+    pub(in crate::simulation) fn zero(&self) -> f64 {
+        let sizes = self.normal.iter().chain(self.tangential);
+        ZERO * sizes.fold(0.0_f64, |s, q| s.max(q.abs()))
+    }
+
     /// All basic solutions: fewest closed contacts first, then fewest sliding ones. Empty if there is none.
-    pub(in crate::simulation) fn solutions(&self) -> Vec<CoulombSolution> {
+    /// Below `zero` a component counts as such.
+    pub(in crate::simulation) fn solutions(&self, zero: f64) -> Vec<CoulombSolution> {
         let mut combinations = vec![Vec::new()];
         for contact in (0..self.laws.len()).rev() {
             // The first contact varies fastest.
@@ -115,8 +123,6 @@ impl CoulombProblem<'_> {
                 count(states, |state| matches!(state, ContactState::Slip(_))),
             )
         });
-        let sizes = self.normal.iter().chain(self.tangential);
-        let zero = ZERO * sizes.fold(0.0_f64, |s, q| s.max(q.abs()));
         combinations
             .into_iter()
             .filter_map(|states| self.basic(states, zero))
@@ -124,7 +130,7 @@ impl CoulombProblem<'_> {
     }
 
     /// `row' (p, s)` of the matrix.
-    fn product(&self, row: usize, p: &[f64], s: &[f64]) -> f64 {
+    pub(super) fn product(&self, row: usize, p: &[f64], s: &[f64]) -> f64 {
         let m = self.laws.len();
         self.matrix[2 * m * row..2 * m * (row + 1)]
             .iter()
@@ -168,7 +174,11 @@ impl CoulombProblem<'_> {
     }
 
     /// The solution with the contacts in `states`, if there is one.
-    fn basic(&self, states: Vec<ContactState>, zero: f64) -> Option<CoulombSolution> {
+    pub(in crate::simulation) fn basic(
+        &self,
+        states: Vec<ContactState>,
+        zero: f64,
+    ) -> Option<CoulombSolution> {
         let m = self.laws.len();
         let coefficient = |i: usize| self.laws[i].coefficient();
         let chosen = |what: fn(&ContactState) -> bool| {
@@ -237,6 +247,10 @@ mod tests {
     use crate::random_cases::same_in_every_run;
     use proptest::prelude::*;
 
+    fn every(problem: &CoulombProblem<'_>) -> Vec<CoulombSolution> {
+        problem.solutions(problem.zero())
+    }
+
     /// The problem without friction.
     fn frictionless(matrix: &[f64], q: &[f64]) -> Vec<CoulombSolution> {
         let m = q.len();
@@ -244,26 +258,24 @@ mod tests {
         for i in 0..m {
             square[2 * m * i..2 * m * i + m].copy_from_slice(&matrix[m * i..m * (i + 1)]);
         }
-        CoulombProblem {
+        every(&CoulombProblem {
             matrix: &square,
             normal: q,
             tangential: &vec![0.0; m],
             laws: &vec![TangentialLaw::None; m],
             surfaces: m,
-        }
-        .solutions()
+        })
     }
 
     /// One contact with friction.
     fn one(matrix: [f64; 4], q: [f64; 2], law: TangentialLaw) -> Vec<CoulombSolution> {
-        CoulombProblem {
+        every(&CoulombProblem {
             matrix: &matrix,
             normal: &q[..1],
             tangential: &q[1..],
             laws: &[law],
             surfaces: 1,
-        }
-        .solutions()
+        })
     }
 
     #[test]
@@ -354,7 +366,7 @@ mod tests {
                 laws: &laws,
                 surfaces: 2,
             };
-            let found = problem.solutions();
+            let found = every(&problem);
             prop_assert!(!found.is_empty());
             for solution in found {
                 let (p, s) = (&solution.p, &solution.s);

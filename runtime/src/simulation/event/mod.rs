@@ -23,6 +23,7 @@ pub(super) mod impact;
 mod instant;
 mod integration;
 mod locate;
+mod many_contacts;
 mod remarks;
 mod search;
 mod settings;
@@ -38,7 +39,9 @@ use integration::Integration;
 use super::explicit_time::ExplicitTime;
 use super::joints::Closed;
 use super::watch::Watch;
-use super::{InitialValueProblem, InputError, Simulation, Simulator, impulse, order_of_impacts};
+use super::{
+    InitialValueProblem, InputError, Simulation, Simulator, impulse, order_of_impacts, shared_load,
+};
 use crate::model::{Model, held};
 use crate::refusal;
 use crate::{Observer, Progress};
@@ -60,6 +63,7 @@ impl Simulator for EventDriven {
         let mut watch = Watch::new(problem, observer);
         let mut result = accuracy::promised(self, (model, problem), &mut watch);
         impulse::record(model, &mut result);
+        shared_load::record(model, &mut result);
         order_of_impacts::note(model, &mut result);
         watch.finish(model, &mut result);
         closed.finish(&mut result);

@@ -55,7 +55,7 @@ use super::joints::{self, Closed};
 use super::watch::Watch;
 use super::{
     InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse,
-    order_of_impacts,
+    order_of_impacts, shared_load,
 };
 use crate::Observer;
 use crate::model::{Model, edge};
@@ -133,6 +133,7 @@ impl Simulator for Fesd {
             None => estimate::estimated(self, &tableau, (model, problem), &mut watch),
         };
         impulse::record(model, &mut result);
+        shared_load::record(model, &mut result);
         order_of_impacts::note(model, &mut result);
         watch.finish(model, &mut result);
         closed.finish(&mut result);

@@ -11,7 +11,28 @@ const PROJECTIONS: usize = 6;
 
 /// Whether the sliding velocity of a closed contact vanishes with those that the mode keeps zero, at the
 /// points last evaluated.
-pub(in crate::simulation) fn holds(dynamics: &mut Dynamics<'_>, contact: usize) -> bool {
+pub(in crate::simulation) fn holds(dynamics: &Dynamics<'_>, contact: usize) -> bool {
+    depends(
+        dynamics,
+        (
+            dynamics.tangent(contact),
+            dynamics.friction_direction(contact),
+        ),
+    )
+}
+
+/// Whether the normal velocity of an open contact vanishes with those that the mode keeps zero, at the points last
+/// evaluated.
+pub(in crate::simulation) fn keeps_apart(dynamics: &Dynamics<'_>, contact: usize) -> bool {
+    depends(
+        dynamics,
+        (dynamics.normal(contact), dynamics.direction(contact)),
+    )
+}
+
+/// Whether a velocity depends on those that the mode keeps zero, by its covector and the direction of a force that
+/// would hold it.
+fn depends(dynamics: &Dynamics<'_>, (covector, direction): (&[f64], &[f64])) -> bool {
     let rows = dynamics.mode.active.len() + dynamics.mode.sticking.len();
     let order = rows + 1;
     let mut matrix = vec![0.0; order * order];
@@ -20,12 +41,12 @@ pub(in crate::simulation) fn holds(dynamics: &mut Dynamics<'_>, contact: usize) 
             let covector = if row < rows {
                 rows::constraint(dynamics, row)
             } else {
-                dynamics.tangent(contact)
+                covector
             };
             let direction = if column < rows {
                 rows::force_direction(dynamics, column, false)
             } else {
-                dynamics.friction_direction(contact)
+                direction
             };
             let given = row == column && rows::is_given(dynamics, row);
             matrix[row * order + column] = if given { 1.0 } else { dot(covector, direction) };

@@ -1,0 +1,37 @@
+//! What is derived of a contact.
+
+use super::explicit::Explicit;
+use super::implicit::Implicit;
+use crate::graph::Sym;
+
+/// What belongs to one contact.
+pub(crate) struct ContactEquations {
+    /// Gap, normal velocity, and if it is a formula, the contact direction; of dry friction zeros, with the given normal
+    /// acceleration in place of the normal velocity.
+    pub(crate) rows: Explicit,
+    pub(crate) curvature: Sym,
+    pub(crate) normal: Vec<Sym>,
+    pub(crate) inverse_inertia: InverseInertia,
+    /// The contact direction, unless it is among the `rows`.
+    pub(crate) direction: Option<Implicit>,
+    pub(crate) friction: Option<FrictionEquations>,
+    /// Of a switch: whether it does not change the rate of its function, which is only passed then.
+    pub(crate) passes: bool,
+}
+
+/// `D = n' H n`.
+pub(crate) enum InverseInertia {
+    Formula(Sym),
+    /// From a linear system at run time: with the mass matrix, or with that of the direction.
+    Solved,
+}
+
+/// The tangential side of a contact.
+pub(crate) struct FrictionEquations {
+    /// Sliding velocity, and if it is a formula, the friction direction.
+    pub(crate) rows: Explicit,
+    pub(crate) curvature: Sym,
+    pub(crate) tangent: Vec<Sym>,
+    /// The friction direction, unless it is among the `rows`.
+    pub(crate) direction: Option<Implicit>,
+}

@@ -1,0 +1,221 @@
+//! States changed until they are consistent.
+
+use super::problem::{Problem, State};
+use crate::linalg::dense;
+
+/// Share of its own coupling that each line gets more of in the linear systems, so that those of redundant contacts
+/// have a solution; what it does is taken out again by the proximal point method.
+const PROXIMAL: f64 = 1e-8;
+/// Steps of that method; with independent contacts the second meets rounding error.
+const REFINEMENTS: usize = 8;
+/// Changes of all inconsistent states at once that do not make them fewer, before they are changed one at a time.
+const PATIENCE: usize = 4;
+
+/// The linear system of some states.
+pub(super) struct Equations {
+    /// The lines whose force is unknown and whose motion vanishes, increasing.
+    pub(super) unknown: Vec<usize>,
+    /// Row-major, order `unknown.len()`.
+    pub(super) matrix: Vec<f64>,
+    /// `-q`.
+    pub(super) right: Vec<f64>,
+}
+
+impl Equations {
+    /// Of the `states`; the force of a contact that slips acts along its normal and its tangent.
+    pub(super) fn of(
+        problem: &Problem<'_>,
+        tangents: &[Option<(usize, f64)>],
+        states: &[State],
+    ) -> Self {
+        let (mut unknown, mut sticking) = (Vec::new(), Vec::new());
+        for (i, state) in states.iter().enumerate() {
+            if *state != State::Open {
+                unknown.push(i);
+            }
+            if let (State::Stick, Some((tangent, _))) = (state, tangents[i]) {
+                sticking.push(tangent);
+            }
+        }
+        sticking.sort_unstable();
+        unknown.extend(sticking);
+        let mut matrix = Vec::with_capacity(unknown.len() * unknown.len());
+        for &row in &unknown {
+            for &column in &unknown {
+                let own = problem.coupling(row, column);
+                let slope = states
+                    .get(column)
+                    .map_or(0.0, |state| slope(*state, tangents[column]));
+                matrix.push(match tangents.get(column) {
+                    Some(&Some((tangent, _))) if slope != 0.0 => {
+                        own + slope * problem.coupling(row, tangent)
+                    }
+                    _ => own,
+                });
+            }
+        }
+        let right = unknown.iter().map(|&line| -problem.offsets[line]).collect();
+        Self {
+            unknown,
+            matrix,
+            right,
+        }
+    }
+
+    /// The smallest solution, nearly: by the proximal point method from 0. `None` where a number is not finite.
+    fn solve(&self, problem: &Problem<'_>) -> Option<Vec<f64>> {
+        let order = self.unknown.len();
+        let mut factors = self.matrix.clone();
+        for (k, &line) in self.unknown.iter().enumerate() {
+            factors[k * order + k] += PROXIMAL * problem.coupling(line, line).abs().max(PROXIMAL);
+        }
+        let mut pivots = vec![0; order];
+        dense::factorize(&mut factors, &mut pivots).ok()?;
+        let mut x = vec![0.0; order];
+        let mut last = f64::INFINITY;
+        for _ in 0..REFINEMENTS {
+            let mut step = self.residual(&x);
+            dense::solve(&factors, &pivots, &mut step);
+            let size = step.iter().fold(0.0_f64, |most, step| most.max(step.abs()));
+            if !size.is_finite() {
+                return None;
+            }
+            // Of contradictory equations the multipliers grow by the same amount each time: the signs are known.
+            if size == 0.0 || size > 0.5 * last {
+                break;
+            }
+            last = size;
+            for (x, step) in x.iter_mut().zip(&step) {
+                *x += step;
+            }
+        }
+        Some(x)
+    }
+
+    /// `-q - K x`.
+    pub(super) fn residual(&self, x: &[f64]) -> Vec<f64> {
+        let rows = self.matrix.chunks_exact(x.len().max(1));
+        let products = rows.map(|row| row.iter().zip(x).map(|(a, x)| a * x).sum::<f64>());
+        let pairs = self.right.iter().zip(products);
+        pairs.map(|(right, product)| right - product).collect()
+    }
+}
+
+/// Tangential force of a contact for one unit of its normal force, unless that is an unknown of its own.
+pub(super) fn slope(state: State, tangent: Option<(usize, f64)>) -> f64 {
+    match (state, tangent) {
+        (State::Slip(sense), Some((_, friction))) => -sense * friction,
+        _ => 0.0,
+    }
+}
+
+/// Forces of all lines from those of the unknown ones.
+pub(super) fn forces_of(
+    problem: &Problem<'_>,
+    tangents: &[Option<(usize, f64)>],
+    states: &[State],
+    (unknown, x): (&[usize], &[f64]),
+) -> Vec<f64> {
+    let mut forces = vec![0.0; problem.lines()];
+    for (&line, &x) in unknown.iter().zip(x) {
+        forces[line] = x;
+        if let Some(&state) = states.get(line)
+            && let Some((tangent, _)) = tangents[line]
+            && state != State::Stick
+        {
+            forces[tangent] = slope(state, tangents[line]) * x;
+        }
+    }
+    forces
+}
+
+/// The state that the law wants of a contact with these forces in its present one; `None` where it is consistent.
+fn wanted(
+    problem: &Problem<'_>,
+    contact: usize,
+    tangent: Option<(usize, f64)>,
+    state: State,
+    (forces, motions): (&[f64], &[(f64, f64)]),
+) -> Option<State> {
+    let (normal, zero) = motions[contact];
+    let own = |line: usize| {
+        let own = problem.coupling(line, line);
+        if own > 0.0 { own } else { 1.0 }
+    };
+    if state == State::Open {
+        if normal >= -zero {
+            return None;
+        }
+        let Some((line, friction)) = tangent else {
+            return Some(State::Closed);
+        };
+        let (slip, _) = motions[line];
+        let inside = (slip / own(line)).abs() <= friction * -normal / own(contact);
+        return Some(if inside {
+            State::Stick
+        } else {
+            State::Slip(slip.signum())
+        });
+    }
+    let p = forces[contact];
+    if p < -problem.zero_force(contact, zero) {
+        return Some(State::Open);
+    }
+    let (line, friction) = tangent?;
+    let (slip, zero) = motions[line];
+    match state {
+        State::Stick => {
+            let s = forces[line];
+            let over = s.abs() > friction * p.max(0.0) + problem.zero_force(line, zero);
+            over.then(|| State::Slip(-s.signum()))
+        }
+        State::Slip(sense) if sense * slip < -zero => {
+            let reverses = slip.abs() > 2.0 * friction * p * own(line);
+            Some(if reverses {
+                State::Slip(-sense)
+            } else {
+                State::Stick
+            })
+        }
+        _ => None,
+    }
+}
+
+/// States that the forces of their equations do not contradict, from `states` on, with these forces; `None` where that
+/// does not end.
+pub(super) fn consistent(
+    problem: &Problem<'_>,
+    tangents: &[Option<(usize, f64)>],
+    mut states: Vec<State>,
+) -> Option<(Vec<State>, Vec<f64>)> {
+    let mut fewest = usize::MAX;
+    let mut patience = PATIENCE;
+    for _ in 0..20 + 6 * states.len() {
+        let equations = Equations::of(problem, tangents, &states);
+        let x = equations.solve(problem)?;
+        let forces = forces_of(problem, tangents, &states, (&equations.unknown, &x));
+        let motions = problem.motions(&forces);
+        let changes: Vec<(usize, State)> = (0..states.len())
+            .filter_map(|i| {
+                let known = (&forces[..], &motions[..]);
+                let wanted = wanted(problem, i, tangents[i], states[i], known);
+                wanted.map(|state| (i, state))
+            })
+            .collect();
+        if changes.is_empty() {
+            return Some((states, forces));
+        }
+        if changes.len() < fewest {
+            fewest = changes.len();
+            patience = PATIENCE;
+        } else {
+            patience = patience.saturating_sub(1);
+        }
+        // One at a time, always that with the largest index: no state comes back (Murty).
+        let taken = if patience > 0 { 0 } else { changes.len() - 1 };
+        for &(i, state) in &changes[taken..] {
+            states[i] = state;
+        }
+    }
+    None
+}

@@ -1,0 +1,99 @@
+//! The problem of the lines of all contacts, its states and its residual.
+
+/// Friction of one contact: the line of its normal and its coefficient.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cone {
+    pub(crate) normal: usize,
+    pub(crate) friction: f64,
+}
+
+/// What a contact does.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum State {
+    /// No force.
+    Open,
+    /// A normal force; no cone, or none that matters.
+    Closed,
+    /// A force within its cone, `w_t = 0`.
+    Stick,
+    /// `f_t = -sense mu f_n`, `sense w_t >= 0`.
+    Slip(f64),
+}
+
+/// Lines that are the tangent of a cone come last, in the order of `cones`; all others are normals.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Problem<'a> {
+    /// `K`, row-major.
+    pub(crate) matrix: &'a [f64],
+    /// `q`.
+    pub(crate) offsets: &'a [f64],
+    pub(crate) cones: &'a [Cone],
+}
+
+/// A solution.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Solution {
+    /// State of the contact of each normal.
+    pub(crate) states: Vec<State>,
+    /// `f`, of all lines.
+    pub(crate) forces: Vec<f64>,
+}
+
+/// Violations below this share of the terms of a sum are rounding error: the linear systems are solved to some `1e-15`.
+const ROUNDING: f64 = 1e-12;
+
+impl Problem<'_> {
+    /// Number of lines.
+    pub(super) fn lines(&self) -> usize {
+        self.offsets.len()
+    }
+
+    /// Number of normals.
+    pub(super) fn normals(&self) -> usize {
+        self.offsets.len() - self.cones.len()
+    }
+
+    /// The line of the tangent of each normal, and its coefficient of friction.
+    pub(super) fn tangents(&self) -> Vec<Option<(usize, f64)>> {
+        let mut tangents = vec![None; self.normals()];
+        for (k, cone) in self.cones.iter().enumerate() {
+            tangents[cone.normal] = Some((self.normals() + k, cone.friction));
+        }
+        tangents
+    }
+
+    /// `K_ij`.
+    pub(super) fn coupling(&self, row: usize, column: usize) -> f64 {
+        self.matrix[row * self.lines() + column]
+    }
+
+    /// `w` of a line with the forces `f`, and the sum of the sizes of its terms.
+    pub(super) fn motion(&self, line: usize, forces: &[f64]) -> (f64, f64) {
+        let row = &self.matrix[line * self.lines()..(line + 1) * self.lines()];
+        let own = self.offsets[line];
+        row.iter()
+            .zip(forces)
+            .filter(|(_, force)| **force != 0.0)
+            .fold((own, own.abs()), |(sum, size), (k, f)| {
+                (sum + k * f, size + (k * f).abs())
+            })
+    }
+
+    /// Motions of all lines, and what counts as zero beside each.
+    pub(super) fn motions(&self, forces: &[f64]) -> Vec<(f64, f64)> {
+        let floor = f64::MIN_POSITIVE + ROUNDING * self.largest_offset();
+        let motions = (0..self.lines()).map(|line| self.motion(line, forces));
+        let zero = |(motion, size): (f64, f64)| (motion, (ROUNDING * size).max(floor));
+        motions.map(zero).collect()
+    }
+
+    pub(super) fn largest_offset(&self) -> f64 {
+        self.offsets.iter().fold(0.0, |most, q| most.max(q.abs()))
+    }
+
+    /// Force below which one of a line is zero: what counts as zero of the motion there, in its own coupling.
+    pub(super) fn zero_force(&self, line: usize, zero_motion: f64) -> f64 {
+        let own = self.coupling(line, line).abs();
+        zero_motion / if own > 0.0 { own } else { 1.0 }
+    }
+}

@@ -1,0 +1,182 @@
+//! Forces of contacts that share a load in more than one way: a beam on three points, a box between others.
+//!
+//! A motion needs as many forces as there are independent contacts, and carries zeros for the others. Where contacts without
+//! friction touch that the loaded ones hold in place, all forces `lambda` with
+//!
+//! ```text
+//! N' M^-1 N lambda = N' M^-1 N lambda_0
+//! ```
+//!
+//! give the same motion. The smallest of them are recorded, measured as the impulses of [`impulse`] are,
+//! if none of them pulls; and the result says so.
+
+use super::{Simulation, impulse};
+use crate::fesd::active_contact::{ActiveContact, Tangential};
+use crate::fesd::contacts::{Contacts, Line};
+use crate::fesd::sharing;
+use crate::model::Model;
+
+/// Share of the largest coordinate, and of the largest velocity, below which a contact touches and rests.
+const TOUCHES: f64 = 1e-9;
+/// Forces below this share of the largest count as zero where they would pull.
+const ZERO: f64 = 1e-9;
+
+/// Takes the smallest forces where several give the same motion, and says so.
+pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
+    if model.declaration().contacts.len() < 2 {
+        return;
+    }
+    let mut contacts = Contacts::new(model);
+    let largest = |rows: &[Vec<f64>]| {
+        let values = rows.iter().flatten();
+        values.fold(0.0_f64, |most, value| most.max(value.abs()))
+    };
+    let sizes = (largest(&result.trajectory.q), largest(&result.trajectory.v));
+    let (mut shared, mut left) = (Vec::new(), Vec::new());
+    for k in 0..result.trajectory.time.len() {
+        let touching = touching(&mut contacts, (model, sizes), result, k);
+        let Some(forces) = result.trajectory.contact_force.get_mut(k) else {
+            break;
+        };
+        if touching.iter().all(|&i| forces[i] != 0.0) || touching.len() < 2 {
+            continue;
+        }
+        let redundant = redundant(&contacts, &touching, forces);
+        if redundant.is_empty() {
+            continue;
+        }
+        let plain = touching.iter().all(|&i| contacts.friction(i) == 0.0);
+        let found = if plain {
+            smallest(&contacts, &touching, forces)
+        } else {
+            None
+        };
+        let told = match found {
+            Some(found) => {
+                for (&i, force) in touching.iter().zip(found) {
+                    forces[i] = force;
+                }
+                &mut shared
+            }
+            None => &mut left,
+        };
+        told.extend(redundant);
+    }
+    let names = |mut contacts: Vec<usize>| {
+        contacts.sort_unstable();
+        contacts.dedup();
+        let declared = model.declaration().contacts;
+        let first = contacts.first().map(|&i| declared[i].name)?;
+        Some(match contacts.len() {
+            1 => format!("`{first}` shares its load with others"),
+            more => format!(
+                "`{first}` and {} more contacts share their load with others",
+                more - 1
+            ),
+        })
+    };
+    let notes = [
+        (
+            shared,
+            "of the forces that give the same motion the smallest are recorded",
+        ),
+        (
+            left,
+            "the forces that are recorded are one way of several, with the same motion",
+        ),
+    ];
+    for (contacts, what) in notes {
+        if let Some(names) = names(contacts) {
+            result
+                .notes
+                .push(format!("{names} in more ways than one: {what}"));
+        }
+    }
+}
+
+/// The surfaces that touch and rest in their normal direction at a point of the trajectory, evaluated there.
+fn touching(
+    contacts: &mut Contacts<'_>,
+    (model, (place, speed)): (&dyn Model, (f64, f64)),
+    result: &Simulation,
+    k: usize,
+) -> Vec<usize> {
+    let trajectory = &result.trajectory;
+    let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
+    let mut x = [&q[..], v, u].concat();
+    x.resize(result.declaration.inputs(), trajectory.time[k]);
+    // Of a surface with an edge one piece acts, whatever the others do.
+    let declared = model.declaration().contacts;
+    let near = |&i: &usize| {
+        declared[i].alternatives.is_empty()
+            && contacts.pieces.gap(model, i, &x).abs() <= TOUCHES * place
+    };
+    let mut near: Vec<usize> = (0..contacts.surfaces).filter(near).collect();
+    if near.len() < 2 {
+        return near;
+    }
+    contacts.evaluate_contacts(&x, near.iter().copied());
+    near.retain(|&i| contacts.normal_velocity(i).abs() <= TOUCHES * speed);
+    near
+}
+
+/// Those without a force that the loaded ones hold in place.
+fn redundant(contacts: &Contacts<'_>, touching: &[usize], forces: &[f64]) -> Vec<usize> {
+    let active: Vec<ActiveContact> = touching
+        .iter()
+        .filter(|&&i| forces[i] != 0.0)
+        .map(|&contact| ActiveContact {
+            contact,
+            tangential: Tangential::Idle,
+        })
+        .collect();
+    let held = |&contact: &usize| {
+        let line = Line::Normal {
+            contact,
+            slope: 0.0,
+        };
+        forces[contact] == 0.0
+            && sharing::is_independent(contacts, &active, line)
+                .is_ok_and(|independent| !independent)
+    };
+    touching.iter().copied().filter(held).collect()
+}
+
+/// The smallest forces with the same motion; `None` if one of them would pull.
+fn smallest(contacts: &Contacts<'_>, touching: &[usize], forces: &[f64]) -> Option<Vec<f64>> {
+    let line = |&contact: &usize| Line::Normal {
+        contact,
+        slope: 0.0,
+    };
+    let lines: Vec<Line> = touching.iter().map(line).collect();
+    // Measured by the inertia of its contact, each equation weighs the same: 1.
+    let units: Vec<f64> = touching
+        .iter()
+        .map(|&i| contacts.force(i, 1.0).sqrt())
+        .collect();
+    let couplings = contacts.couplings(&lines);
+    let rows = couplings.chunks_exact(lines.len()).zip(&units);
+    let matrix: Vec<f64> = rows
+        .flat_map(|(row, unit)| {
+            row.iter()
+                .zip(&units)
+                .map(move |(k, other)| unit * k / other)
+        })
+        .collect();
+    let known: Vec<f64> = touching
+        .iter()
+        .zip(&units)
+        .map(|(&i, unit)| forces[i] / unit)
+        .collect();
+    let right: Vec<f64> = matrix
+        .chunks_exact(lines.len())
+        .map(|row| row.iter().zip(&known).map(|(k, x)| k * x).sum())
+        .collect();
+    let found = impulse::smallest(&matrix, &right)?;
+    let found: Vec<f64> = found.iter().zip(&units).map(|(x, unit)| x * unit).collect();
+    let largest = found
+        .iter()
+        .fold(0.0_f64, |most, force| most.max(force.abs()));
+    let pushes = found.iter().all(|force| *force >= -ZERO * largest);
+    pushes.then(|| found.into_iter().map(|force| force.max(0.0)).collect())
+}
