@@ -68,6 +68,7 @@ fn text(chosen: &ChosenScene) -> String {
     if !controls.is_empty() {
         let _ = writeln!(text, "controls    {}", controls.join(", "));
     }
+    text += &joints(declaration);
     text += &laws(&*chosen.model);
     let outputs = chosen.model.outputs().iter();
     let outputs: Vec<String> = outputs.map(|o| headed(o.name, o.unit)).collect();
@@ -128,6 +129,22 @@ fn page(code: &str) -> Result<Option<&'static str>, BadInput> {
             )))
         }
     }
+}
+
+/// What each joint holds.
+fn joints(declaration: &Declaration) -> String {
+    let mut text = String::new();
+    for joint in declaration.joints.iter().flat_map(|joints| joints.list) {
+        let name = headed(joint.name, joint.unit);
+        let equations = match (joint.rows, joint.holonomic) {
+            (1, true) => "an equation between positions, and its rate".to_owned(),
+            (1, false) => "an equation between velocities".to_owned(),
+            (count, true) => format!("{count} equations between positions, and their rates"),
+            (count, false) => format!("{count} equations between velocities"),
+        };
+        let _ = writeln!(text, "joint       {name}: {equations}");
+    }
+    text
 }
 
 /// The impact law of each contact, with its coefficients for the parameters in force.

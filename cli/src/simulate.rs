@@ -220,16 +220,22 @@ fn gradient_table(
         [headed(&name, unit)].into_iter().chain(values).collect()
     };
     let mut rows: Vec<Vec<String>> = Vec::new();
-    for (k, c) in declaration.coordinates.iter().enumerate() {
+    let mechanical = declaration.mechanical();
+    let coordinates = &declaration.coordinates[..mechanical];
+    for (k, c) in coordinates.iter().enumerate() {
         rows.push(row(
             format!("{} at the end", c.name),
             c.unit,
             &gradient.q[k],
         ));
     }
-    for (k, c) in declaration.coordinates.iter().enumerate() {
+    for (k, c) in coordinates.iter().enumerate() {
         let name = format!("d{}/dt at the end", c.name);
         rows.push(row(name, &per_second(c.unit), &gradient.v[k]));
+    }
+    for (k, state) in declaration.states.iter().enumerate() {
+        let name = format!("{} at the end", state.name);
+        rows.push(row(name, state.unit, &gradient.v[mechanical + k]));
     }
     let events = simulation.events.iter().zip(&gradient.event_times);
     for (event, values) in events.take(MOST_EVENTS) {
@@ -253,7 +259,10 @@ fn unit_of(declaration: &Declaration, name: &str) -> String {
         .parameters
         .iter()
         .find(|known| known.name == name);
-    let mut variables = declaration.coordinates.iter().chain(declaration.controls);
+    let coordinates = declaration.coordinates.iter();
+    let mut variables = coordinates
+        .chain(declaration.controls)
+        .chain(declaration.states);
     if let Some(parameter) = parameter {
         return parameter.unit.to_owned();
     }

@@ -282,7 +282,8 @@ impl<'a> Joints<'a> {
 /// equations: `M v' = f + sum of forces of contacts + G' lambda`. Of equations that follow from others the smallest forces are
 /// given.
 ///
-/// Not numbers where a force of a contact is none, or acts along a direction of its own.
+/// Not numbers where a force of a contact is none, or acts along a direction of its own, as one that holds coordinates and a switch
+/// in `forces` do.
 #[must_use]
 pub fn joint_forces(
     model: &dyn Model,
@@ -330,6 +331,12 @@ fn generalized(model: &dyn Model, x: &[f64], normal: &[f64], tangential: &[f64])
             add(&mut sum, own, &point[contact_point::NORMAL..]);
         }
         if rubs != 0.0 && contact.friction.is_some() {
+            // A switch acts along a direction of its own.
+            let rubs = if contact.switch.is_some() {
+                f64::NAN
+            } else {
+                rubs
+            };
             model.tangent(i, x, &mut tangent);
             add(&mut sum, rubs, &tangent[tangent_point::TANGENT..]);
         }

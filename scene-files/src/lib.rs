@@ -26,6 +26,7 @@
 //! A file is data: it can name no path and no command, and whatever it holds takes bounded time and memory.
 
 mod declaration;
+mod held;
 mod places;
 mod program;
 mod report;

@@ -1,8 +1,7 @@
 //! A scene whose functions are evaluated without a compiler.
 
-mod held;
-
 use crate::declaration;
+use crate::held;
 use crate::places::{self, scatter};
 use crate::program::{Program, TooLarge};
 use crate::scratch::Scratch;
@@ -570,7 +569,7 @@ impl Model for TextScene {
     }
 
     fn with_held(&self, parameters: &[usize]) -> Option<Result<Box<dyn Model>, String>> {
-        let derived = held::with_held(self, parameters);
+        let derived = with_held(self, parameters);
         Some(derived.map(|scene| Box::new(scene) as Box<dyn Model>))
     }
 
@@ -600,6 +599,38 @@ impl Model for TextScene {
         Box::new(self.clone())
     }
 }
+
+/// Derives `scene` once more with those parameters as coordinates without motion, unless that was done before.
+fn with_held(scene: &TextScene, parameters: &[usize]) -> Result<TextScene, String> {
+    let known = || {
+        let known = scene.shared.with_held.lock().ok()?;
+        let (_, shared) = known.iter().find(|(of, _)| of == parameters)?;
+        Some(Arc::clone(shared))
+    };
+    let shared = match known() {
+        Some(shared) => shared,
+        None => {
+            let text = scene.shared.text.as_str();
+            let description = held::derived(scene.description(), text, parameters)?;
+            let derived = TextScene::new(description, text, String::new());
+            let shared = derived.map_err(|_| TOO_LARGE.to_owned())?.shared;
+            if let Ok(mut known) = scene.shared.with_held.lock() {
+                known.push((parameters.to_vec(), Arc::clone(&shared)));
+            }
+            shared
+        }
+    };
+    let mut with_held = TextScene {
+        parameters: scene.parameters.clone(),
+        folded: Vec::new(),
+        shared,
+    };
+    with_held.fold();
+    Ok(with_held)
+}
+
+/// Why a scene with unknown parameters is refused.
+const TOO_LARGE: &str = "a function derived with parameters as unknowns has too many values; split the mechanism into smaller scenes";
 
 /// A scene whose Jacobians have columns for parameters.
 struct TextDerivatives {

@@ -552,3 +552,22 @@ fn random_relays_and_kinks_agree_with_the_event_driven_method() {
         "{solved} solved, {slides} slide, {crosses} switch"
     );
 }
+
+#[test]
+fn switches_inside_of_each_other_by_functions_that_differ_by_a_number() {
+    // A window in time, and three ranges of x: rates 1, 3 and 5, and then a wall of sliding at 3.
+    let text = "states { x, w } rates { x: if x >= 3 { -1 } else if x >= 2 { 5 } else if x >= 1 { 3 } else { 1 }, w: step(t - 0.5)*step(2 - t) }
+        horizon 3";
+    for motion in motions(text) {
+        let slides = 1.0 + 1.0 / 3.0 + 0.2;
+        let wanted = [
+            (EventKind::Switch, "step(t - 0.5)", 0.5),
+            (EventKind::Switch, "x >= 1", 1.0),
+            (EventKind::Switch, "x >= 2", 4.0 / 3.0),
+            (EventKind::Slide, "x >= 3", slides),
+            (EventKind::Switch, "step(2 - t)", 2.0),
+        ];
+        events(&motion, &wanted, 1e-12);
+        ends(&motion, &[("x", 3.0), ("w", 1.5)], 1e-12);
+    }
+}

@@ -25,6 +25,9 @@ pub(super) struct GradientEntry<'a> {
 struct LastEntry<'a> {
     q: &'a [Vec<f64>],
     v: &'a [Vec<f64>],
+    /// Only for scenes that declare states.
+    #[serde(skip_serializing_if = "<[Vec<f64>]>::is_empty")]
+    states: &'a [Vec<f64>],
 }
 
 /// Why there are no derivatives, if there are none.
@@ -43,11 +46,15 @@ impl<'a> GradientEntry<'a> {
     /// Of a motion of whose trajectory the instants `kept` are written.
     pub(super) fn new(model: &dyn Model, gradient: &'a Gradient, kept: &[usize]) -> Self {
         let outputs = model.outputs().iter().zip(&gradient.outputs);
+        let mechanical = model.declaration().mechanical();
+        // None where there is no derivative.
+        let (v, states) = gradient.v.split_at(mechanical.min(gradient.v.len()));
         Self {
             with_respect_to: &gradient.with_respect_to,
             last: LastEntry {
-                q: &gradient.q,
-                v: &gradient.v,
+                q: &gradient.q[..mechanical.min(gradient.q.len())],
+                v,
+                states,
             },
             event_times: &gradient.event_times,
             outputs: outputs

@@ -188,6 +188,13 @@ impl Serialize for FoundEntries<'_> {
     }
 }
 
+/// Says of each free parameter at an end of its range that it is there.
+fn at_bounds(solution: &Solution) -> impl Iterator<Item = String> {
+    let found = solution.parameters.iter();
+    let found = found.filter(|found| found.at_bound().is_some());
+    found.map(|found| format!("{found}: a wider range may hold a better value"))
+}
+
 /// Derivatives of an optimum.
 #[derive(Serialize)]
 struct OptimumGradientEntry<'a> {
@@ -417,6 +424,7 @@ impl<'a> SolutionDocument<'a> {
             notes: (method.finer(solution).into_iter())
                 .chain(struck_after_the_end(chosen.model.as_ref(), solution))
                 .chain(note)
+                .chain(at_bounds(solution))
                 .collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }

@@ -419,6 +419,26 @@ fn write_chain(f: &mut String, first: &Expr, rest: &[Link]) -> fmt::Result {
     Ok(())
 }
 
+/// How strongly an expression holds together.
+fn strength(expr: &Expr) -> u8 {
+    match &expr.kind {
+        Kind::Chain(_, rest) => rank(rest),
+        Kind::Power { .. } => 4,
+        Kind::Negate(_) => 2,
+        _ => 9,
+    }
+}
+
+/// `if large >= small { value } else { other }`.
+fn write_choice(f: &mut String, parts: &[Expr]) -> fmt::Result {
+    for (before, part) in ["if ", " >= ", " { ", " } else { "].into_iter().zip(parts) {
+        f.push_str(before);
+        write_expr(f, part, 0)?;
+    }
+    f.push_str(" }");
+    Ok(())
+}
+
 fn write_expr(f: &mut String, expr: &Expr, outer: u8) -> fmt::Result {
     let sequence = |f: &mut String, items: &[Expr]| {
         f.write_str("(")?;
@@ -430,12 +450,7 @@ fn write_expr(f: &mut String, expr: &Expr, outer: u8) -> fmt::Result {
         }
         f.write_str(")")
     };
-    let own = match &expr.kind {
-        Kind::Chain(_, rest) => rank(rest),
-        Kind::Power { .. } => 4,
-        Kind::Negate(_) => 2,
-        _ => 9,
-    };
+    let own = strength(expr);
     if own < outer {
         f.write_str("(")?;
     }
@@ -460,17 +475,7 @@ fn write_expr(f: &mut String, expr: &Expr, outer: u8) -> fmt::Result {
         Kind::Call {
             function,
             arguments,
-        } if function.text == words::IF && arguments.len() == 4 => {
-            f.write_str("if ")?;
-            write_expr(f, &arguments[0], 0)?;
-            f.write_str(" >= ")?;
-            write_expr(f, &arguments[1], 0)?;
-            f.write_str(" { ")?;
-            write_expr(f, &arguments[2], 0)?;
-            f.write_str(" } else { ")?;
-            write_expr(f, &arguments[3], 0)?;
-            f.write_str(" }")?;
-        }
+        } if function.text == words::IF && arguments.len() == 4 => write_choice(f, arguments)?,
         Kind::Call {
             function,
             arguments,
@@ -492,9 +497,9 @@ fn write_expr(f: &mut String, expr: &Expr, outer: u8) -> fmt::Result {
             profile, argument, ..
         } => write!(f, "{}({})", profile.name(), argument.text)?,
         Kind::Norm(inner) => {
-            f.write_str("|")?;
+            f.push('|');
             write_expr(f, inner, 0)?;
-            f.write_str("|")?;
+            f.push('|');
         }
         Kind::Vector(items) => sequence(f, items)?,
         Kind::Component { vector, name } => {

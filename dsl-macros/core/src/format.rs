@@ -215,9 +215,9 @@ fn entries(pieces: &[Piece]) -> Vec<Vec<Piece>> {
             entries[current - 1].push(piece.clone());
             continue;
         }
-        if piece.is("(") || piece.is("[") {
+        if ["(", "[", "{"].iter().any(|open| piece.is(open)) {
             depth += 1;
-        } else if piece.is(")") || piece.is("]") {
+        } else if [")", "]", "}"].iter().any(|close| piece.is(close)) {
             depth = depth.saturating_sub(1);
         }
         entries[current].push(piece.clone());

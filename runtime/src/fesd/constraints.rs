@@ -2,7 +2,6 @@
 
 use super::active_contact::{ActiveContact, force_count};
 use super::contacts::sum_of_sizes;
-use super::finite_element::ElementError;
 use crate::joints::{JointError, Joints};
 use crate::model::{Model, contact_point, friction_coefficients, surfaces, tangent_point};
 
@@ -109,16 +108,13 @@ impl<'a> Constraints<'a> {
     /// Keeps the directions along which joints are held at the input vector `x`, where all has been evaluated.
     ///
     /// # Errors
-    /// [`ElementError::Singular`] where they depend on each other, [`ElementError::NotFinite`] for values that are none.
-    pub(super) fn freeze_joints(&mut self, x: &[f64]) -> Result<(), ElementError> {
+    /// [`JointError::Singular`] where they depend on each other, [`JointError::NotClosed`] for values that are none.
+    pub(super) fn freeze_joints(&mut self, x: &[f64]) -> Result<(), JointError> {
         let begin = self.of_contacts() * self.n;
         let Some(joints) = &mut self.joints else {
             return Ok(());
         };
-        joints.direct(x).map_err(|error| match error {
-            JointError::Singular => ElementError::Singular,
-            JointError::NotClosed => ElementError::NotFinite,
-        })?;
+        joints.direct(x)?;
         self.directions[begin..].copy_from_slice(joints.directions());
         Ok(())
     }

@@ -49,8 +49,8 @@
 
 mod control_piece;
 mod declaration;
+mod given;
 pub(crate) mod held;
-mod joint;
 mod parameter_derivatives;
 mod picture;
 mod pieces;
@@ -58,17 +58,16 @@ pub(crate) mod rounding;
 mod switching;
 
 pub(crate) use control_piece::ControlPiece;
-pub(crate) use joint::joint_rows;
 pub(crate) use pieces::{Pieces, edge};
 pub(crate) use switching::terms as switching_terms;
 
 pub use declaration::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
-    FrictionDeclaration, ImpactLaw, Kernel, OptimalControlDeclaration, ParameterDeclaration,
-    SparsityPattern, Switching, VariableDeclaration,
+    FrictionDeclaration, ImpactLaw, JointDeclaration, JointsDeclaration, Kernel,
+    OptimalControlDeclaration, ParameterDeclaration, SparsityPattern, Switching,
+    VariableDeclaration,
 };
-pub use held::{Given, Held};
-pub use joint::{JointDeclaration, JointsDeclaration};
+pub use given::{Given, Held};
 pub use parameter_derivatives::ParameterDerivatives;
 pub use picture::{Picture, Shape};
 
@@ -317,6 +316,11 @@ pub trait Model: Send + Sync {
 pub(crate) fn surfaces(model: &dyn Model) -> usize {
     let contacts = model.declaration().contacts.iter();
     contacts.filter(|contact| !contact.dry).count()
+}
+
+/// Number of equations of all joints of a scene.
+pub(crate) fn joint_rows(model: &dyn Model) -> usize {
+    model.declaration().joints.map_or(0, |joints| joints.rows())
 }
 
 /// Coefficient of friction of each contact, 0 where none is declared.

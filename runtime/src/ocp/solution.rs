@@ -264,6 +264,20 @@ pub struct OptimumGradient {
     pub final_time: Vec<Option<f64>>,
 }
 
+impl OptimumGradient {
+    /// The same by these parameters (indices), in their order.
+    pub(in crate::ocp) fn reorder(&mut self, order: &[usize]) {
+        let place = |index: &usize| self.parameters.iter().position(|known| known == index);
+        let places: Vec<usize> = order.iter().filter_map(place).collect();
+        *self = Self {
+            parameters: places.iter().map(|&k| self.parameters[k]).collect(),
+            names: places.iter().map(|&k| self.names[k]).collect(),
+            objective: places.iter().map(|&k| self.objective[k]).collect(),
+            final_time: places.iter().map(|&k| self.final_time[k]).collect(),
+        };
+    }
+}
+
 /// A condition that a motion does not meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Miss {

@@ -10,6 +10,9 @@ use crate::ocp::solution::{FoundParameter, Solution};
 use crate::refusal;
 use crate::simulation::InputError;
 
+/// A free parameter (index) and its range.
+type Free = (usize, (f64, f64));
+
 /// A problem with free parameters.
 pub(in crate::ocp) struct Unknown<'a> {
     /// The scene as it was given.
@@ -20,7 +23,9 @@ pub(in crate::ocp) struct Unknown<'a> {
     /// The parameters (indices) that are coordinates in it.
     held: Vec<usize>,
     /// The free ones among them with their ranges.
-    free: Vec<(usize, (f64, f64))>,
+    free: Vec<Free>,
+    /// Those that it is differentiated by, in the order that was asked for.
+    gradient: Vec<usize>,
 }
 
 /// The problem with free parameters as unknowns, and with those that it is differentiated by as variables; none where there are
@@ -67,20 +72,48 @@ pub(in crate::ocp) fn with_unknowns<'a>(
         }
     };
     let problem = extended(scene, problem, &indices, model.as_ref());
+    check_laws(model.as_ref(), &problem)?;
     Ok(Some(Unknown {
         scene,
         model,
         problem,
         held: indices,
         free,
+        gradient: settings.gradient.clone(),
     }))
 }
 
+/// Laws whose coefficients are unknowns begin with one above 0: a contact that neither bounces nor rubs has no equation that would
+/// tell how it does.
+fn check_laws(model: &dyn Model, problem: &Problem) -> Result<(), InputError> {
+    let Some(known) = model.held() else {
+        return Ok(());
+    };
+    let contacts = model.declaration().contacts;
+    let values = held::given_at(model, &problem.start());
+    for (given, value) in known.given.iter().zip(values) {
+        let (what, contact) = match *given {
+            Given::Restitution(contact) => ("restitution", contact),
+            Given::Friction(contact) => ("friction", contact),
+            Given::Start(_) | Given::Horizon => continue,
+        };
+        if value <= 0.0 {
+            return Err(refusal::out_of_range(
+                format!(
+                    "{what} of `{}`, which depends on a parameter that is an unknown,",
+                    contacts[contact].name
+                ),
+                value,
+                "",
+                "above 0 where it begins",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// The free parameters (indices) that are to be found, with their ranges.
-fn free_parameters(
-    scene: &dyn Model,
-    settings: &Settings,
-) -> Result<Vec<(usize, (f64, f64))>, InputError> {
+fn free_parameters(scene: &dyn Model, settings: &Settings) -> Result<Vec<Free>, InputError> {
     let declared = scene.free_parameters();
     let (mut lower, mut upper) = (vec![0.0; declared.len()], vec![0.0; declared.len()]);
     scene.free_parameter_bounds(&mut lower, &mut upper);
@@ -145,6 +178,9 @@ impl Unknown<'_> {
     /// A solution of the problem as one of the scene with the values that were found.
     pub(in crate::ocp) fn of_scene(&self, mut solution: Solution) -> Solution {
         let n = self.scene.declaration().coordinates.len();
+        if let Some(gradient) = &mut solution.gradient {
+            gradient.reorder(&self.gradient);
+        }
         let Some(motion) = &mut solution.motion else {
             return solution;
         };

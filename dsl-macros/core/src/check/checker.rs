@@ -36,6 +36,8 @@ pub(super) struct Abbreviation {
     pub(super) what: &'static str,
 }
 
+// Many fields: what statements of each kind have declared.
+/// What has been declared so far.
 pub(super) struct Checker<'a> {
     pub(super) scope: Scope,
     pub(super) diagnostics: &'a mut Diagnostics,
@@ -53,18 +55,18 @@ pub(super) struct Checker<'a> {
     pub(super) forces: Vec<(usize, Sym)>,
     pub(super) surfaces: Vec<Surface>,
     pub(super) laws: Laws,
-    pub(super) joints: Vec<scene::Joint>,
     pub(super) start: Vec<Assignment>,
     pub(super) horizon: Option<Sym>,
     pub(super) task: Task,
     pub(super) shown: Shown,
 }
 
-/// Laws of contact.
+/// Laws of contact, and joints.
 #[derive(Default)]
 pub(super) struct Laws {
     pub(super) impacts: Vec<CheckedLaw>,
     pub(super) dry: Vec<DryFriction>,
+    pub(super) joints: Vec<scene::Joint>,
 }
 
 /// Dry friction without a surface.

@@ -22,8 +22,10 @@ pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Chec
         let Ok(range) = values::range(checker, range, quantity.unit.as_ref(), &name.text) else {
             continue;
         };
-        let value = Sym::number(checker.parameters[index].default);
-        checker.within(value, range, name.place(), &name.text);
+        let default = checker.parameters[index].default;
+        if !default.is_nan() {
+            checker.within(Sym::number(default), range, name.place(), &name.text);
+        }
         for free in &mut checker.free_parameters {
             if usize::from(free.index) == index {
                 free.bounds = range;

@@ -34,14 +34,19 @@ pub(super) fn joint(
     let Ok(holonomic) = kind(checker, name, &rows, place) else {
         return checker.poison(name);
     };
-    let first = checker.joints.iter().map(|joint| joint.rows.len()).sum();
+    let first = checker
+        .laws
+        .joints
+        .iter()
+        .map(|joint| joint.rows.len())
+        .sum();
     if first + rows.len() > MOST {
         let message = format!("the joints of a scene are at most {MOST} equations");
         return Err(checker.diagnostics.syntax(name.place(), message));
     }
     let known = (name.text.clone(), first..first + rows.len());
     checker.scope.joints.push(known);
-    checker.joints.push(Joint {
+    checker.laws.joints.push(Joint {
         name: name.clone(),
         documentation: documentation.clone(),
         unit: None,
@@ -104,6 +109,15 @@ fn kind(checker: &mut Checker<'_>, name: &Name, rows: &[Sym], place: Place) -> C
             "joint `{text}` depends on {}; it may depend on positions, velocities and the time only. What a motor \
              moves is held by a force, `forces {{ x: u }}`, or given over the time `t`",
             checker.in_words(control)
+        );
+        return Err(checker.diagnostics.report("E25", place, message));
+    }
+    let first_state = checker.scope.first_state;
+    let is_state = |known: &Variable| matches!(known, Variable::Velocity(i) if *i >= first_state);
+    if !checker.states.is_empty() && graph::variables(rows).iter().any(is_state) {
+        let message = format!(
+            "joint `{text}` depends on a state, which changes by its rate alone; it may depend on positions, velocities and the time \
+             only"
         );
         return Err(checker.diagnostics.report("E25", place, message));
     }
@@ -196,7 +210,7 @@ fn velocities(n: usize) -> Vec<Variable> {
 
 /// Names of the joints that are equations between velocities.
 pub(super) fn of_velocities(checker: &Checker<'_>) -> HashSet<String> {
-    let rolling = checker.joints.iter().filter(|joint| !joint.holonomic);
+    let rolling = checker.laws.joints.iter().filter(|joint| !joint.holonomic);
     rolling.map(|joint| joint.name.text.clone()).collect()
 }
 
@@ -206,7 +220,7 @@ pub(super) fn finish(
     units: &HashMap<String, Unit>,
     contacts: &[Contact],
 ) {
-    if checker.joints.is_empty() {
+    if checker.laws.joints.is_empty() {
         return;
     }
     for contact in contacts.iter().filter(|contact| contact.along.is_some()) {
@@ -218,7 +232,7 @@ pub(super) fn finish(
         let place = contact.name.place();
         checker.diagnostics.report("E25", place, message);
     }
-    for joint in &mut checker.joints {
+    for joint in &mut checker.laws.joints {
         let unit = units.get(&joint.name.text).copied();
         joint.unit = unit;
     }

@@ -54,7 +54,6 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         forces: Vec::new(),
         surfaces: Vec::new(),
         laws: Laws::default(),
-        joints: Vec::new(),
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
@@ -281,17 +280,8 @@ fn finish(
     let mut forces = total_forces(&checker);
     states::append(&mut checker, &mut forces);
     switches::append(&mut checker, &mut forces, &mut contacts)?;
-    let mut dynamics: Vec<Sym> = vec![lagrangian];
-    dynamics.extend(&forces);
-    for contact in &contacts {
-        dynamics.push(contact.gap);
-        dynamics.extend(contact.bound);
-        dynamics.extend(contact.along.iter().flatten());
-        dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
-        dynamics.extend(contact.switch.iter().flatten());
-    }
     joint::finish(&mut checker, &units.gaps, &contacts);
-    dynamics.extend(checker.joints.iter().flat_map(|joint| &joint.rows));
+    let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
     if let Some(task) = &optimal_control {
         dynamics.extend(task.running_cost);
@@ -306,8 +296,8 @@ fn finish(
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
     }
-    let explicit_time = graph::variables(&dynamics).contains(&Variable::Time);
     Ok(CheckedScene {
+        explicit_time: graph::variables(&dynamics).contains(&Variable::Time),
         documentation: declared.documentation.clone(),
         visibility: declared.visibility.clone(),
         name: declared.name.clone(),
@@ -318,10 +308,9 @@ fn finish(
         lagrangian,
         forces,
         contacts,
-        joints: checker.joints,
+        joints: checker.laws.joints,
         start,
         horizon: checker.horizon,
-        explicit_time,
         optimal_control,
         outputs: checker.shown.outputs,
         picture: checker.shown.picture,
@@ -329,6 +318,26 @@ fn finish(
         free_parameters: checker.free_parameters,
         held: Vec::new(),
     })
+}
+
+/// All functions of the motion.
+fn dynamics(
+    lagrangian: Sym,
+    forces: &[Sym],
+    contacts: &[scene::Contact],
+    joints: &[scene::Joint],
+) -> Vec<Sym> {
+    let mut dynamics: Vec<Sym> = vec![lagrangian];
+    dynamics.extend(forces);
+    for contact in contacts {
+        dynamics.push(contact.gap);
+        dynamics.extend(contact.bound);
+        dynamics.extend(contact.along.iter().flatten());
+        dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
+        dynamics.extend(contact.switch.iter().flatten());
+    }
+    dynamics.extend(joints.iter().flat_map(|joint| &joint.rows));
+    dynamics
 }
 
 /// Generalized forces in declared units: applied forces minus the gradient of the dissipation

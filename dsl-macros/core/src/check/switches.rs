@@ -32,13 +32,14 @@ pub(super) fn append(
             });
         }
     }
+    one_after_the_other(&switches, forces);
     let acting = graph::variables(forces);
     let acting: Vec<&Switch> = switches
         .iter()
         .filter(|switch| acting.contains(&switch.variable))
         .collect();
     let still = |variable| matches!(variable, Variable::Switch(_)).then_some(Sym::ZERO);
-    let before = checker.diagnostics.mistakes();
+    let (before, first) = (checker.diagnostics.mistakes(), contacts.len());
     for (k, switch) in acting.iter().enumerate() {
         let slopes = graph::partial(forces, switch.variable);
         if let Some(other) = acting[..=k]
@@ -55,13 +56,38 @@ pub(super) fn append(
         }
         contacts.push(contact(switch, action));
     }
-    let first = contacts.len() - acting.len().min(contacts.len());
     shown(checker, &switches, &acting, first);
     replace(forces, still);
     if checker.diagnostics.mistakes() > before {
         return Err(Reported);
     }
     Ok(())
+}
+
+/// Writes products of switches one of which never is 1 before the other one as sums: where `c_2 - c_1` is a positive number,
+/// `s_1 s_2 = 1 + s_1 - s_2`, also where either slides.
+fn one_after_the_other(switches: &[Switch], forces: &mut [Sym]) {
+    let jumps: Vec<&Switch> = switches.iter().filter(|switch| !switch.kink).collect();
+    for (k, second) in jumps.iter().enumerate() {
+        for first in &jumps[..k] {
+            let of_both = graph::partial(&graph::partial(forces, first.variable), second.variable);
+            let of_both: Vec<Sym> = of_both.into_iter().map(simplify).collect();
+            let (one, other) = (
+                Sym::variable(first.variable),
+                Sym::variable(second.variable),
+            );
+            let apart =
+                |sign: f64| simplify(second.function - first.function.scaled(sign)).as_number();
+            let sum = match (apart(1.0), apart(-1.0)) {
+                (Some(apart), _) => Sym::ONE + (one - other).scaled(apart.signum()),
+                (_, Some(apart)) => (one + other).scaled(apart.signum()) - Sym::ONE,
+                _ => continue,
+            };
+            for (force, of_both) in forces.iter_mut().zip(of_both) {
+                *force = simplify(*force + of_both * (sum - one * other));
+            }
+        }
+    }
 }
 
 fn replace(values: &mut [Sym], by: impl Fn(Variable) -> Option<Sym>) {
@@ -140,8 +166,9 @@ fn product(checker: &mut Checker<'_>, switch: &Switch, other: &Switch) {
         )
     } else {
         format!(
-            "what acts contains a product of the switches `{}` and `{}`, and where both functions vanish the motion is not \
-             determined by that; write a sum of terms with one switch each, or one switch by a single function",
+            "what acts contains a product of the switches `{}` and `{}`, as of one inside of the other, and where both functions vanish \
+             the motion is not determined by that; write a sum of terms with one switch each, or switches by functions that differ by \
+             a number, as in `if x >= 2 {{ a }} else if x >= 1 {{ b }} else {{ c }}`",
             other.shown, switch.shown
         )
     };

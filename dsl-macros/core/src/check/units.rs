@@ -64,29 +64,7 @@ pub(super) fn inferred(
             faulty: HashSet::new(),
         };
     }
-    let mut unifier = Unifier::default();
-    let energy = unifier.unknown("lagrangian");
-    let mut walk = Walk {
-        diagnostics,
-        unifier,
-        values: HashMap::new(),
-        functions: HashMap::new(),
-        frames: Vec::new(),
-        visited: 0,
-        coordinates: Vec::new(),
-        energy,
-        called: scene.name.place(),
-        gaps: Vec::new(),
-        sliding: Vec::new(),
-        constraints: Vec::new(),
-        goals: Vec::new(),
-        shown: Shown::default(),
-        faulty: HashSet::new(),
-        angles: Vec::new(),
-        radians: HashSet::new(),
-        joints: Vec::new(),
-        rolling,
-    };
+    let mut walk = walk(scene, rolling, diagnostics);
     let mut sound = true;
     statement::declare(&mut walk, scene);
     for (index, statement) in scene.statements.iter().enumerate() {
@@ -129,6 +107,33 @@ pub(super) fn inferred(
             .into_iter()
             .filter_map(|(name, dimension)| Some((name, unifier.known(&dimension)?)))
             .collect(),
+    }
+}
+
+/// A walk that has not begun.
+fn walk<'a>(scene: &Scene, rolling: HashSet<String>, diagnostics: &'a mut Diagnostics) -> Walk<'a> {
+    let mut unifier = Unifier::default();
+    let energy = unifier.unknown("lagrangian");
+    Walk {
+        diagnostics,
+        unifier,
+        values: HashMap::new(),
+        functions: HashMap::new(),
+        frames: Vec::new(),
+        visited: 0,
+        coordinates: Vec::new(),
+        energy,
+        called: scene.name.place(),
+        gaps: Vec::new(),
+        sliding: Vec::new(),
+        constraints: Vec::new(),
+        goals: Vec::new(),
+        shown: Shown::default(),
+        faulty: HashSet::new(),
+        angles: Vec::new(),
+        radians: HashSet::new(),
+        joints: Vec::new(),
+        rolling,
     }
 }
 

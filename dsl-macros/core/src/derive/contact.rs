@@ -11,7 +11,7 @@ use super::alike::{Alike, Renaming};
 use super::contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
 use super::held::along_motion;
 use super::implicit::{self, Implicit, WRITTEN_OUT};
-use super::joint::Row;
+use super::joint_row::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
@@ -143,11 +143,10 @@ impl Mechanism<'_> {
         contacts: &[ContactEquations],
         alike: &mut Alike,
     ) -> Result<ContactEquations, Failure> {
-        if let (Some(action), Some(friction)) = (&contact.switch, &contact.friction) {
-            return Ok(self.switch(action, friction));
-        }
-        if let (Some(bound), Some(friction)) = (contact.bound, &contact.friction) {
-            return Ok(self.dry(bound, friction));
+        match (contact.bound, &contact.friction, &contact.switch) {
+            (Some(_), Some(friction), Some(action)) => return Ok(self.switch(action, friction)),
+            (Some(bound), Some(friction), None) => return Ok(self.dry(bound, friction)),
+            _ => {}
         }
         let geometry = geometry(contact, (self.all, self.moving));
         let Some(part) = self.part_of(contact, &geometry.2) else {

@@ -10,7 +10,7 @@
 //! because `F` is linear in `y`.
 
 use super::explicit::{Sparse, hessian, jacobian};
-use super::joint::Row;
+use super::joint_row::Row;
 use super::ldl::Factorization;
 use crate::graph::{self, Sym, Variable};
 use crate::tape;

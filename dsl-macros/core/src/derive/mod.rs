@@ -18,6 +18,7 @@ mod failure;
 mod held;
 mod implicit;
 mod joint;
+mod joint_row;
 mod ldl;
 mod residual;
 mod simplify;
@@ -70,36 +71,15 @@ pub(crate) struct Equations {
 
 /// Derives all equations of a scene.
 pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
-    let n = scene.coordinates.len();
-    let inputs = inputs(scene);
+    let (n, inputs, lagrangian) = (scene.coordinates.len(), inputs(scene), scene.lagrangian);
     let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
-    let lagrangian = scene.lagrangian;
-    let mechanical = scene.mechanical();
-    let mut momenta = graph::gradient(lagrangian, &velocities[..mechanical]);
-    let energy = energy(lagrangian, &momenta, &velocities[..mechanical]);
-    // A state is the velocity of a coordinate of unit mass.
-    let states = &velocities[mechanical..];
-    momenta.extend(states.iter().copied().map(Sym::variable));
+    let (momenta, energy) = momenta_and_energy(scene, velocities);
     let mass = mass_matrix(&momenta, velocities)?;
     let moving = held::moving(scene);
     let mut conservative = graph::gradient(lagrangian, coordinates);
     conservative[moving..].fill(Sym::ZERO);
-    let applied: Vec<Sym> = conservative
-        .iter()
-        .zip(&scene.forces)
-        .map(|(&conservative, &force)| conservative + force)
-        .collect();
-    let transport = graph::directional(&momenta, held::along_motion(moving));
-    let right: Vec<Sym> = conservative
-        .iter()
-        .zip(&transport)
-        .zip(&scene.forces)
-        // Each part by itself: the terms of both rarely cancel, and long sums are not simplified.
-        .map(|((&conservative, &transport), &force)| {
-            simplify(simplify_equation(conservative - transport) + simplify_equation(force))
-        })
-        .collect();
-    let joints = joint::rows(scene);
+    let [applied, right] = right_hand_side(&momenta, &conservative, &scene.forces, moving);
+    let joints = joint_row::rows(scene);
     let all: Vec<usize> = (0..n).collect();
     let inertia = implicit::Locked {
         mass: &mass,
@@ -108,7 +88,6 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         held: &[],
         joints: &joints,
     };
-    // Equations of motion and of joints.
     let order = inertia.size();
     let singular = |coordinate| Failure::SingularMass { coordinate };
     let formulas = (n <= EXPLICIT && joints.is_empty())
@@ -141,11 +120,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         (None, Some(factors)) => Solution::Explicit(by_elimination(factors)),
         (_, None) => Solution::Implicit(motion()),
     };
-    let forces = (!joints.is_empty()).then(|| {
-        let solution = stepwise.as_ref();
-        let solution = solution.map(|factors| factors.solve(&inertia.right(&right)));
-        joint::equations(scene, &joints, (solution.as_deref(), n), &inputs)
-    });
+    let forces = joint::equations(scene, &inertia, (stepwise.as_ref(), &right), &inputs);
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
     let inertia = contact::Mechanism {
         mass: &mass,
@@ -174,6 +149,42 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         joints: forces,
         optimal_control,
     })
+}
+
+/// Momenta of all coordinates, and the energies.
+fn momenta_and_energy(scene: &CheckedScene, velocities: &[Variable]) -> (Vec<Sym>, [Sym; 2]) {
+    let (lagrangian, mechanical) = (scene.lagrangian, scene.mechanical());
+    let mut momenta = graph::gradient(lagrangian, &velocities[..mechanical]);
+    let energy = energy(lagrangian, &momenta, &velocities[..mechanical]);
+    // A state is the velocity of a coordinate of unit mass.
+    let states = &velocities[mechanical..];
+    momenta.extend(states.iter().copied().map(Sym::variable));
+    (momenta, energy)
+}
+
+/// What acts on each coordinate, `dL/dq + Q`, and `r`.
+fn right_hand_side(
+    momenta: &[Sym],
+    conservative: &[Sym],
+    forces: &[Sym],
+    moving: usize,
+) -> [Vec<Sym>; 2] {
+    let applied: Vec<Sym> = conservative
+        .iter()
+        .zip(forces)
+        .map(|(&conservative, &force)| conservative + force)
+        .collect();
+    let transport = graph::directional(momenta, held::along_motion(moving));
+    let right: Vec<Sym> = conservative
+        .iter()
+        .zip(&transport)
+        .zip(forces)
+        // Each part by itself: the terms of both rarely cancel, and long sums are not simplified.
+        .map(|((&conservative, &transport), &force)| {
+            simplify(simplify_equation(conservative - transport) + simplify_equation(force))
+        })
+        .collect();
+    [applied, right]
 }
 
 /// The input vector `(q, v, u[, t])`, and behind it the parameters by which all is differentiated.

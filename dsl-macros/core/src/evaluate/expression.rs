@@ -380,12 +380,7 @@ fn call(
         ));
     }
     if switch::is_switch(text) && scope.may_switch() || switch::may_jump(scope, text) {
-        let parts: Vec<Checked<Sym>> = arguments
-            .iter()
-            .map(|argument| scalar(scope, argument, diagnostics))
-            .collect();
-        let parts = parts.into_iter().collect::<Checked<Vec<Sym>>>()?;
-        return switch::call(scope, whole, (text, arguments), &parts, diagnostics);
+        return switched(scope, whole, (text, arguments), diagnostics);
     }
     if words::NONSMOOTH.contains(&text) || text == words::IF {
         if let ("sign" | "signum", [argument]) = (text, arguments)
@@ -438,6 +433,21 @@ fn call(
         return Err(diagnostics.report("E02", whole.place, message));
     }
     known_function(scope, whole, text, arguments, diagnostics)
+}
+
+/// A switch of these arguments.
+fn switched(
+    scope: &mut Scope,
+    whole: &Expr,
+    (text, arguments): (&str, &[Expr]),
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let parts: Vec<Checked<Sym>> = arguments
+        .iter()
+        .map(|argument| scalar(scope, argument, diagnostics))
+        .collect();
+    let parts = parts.into_iter().collect::<Checked<Vec<Sym>>>()?;
+    switch::call(scope, whole, (text, arguments), &parts, diagnostics)
 }
 
 /// Evaluates an expression in which `name` stands for a number.

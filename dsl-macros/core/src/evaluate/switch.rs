@@ -124,8 +124,7 @@ fn switch(
     let wrong = variables.iter().find_map(|variable| match variable {
         Variable::Switch(_) => Some((
             "E12",
-            "switches itself, so that it has no rate where it would vanish; switch by a smooth function, and \
-             put one `if` inside of the braces of another",
+            "switches itself, so that it has no rate where it would vanish; switch by a smooth function",
         )),
         Variable::Control(_) => Some((
             "E07",

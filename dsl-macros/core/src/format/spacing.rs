@@ -65,7 +65,7 @@ impl Line {
         }
         let text = piece.text.as_str();
         let keyword = words::is_keyword(text)
-            || text == "in"
+            || ["in", words::IF, "else"].contains(&text)
             || (self.picture
                 && (self.value || self.text.is_empty())
                 && words::PICTURE.contains(&text));
@@ -77,7 +77,17 @@ impl Line {
     fn symbol(&mut self, piece: &Piece) {
         match piece.text.as_str() {
             sign @ ("+" | "-") if self.value => self.spaced(sign),
-            sign @ ("=" | "==" | ">=" | "<=") => self.spaced(sign),
+            sign @ ("=" | "==" | ">=" | "<=" | "<" | ">") => self.spaced(sign),
+            // The values of a comparison.
+            "{" => {
+                self.spaced("{");
+                self.depth += 1;
+            }
+            "}" => {
+                self.depth = self.depth.saturating_sub(1);
+                self.spaced("}");
+                self.value = true;
+            }
             mark @ ("," | ":" | ";") => {
                 self.write(mark);
                 self.value = false;

@@ -443,7 +443,8 @@ impl Parser<'_> {
             return Err(self.diagnostics.syntax(cursor.place(), message));
         }
         let no = match cursor.at_word(words::IF) {
-            true => self.primary(cursor)?,
+            // Guarded against chains without end.
+            true => self.climb(cursor, u8::MAX)?,
             false => self.braced(cursor, SHAPE)?,
         };
         let (large, small) = if greater {

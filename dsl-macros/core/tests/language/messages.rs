@@ -449,7 +449,7 @@ texts! {
     bound_below_zero: beside "dry friction rail: bound -m*g, sliding dot(y)" =>
         "E10: the bound of dry friction `rail` is -9.81 < 0: the force would drive the sliding instead of braking it; change its sign";
     bound_with_a_kink: beside "dry friction rail: bound |2 [N]*y/1 [m]|, sliding dot(y)" =>
-        "E12: `|2 [N]*y/1 [m]|` of a number has a kink at 0; square it, or declare a `surface` where the motion switches";
+        "E12: `|2 [N]*y/1 [m]|` of a number has a kink at 0, which energies and laws must not have; write what acts in `forces`, which may switch, or declare a `surface`, which may contain it, where the motion strikes";
     place_instead_of_a_velocity: beside "dry friction rail: bound 2 [N], sliding y" =>
         "E07: the sliding velocity `y` contains no velocity; write e.g. `dot(y)`";
     dry_friction_with_a_law: beside "dry friction rail: bound 2 [N], sliding dot(y) impact rail: inelastic" =>

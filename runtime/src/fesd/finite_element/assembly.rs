@@ -60,6 +60,7 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
         turned.multiply(&constraints.turning[..forces * n], n);
         along.multiply(&constraints.gradients[..forces * n], n);
         for j in 0..stages {
+            let constraints = &element.constraints;
             let (first, second) = numerical_time::weights(element, m, j);
             let shift = h * element.tableau.a(m, j);
             let (rows, columns) = (m * block, j * block);
@@ -86,9 +87,9 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 let turning = &constraints.turning[i * n..(i + 1) * n];
                 let velocity_row = (rows + n + i) * size + columns;
                 if constraints.is_given(i) {
-                    let entries = element.matrix[velocity_row..].iter_mut();
-                    for (entry, (turning, gradient)) in entries.zip(turning.iter().zip(gradient)) {
-                        *entry = -second * turning - first * gradient;
+                    for k in 0..n {
+                        let by_state = second * turning[k] + first * gradient[k];
+                        element.matrix[velocity_row + k] = -by_state;
                     }
                     for (other, turned) in turned.of_row(i).iter().enumerate() {
                         element.matrix[velocity_row + n + forces + other] = -h * shift * turned;
@@ -106,19 +107,33 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                     element.matrix[velocity_row + n + forces + other] = shift * turned;
                 }
             }
-            for i in 0..positions {
-                let row = constraints.of_position(i);
-                let normal = &constraints.gradients[row * n..(row + 1) * n];
-                let gap_row = (rows + n + forces + i) * size + columns;
-                for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
-                    *entry = second * gradient / (h * h);
-                }
-                for (other, along) in along.of_row(row).iter().enumerate() {
-                    element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
-                }
-            }
+            hold_positions(element, (m, j), second, &along);
         }
         numerical_time::add_to_rows(element, m);
+    }
+}
+
+/// The rows of positions of stage `m` in the columns of stage `j`, of whose accelerations `second` makes coordinates.
+fn hold_positions(
+    element: &mut FiniteElement<'_>,
+    (m, j): (usize, usize),
+    second: f64,
+    along: &Products,
+) {
+    let (n, h, block) = (element.n, element.length, element.block());
+    let (constraints, size) = (&element.constraints, element.tableau.stages() * block);
+    let (forces, positions) = (constraints.count(), constraints.positions());
+    let (rows, columns) = (m * block, j * block);
+    for i in 0..positions {
+        let row = constraints.of_position(i);
+        let normal = &constraints.gradients[row * n..(row + 1) * n];
+        let gap_row = (rows + n + forces + i) * size + columns;
+        for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
+            *entry = second * gradient / (h * h);
+        }
+        for (other, along) in along.of_row(row).iter().enumerate() {
+            element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{
     ElementError, FiniteElement, MAX_ITERATIONS, State, assembly, end, largest, numerical_time,
 };
+use crate::joints::JointError;
 use crate::linalg::dense;
 use crate::model::ControlPiece;
 use crate::rk::ButcherTableau;
@@ -128,7 +129,10 @@ fn evaluate_start(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
         let direction = &element.constraints.directions[row * n..(row + 1) * n];
         correction.copy_from_slice(direction);
     }
-    frozen
+    frozen.map_err(|error| match error {
+        JointError::Singular => ElementError::Singular,
+        JointError::NotClosed => ElementError::NotFinite,
+    })
 }
 
 /// Simplified Newton iterations: the factors are kept as long as they contract well.

@@ -145,6 +145,22 @@ fn purposes(n: usize, active: &[ActiveContact], normals: usize) -> Vec<Purpose> 
     purposes
 }
 
+/// Adds the signs that are watched of contacts.
+fn add_signs(tally: &mut Tally, model: &dyn Model, active: &[ActiveContact], stages: usize) {
+    let surfaces = surfaces(model);
+    // One sign of the gap or the force of each contact is watched, and one of each friction.
+    for contact in 0..model.declaration().contacts.len() {
+        let held = active.iter().find(|held| held.contact == contact);
+        if contact < surfaces {
+            let sign = held.map_or(Purpose::Gap, |_| Purpose::ContactForce);
+            tally.of(sign).inequalities += stages;
+        }
+        if held.is_some_and(|held| held.tangential != Tangential::Idle) {
+            tally.of(Purpose::Friction).inequalities += stages;
+        }
+    }
+}
+
 /// The groups of an element with that many `stages` in a contact mode, in physical time, or in numerical time if the clock
 /// is `slowed`. `x` is an input of the model at which directions show which of their components are not always 0.
 pub(crate) fn groups(
@@ -215,17 +231,7 @@ pub(crate) fn groups(
             };
         }
     }
-    // One sign of the gap or the force of each contact is watched, and one of each friction.
-    for contact in 0..model.declaration().contacts.len() {
-        let held = active.iter().find(|held| held.contact == contact);
-        if contact < surfaces {
-            let sign = held.map_or(Purpose::Gap, |_| Purpose::ContactForce);
-            tally.of(sign).inequalities += stages;
-        }
-        if held.is_some_and(|held| held.tangential != Tangential::Idle) {
-            tally.of(Purpose::Friction).inequalities += stages;
-        }
-    }
+    add_signs(&mut tally, model, active, stages);
     tally.groups()
 }
 

@@ -74,9 +74,11 @@ fn straight(model: &dyn Model, problem: &Problem, bounds: (&[f64], &[f64])) -> T
                 x[k] += share * (target - problem.q[k]);
             }
         }
-        for k in declaration.mechanical()..n {
-            x[n + k] = problem.v[k];
-            x[k] += share * horizon * problem.v[k];
+        let first = declaration.mechanical();
+        let states = &problem.v[first..];
+        x[n + first..2 * n].copy_from_slice(states);
+        for (integral, state) in x[first..n].iter_mut().zip(states) {
+            *integral += share * horizon * state;
         }
         with_forces(model, x, &drive(model, &controls, share * horizon))
     });

@@ -1,10 +1,10 @@
 //! What parameters that are unknowns decide of a motion: parts of its start, its length, and the laws of contacts.
 
-use super::frame::state_name;
 use super::kernel::Kernel;
 use super::sparse_program::{Laws, Program};
 use super::units::Units;
 use crate::model::{Given, Model, held};
+use hangtime_solver::nlp::NlpProblem as _;
 
 /// Bounds of what a row decides.
 const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -35,7 +35,7 @@ pub(in crate::ocp) fn add(
         };
         let (variable, name, unit) = match *given {
             Given::Start(k) => {
-                let name = format!("initial {} by parameters", state_name(model, k));
+                let name = format!("{} by parameters", program.variable_name(start[k]));
                 (start[k], name, units.states[k])
             }
             Given::Horizon => (horizon, "final time by parameters".to_owned(), units.time),

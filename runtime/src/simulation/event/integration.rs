@@ -363,7 +363,17 @@ impl<'a> Integration<'a> {
         let allowed = |component, _| scale.allowed(component, h, tolerance);
         let mut error = self.method.error(h, allowed);
         if error <= 1.0 {
+            let joined = self.dynamics.has_joints();
+            let integrated = joined.then(|| self.method.end()[..2 * n].to_vec());
             if motion::project(&mut self.dynamics, self.t + h, self.method.end_mut()) {
+                // How far joints were from holding is an error of the step as well.
+                let moved = integrated.iter().flatten().zip(self.method.end());
+                let moved = moved
+                    .enumerate()
+                    .fold(0.0_f64, |most, (k, (before, after))| {
+                        most.max((after - before).abs() / scale.allowed(k, h, tolerance))
+                    });
+                error = error.max(moved);
                 self.method.finish(&mut self.dynamics, self.t, h);
             } else {
                 error = f64::NAN;

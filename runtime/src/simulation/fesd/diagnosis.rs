@@ -227,6 +227,8 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
             driver.now.state.time
         )
     };
+    let failed =
+        |what: &str| SimulationStatus::StepFailed(diagnosis(driver, step, contact, describe(what)));
     match stop {
         Stop::Interrupted => interrupted(driver.now.state.time, driver.record.counts.elements),
         Stop::Element(ElementError::NotFinite) | Stop::Mode(ModeError::NotFinite) => {
@@ -255,38 +257,20 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
             contact,
             describe("the normals of the active contacts are dependent"),
         )),
-        Stop::Element(ElementError::Singular) => SimulationStatus::StepFailed(diagnosis(
-            driver,
-            step,
-            contact,
-            describe("singular element matrix; the active contacts may be dependent"),
-        )),
-        Stop::Element(ElementError::NotConverged) => SimulationStatus::StepFailed(diagnosis(
-            driver,
-            step,
-            contact,
-            describe("Newton's method did not converge; take more steps"),
-        )),
-        Stop::Program(what) => {
-            SimulationStatus::StepFailed(diagnosis(driver, step, contact, describe(what)))
+        Stop::Element(ElementError::Singular) => {
+            failed("singular element matrix; the active contacts may be dependent")
         }
+        Stop::Element(ElementError::NotConverged) => {
+            failed("Newton's method did not converge; take more steps")
+        }
+        Stop::Program(what) => failed(what),
         &Stop::Leap(contact, time) => SimulationStatus::NotFinite(Diagnosis {
             time,
             step,
             contact: Some(contact),
             message: leaps(driver.setup.name(contact)),
         }),
-        Stop::Unresolved => SimulationStatus::StepFailed(diagnosis(
-            driver,
-            step,
-            contact,
-            describe("a gap varies too fast for the elements; take more steps"),
-        )),
-        Stop::Location => SimulationStatus::StepFailed(diagnosis(
-            driver,
-            step,
-            contact,
-            describe("a switch could not be located; take more steps"),
-        )),
+        Stop::Unresolved => failed("a gap varies too fast for the elements; take more steps"),
+        Stop::Location => failed("a switch could not be located; take more steps"),
     }
 }

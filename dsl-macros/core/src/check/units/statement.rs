@@ -66,29 +66,10 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
                 .insert(name.text.clone(), (arguments.clone(), body.clone()));
             Ok(())
         }
-        Statement::Lagrangian { value, .. } => {
-            let own = walk.scalar(value)?;
-            let energy = walk.energy.clone();
-            walk.unifier.unify(&own, &energy);
-            Ok(())
-        }
-        Statement::Dissipation { value, .. } => {
-            let own = walk.scalar(value)?;
-            let wanted = walk.energy.over(&Dimension::second());
-            walk.expect(value, &own, &wanted, "the dissipation is a power")
-        }
-        Statement::Rates(assignments) => {
-            for assignment in assignments {
-                let _: Checked<()> = rate(walk, assignment);
-            }
-            Ok(())
-        }
-        Statement::Forces(assignments) => {
-            for assignment in assignments {
-                let _: Checked<()> = force(walk, assignment);
-            }
-            Ok(())
-        }
+        Statement::Lagrangian { value, .. } => lagrangian(walk, value),
+        Statement::Dissipation { value, .. } => dissipation(walk, value),
+        Statement::Forces(assignments) => each(walk, assignments, force),
+        Statement::Rates(assignments) => each(walk, assignments, rate),
         Statement::Surface {
             name, left, right, ..
         } => {
@@ -97,10 +78,8 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         }
         Statement::Impact { surfaces, law } => impact_law(walk, surfaces, law),
         Statement::Dry { .. } => dry_friction(walk, statement),
-        Statement::Joint {
-            name, left, right, ..
-        } => {
-            let result = joint(walk, name, left, right);
+        Statement::Joint { name, .. } => {
+            let result = joint(walk, statement);
             noted(walk, name, result)
         }
         Statement::Minimize { value, .. } => walk.scalar(value).map(|_| ()),
@@ -124,17 +103,36 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             }
             Ok(())
         }
-        Statement::Start(assignments) => {
-            for assignment in assignments {
-                let result = start(walk, assignment);
-                let _: Checked<()> = noted(walk, &assignment.target, result);
-            }
-            Ok(())
-        }
+        Statement::Start(assignments) => starts(walk, assignments),
         Statement::Horizon { value, .. } => horizon(walk, value),
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
         Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
+}
+
+/// Each assignment reports its own mistakes; the next one is checked all the same.
+fn each(
+    walk: &mut Walk<'_>,
+    assignments: &[Assignment],
+    one: fn(&mut Walk<'_>, &Assignment) -> Checked<()>,
+) -> Checked<()> {
+    for assignment in assignments {
+        let _: Checked<()> = one(walk, assignment);
+    }
+    Ok(())
+}
+
+fn lagrangian(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
+    let own = walk.scalar(value)?;
+    let energy = walk.energy.clone();
+    walk.unifier.unify(&own, &energy);
+    Ok(())
+}
+
+fn dissipation(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
+    let own = walk.scalar(value)?;
+    let wanted = walk.energy.over(&Dimension::second());
+    walk.expect(value, &own, &wanted, "the dissipation is a power")
 }
 
 /// Remembers what `name` belongs to if its units differ.
@@ -171,7 +169,13 @@ fn surface(walk: &mut Walk<'_>, name: &Name, left: &Expr, right: &Expr) -> Check
 
 /// Both sides of a joint agree, component by component. A force does work on what it holds: a joint of velocities is measured
 /// by the way.
-fn joint(walk: &mut Walk<'_>, name: &Name, left: &Expr, right: &Expr) -> Checked<()> {
+fn joint(walk: &mut Walk<'_>, statement: &Statement) -> Checked<()> {
+    let Statement::Joint {
+        name, left, right, ..
+    } = statement
+    else {
+        return Ok(());
+    };
     angle::compared(walk, left, right);
     let (own, its) = (walk.units(left), walk.units(right));
     let (own, its) = (own?, its?);
@@ -244,6 +248,14 @@ fn force(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
     );
     // On an angle acts a torque.
     walk.expect_called(&assignment.value, (&own, &wanted), &reason, ["J", "N m"])
+}
+
+fn starts(walk: &mut Walk<'_>, assignments: &[Assignment]) -> Checked<()> {
+    for assignment in assignments {
+        let result = start(walk, assignment);
+        let _: Checked<()> = noted(walk, &assignment.target, result);
+    }
+    Ok(())
 }
 
 /// What a state changes by.

@@ -418,12 +418,9 @@ impl Walk<'_> {
             ("atan2", [y, x]) => {
                 let (own, its) = (self.scalar(y)?, self.scalar(x)?);
                 if !self.unifier.unify(&own, &its) {
-                    return Err(self.differ(
-                        function.place(),
-                        (y, &own),
-                        (x, &its),
-                        "both arguments of `atan2`",
-                    ));
+                    let (left, right) = ((y, &own), (x, &its));
+                    let what = "both arguments of `atan2`";
+                    return Err(self.differ(function.place(), left, right, what));
                 }
                 Ok(Units::Scalar(Dimension::one()))
             }
@@ -434,13 +431,10 @@ impl Walk<'_> {
             }
             ("abs", [argument]) => self.units(argument),
             (_, [argument]) if words::JUMPS.contains(&text) => {
-                self.scalar(argument)?;
-                Ok(Units::Scalar(Dimension::one()))
+                let argument = self.scalar(argument);
+                argument.map(|_| Units::Scalar(Dimension::one()))
             }
-            (words::IF, [left, right, yes, no]) => {
-                self.extreme(function, left, std::slice::from_ref(right))?;
-                self.extreme(function, yes, std::slice::from_ref(no))
-            }
+            (words::IF, [left, right, yes, no]) => self.choice(function, [left, right], [yes, no]),
             ("max" | "min", [first, others @ ..]) => self.extreme(function, first, others),
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
@@ -476,6 +470,17 @@ impl Walk<'_> {
             "force" | "friction_force" => force,
             _ => force.times(&Dimension::second()),
         }))
+    }
+
+    /// Units of what a comparison chooses from.
+    fn choice(
+        &mut self,
+        function: &Name,
+        [left, right]: [&Expr; 2],
+        [yes, no]: [&Expr; 2],
+    ) -> Checked<Units> {
+        self.extreme(function, left, std::slice::from_ref(right))?;
+        self.extreme(function, yes, std::slice::from_ref(no))
     }
 
     /// Units of the largest or smallest of some numbers.

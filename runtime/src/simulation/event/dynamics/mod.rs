@@ -208,6 +208,11 @@ impl<'a> Dynamics<'a> {
         }
     }
 
+    /// Whether the scene has joints.
+    pub(in crate::simulation) fn has_joints(&self) -> bool {
+        self.joints.is_some()
+    }
+
     /// A result without events and trajectory.
     pub(in crate::simulation) fn empty_result(&self) -> Simulation {
         Simulation {

@@ -62,9 +62,16 @@ fn linkage(random: &mut Random) -> String {
     } else {
         "inelastic".to_owned()
     };
+    let rubs = match random.between(0.0, 1.0) < 0.5 {
+        true => format!(
+            ", friction {}, sliding dot(({pin}).y)",
+            random.between(0.1, 0.8)
+        ),
+        false => String::new(),
+    };
     format!(
         "coordinates {{ {coordinates} }} lagrangian 0 [J] {energy} {joints}
-         surface floor: ({pin}).z >= {} [m] impact floor: {law} start {{ {start} }} horizon 1 [s]",
+         surface floor: ({pin}).z >= {} [m] impact floor: {law}{rubs} start {{ {start} }} horizon 1 [s]",
         random.between(-0.6, -0.2)
     )
 }

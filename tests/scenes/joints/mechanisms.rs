@@ -292,6 +292,42 @@ fn forces_of_joints_know_the_forces_of_contacts() {
     }
 }
 
+/// A coordinate that is rigid under the impulse, where a joint makes one coordinate of two.
+#[test]
+fn contacts_that_hold_coordinates_know_joints() {
+    let rest = "surface floor: a + 2*b >= 0  impact floor: restitution 0.5, holding a
+         start { a: 0.2, b: 0.4, dot(a): 0.3, dot(b): -1 }
+         horizon 0.6 [s]";
+    let joined = scene(&format!(
+        "parameters {{ m: kg = 1, k: kg = 0.4, s: N/m = 3 }} coordinates {{ a: m, b: m, c: m }}
+         lagrangian m/2*(dot(a)^2 + dot(b)^2 + dot(c)^2) + k*dot(a)*dot(b) - s/2*(a^2 + b*c)
+         joint same: b == c {rest}"
+    ));
+    let single = scene(&format!(
+        "parameters {{ m: kg = 1, k: kg = 0.4, s: N/m = 3 }} coordinates {{ a: m, b: m }}
+         lagrangian m/2*(dot(a)^2 + 2*dot(b)^2) + k*dot(a)*dot(b) - s/2*(a^2 + b^2) {rest}"
+    ));
+    // The joint completes the start: b takes a part of what c is off.
+    let start = solved(simulate(&joined).run());
+    let begin = |name: &str| start[name][0];
+    let exact = simulate(&single)
+        .start("a", begin("a"))
+        .start("b", begin("b"))
+        .start("dot(a)", begin("dot(a)"))
+        .start("dot(b)", begin("dot(b)"))
+        .method(EventDriven::default())
+        .tolerance(1e-13)
+        .run();
+    let exact = solved(exact);
+    assert!(!exact.events.is_empty());
+    for run in both(&joined) {
+        assert_eq!(run.events.len(), exact.events.len());
+        for name in ["a", "b", "dot(a)", "dot(b)"] {
+            assert_close(last(&run, name), last(&exact, name), 1e-9, name);
+        }
+    }
+}
+
 #[test]
 fn rows_that_follow_from_others_change_nothing_and_share_forces() {
     let twice = scene(&ROD.replace(

@@ -1,12 +1,8 @@
 //! Motions of scenes with joints against closed forms, and against coordinates that need none.
 
-#[path = "joints/answers.rs"]
 mod answers;
-#[path = "joints/mechanisms.rs"]
 mod mechanisms;
-#[path = "joints/random.rs"]
 mod random;
-#[path = "joints/rolling.rs"]
 mod rolling;
 
 use hangtime::prelude::*;

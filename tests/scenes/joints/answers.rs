@@ -2,7 +2,7 @@
 
 use super::scene;
 use hangtime::prelude::*;
-use hangtime::simulation::{InitialValueProblem, Simulator};
+use hangtime::simulation::{InitialValueProblem, Simulator, step_sizes};
 use hangtime_scene_files::of_text;
 
 const HEAD: &str = "parameters { m: kg = 1, g: m/s^2 = 9.81, l: m = 1.5 }
@@ -78,6 +78,31 @@ fn methods_that_do_not_hold_joints_say_so_by_name() {
 }
 
 #[test]
+fn joints_add_their_rows_to_elements_and_nothing_else() -> Result<(), InputError> {
+    let groups = |statements: &str| {
+        let scene = scene(&format!("{HEAD} {statements}"));
+        let problem = InitialValueProblem::of(&scene, None)?;
+        let sizes = step_sizes(&scene, &problem, &Fesd::default())?;
+        let named = |name: &str| {
+            let found = sizes[0].groups.iter().find(|group| group.name == name);
+            found.map_or((0, 0), |group| {
+                (group.size.variables, group.size.jacobian_nonzeros)
+            })
+        };
+        Ok::<_, InputError>((named("state"), named("joints")))
+    };
+    let (free, none) = groups("")?;
+    assert_eq!(none, (0, 0));
+    // Four stages: a force for each row, and a correction for each position.
+    let (held, joints) = groups("joint rod: x^2 + z^2 == l^2  start { x: l }")?;
+    assert_eq!((held.0, joints.0), (free.0, 4 * 2));
+    let (_, rolling) = groups("joint roll: dot(x) == l*dot(phi)")?;
+    // Its force in 3 accelerations of its stage, and 2 velocities of all stages in its row.
+    assert_eq!(rolling, (4, 4 * 3 + 2 * 16));
+    Ok(())
+}
+
+#[test]
 fn mistakes_with_joints_are_answered() {
     for (statements, words) in [
         (
@@ -137,6 +162,10 @@ fn mistakes_with_joints_are_answered() {
         (
             "joint rod: x == l  outputs { f: m = force(rod) }",
             "units differ",
+        ),
+        (
+            "states { a: m } rates { a: -a/1 [s] } joint rod: x == a",
+            "joint `rod` depends on a state, which changes by its rate alone",
         ),
         (
             "joint rod: x == l  surface floor: z >= 0  impact floor: inelastic, along (0, 1, 0)",
