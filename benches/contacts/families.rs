@@ -2,55 +2,6 @@
 
 use std::fmt::Write as _;
 
-/// A family of scenes.
-pub(crate) struct Family {
-    /// Its name.
-    pub(crate) name: &'static str,
-    /// The scene of `n` bodies.
-    pub(crate) text: fn(usize) -> String,
-    /// Numbers of bodies that are measured.
-    pub(crate) sizes: &'static [usize],
-}
-
-/// All families.
-pub(crate) const FAMILIES: [Family; 7] = [
-    Family {
-        name: "cradle, elastic",
-        text: |n| row(n, "restitution 1", 1.0),
-        sizes: &[5, 10, 20, 50, 100],
-    },
-    Family {
-        name: "row, inelastic",
-        text: |n| row(n, "inelastic", 1.0),
-        sizes: &[5, 10, 20, 50, 100],
-    },
-    Family {
-        name: "tower of boxes",
-        text: tower,
-        sizes: &[5, 10, 20, 50],
-    },
-    Family {
-        name: "stack of boxes that tilt",
-        text: |n| stack(n, None),
-        sizes: &[2, 5, 10, 20],
-    },
-    Family {
-        name: "blocks on a rough floor",
-        text: rough_blocks,
-        sizes: &[2, 5, 10, 20, 50],
-    },
-    Family {
-        name: "discs in a box, all pairs",
-        text: discs,
-        sizes: &[2, 5, 10, 20, 50],
-    },
-    Family {
-        name: "chain above a floor",
-        text: chain,
-        sizes: &[2, 5, 10],
-    },
-];
-
 /// `one(1), one(2), ..` joined.
 fn each(n: usize, by: &str, one: impl Fn(usize) -> String) -> String {
     (1..=n).map(one).collect::<Vec<_>>().join(by)

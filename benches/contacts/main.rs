@@ -13,10 +13,58 @@ mod families;
 
 use std::time::Instant;
 
-use families::{FAMILIES, Family};
 use hangtime::model::Model;
 use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Moreau, Simulator};
 use hangtime_solver::clock::ThreadTime;
+
+/// A family of scenes.
+struct Family {
+    /// Its name.
+    name: &'static str,
+    /// The scene of `n` bodies.
+    text: fn(usize) -> String,
+    /// Numbers of bodies that are measured.
+    sizes: &'static [usize],
+}
+
+/// All families.
+const FAMILIES: [Family; 7] = [
+    Family {
+        name: "cradle, elastic",
+        text: |n| families::row(n, "restitution 1", 1.0),
+        sizes: &[5, 10, 20, 50, 100],
+    },
+    Family {
+        name: "row, inelastic",
+        text: |n| families::row(n, "inelastic", 1.0),
+        sizes: &[5, 10, 20, 50, 100],
+    },
+    Family {
+        name: "tower of boxes",
+        text: families::tower,
+        sizes: &[5, 10, 20, 50],
+    },
+    Family {
+        name: "stack of boxes that tilt",
+        text: |n| families::stack(n, None),
+        sizes: &[2, 5, 10, 20],
+    },
+    Family {
+        name: "blocks on a rough floor",
+        text: families::rough_blocks,
+        sizes: &[2, 5, 10, 20, 50],
+    },
+    Family {
+        name: "discs in a box, all pairs",
+        text: families::discs,
+        sizes: &[2, 5, 10, 20, 50],
+    },
+    Family {
+        name: "chain above a floor",
+        text: families::chain,
+        sizes: &[2, 5, 10],
+    },
+];
 
 /// The value that follows an option.
 fn option(name: &str) -> Option<String> {

@@ -132,7 +132,11 @@ mod tests {
     fn gram(root: &[f64], order: usize, rank: usize, shift: f64) -> Vec<f64> {
         let entry = |row: usize, column: usize| {
             let value = root[(row * 31 + column * 17) % root.len()];
-            if (row + column).is_multiple_of(3) { value } else { 0.0 }
+            if (row + column).is_multiple_of(3) {
+                value
+            } else {
+                0.0
+            }
         };
         let product = |i: usize, j: usize| {
             let sum: f64 = (0..rank).map(|row| entry(row, i) * entry(row, j)).sum();

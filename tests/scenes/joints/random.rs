@@ -88,8 +88,8 @@ fn random_linkages_move_alike_by_both_methods() {
             method.simulate(&linkage, &problem, &mut |_| true)
         };
         let runs = [
-            run(Box::new(Fesd::default())),
-            run(Box::new(EventDriven::default())),
+            run(Box::<Fesd>::default()),
+            run(Box::<EventDriven>::default()),
         ];
         let [Ok(elements), Ok(events)] = runs else {
             panic!("{number} is refused: {runs:?}\n{text}");
