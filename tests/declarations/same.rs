@@ -169,12 +169,13 @@ fn assert_shown(pair: Pair<'_>, w: &[f64]) {
     let declaration = pair.declaration();
     let length = 2 * declaration.coordinates.len() + declaration.controls.len() + 1;
     let x: Vec<f64> = w.iter().copied().cycle().take(length).collect();
+    let joints = declaration.joints.map_or(0, |joints| joints.rows());
     let forces: Vec<f64> = w
         .iter()
         .rev()
         .copied()
         .cycle()
-        .take(4 * declaration.contacts.len())
+        .take(4 * declaration.contacts.len() + joints)
         .collect();
     pair.both("outputs", pair.0[0].outputs().len(), |model, out| {
         model.output_values(&x, &forces, out);

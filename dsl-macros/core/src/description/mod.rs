@@ -251,10 +251,11 @@ fn motion(builder: &mut Builder<'_>, equations: &Equations) -> Motion {
         }
         Solution::Implicit(implicit) => {
             let solution = implicit.solution.as_ref();
-            let acceleration =
-                solution.map(|solution| builder.kernel("free_acceleration", solution));
-            let system = builder.system("motion", implicit);
             let n = builder.scene.coordinates.len();
+            // Behind the accelerations stand forces of joints.
+            let acceleration =
+                solution.map(|solution| builder.kernel("free_acceleration", &solution[..n]));
+            let system = builder.system("motion", implicit);
             let jacobian = Pattern {
                 rows: n,
                 columns: builder.inputs,
