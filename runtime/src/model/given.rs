@@ -2,7 +2,7 @@
 
 use super::SparsityPattern;
 
-/// Parameters that stand behind the coordinates of a scene as coordinates without motion, see [`Model::with_held`].
+/// Parameters that stand behind the coordinates of a scene as coordinates without motion, see [`Model::with_held`](super::Model::with_held).
 #[derive(Debug, Clone, Copy)]
 pub struct Held {
     /// Their indices among the parameters, in the order of these coordinates, which are the last ones.
@@ -10,9 +10,9 @@ pub struct Held {
     /// What of start, horizon and laws depends on them; the start, the horizon and the laws of the model itself have the values
     /// that the parameters were given.
     pub given: &'static [Given],
-    /// Pattern of the Jacobian of [`Model::given_values`] with respect to `x`.
+    /// Pattern of the Jacobian of [`Model::given_values`](super::Model::given_values) with respect to `x`.
     pub jacobian: SparsityPattern,
-    /// Pattern (lower triangle) of the Hessian of the weighted [`Model::given_values`].
+    /// Pattern (lower triangle) of the Hessian of the weighted [`Model::given_values`](super::Model::given_values).
     pub hessian: SparsityPattern,
 }
 
