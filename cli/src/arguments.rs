@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// List the scenes with their parameters, and what can be done with them.
+    /// List the scenes by groups; of those that are named all about them: parameters, what they ask, what can be done with them.
     List(ListArguments),
     /// Simulate a scene over its horizon.
     Simulate(SimulateArguments),
@@ -93,6 +93,12 @@ pub(crate) struct ProfileArguments {
 /// Arguments of `list`.
 #[derive(Debug, Default, Args)]
 pub(crate) struct ListArguments {
+    /// Scenes to tell all about: what each is, asks and answers, its parameters. Without one, all are named.
+    #[arg(value_name = "SCENE")]
+    pub(crate) scenes: Vec<String>,
+    /// Only the scenes of this group.
+    #[arg(long, value_name = "GROUP")]
+    pub(crate) group: Option<String>,
     /// Print one JSON object.
     #[arg(long)]
     pub(crate) json: bool,

@@ -203,7 +203,7 @@ impl CommandLine {
     ) -> Result<Report, BadInput> {
         let scenes = self.scenes;
         match command {
-            Some(Command::List(arguments)) => Ok(list::run(scenes, &arguments)),
+            Some(Command::List(arguments)) => list::run(scenes, &arguments),
             Some(Command::Simulate(arguments)) => simulate::run(scenes, &arguments),
             Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
@@ -221,7 +221,7 @@ impl CommandLine {
             }
             Some(Command::Man(arguments)) => shell::manual(parser, &arguments),
             None if self.has_published() => reproduce::run(scenes, &ReproduceArguments::default()),
-            None => Ok(list::run(scenes, &ListArguments::default())),
+            None => list::run(scenes, &ListArguments::default()),
         }
     }
 }

@@ -69,6 +69,13 @@ impl HostScene {
         if is_path(name) {
             return Self::derive(name, read_text(name)?);
         }
+        if let Some(text) = scenes
+            .iter()
+            .find(|scene| scene.name == name)
+            .and_then(|scene| scene.unread)
+        {
+            return Self::derive(&format!("{name}.{EXTENSION}"), text.to_owned());
+        }
         Ok(Self {
             scene: find(scenes, name)?,
             identity: name.to_owned(),

@@ -99,8 +99,8 @@ pub use published::{
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
 pub use scene::{
-    Charted, ClosedForm, ControlScene, HardOptimum, HardScene, Right, RightOptimum, Scene, Variant,
-    parameter,
+    Charted, ClosedForm, ControlScene, HardOptimum, HardScene, Question, Right, RightOptimum,
+    Scene, Variant, parameter,
 };
 #[cfg(feature = "terminal")]
 pub use sweep::SweepPlan;

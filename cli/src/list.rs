@@ -1,15 +1,18 @@
-//! `hangtime list`: the scenes and their parameters.
+//! `hangtime list`: the scenes by groups, and all about those that are named.
 
 use std::fmt::Write as _;
 
-use crate::Scene;
+use crate::{Question, Scene};
 use hangtime::model::Declaration;
 use serde::Serialize;
 
 use crate::arguments::ListArguments;
+use crate::failure::{BadInput, did_you_mean};
 use crate::json::{SCHEMA, to_line};
 use crate::report::Report;
-use crate::table::{described, headed};
+use crate::scene_file::load_unread;
+use crate::settings::{ChosenScene, find};
+use crate::table::{described, headed, number};
 
 #[derive(Serialize)]
 struct Document {
@@ -21,10 +24,24 @@ struct Document {
 struct SceneEntry {
     name: &'static str,
     title: &'static str,
+    group: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    question: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    answer: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    known: Option<Known>,
     parameters: Vec<ParameterEntry>,
     variants: Vec<Vec<VariantEntry>>,
     /// The commands that work on the scene.
     commands: Vec<&'static str>,
+}
+
+/// The least objective known on a grid.
+#[derive(Serialize)]
+struct Known {
+    intervals: usize,
+    objective: f64,
 }
 
 #[derive(Serialize)]
@@ -42,13 +59,20 @@ struct VariantEntry {
 }
 
 impl SceneEntry {
-    /// `None` for a scene without a variant.
-    fn of(scene: &Scene) -> Option<Self> {
-        let model = (scene.variants.first()?.model)();
-        let declaration = model.declaration();
-        Some(Self {
+    fn of(scene: &'static Scene) -> Result<Self, BadInput> {
+        let chosen = ChosenScene::new(scene, &[])?;
+        let declaration = chosen.model.declaration();
+        let question = scene.question;
+        Ok(Self {
             name: scene.name,
             title: scene.title,
+            group: scene.group,
+            question: question.map(|question| question.asked),
+            answer: question.map(|question| question.answer),
+            known: question.map(|Question { known, .. }| Known {
+                intervals: known.0,
+                objective: known.1,
+            }),
             parameters: declaration
                 .parameters
                 .iter()
@@ -90,27 +114,100 @@ fn commands(scene: &Scene, declaration: &Declaration) -> Vec<&'static str> {
     .collect()
 }
 
-pub(crate) fn run(scenes: &[Scene], arguments: &ListArguments) -> Report {
-    let scenes: Vec<SceneEntry> = scenes.iter().filter_map(SceneEntry::of).collect();
+/// The scenes that are asked for: all without names and without a group.
+fn asked(
+    scenes: &'static [Scene],
+    arguments: &ListArguments,
+) -> Result<Vec<&'static Scene>, BadInput> {
+    if let Some(group) = &arguments.group {
+        let groups = groups(scenes.iter());
+        if !groups.contains(&group.as_str()) {
+            return Err(BadInput::new(format!(
+                "--group {group}: no scene is in it{} (groups: {})",
+                did_you_mean(group, groups.iter().copied()),
+                groups.join(", ")
+            )));
+        }
+    }
+    let in_group = |scene: &&Scene| {
+        let group = arguments.group.as_deref();
+        group.is_none_or(|group| scene.group == group)
+    };
+    let named: Result<Vec<&Scene>, BadInput> = if arguments.scenes.is_empty() {
+        Ok(scenes.iter().collect())
+    } else {
+        let names = arguments.scenes.iter();
+        names.map(|name| find(scenes, name)).collect()
+    };
+    Ok(named?.into_iter().filter(in_group).collect())
+}
+
+/// The groups of scenes, in the order of the list.
+fn groups<'s>(scenes: impl Iterator<Item = &'s Scene>) -> Vec<&'static str> {
+    let mut groups = Vec::new();
+    for scene in scenes {
+        if !groups.contains(&scene.group) {
+            groups.push(scene.group);
+        }
+    }
+    groups
+}
+
+pub(crate) fn run(scenes: &'static [Scene], arguments: &ListArguments) -> Result<Report, BadInput> {
+    let asked = asked(scenes, arguments)?;
+    if !arguments.json && arguments.scenes.is_empty() {
+        return Ok(Report::of(by_groups(&asked)));
+    }
+    let read = asked.into_iter().map(|scene| match scene.unread {
+        Some(text) => load_unread(scene, text),
+        None => Ok(scene),
+    });
+    let entries = read.map(|scene| SceneEntry::of(scene?));
+    let scenes: Vec<SceneEntry> = entries.collect::<Result<_, BadInput>>()?;
     let text = if arguments.json {
         to_line(&Document {
             schema: SCHEMA,
             scenes,
         })
     } else {
-        scenes.iter().fold(String::new(), |mut text, scene| {
-            let _ = writeln!(
-                text,
-                "{}\n  {}\n  for {}\n\n{}",
-                scene.name,
-                scene.title,
-                scene.commands.join(", "),
-                parameters(scene)
-            );
-            text
-        })
+        scenes.iter().map(told).collect()
     };
-    Report::of(text)
+    Ok(Report::of(text))
+}
+
+/// Names and titles of scenes, a table for each group.
+fn by_groups(scenes: &[&'static Scene]) -> String {
+    let mut text = String::new();
+    for group in groups(scenes.iter().copied()) {
+        let members = scenes.iter().filter(|scene| scene.group == group);
+        let rows = members.map(|scene| vec![scene.name.to_owned(), scene.title.to_owned()]);
+        let heading = if group.is_empty() { "scenes" } else { group };
+        text += &described([heading, ""], rows);
+        text.push('\n');
+    }
+    text + "hangtime list SCENE tells what a scene asks, its parameters, and what can be done with it\n"
+}
+
+/// All about a scene.
+fn told(scene: &SceneEntry) -> String {
+    let mut text = format!("{}\n  {}\n", scene.name, scene.title);
+    if let Some((question, answer)) = scene.question.zip(scene.answer) {
+        let _ = writeln!(text, "  {question} {answer}");
+    }
+    if let Some(Known {
+        intervals,
+        objective,
+    }) = scene.known
+    {
+        let objective = number(objective);
+        let _ = writeln!(
+            text,
+            "  least objective known on {intervals} intervals: {objective}"
+        );
+    }
+    let commands = scene.commands.join(", ");
+    let _ = writeln!(text, "  for {commands}\n\n{}", parameters(scene));
+    text
 }
 
 fn parameters(scene: &SceneEntry) -> String {

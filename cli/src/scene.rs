@@ -17,6 +17,12 @@ pub struct Scene {
     pub variants: &'static [Variant],
     /// The scene itself, if it is one from a file.
     pub text: Option<&'static TextScene>,
+    /// The text of its file, if it is one that is read only where it is asked for.
+    pub unread: Option<&'static str>,
+    /// The group in which it is listed.
+    pub group: &'static str,
+    /// What one may ask of it, if it is there to be looked at.
+    pub question: Option<Question>,
     /// Published results that the scene reproduces.
     pub published: &'static [PublishedCase],
     /// Published sizes of its optimal control problem, as other programs transcribe it.
@@ -28,6 +34,17 @@ pub struct Scene {
     pub closed_form: Option<ClosedForm>,
     /// The least objective seen on any grid with the default parameters, if the scene has one. Charts measure from it.
     pub best_known: Option<f64>,
+}
+
+/// What one may ask of a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Question {
+    /// The question.
+    pub asked: &'static str,
+    /// Its answer in words.
+    pub answer: &'static str,
+    /// A number of control intervals, and the least objective that is known on them.
+    pub known: (usize, f64),
 }
 
 /// The coordinates at a time, where a formula gives them.
@@ -135,11 +152,38 @@ impl Scene {
             title,
             variants,
             text: None,
+            unread: None,
+            group: "",
+            question: None,
             published: &[],
             published_sizes: &[],
             charted: &[],
             closed_form: None,
             best_known: None,
+        }
+    }
+
+    /// A scene whose file has this text, which is read where the scene is asked for.
+    #[must_use]
+    pub const fn unread(name: &'static str, title: &'static str, text: &'static str) -> Self {
+        Self {
+            unread: Some(text),
+            ..Self::new(name, title, &[])
+        }
+    }
+
+    /// The same in a group of the list.
+    #[must_use]
+    pub const fn in_group(self, group: &'static str) -> Self {
+        Self { group, ..self }
+    }
+
+    /// The same with what one may ask of it.
+    #[must_use]
+    pub const fn asking(self, question: Question) -> Self {
+        Self {
+            question: Some(question),
+            ..self
         }
     }
 }
@@ -163,7 +207,7 @@ pub(crate) fn check(scenes: &[Scene]) -> Result<(), BadInput> {
                 "another scene has this name; rename one of them",
             );
         }
-        if scene.variants.is_empty() && scene.text.is_none() {
+        if scene.variants.is_empty() && scene.text.is_none() && scene.unread.is_none() {
             return refuse(scene.name, "it has no variant; give it at least one model");
         }
         for variant in scene.variants {

@@ -61,6 +61,16 @@ pub(crate) fn load_text(name: &str, text: &str) -> Result<&'static Scene, BadInp
     Ok(entry(&file, scene.map_err(refusal)?))
 }
 
+/// A scene of the list with the text of its file read.
+pub(crate) fn load_unread(scene: &Scene, text: &str) -> Result<&'static Scene, BadInput> {
+    let read = load_text(scene.name, text)?;
+    Ok(Box::leak(Box::new(Scene {
+        text: read.text,
+        unread: None,
+        ..*scene
+    })))
+}
+
 /// The scene of a file as an entry of the list of scenes.
 pub(crate) fn entry(file: &str, scene: TextScene) -> &'static Scene {
     let model: &'static TextScene = Box::leak(Box::new(scene));

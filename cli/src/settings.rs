@@ -7,7 +7,7 @@ use hangtime_units::{Quantity, UnitError};
 
 use crate::arguments::SceneArguments;
 use crate::failure::{BadInput, did_you_mean};
-use crate::scene_file::{EXTENSION, is_path, load};
+use crate::scene_file::{EXTENSION, is_path, load, load_unread};
 use crate::table::number;
 
 /// A scene with its settings applied.
@@ -175,14 +175,18 @@ pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<&'static Scen
         return load(name);
     }
     let named = scenes.iter().find(|scene| scene.name == name);
-    named.ok_or_else(|| {
+    let known = named.ok_or_else(|| {
         let names: Vec<&str> = scenes.iter().map(|scene| scene.name).collect();
         BadInput::new(format!(
             "unknown scene `{name}`{} (scenes: {}; a scene file ends with .{EXTENSION})",
             did_you_mean(name, names.iter().copied()),
             names.join(", ")
         ))
-    })
+    })?;
+    match known.unread {
+        Some(text) => load_unread(known, text),
+        None => Ok(known),
+    }
 }
 
 /// Splits every setting at its first `=` and refuses repeated names.

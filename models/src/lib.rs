@@ -7,6 +7,7 @@ mod bouncing_ball;
 mod closed_form;
 mod elastic_box;
 mod falling_rod;
+mod gallery;
 mod hard;
 mod hard_optima;
 mod hills;
@@ -17,6 +18,8 @@ mod rough_ball;
 mod ski_jump;
 mod stick_slip;
 mod three_blocks;
+
+use std::sync::LazyLock;
 
 use hangtime_cli::Scene;
 
@@ -43,40 +46,49 @@ pub const fn peers() -> &'static str {
 /// All shipped scenes, in the order in which they are listed.
 #[must_use]
 pub fn scenes() -> &'static [Scene] {
-    const SCENES: &[Scene] = &[
-        ski_jump::SCENE,
-        pump_track::SCENE,
-        bouncing_ball::SCENE,
-        incline::SCENE,
-        elastic_box::SCENE,
-        rough_ball::SCENE,
-        stick_slip::SCENE,
-        hills::SCENE,
-        falling_rod::SCENE,
-        three_blocks::SCENE,
-    ];
-    SCENES
+    static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| {
+        let compiled = [
+            ski_jump::SCENE.in_group("publication"),
+            pump_track::SCENE.in_group("publication"),
+            bouncing_ball::SCENE.in_group("flights and bounces"),
+            incline::SCENE.in_group("friction"),
+            elastic_box::SCENE.in_group("flights and bounces"),
+            rough_ball::SCENE.in_group("flights and bounces"),
+            stick_slip::SCENE.in_group("friction"),
+            hills::SCENE.in_group("flights and bounces"),
+            falling_rod::SCENE.in_group("friction"),
+            three_blocks::SCENE.in_group("friction"),
+        ];
+        [&compiled, gallery::GALLERY].concat()
+    });
+    &SCENES
 }
 
 /// The texts of the shipped scenes, as (name, text of the file), in the order in which they are listed.
 #[must_use]
-pub const fn scene_texts() -> &'static [(&'static str, &'static str)] {
+pub fn scene_texts() -> &'static [(&'static str, &'static str)] {
     macro_rules! texts {
         ($($name:literal),* $(,)?) => {
             &[$(($name, include_str!(concat!("../scenes/", $name, ".hang")))),*]
         };
     }
-    texts![
-        "ski-jump",
-        "pump-track",
-        "pump-track-holding",
-        "bouncing-ball",
-        "incline",
-        "elastic-box",
-        "rough-ball",
-        "stick-slip",
-        "hills",
-        "falling-rod",
-        "three-blocks",
-    ]
+    static TEXTS: LazyLock<Vec<(&str, &str)>> = LazyLock::new(|| {
+        let compiled: &[(&str, &str)] = texts![
+            "ski-jump",
+            "pump-track",
+            "pump-track-holding",
+            "bouncing-ball",
+            "incline",
+            "elastic-box",
+            "rough-ball",
+            "stick-slip",
+            "hills",
+            "falling-rod",
+            "three-blocks",
+        ];
+        let others = gallery::GALLERY.iter();
+        let others = others.filter_map(|scene| Some((scene.name, scene.unread?)));
+        compiled.iter().copied().chain(others).collect()
+    });
+    &TEXTS
 }

@@ -68,7 +68,8 @@ pub(super) fn charted(
     arguments: &ChartArguments,
 ) -> Result<Vec<Charted>, BadInput> {
     let named: Vec<&'static Scene> = if arguments.scenes.is_empty() {
-        scenes.iter().collect()
+        let compiled = |scene: &&Scene| scene.unread.is_none();
+        scenes.iter().filter(compiled).collect()
     } else {
         let names = arguments.scenes.iter();
         names
