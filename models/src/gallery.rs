@@ -18,56 +18,52 @@ macro_rules! gallery {
 pub(crate) const GALLERY: &[Scene] = gallery! {
     "flights and bounces" {
         "wall-ball": "a ball is played off a wall and comes back to the hand",
-            "With how little effort does it come back?" => "ANSWER_wall-ball" (10: 0.0);
+            "With how little effort does it come back?" => "13.01 N^2 s; the wall gives back what it needs." (10: 13.007342179766);
         "juggler": "a paddle keeps a ball in the air for two seconds",
-            "With how little effort are paddle and ball as they were?" => "ANSWER_juggler" (10: 0.0);
+            "With how little effort are paddle and ball as they were?" => "39.38 N^2 s." (10: 39.377291163);
         "catch": "a hand catches a falling ball and brings it to rest",
-            "With how little effort?" => "ANSWER_catch" (10: 0.0);
+            "With how little effort?" => "35.89 N^2 s, the hand goes along with the ball." (10: 35.885420348);
     }
     "friction" {
         "rough-block": "a block on a rough floor is pushed from rest to rest",
-            "Is it better to push all the time, or to let it slide?" => "ANSWER_rough-block" (10: 0.0);
+            "Is it better to push all the time, or to let it slide?" => "16.11 N^2 s: it is pushed for a while, and slides the rest of the way by itself." (10: 16.109644905);
         "plate-and-box": "a box slips on a driven plate to its place",
-            "How soon can it be there?" => "ANSWER_plate-and-box" (10: 0.0);
+            "How soon can it be there?" => "In 1.82 s, with an effort that counts like 1 ms for each N^2 s." (10: 1.820078283);
     }
     "vehicles" {
         "two-bumps": "a bike and its rider cross two bumps in least time",
-            "How soon are they across?" => "ANSWER_two-bumps" (10: 0.0);
+            "How soon are they across?" => "In 1.397 s." (10: 1.397362919);
         "two-wheels": "a rigid bike on two wheels crosses waves in least time",
-            "How soon is it across?" => "ANSWER_two-wheels" (10: 0.0);
+            "How soon is it across?" => "In 0.904 s." (10: 0.904453159);
         "rolling-bike": "a bike rolls on two tyres by friction, its rider leans and pushes",
-            "How soon does it cross a wave of a pump track?" => "ANSWER_rolling-bike" (10: 0.0);
-        "gap-jump": "a bike and its rider jump a gap from a kicker",
-            "With how little effort do they land on the other side?" => "ANSWER_gap-jump" (10: 0.0);
+            "How soon does it cross a wave of a pump track?" => "In 0.713 s." (10: 0.7133833);
         "spinning-wheel": "a driven wheel goes five metres from rest to rest",
-            "How soon, where too much torque spins it?" => "ANSWER_spinning-wheel" (10: 0.0);
+            "How soon, where too much torque spins it?" => "In 2.258 s." (10: 2.257618205);
     }
     "legs" {
         "hop": "a body on a massive foot hops from flat ground",
-            "With how little effort does the foot rise by 0.3 m?" => "ANSWER_hop" (10: 0.0);
+            "With how little effort does the foot rise by 0.3 m?" => "41.68 N^2 s." (10: 41.67526238);
         "hop-forward": "a body on a springy leg hops forward on rough ground",
-            "With how little effort does it hop a metre?" => "ANSWER_hop-forward" (10: 0.0);
+            "With how little effort does it hop a metre?" => "10.64 N^2 s." (10: 10.640004796);
         "biped": "a body on two legs walks half a metre on rough ground",
-            "With how little effort does it walk?" => "ANSWER_biped" (10: 0.0);
+            "With how little effort does it walk?" => "5.148 N^2 s beyond what carries the body." (10: 5.148088311);
         "push-off": "a ski jumper pushes off with the legs",
-            "How far away are they after two and a half seconds?" => "ANSWER_push-off" (10: 0.0);
+            "How far away are they after two and a half seconds?" => "14.71 m, with an effort that counts like a centimetre for each 1000 N^2 s." (10: -14.706644549492);
     }
     "machines" {
         "lander": "a lander with a sprung leg touches down on the Moon",
-            "With how little thrust does it land and stay?" => "ANSWER_lander" (10: 0.0);
+            "With how little thrust does it land and stay?" => "0.954 N s." (10: 0.953743432);
         "crane": "a crane between two walls swings its load beyond them",
-            "With how little effort?" => "ANSWER_crane" (10: 0.0);
+            "With how little effort?" => "15.21 N^2 s." (10: 15.209649911);
         "cart-pole": "a pole on a cart between two walls is swung up",
-            "With how little effort, if the walls may be used?" => "ANSWER_cart-pole" (10: 0.0);
+            "With how little effort, if the walls may be used?" => "47.87 N^2 s." (10: 47.872349491);
         "pendulum-with-stop": "a pendulum with a weak motor and a stop is swung up",
-            "With how little effort?" => "ANSWER_pendulum-with-stop" (10: 0.0);
+            "With how little effort?" => "27.79 N^2 m^2 s." (10: 27.785882879);
     }
     "games" {
         "curling": "a curling stone has to come to rest in the house",
-            "With how little effort of a hand that stays behind a line?" => "ANSWER_curling" (10: 0.0);
-        "billiards": "a ball strikes another one into a pocket",
-            "What is the softest shot that does it?" => "ANSWER_billiards" (10: 0.0);
+            "With how little effort of a hand that stays behind a line?" => "1180.7 N^2 s." (10: 1180.669452634);
         "cradle-of-carts": "a driven cart sets two others in motion, one by the other",
-            "With how little effort?" => "ANSWER_cradle-of-carts" (10: 0.0);
+            "With how little effort?" => "2.391 N^2 s." (10: 2.390910722);
     }
 };

@@ -64,31 +64,25 @@ pub fn scenes() -> &'static [Scene] {
     &SCENES
 }
 
-/// The texts of the shipped scenes, as (name, text of the file), in the order in which they are listed.
+/// The texts of the compiled scenes, as (name, text of the file), in the order in which they are listed.
 #[must_use]
-pub fn scene_texts() -> &'static [(&'static str, &'static str)] {
+pub const fn scene_texts() -> &'static [(&'static str, &'static str)] {
     macro_rules! texts {
         ($($name:literal),* $(,)?) => {
             &[$(($name, include_str!(concat!("../scenes/", $name, ".hang")))),*]
         };
     }
-    static TEXTS: LazyLock<Vec<(&str, &str)>> = LazyLock::new(|| {
-        let compiled: &[(&str, &str)] = texts![
-            "ski-jump",
-            "pump-track",
-            "pump-track-holding",
-            "bouncing-ball",
-            "incline",
-            "elastic-box",
-            "rough-ball",
-            "stick-slip",
-            "hills",
-            "falling-rod",
-            "three-blocks",
-        ];
-        let others = gallery::GALLERY.iter();
-        let others = others.filter_map(|scene| Some((scene.name, scene.unread?)));
-        compiled.iter().copied().chain(others).collect()
-    });
-    &TEXTS
+    texts![
+        "ski-jump",
+        "pump-track",
+        "pump-track-holding",
+        "bouncing-ball",
+        "incline",
+        "elastic-box",
+        "rough-ball",
+        "stick-slip",
+        "hills",
+        "falling-rod",
+        "three-blocks",
+    ]
 }

@@ -3,11 +3,12 @@
 use serde_json::Value;
 
 use crate::support::{
-    Scratch, assert_page_shows_its_result, embedded, hangtime, json, result_files, solved,
+    Scratch, assert_page_shows_its_result, assert_page_shows_its_ride, embedded, hangtime, json,
+    result_files, solved,
 };
 
 #[test]
-fn list_names_every_scene_with_its_parameters() {
+fn list_names_every_scene_and_tells_its_parameters_where_it_is_named() {
     let text = solved(&["list"]);
     let document = json(&["list", "--json"]);
     let scenes = document["scenes"].as_array().unwrap();
@@ -20,16 +21,39 @@ fn list_names_every_scene_with_its_parameters() {
             .contains(&"solve".into())
     };
     assert!(solvable("pump-track") && !solvable("ski-jump"));
+    let told = solved(&["list", "pump-track"]);
     assert!(
-        text.contains("for simulate, solve, chart, explain, reproduce"),
-        "{text}"
+        told.contains("for simulate, solve, chart, explain, reproduce"),
+        "{told}"
     );
+    let names: Vec<&str> = scenes.iter().map(|s| s["name"].as_str().unwrap()).collect();
+    let told = solved(&[&["list"], &names[..]].concat());
     for scene in scenes {
         assert!(text.contains(scene["name"].as_str().unwrap()));
+        for key in ["question", "answer"] {
+            if let Some(words) = scene[key].as_str() {
+                assert!(told.contains(words), "{words}");
+            }
+        }
         for parameter in scene["parameters"].as_array().unwrap() {
-            assert!(text.contains(parameter["name"].as_str().unwrap()));
+            assert!(told.contains(parameter["name"].as_str().unwrap()));
         }
     }
+}
+
+#[test]
+fn list_shows_the_scenes_of_a_group_and_refuses_one_that_there_is_not() {
+    let document = json(&["list", "--group", "legs", "--json"]);
+    let scenes = document["scenes"].as_array().unwrap();
+    assert!(scenes.len() >= 4);
+    assert!(scenes.iter().all(|scene| scene["group"] == "legs"));
+    let refused = hangtime(&["list", "--group", "leg"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let message = String::from_utf8(refused.stderr).unwrap();
+    assert!(
+        message.contains("no scene is in it; did you mean `legs`?"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -526,6 +550,8 @@ fn simulate_every_scene_with_its_defaults_reaches_the_horizon() {
                     .all(|block| block["outline"].as_array().unwrap().len() == 4)
             );
             assert_eq!(frames["springs"], serde_json::json!([true, true, true]));
+        } else if scene["question"].is_null() {
+            assert_page_shows_its_ride(&scratch, name);
         } else {
             assert_page_shows_its_result(&scratch, name);
         }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::support::{Scratch, assert_page_shows_its_result, refused, result_files, solved};
+use crate::support::{Scratch, assert_page_shows_its_ride, refused, result_files, solved};
 
 #[test]
 fn solve_without_an_objective_says_so() {
@@ -257,7 +257,7 @@ fn solve_with_out_writes_data_and_a_picture() {
         assert!(text.contains(words), "`{words}` is missing in\n{text}");
     }
     assert_eq!(scratch.names(), result_files("pump-track-optimal"));
-    assert_page_shows_its_result(&scratch, "pump-track-optimal");
+    assert_page_shows_its_ride(&scratch, "pump-track-optimal");
 }
 
 #[test]

@@ -122,7 +122,19 @@ pub(crate) fn assert_page_shows_its_result(scratch: &Scratch, stem: &str) {
     for rows in ["positions", "forces"] {
         assert_eq!(frames[rows].as_array().unwrap().len(), times.len());
     }
-    // The scenes with pages here have a horizontal position within their bodies as first coordinate.
+    let events = document["events"].as_array().unwrap();
+    assert_eq!(frames["events"].as_array().unwrap().len(), events.len());
+    for event in events {
+        assert!(times.contains(&event["time"]), "no frame at {event}");
+    }
+}
+
+/// The same of a scene whose first coordinate is a horizontal position within its bodies.
+pub(crate) fn assert_page_shows_its_ride(scratch: &Scratch, stem: &str) {
+    assert_page_shows_its_result(scratch, stem);
+    let page = scratch.read(&format!("{stem}.html"));
+    let document: Value = serde_json::from_str(&scratch.read(&format!("{stem}.json"))).unwrap();
+    let frames = embedded(&page, "frames");
     let end = frames["positions"].as_array().unwrap().last().unwrap();
     let bodies = end.as_array().unwrap();
     let across = bodies.iter().map(|body| body[0].as_f64().unwrap());
@@ -131,9 +143,4 @@ pub(crate) fn assert_page_shows_its_result(scratch: &Scratch, stem: &str) {
         (a.min(y), b.max(y))
     });
     assert!(least <= y && y <= most, "{least} <= {y} <= {most}");
-    let events = document["events"].as_array().unwrap();
-    assert_eq!(frames["events"].as_array().unwrap().len(), events.len());
-    for event in events {
-        assert!(times.contains(&event["time"]), "no frame at {event}");
-    }
 }
