@@ -25,8 +25,10 @@
 //!
 //! A file is data: it can name no path and no command, and whatever it holds takes bounded time and memory.
 
+mod again;
 mod declaration;
-mod held;
+mod derivatives;
+mod model;
 mod places;
 mod program;
 mod report;

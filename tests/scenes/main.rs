@@ -14,6 +14,7 @@ mod own_command_line;
 mod published_data;
 mod published_results;
 mod pump_track;
+mod random;
 mod readme;
 mod scene_files;
 #[path = "../stability/mod.rs"]

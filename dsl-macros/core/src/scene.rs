@@ -195,6 +195,33 @@ pub(crate) struct Contact {
     pub(crate) switch: Option<Vec<Sym>>,
 }
 
+impl Contact {
+    /// Dry friction: no gap, and a normal force that is given, `bound`, with the coefficient 1.
+    pub(crate) fn dry(
+        name: Name,
+        documentation: Documentation,
+        (sliding, bound): (Sym, Sym),
+    ) -> Self {
+        Self {
+            name,
+            documentation,
+            gap: Sym::ZERO,
+            alternatives: Vec::new(),
+            unit: None,
+            along: None,
+            held: Vec::new(),
+            sequence: false,
+            restitution: None,
+            friction: Some(Friction {
+                coefficient: Sym::ONE,
+                sliding,
+            }),
+            bound: Some(bound),
+            switch: None,
+        }
+    }
+}
+
 /// Coulomb friction of a contact.
 pub(crate) struct Friction {
     pub(crate) coefficient: Sym,

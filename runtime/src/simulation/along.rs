@@ -3,13 +3,14 @@
 use super::{InitialValueProblem, Simulation};
 use crate::model::{ImpactLaw, Model, Pieces, contact_point};
 
-/// Least leap of a gap, as a share of the coordinates and gaps of the run.
-const LEAST_LEAP: f64 = 1e-6;
+/// Least leap of a gap, as a share of the coordinates and of the gap itself, or the way that velocities go meanwhile: less may be the
+/// error of elements, which the default keeps below it.
+pub(super) const LEAST_LEAP: f64 = 1e-6;
 /// Places in the whole horizon at which gaps are looked at.
 const PLACES: f64 = 4000.0;
 /// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
 /// without passing zero.
-const LEAPS: f64 = 1e-3;
+pub(super) const LEAPS: f64 = 1e-3;
 /// Share of the terms of a gap that is rounding error.
 const ROUNDING: f64 = 1e-12;
 /// Halvings of the way between two places to where a gap closes.

@@ -3,7 +3,8 @@
 use hangtime::prelude::*;
 use hangtime_scene_files::TextScene;
 
-use super::support::{Random, TOLERANCE, assert_close, scene};
+use super::support::{TOLERANCE, assert_close, scene};
+use crate::random::Random;
 
 /// Step of a parameter, relative to it.
 const STEP: f64 = 2e-4;

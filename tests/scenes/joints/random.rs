@@ -1,35 +1,22 @@
 //! Random linkages: both methods agree within what they promise.
 
 use super::scene;
+use crate::random::Random;
 use hangtime::prelude::*;
 use hangtime::simulation::{InitialValueProblem, Simulator};
 use std::fmt::Write;
 
-/// A small generator (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn between(&mut self, least: f64, most: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-        least + unit * (most - least)
-    }
-}
-
 /// A chain of rods, each a body with three coordinates, pinned to each other and to a pivot, over a floor that its end
 /// strikes; sometimes with the end on a rail, which closes a loop.
 fn linkage(random: &mut Random) -> String {
-    let count = 1 + random.between(0.0, 2.999) as usize;
-    let closed = count > 1 && random.between(0.0, 1.0) < 0.3;
+    let count = 1 + random.within(0.0, 2.999) as usize;
+    let closed = count > 1 && random.within(0.0, 1.0) < 0.3;
     let (mut coordinates, mut start) = (String::new(), String::new());
     let (mut energy, mut joints) = (String::new(), String::new());
     let (mut pin, mut at) = ("(0 [m], 0 [m])".to_owned(), (0.0, 0.0));
     for k in 1..=count {
-        let (l, m) = (random.between(0.5, 1.5), random.between(0.5, 2.0));
-        let angle = random.between(0.3, 1.2);
+        let (l, m) = (random.within(0.5, 1.5), random.within(0.5, 2.0));
+        let angle = random.within(0.3, 1.2);
         let center = (at.0 + l / 2.0 * angle.cos(), at.1 + l / 2.0 * angle.sin());
         let _ = write!(coordinates, "x{k}: m, z{k}: m, a{k}: rad, ");
         let _ = write!(
@@ -37,7 +24,7 @@ fn linkage(random: &mut Random) -> String {
             "x{k}: {}, z{k}: {}, a{k}: {angle}, dot(a{k}): {}, ",
             center.0,
             center.1,
-            random.between(-2.0, 2.0)
+            random.within(-2.0, 2.0)
         );
         let _ = write!(
             energy,
@@ -57,22 +44,22 @@ fn linkage(random: &mut Random) -> String {
     if closed {
         let _ = writeln!(joints, "joint rail: ({pin}).y == {} [m]", at.0);
     }
-    let law = if random.between(0.0, 1.0) < 0.5 {
-        format!("restitution {}", random.between(0.2, 0.9))
+    let law = if random.within(0.0, 1.0) < 0.5 {
+        format!("restitution {}", random.within(0.2, 0.9))
     } else {
         "inelastic".to_owned()
     };
-    let rubs = match random.between(0.0, 1.0) < 0.5 {
+    let rubs = match random.within(0.0, 1.0) < 0.5 {
         true => format!(
             ", friction {}, sliding dot(({pin}).y)",
-            random.between(0.1, 0.8)
+            random.within(0.1, 0.8)
         ),
         false => String::new(),
     };
     format!(
         "coordinates {{ {coordinates} }} lagrangian 0 [J] {energy} {joints}
          surface floor: ({pin}).z >= {} [m] impact floor: {law}{rubs} start {{ {start} }} horizon 1 [s]",
-        random.between(-0.6, -0.2)
+        random.within(-0.6, -0.2)
     )
 }
 

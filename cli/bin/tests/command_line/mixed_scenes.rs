@@ -9,35 +9,13 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use crate::support::{Scratch, hangtime};
+use crate::support::{Random, Scratch, hangtime};
 
 /// How many scenes run unless the variable says how many.
 const SCENES: usize = 30;
 const VARIABLE: &str = "HANGTIME_MIXED_SCENES";
 /// One of so many may stop before its horizon, or be confirmed by no second run: motions that depend on their start too sensitively.
 const STOPS: usize = 1000;
-
-/// Numbers from a seed (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn within(&mut self, least: f64, most: f64) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        let unit = ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64;
-        least + unit * (most - least)
-    }
-
-    fn whole(&mut self, least: usize, most: usize) -> usize {
-        least + (self.within(0.0, 1.0) * (most - least + 1) as f64) as usize
-    }
-
-    fn chance(&mut self, share: f64) -> bool {
-        self.within(0.0, 1.0) < share
-    }
-}
 
 /// A scene: what stands before its contacts, each of them with its law, and what stands behind.
 struct Scene {

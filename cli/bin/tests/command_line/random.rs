@@ -13,44 +13,12 @@ use std::process::{Command, Output, Stdio};
 use serde_json::Value;
 
 use crate::nlp::file as program;
-use crate::support::{Scratch, json};
+use crate::support::{Random, Scratch, json};
 
 /// Lines unless the environment asks for others: some seconds in the development profile.
 const LINES: u64 = 40;
 /// Longest line on the standard error stream: what the messages are cut to, and `error: `.
 const LONGEST: usize = 900;
-
-/// Numbers from a seed (splitmix64).
-struct Random(u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In 0..1.
-    fn share(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn chance(&mut self, share: f64) -> bool {
-        self.share() < share
-    }
-
-    fn pick<'a, T: ?Sized>(&mut self, choices: &[&'a T]) -> &'a T {
-        choices[self.bits() as usize % choices.len()]
-    }
-
-    /// Log-uniform over six decades around a value.
-    fn around(&mut self, value: f64) -> f64 {
-        let factor = 10_f64.powf(6.0 * self.share() - 3.0);
-        if value == 0.0 { factor } else { value * factor }
-    }
-}
 
 /// Numbers and texts that nobody means.
 const ODD: [&str; 16] = [

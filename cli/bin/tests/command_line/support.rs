@@ -144,3 +144,43 @@ pub(crate) fn assert_page_shows_its_ride(scratch: &Scratch, stem: &str) {
     });
     assert!(least <= y && y <= most, "{least} <= {y} <= {most}");
 }
+
+/// Numbers from a seed (splitmix64).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// In 0..1.
+    pub(crate) fn share(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    pub(crate) fn chance(&mut self, share: f64) -> bool {
+        self.share() < share
+    }
+
+    pub(crate) fn pick<'a, T: ?Sized>(&mut self, choices: &[&'a T]) -> &'a T {
+        choices[self.bits() as usize % choices.len()]
+    }
+
+    /// Log-uniform over six decades around a value.
+    pub(crate) fn around(&mut self, value: f64) -> f64 {
+        let factor = 10_f64.powf(6.0 * self.share() - 3.0);
+        if value == 0.0 { factor } else { value * factor }
+    }
+
+    pub(crate) fn within(&mut self, least: f64, most: f64) -> f64 {
+        least + self.share() * (most - least)
+    }
+
+    pub(crate) fn whole(&mut self, least: usize, most: usize) -> usize {
+        least + (self.share() * (most - least + 1) as f64) as usize
+    }
+}

@@ -6,7 +6,7 @@ use crate::ast::{Documentation, Expr, Name};
 use crate::diagnostics::Checked;
 use crate::evaluate::{FIRST_DRY, expression};
 use crate::graph::{self, Sym, Variable};
-use crate::scene::{Contact, Friction};
+use crate::scene::Contact;
 use hangtime_units::Unit;
 use std::collections::HashMap;
 
@@ -104,20 +104,7 @@ pub(super) fn append(
     for dry in std::mem::take(&mut checker.laws.dry) {
         contacts.push(Contact {
             unit: units.get(&dry.name.text).copied(),
-            name: dry.name,
-            documentation: dry.documentation,
-            gap: Sym::ZERO,
-            alternatives: Vec::new(),
-            along: None,
-            held: Vec::new(),
-            sequence: false,
-            restitution: None,
-            friction: Some(Friction {
-                coefficient: Sym::ONE,
-                sliding: dry.sliding,
-            }),
-            bound: Some(dry.bound),
-            switch: None,
+            ..Contact::dry(dry.name, dry.documentation, (dry.sliding, dry.bound))
         });
     }
 }

@@ -15,7 +15,7 @@ use crate::derive::simplify;
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::Switch;
 use crate::graph::{self, Compose, Function, Sym, Variable};
-use crate::scene::{Contact, Friction};
+use crate::scene::Contact;
 
 /// Takes the switches out of the forces, and puts a contact for each that is needed behind the others.
 pub(super) fn append(
@@ -107,22 +107,10 @@ fn contact(switch: &Switch, action: Vec<Sym>) -> Contact {
         ident: proc_macro2::Ident::new("switch", switch.place.start),
     };
     name.text.retain(|c| c != '\n');
+    let documentation = crate::ast::Documentation::default();
     Contact {
-        name,
-        documentation: crate::ast::Documentation::default(),
-        gap: Sym::ZERO,
-        alternatives: Vec::new(),
-        unit: None,
-        along: None,
-        held: Vec::new(),
-        sequence: false,
-        restitution: None,
-        friction: Some(Friction {
-            coefficient: Sym::ONE,
-            sliding: -switch.function,
-        }),
-        bound: Some(Sym::ONE),
         switch: Some(action),
+        ..Contact::dry(name, documentation, (-switch.function, Sym::ONE))
     }
 }
 

@@ -1,11 +1,11 @@
 //! Expressions, by binding powers: `+ -` < `* /` < unary minus < `^` < components and indices.
 
 use super::cursor::{Cursor, unexpected};
-use super::{slips, unit};
+use super::{number, slips};
 use crate::ast::{Expr, Kind, Link, Name, Operator};
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::words;
-use proc_macro2::{Delimiter, Group, Ident, Literal, TokenTree};
+use proc_macro2::{Delimiter, Group, Ident, TokenTree};
 
 /// Deepest tree; deeper ones are refused so that recursion over an expression is safe.
 const DEPTH: usize = 150;
@@ -48,7 +48,7 @@ fn whole(
     cursor.open_comparison();
     let expr = parser.climb(cursor, 0)?;
     let expr = parser.decimal_comma(cursor, expr)?;
-    parser.juxtaposed(cursor, &expr, false)?;
+    parser.ends_there(cursor, &expr, false)?;
     Ok(expr)
 }
 
@@ -317,7 +317,7 @@ impl Parser<'_> {
         let place = cursor.place();
         if let Some(mut inner) = cursor.eat_invisible_group() {
             let mut expr = self.climb(&mut inner, 0)?;
-            self.juxtaposed(&inner, &expr, false)?;
+            self.ends_there(&inner, &expr, false)?;
             if !inner.is_empty() {
                 return Err(unexpected(&inner, self.diagnostics, "an operator"));
             }
@@ -327,12 +327,13 @@ impl Parser<'_> {
         if let Some(TokenTree::Literal(literal)) = cursor.peek() {
             let literal = literal.clone();
             cursor.advance();
-            return self.number(cursor, &literal);
+            let (kind, place) = number::number(cursor, &literal, self.diagnostics)?;
+            return self.node(kind, place, 0);
         }
         if cursor.eat_symbol("|") {
             let inner = self.climb(cursor, 0)?;
             if !cursor.eat_symbol("|") {
-                self.juxtaposed(cursor, &inner, false)?;
+                self.ends_there(cursor, &inner, false)?;
                 return Err(unexpected(
                     cursor,
                     self.diagnostics,
@@ -590,13 +591,19 @@ impl Parser<'_> {
         )
     }
 
+    /// Whether nothing follows that reads as a further factor; `list` tells whether a comma may be meant.
+    fn ends_there(&mut self, cursor: &Cursor, left: &Expr, list: bool) -> Checked<()> {
+        let where_it_may_end = (self.compared, self.ends);
+        slips::no_factor(cursor, (left, list), where_it_may_end, self.diagnostics)
+    }
+
     /// Expressions between commas.
     fn items(&mut self, group: &Group) -> Checked<Vec<Expr>> {
         let mut inner = Cursor::inside(group);
         let mut items = Vec::new();
         while !inner.is_empty() {
             let item = self.climb(&mut inner, 0)?;
-            self.juxtaposed(&inner, &item, true)?;
+            self.ends_there(&inner, &item, true)?;
             items.push(item);
             if !inner.is_empty() && !inner.eat_symbol(",") {
                 return Err(unexpected(
@@ -625,134 +632,9 @@ impl Parser<'_> {
             return Err(reported);
         };
         let value = number.parse().map_err(|_| reported)?;
-        self.with_unit(cursor, value, number, begin)
+        let (kind, place) = number::with_unit(cursor, (value, number), begin, self.diagnostics)?;
+        self.node(kind, place, 0)
     }
-
-    /// Two factors without an operator between them; `list` tells whether a comma may be meant.
-    fn juxtaposed(&mut self, cursor: &Cursor, left: &Expr, list: bool) -> Checked<()> {
-        let right = match cursor.peek() {
-            _ if cursor.at_invisible_group(0) => "...".to_owned(),
-            _ if cursor.at_symbol("|") => "|...|".to_owned(),
-            Some(TokenTree::Punct(punct)) if punct.as_char() == '\'' => {
-                return Err(self.apostrophe(cursor, left));
-            }
-            Some(TokenTree::Literal(literal)) if literal.to_string().starts_with('\'') => {
-                return Err(self.apostrophe(cursor, left));
-            }
-            Some(TokenTree::Ident(ident)) => {
-                let text = ident.to_string();
-                if words::is_keyword(&text) || text == "in" || self.ends.contains(&text.as_str()) {
-                    return Ok(());
-                }
-                if let Some(entry) = slips::next_entry(cursor, self.compared) {
-                    self.diagnostics.poison(&text);
-                    let message = format!("a comma is missing before `{entry}`");
-                    return Err(self.diagnostics.syntax(cursor.place(), message));
-                }
-                match cursor.peek_at(1) {
-                    // A name with a block behind it was meant to begin a statement.
-                    Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => {
-                        return Ok(());
-                    }
-                    Some(TokenTree::Group(group))
-                        if group.delimiter() == Delimiter::Parenthesis =>
-                    {
-                        format!("{text}(...)")
-                    }
-                    _ => {
-                        let near = closest(&text, words::STATEMENTS);
-                        if let Some(message) = words::unknown_statement(&text, near) {
-                            if let Some(statement) = near {
-                                slips::expect_name_of(statement, cursor, 1, self.diagnostics);
-                            }
-                            return Err(self.diagnostics.syntax(cursor.place(), message));
-                        }
-                        text
-                    }
-                }
-            }
-            Some(TokenTree::Literal(literal)) => literal.to_string(),
-            Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis => {
-                "(...)".to_owned()
-            }
-            _ => return Ok(()),
-        };
-        let message = slips::juxtaposed(cursor, left, &right, list);
-        Err(self.diagnostics.syntax(cursor.place(), message))
-    }
-
-    fn apostrophe(&mut self, cursor: &Cursor, left: &Expr) -> Reported {
-        let message = slips::apostrophe(left);
-        self.diagnostics.syntax(cursor.place(), message)
-    }
-
-    fn number(&mut self, cursor: &mut Cursor, literal: &Literal) -> Checked<Expr> {
-        let place = Place::at(literal.span());
-        let text = literal.to_string();
-        let digits = text.replace('_', "");
-        let meant = match digits.parse::<f64>() {
-            Ok(value) if value.is_infinite() => {
-                let message = format!(
-                    "the number {text} is too large for double precision, which ends at 1.8e308"
-                );
-                return Err(self.diagnostics.report("E21", place, message));
-            }
-            Ok(value) if value < f64::MIN_POSITIVE && has_digits(&digits) => {
-                let message = format!(
-                    "the number {text} is too small for double precision, which begins at 2.2e-308"
-                );
-                return Err(self.diagnostics.report("E21", place, message));
-            }
-            Ok(value) => {
-                let meant = match cursor.at_invisible_group(0) {
-                    true => None,
-                    false => slips::unit_without_brackets(&text, "", cursor, self.diagnostics),
-                };
-                let Some(meant) = meant else {
-                    return self.with_unit(cursor, value, text, place);
-                };
-                meant
-            }
-            Err(_) => slips::number(&digits, cursor, self.diagnostics)
-                .map_err(|message| self.diagnostics.syntax(place, message))?,
-        };
-        for _ in 0..meant.unit.as_ref().map_or(0, |(_, tokens)| *tokens) {
-            cursor.advance();
-        }
-        let whole = place.to(cursor.previous());
-        let reported = self.diagnostics.syntax(whole, meant.message);
-        let value = meant.number.parse().map_err(|_| reported)?;
-        match meant.unit {
-            None => self.with_unit(cursor, value, meant.number, place),
-            Some((unit, _)) => {
-                let unit = unit::read(&unit, self.diagnostics, whole)?;
-                let text = meant.number;
-                self.node(Kind::Number { value, text, unit }, whole, 0)
-            }
-        }
-    }
-
-    /// A number with the unit in brackets that may stand behind it.
-    fn with_unit(
-        &mut self,
-        cursor: &mut Cursor,
-        value: f64,
-        text: String,
-        place: Place,
-    ) -> Checked<Expr> {
-        let unit = match cursor.eat_group(Delimiter::Bracket) {
-            Some(group) => unit::bracketed(&group, self.diagnostics)?,
-            None => None,
-        };
-        let end = cursor.previous();
-        self.node(Kind::Number { value, text, unit }, place.to(end), 0)
-    }
-}
-
-/// Whether a decimal number is written with a digit other than 0 before its exponent.
-fn has_digits(text: &str) -> bool {
-    let mantissa = text.split(['e', 'E']).next().unwrap_or_default();
-    mantissa.contains(|c| matches!(c, '1'..='9'))
 }
 
 /// Whether an exponent is itself a power without parentheses around it.

@@ -7,6 +7,7 @@ mod documentation;
 mod expression;
 mod joint;
 mod law;
+mod number;
 mod picture;
 mod pieces;
 mod profile;

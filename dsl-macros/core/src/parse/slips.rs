@@ -3,7 +3,7 @@
 use super::cursor::Cursor;
 use super::unit;
 use crate::ast::{Expr, Kind};
-use crate::diagnostics::Diagnostics;
+use crate::diagnostics::{Checked, Diagnostics, closest};
 use crate::words;
 use proc_macro2::{Delimiter, Spacing, TokenTree};
 
@@ -80,7 +80,7 @@ pub(super) fn number(
 }
 
 /// What is said where `right` stands at the cursor, behind an expression without an operator.
-pub(super) fn juxtaposed(cursor: &Cursor, left: &Expr, right: &str, list: bool) -> String {
+fn juxtaposed(cursor: &Cursor, left: &Expr, right: &str, list: bool) -> String {
     if is_equation_of_motion(cursor) {
         EQUATIONS_FOLLOW.to_owned()
     } else {
@@ -142,7 +142,7 @@ fn missing_operator(left: &Expr, right: &str, list: bool) -> String {
 }
 
 /// What begins another entry of a list here, such as `z:` or `dot(z):`; behind a comparison also `z ==`.
-pub(super) fn next_entry(cursor: &Cursor, compared: bool) -> Option<String> {
+fn next_entry(cursor: &Cursor, compared: bool) -> Option<String> {
     let mut ahead = cursor.clone();
     let mut shown = ahead.eat_name()?.text;
     if let Some(group) = ahead.eat_group(Delimiter::Parenthesis) {
@@ -161,7 +161,7 @@ pub(super) fn next_entry(cursor: &Cursor, compared: bool) -> Option<String> {
 }
 
 /// What an apostrophe behind an expression means.
-pub(super) fn apostrophe(left: &Expr) -> String {
+fn apostrophe(left: &Expr) -> String {
     let mut factor = left;
     loop {
         factor = match &factor.kind {
@@ -253,3 +253,60 @@ pub(super) fn is_equation_of_motion(cursor: &Cursor) -> bool {
 /// What is written in place of equations of motion.
 pub(super) const EQUATIONS_FOLLOW: &str = "equations of motion are not written, they follow from the `lagrangian`, which is \
      kinetic minus potential energy; what acts besides stands in `forces { x: ... }`";
+
+/// Two factors without an operator between them: whether the expression `left` ends at the cursor, which may stand before the words
+/// `ends`. `list` tells whether a comma may be meant, `compared` whether a comparison stands on the left.
+pub(super) fn no_factor(
+    cursor: &Cursor,
+    (left, list): (&Expr, bool),
+    (compared, ends): (bool, &[&str]),
+    diagnostics: &mut Diagnostics,
+) -> Checked<()> {
+    let right = match cursor.peek() {
+        _ if cursor.at_invisible_group(0) => "...".to_owned(),
+        _ if cursor.at_symbol("|") => "|...|".to_owned(),
+        Some(TokenTree::Punct(punct)) if punct.as_char() == '\'' => {
+            return Err(diagnostics.syntax(cursor.place(), apostrophe(left)));
+        }
+        Some(TokenTree::Literal(literal)) if literal.to_string().starts_with('\'') => {
+            return Err(diagnostics.syntax(cursor.place(), apostrophe(left)));
+        }
+        Some(TokenTree::Ident(ident)) => {
+            let text = ident.to_string();
+            if words::is_keyword(&text) || text == "in" || ends.contains(&text.as_str()) {
+                return Ok(());
+            }
+            if let Some(entry) = next_entry(cursor, compared) {
+                diagnostics.poison(&text);
+                let message = format!("a comma is missing before `{entry}`");
+                return Err(diagnostics.syntax(cursor.place(), message));
+            }
+            match cursor.peek_at(1) {
+                // A name with a block behind it was meant to begin a statement.
+                Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => {
+                    return Ok(());
+                }
+                Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis => {
+                    format!("{text}(...)")
+                }
+                _ => {
+                    let near = closest(&text, words::STATEMENTS);
+                    if let Some(message) = words::unknown_statement(&text, near) {
+                        if let Some(statement) = near {
+                            expect_name_of(statement, cursor, 1, diagnostics);
+                        }
+                        return Err(diagnostics.syntax(cursor.place(), message));
+                    }
+                    text
+                }
+            }
+        }
+        Some(TokenTree::Literal(literal)) => literal.to_string(),
+        Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis => {
+            "(...)".to_owned()
+        }
+        _ => return Ok(()),
+    };
+    let message = juxtaposed(cursor, left, &right, list);
+    Err(diagnostics.syntax(cursor.place(), message))
+}

@@ -32,15 +32,6 @@ fn cart(statements: &str) -> Vec<String> {
     ))
 }
 
-macro_rules! texts {
-    ($($name:ident: $how:ident $source:expr => $($text:expr),+;)*) => {
-        $(#[test]
-        fn $name() {
-            assert_eq!($how($source), vec![$($text),+]);
-        })*
-    };
-}
-
 texts! {
     point_mass_is_accepted: beside "" => "accepted";
     explicit_time_is_accepted: messages "S { coordinates { y } lagrangian dot(y)^2/2 + t*y }" => "accepted";

@@ -25,15 +25,6 @@ fn complete(statements: &str) -> Vec<String> {
     beside(&format!("{RATE} {statements}"))
 }
 
-macro_rules! texts {
-    ($($name:ident: $how:ident $source:expr => $($text:expr),+;)*) => {
-        $(#[test]
-        fn $name() {
-            assert_eq!($how($source), vec![$($text),+]);
-        })*
-    };
-}
-
 texts! {
     state_with_its_rate: complete "start { i: 2 } outputs { pull: N = k*i } horizon 1 [s]" => "accepted";
     state_in_the_potential: messages

@@ -1,7 +1,8 @@
 //! What parameters that are unknowns decide of a motion: parts of its start, its length, and the laws of contacts.
 
 use super::kernel::Kernel;
-use super::sparse_program::{Laws, Program};
+use super::laws::Laws;
+use super::sparse_program::Program;
 use super::units::Units;
 use crate::model::{Given, Model, held};
 use hangtime_solver::nlp::NlpProblem as _;

@@ -6,6 +6,7 @@
 pub(in crate::ocp) mod frame;
 mod given;
 pub(in crate::ocp) mod kernel;
+mod laws;
 pub(in crate::ocp) mod purposes;
 pub(in crate::ocp) mod runner;
 pub(in crate::ocp) mod sparse_program;

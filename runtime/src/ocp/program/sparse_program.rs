@@ -13,6 +13,7 @@ use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::{NlpProblem, Pattern};
 
 use super::kernel::{Evaluator, Kernel};
+use super::laws::Laws;
 use super::units::{Units, objective_size};
 use crate::model::Model;
 
@@ -93,25 +94,6 @@ pub(in crate::ocp) struct Program<'a> {
     jacobian: Pattern,
     hessian: Pattern,
     scratch: Scratch,
-}
-
-/// Variables that are coefficients of the laws of contacts, where those are unknowns; empty where none is.
-#[derive(Debug, Clone, Default)]
-pub(in crate::ocp) struct Laws {
-    pub(in crate::ocp) restitution: Vec<Option<usize>>,
-    pub(in crate::ocp) friction: Vec<Option<usize>>,
-}
-
-impl Laws {
-    /// The coefficient of restitution of a contact, if it is an unknown.
-    pub(in crate::ocp) fn restitution(&self, contact: usize) -> Option<usize> {
-        self.restitution.get(contact).copied().flatten()
-    }
-
-    /// The coefficient of friction of a contact, if it is an unknown.
-    pub(in crate::ocp) fn friction(&self, contact: usize) -> Option<usize> {
-        self.friction.get(contact).copied().flatten()
-    }
 }
 
 impl<'a> Program<'a> {

@@ -525,16 +525,29 @@ fn accept_after(
     (t, y): (f64, &[f64]),
     delta: f64,
 ) {
+    if stepped(dynamics, probe, (t, y), delta) {
+        switching::accept_forces(dynamics);
+    }
+}
+
+/// Takes a step of length `delta` in the mode of `dynamics`; whether that can be held.
+fn stepped(
+    dynamics: &mut Dynamics<'_>,
+    probe: &mut Dop853,
+    (t, y): (f64, &[f64]),
+    delta: f64,
+) -> bool {
     let mut start = y.to_vec();
     if !motion::project(dynamics, t, &mut start) {
-        return;
+        return false;
     }
     probe.begin(dynamics, t, &start);
     probe.step(dynamics, t, &start, delta);
-    if motion::project(dynamics, t + delta, probe.end_mut()) {
+    let held = motion::project(dynamics, t + delta, probe.end_mut());
+    if held {
         probe.finish(dynamics, t, delta);
-        switching::accept_forces(dynamics);
     }
+    held
 }
 
 /// Looks at undecided contacts after a time `delta` in the mode of `dynamics`; `multiple` of their remainders
@@ -569,16 +582,9 @@ fn signs_after(
     delta: f64,
     multiple: f64,
 ) -> Option<Vec<Sign>> {
-    let mut start = y.to_vec();
-    if !motion::project(dynamics, t, &mut start) {
+    if !stepped(dynamics, probe, (t, y), delta) {
         return None;
     }
-    probe.begin(dynamics, t, &start);
-    probe.step(dynamics, t, &start, delta);
-    if !motion::project(dynamics, t + delta, probe.end_mut()) {
-        return None;
-    }
-    probe.finish(dynamics, t, delta);
     let n = dynamics.n;
     let accelerations = probe.end_slope()[n..2 * n].to_vec();
     let signs = undecided.iter().map(|candidate| {

@@ -5,13 +5,11 @@ use super::dop853::Dop853;
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::locate::{self, Sample};
 use crate::model::contact_point;
+use crate::simulation::along::LEAPS;
 
 /// Crossings of one switching function on the continuous extension that true steps may refute before the step
 /// counts as too long.
 const FALSE_ALARMS: usize = 20;
-/// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
-/// without passing zero.
-const LEAPS: f64 = 1e-3;
 /// A crossing less deep than this share of the range of values within the step is confirmed by a true
 /// step: it may be an error of the continuous extension.
 const SHALLOW: f64 = 1e-4;

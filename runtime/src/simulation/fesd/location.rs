@@ -6,17 +6,13 @@ use super::stop::Stop;
 use super::switch::{ElementStart, Switch, SwitchKind};
 use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
 use crate::fesd::finite_element::newton;
+use crate::simulation::along::{LEAPS, LEAST_LEAP};
 
 /// Force beyond its bound that another switch explains, relative to its terms; larger ones are switches of
 /// their own.
 const CROSSED: f64 = 1e-9;
 /// Size of a force that changes its sign, relative to its terms, above which it does so through infinity.
 const POLE: f64 = 1e-3;
-/// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
-/// without passing zero.
-const LEAPS: f64 = 1e-3;
-/// Least leap of a gap, as a share of the coordinates and of the ways that velocities go in an element.
-const LEAST_LEAP: f64 = 1e-6;
 /// Evaluations of the switch condition that locate one switch.
 const MAX_LOCATIONS: usize = 60;
 

@@ -4,12 +4,14 @@
 //! `rows` are the equations for the contact forces, `switching` the values of the switching functions, `motion` the
 //! derivative of the state and the projection.
 
+mod laws;
 pub(in crate::simulation) mod motion;
 mod rows;
 mod scales;
 mod switch;
 pub(in crate::simulation) mod switching;
 
+pub(in crate::simulation) use laws::Laws;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
@@ -66,30 +68,6 @@ pub(in crate::simulation) struct Dynamics<'a> {
     explicit_time: bool,
     /// Joints, if there are any.
     joints: Option<Joints<'a>>,
-}
-
-/// Coefficients of the contact laws, one entry a contact.
-pub(in crate::simulation) struct Laws {
-    pub(in crate::simulation) restitution: Vec<f64>,
-    pub(in crate::simulation) friction: Vec<f64>,
-    /// Whether a contact declares friction, if only with the coefficient 0.
-    pub(in crate::simulation) declares_friction: bool,
-    /// Contacts with friction, increasing.
-    frictional: Vec<usize>,
-}
-
-impl Laws {
-    fn of(model: &dyn Model) -> Self {
-        let contacts = model.declaration().contacts;
-        let declared = |i: usize| contacts[i].friction.map_or(0.0, |_| model.friction(i));
-        let friction: Vec<f64> = (0..contacts.len()).map(declared).collect();
-        Self {
-            restitution: (0..contacts.len()).map(|i| model.restitution(i)).collect(),
-            declares_friction: contacts.iter().any(|c| c.friction.is_some()),
-            frictional: (0..contacts.len()).filter(|&i| friction[i] > 0.0).collect(),
-            friction,
-        }
-    }
 }
 
 /// The contact mode.
