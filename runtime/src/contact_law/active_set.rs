@@ -10,6 +10,10 @@ const PROXIMAL: f64 = 1e-8;
 const REFINEMENTS: usize = 8;
 /// Changes of all inconsistent states at once that do not make them fewer, before they are changed one at a time.
 const PATIENCE: usize = 4;
+/// Most changes: so many, and so many for each contact. One at a time may take more, and Lemke's method follows.
+const CHANGES: (usize, usize) = (20, 6);
+/// Share of the step before above which a step of the proximal point method gains nothing.
+const STALLED: f64 = 0.5;
 
 /// The linear system of some states.
 pub(super) struct Equations {
@@ -81,7 +85,7 @@ impl Equations {
                 return None;
             }
             // Of contradictory equations the multipliers grow by the same amount each time: the signs are known.
-            if size == 0.0 || size > 0.5 * last {
+            if size == 0.0 || size > STALLED * last {
                 break;
             }
             last = size;
@@ -190,7 +194,7 @@ pub(super) fn consistent(
 ) -> Option<(Vec<State>, Vec<f64>)> {
     let mut fewest = usize::MAX;
     let mut patience = PATIENCE;
-    for _ in 0..20 + 6 * states.len() {
+    for _ in 0..CHANGES.0 + CHANGES.1 * states.len() {
         let equations = Equations::of(problem, tangents, &states);
         let x = equations.solve(problem)?;
         let forces = forces_of(problem, tangents, &states, (&equations.unknown, &x));

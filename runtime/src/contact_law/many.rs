@@ -8,6 +8,9 @@ use super::problem::{Problem, Solution, State};
 /// Multiple of rounding error up to which a solution may contradict the law: its forces are those of linear systems whose
 /// condition that multiplies.
 const ACCEPTED: f64 = 1e2;
+/// Share of the largest offset below which a line moves neither way by itself, and of its bound below which friction is at it: such
+/// states are guesses, which what follows may change.
+const UNDECIDED: f64 = 1e-9;
 
 /// A solution whose forces the equations of its states determine, from the states of a `guess` on if there is one.
 /// `None` where none is found, which for contacts with friction may mean that there is none.
@@ -41,7 +44,7 @@ fn from(
 
 /// All contacts closed that nothing opens by itself; those that slide by themselves slip.
 fn pressed(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>]) -> Vec<State> {
-    let zero = 1e-9 * problem.largest_offset();
+    let zero = UNDECIDED * problem.largest_offset();
     let of = |(i, tangent): (usize, &Option<(usize, f64)>)| {
         let normal = problem.offsets[i];
         match tangent {
@@ -78,7 +81,7 @@ fn states_of(
         };
         let s = forces[line];
         let reserve = friction * p - s.abs();
-        if reserve > 1e-9 * friction * p {
+        if reserve > UNDECIDED * friction * p {
             State::Stick
         } else {
             State::Slip(-s.signum())

@@ -301,12 +301,14 @@ impl<'m> Start<'m> {
             return Ok(());
         }
         let scale = self.x[..n].iter().fold(0.0_f64, |s, q| s.max(q.abs()));
+        // Where all are zero nothing tells how large the mechanism is: the unit of the scene.
+        let scale = if scale > 0.0 { scale } else { 1.0 };
         for sense in [1.0, -1.0] {
             let mut nearby = self.x.clone();
             for (k, q) in nearby[..n].iter_mut().enumerate() {
                 // Any direction, of no meaning to a scene.
                 let angle = 1.0 + 2.4 * k as f64;
-                *q += sense * NEARBY * scale.max(1e-3) * angle.sin();
+                *q += sense * NEARBY * scale * angle.sin();
             }
             let mut joints = Joints::with_rows(self.model, held.to_vec());
             if joints.project_positions(&mut nearby, 0.0).is_err() {

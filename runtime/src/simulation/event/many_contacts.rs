@@ -9,6 +9,8 @@ use crate::contact_law::{self, Cone, Problem, Solution, State};
 const FEW_DECISIONS: usize = 5;
 /// Share of the largest force or motion below which a contact of a single solution is too close to another state.
 const STRICT: f64 = 1e-9;
+/// Share of their size up to which the entries of a symmetric matrix may differ, and a pivot of a semidefinite one be negative.
+const SYMMETRIC: f64 = 1e-9;
 
 /// The solutions of a problem, block by block: the first is what counts, the others are what it is compared with.
 pub(super) struct Blocks {
@@ -182,7 +184,7 @@ fn monotone(problem: &CoulombProblem<'_>, inertia: &[f64]) -> bool {
         for j in 0..m {
             let (one, other) = (entry(i, j), entry(j, i));
             let size = (entry(i, i) * entry(j, j)).abs().sqrt();
-            if (one - other).abs() > 1e-9 * size || one.is_nan() {
+            if (one - other).abs() > SYMMETRIC * size || one.is_nan() {
                 return false;
             }
             a.push(0.5 * (one + other) / size);
@@ -190,7 +192,7 @@ fn monotone(problem: &CoulombProblem<'_>, inertia: &[f64]) -> bool {
     }
     // Cholesky's method with the diagonal lifted by more than rounding error.
     for k in 0..m {
-        let pivot = a[k * m + k] + 1e-9;
+        let pivot = a[k * m + k] + SYMMETRIC;
         if pivot <= 0.0 || pivot.is_nan() {
             return false;
         }
