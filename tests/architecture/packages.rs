@@ -82,7 +82,9 @@ fn figures(readme: &str) -> Vec<&str> {
 fn packages_hold_licences_their_readme_and_its_figures() {
     for package in Package::all() {
         let (name, files) = (package.name(), package.files());
-        let readme = package.folder.join(package.value("readme").expect("a README"));
+        let readme = package
+            .folder
+            .join(package.value("readme").expect("a README"));
         let readme = text(&readme);
         let wanted = ["LICENSE-APACHE", "LICENSE-MIT", "README.md", "Cargo.toml"];
         for wanted in wanted.into_iter().chain(figures(&readme)) {
@@ -126,7 +128,9 @@ fn packages_say_what_they_are_and_how_to_depend_on_them() {
         } else {
             name
         };
-        let readme = package.folder.join(package.value("readme").expect("a README"));
+        let readme = package
+            .folder
+            .join(package.value("readme").expect("a README"));
         let line = format!("[dependencies]\n{library} = \"{version}\"\n");
         assert!(text(&readme).contains(&line), "{name}: README lacks {line}");
     }
@@ -159,6 +163,9 @@ fn releases_in_the_changelog_are_of_readable_length() {
     for release in releases {
         let title = release.lines().next().unwrap_or_default();
         let lines = release.lines().filter(|line| !line.is_empty()).count();
-        assert!(lines <= RELEASE, "{title}: {lines} lines; at most {RELEASE}");
+        assert!(
+            lines <= RELEASE,
+            "{title}: {lines} lines; at most {RELEASE}"
+        );
     }
 }

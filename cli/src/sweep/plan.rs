@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::arguments::{SimulateArguments, SolveArguments};
 use crate::failure::BadInput;
 use crate::host::{HostRun, HostScene, Refusal};
+use crate::settings::ChosenScene;
 
 use super::axis::{Axis, MOST_POINTS};
 use super::record::{Record, sequence};
@@ -88,22 +89,8 @@ impl SweepPlan {
                 "a sweep needs values; add --over NAME=from:to:count or --over NAME=a,b,c",
             ));
         }
-        let axes = over.iter().map(|text| Axis::read(&chosen, text));
-        let axes = axes.collect::<Result<Vec<_>, _>>()?;
+        let axes = read_axes(&chosen, over, &settings)?;
         check_warm(work, &axes)?;
-        for (index, axis) in axes.iter().enumerate() {
-            let names = axes[..index].iter().map(|earlier| earlier.name.as_str());
-            let given = settings
-                .iter()
-                .filter_map(|setting| setting.split_once('='));
-            let mut names = names.chain(given.map(|(name, _)| name.trim()));
-            if names.any(|name| name == axis.name) {
-                return Err(BadInput::new(format!(
-                    "--over: `{}` is given twice; keep one of them",
-                    axis.name
-                )));
-            }
-        }
         let count = axes.iter().try_fold(1_usize, |product, axis| {
             let product = product.checked_mul(axis.values.len());
             product.filter(|&count| count <= MOST_POINTS)
@@ -269,6 +256,30 @@ impl SweepPlan {
         }
         self.scene.solve(words, &mut |_| goes_on())
     }
+}
+
+/// The values of the parameters, none of which may be given twice.
+fn read_axes(
+    chosen: &ChosenScene,
+    over: &[String],
+    settings: &[String],
+) -> Result<Vec<Axis>, BadInput> {
+    let axes = over.iter().map(|text| Axis::read(chosen, text));
+    let axes = axes.collect::<Result<Vec<_>, _>>()?;
+    for (index, axis) in axes.iter().enumerate() {
+        let names = axes[..index].iter().map(|earlier| earlier.name.as_str());
+        let given = settings
+            .iter()
+            .filter_map(|setting| setting.split_once('='));
+        let mut names = names.chain(given.map(|(name, _)| name.trim()));
+        if names.any(|name| name == axis.name) {
+            return Err(BadInput::new(format!(
+                "--over: `{}` is given twice; keep one of them",
+                axis.name
+            )));
+        }
+    }
+    Ok(axes)
 }
 
 /// Refuses chains of what has no start to hand on.
