@@ -183,7 +183,7 @@ def sweep(
     """
     if not isinstance(scene, Scene):
         raise Mistake(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
-    if what not in ("simulate", "solve"):
+    if not isinstance(what, str) or what not in ("simulate", "solve"):
         raise Mistake(f"error: what = {what!r}: give 'simulate' or 'solve'")
     if not isinstance(over, Mapping):
         raise Mistake(f"error: `over` is {type(over).__name__}: give a dict of values by parameter")
