@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _core
 from ._core import Mistake
-from ._scene import _Bar, _checked, _text
+from ._scene import _checked, _telling, _text
 
 
 class Program:
@@ -132,14 +132,8 @@ def nlp(
     if not isinstance(path, str):
         raise Mistake(f"error: `{path!r}`: give the name of a .nl file as a text")
     pairs = [(name, _option(name, value)) for name, value in options.items() if value is not None]
-    if not progress:
-        return Program._of(_core.solve_program(_checked(path), pairs))
-    bar = progress if callable(progress) else _Bar(os.path.basename(path))
-    try:
-        return Program._of(_core.solve_program(_checked(path), pairs, bar))
-    finally:
-        if isinstance(bar, _Bar):
-            bar.close()
+    with _telling(os.path.basename(path), progress) as told:
+        return Program._of(_core.solve_program(_checked(path), pairs, told))
 
 
 def _option(name: str, value: Any) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from html import escape
 from typing import Any, Dict, Iterator, List, Optional
 
@@ -343,7 +344,9 @@ class Run:
         return pictures[chosen[0]]
 
     def play(self, height: int = 640) -> "Player":
-        """The player of the motion, which a notebook shows inline; ``.save(path)`` writes it as a page."""
+        """The player of the motion, which a notebook shows inline, so many pixels high; ``.save(path)`` writes it as a page."""
+        if not isinstance(height, (int, np.integer)) or isinstance(height, bool) or height < 1:
+            raise Mistake(f"error: `height`: found {height!r}; give a whole number of pixels")
         pages = [text for name, text in self.files.items() if name.endswith(".html")]
         if not pages:
             raise Mistake(f"error: no motion to play: {self.status}")
@@ -448,8 +451,11 @@ class Player:
 
     def save(self, path: Any) -> None:
         """Writes the page."""
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(self.page)
+        try:
+            with open(os.fspath(path), "w", encoding="utf-8") as file:
+                file.write(self.page)
+        except (OSError, TypeError, ValueError) as error:
+            raise Mistake(f"error: {error}; give the path of a file that can be written") from None
 
     def _repr_html_(self) -> str:
         frame = "width:100%;border:0"

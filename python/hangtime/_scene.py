@@ -7,8 +7,8 @@ import numbers
 import os
 import sys
 import time
-from functools import partial
-from typing import Any, Callable, Iterable, List, Mapping, NamedTuple, Optional, Union
+from contextlib import contextmanager
+from typing import Any, Callable, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Union
 
 from . import _core
 from ._core import Mistake
@@ -113,6 +113,23 @@ class _Bar:
             sys.stderr.flush()
 
 
+@contextmanager
+def _telling(name: str, progress: Any) -> Iterator[Optional[Callable[[Optional[float], str], Any]]]:
+    """What a run is to tell its progress, if anything: a callable that was given, or a line that ends with the run."""
+    if callable(progress):
+        yield progress
+    elif progress is None or progress is False:
+        yield None
+    elif progress is True:
+        bar = _Bar(name)
+        try:
+            yield bar
+        finally:
+            bar.close()
+    else:
+        raise Mistake(f"error: `progress` is {type(progress).__name__}: give True, or what is called with time and text")
+
+
 class Scene:
     """A mechanical system with impacts, as declared in the modelling language.
 
@@ -212,16 +229,8 @@ class Scene:
         return Solution._of(self._run("solve", words, progress, **more), self, "solve", words)
 
     def _run(self, command: str, words: List[str], progress: Any, **more: Any):
-        call = partial(getattr(self._core, command), **more)
-        if callable(progress):
-            return call(words, progress)
-        if not progress:
-            return call(words)
-        bar = _Bar(self.name)
-        try:
-            return call(words, bar)
-        finally:
-            bar.close()
+        with _telling(self.name, progress) as told:
+            return getattr(self._core, command)(words, told, **more)
 
     def __repr__(self) -> str:
         return f"<hangtime scene {self.name}: {self.title}>"

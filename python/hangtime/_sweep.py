@@ -65,6 +65,8 @@ class Sweep(Sequence[Dict[str, str]]):
                 return np.array(cells)
         if isinstance(key, slice):
             return [self[k] for k in range(*key.indices(len(self)))]
+        if not isinstance(key, (int, np.integer)):
+            raise Mistake(f"error: {type(key).__name__} is no column and no row; columns are: {', '.join(self.columns)}")
         if not -len(self) <= key < len(self):
             raise IndexError(f"row {key} of {len(self)}")
         return dict(zip(self.columns, self._rows[1:][key]))
@@ -198,21 +200,31 @@ def sweep(
         tuple(_checked(name) for name in record),
     )
     plan = _plan(*spec)
-    rows = None if store is None else os.fspath(store)
-    lines = _stored(rows, plan)
-    file = None if rows is None else open(rows, "a", encoding="utf-8", newline="")
+    rows, lines, file = None, [], None
+    if store is not None:
+        try:
+            rows = os.fspath(store)
+            lines = _stored(rows, plan)
+            file = open(rows, "a", encoding="utf-8", newline="")
+        except Mistake:
+            raise
+        except (OSError, TypeError, ValueError) as error:
+            raise Mistake(f"error: `store`: {error}; give the path of a file that can be written") from None
     try:
         if file is not None and not os.path.getsize(rows):
             file.write(plan.header + "\n")
         own = None
-        if executor is None and len(lines) < len(plan):
+        missing = len(lines) < len(plan)
+        if missing and executor is not None and not callable(getattr(executor, "submit", None)):
+            raise Mistake(f"error: `executor` is {type(executor).__name__}: give one of concurrent.futures, or None")
+        if missing and executor is None:
             from concurrent.futures import ProcessPoolExecutor
             from multiprocessing import get_context
 
             # Fresh processes: a forked one has no threads of those that the solver started before.
             own = ProcessPoolExecutor(mp_context=get_context("spawn"))
         try:
-            for row in _computed(executor or own, spec, plan, len(lines)):
+            for row in _computed(own if executor is None else executor, spec, plan, len(lines)):
                 lines.append(row)
                 if file is not None:
                     file.write(row + "\n")
@@ -267,9 +279,9 @@ def _computed(executor: Any, spec: tuple, plan: Any, done: int) -> Iterable[str]
             future.cancel()
 
 
-def _stored(path: Optional[str], plan: Any) -> List[str]:
+def _stored(path: str, plan: Any) -> List[str]:
     """Rows that are stored already; what a killed run left of a row is cut off."""
-    if path is None or not os.path.exists(path):
+    if not os.path.exists(path):
         return []
     with open(path, "rb+") as file:
         text = file.read()

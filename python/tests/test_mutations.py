@@ -3,6 +3,7 @@
 import json
 import math
 import random
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -21,14 +22,14 @@ VALUES = [
 ]
 KEYS = [
     "h", "e", "push", "horizon", "method", "tolerance", "steps", "stages", "elements", "scheme", "rows", "time_limit",
-    "parameters", "no_exit_condition", "unknown", "out", "json", "set", "gradient",
+    "parameters", "no_exit_condition", "unknown", "out", "json", "set", "gradient", "progress",
 ]
 OPTIONS = ["tol", "constr_viol_tol", "max_iter", "time_limit", "starts", "warm_start", "progress", "unknown"]  # fmt: skip
 #: What Python and the package raise by name; anything else is a mistake in the package.
 NAMED = (ht.Mistake, TypeError, AttributeError, IndexError)
 
 
-def mutated(choose, ball, run, program):
+def mutated(choose, ball, run, table, program):
     """One call with something wrong in it."""
     value, other = choose.choice(VALUES), choose.choice(VALUES)
     key = choose.choice(KEYS)
@@ -50,6 +51,12 @@ def mutated(choose, ball, run, program):
             lambda: ball.gradient(value, other, time_limit=2),
             lambda: ball.solve(start=value),
             lambda: ht.nlp(value),
+            lambda: ht.sweep(ball, {"h": [1, 2]}, executor=object(), store=value),
+            lambda: table[value],
+            lambda: table.plot(value),
+            lambda: run.play(value)._repr_html_(),
+            lambda: run.play().save(value),
+            lambda: ht.scene(BALL, "ball").simulate(parameters={"h": value, "e": other}, time_limit=2),
             lambda: ht.nlp(program, **{"time_limit": 2, choose.choice(OPTIONS): value}),
             lambda: mutilate_file(choose, program, value),
             lambda: ht.sweep(ball, {"h": [1, 2]}, executor=object(), warm=value),
@@ -76,14 +83,18 @@ def mutilated(choose, text):
 
 
 @pytest.mark.parametrize("block", range(10))
-def test_fifty_mutated_calls_raise_by_name(block, tmp_path):
+def test_fifty_mutated_calls_raise_by_name(block, tmp_path, monkeypatch):
     program = tmp_path / "corner.nl"
     program.write_text(corner(0.0))
     choose = random.Random(block)
     ball = ht.scene(BALL, "ball")
     run = ball.simulate()
+    with ThreadPoolExecutor(1) as executor:
+        table = ht.sweep(ball, {"h": [1, 2]}, record=["final.z"], executor=executor)
+    # Files that a call writes by a name that is none of ours.
+    monkeypatch.chdir(tmp_path)
     for _ in range(50):
-        call = mutated(choose, ball, run, program)
+        call = mutated(choose, ball, run, table, program)
         try:
             call()
         except NAMED as error:
