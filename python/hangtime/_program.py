@@ -34,6 +34,7 @@ class Program:
     """What ``hangtime nlp`` prints with ``--json``, one line."""
     sol: str
     """The solution file that modelling languages read, as ``hangtime nlp --sol`` writes it."""
+    _document: Dict[str, Any]
 
     @classmethod
     def _of(cls, core: Any) -> "Program":

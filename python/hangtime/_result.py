@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import os
 from html import escape
-from typing import Any, Dict, Iterator, List, Optional
+from typing import Any, Dict, Iterator, List, Optional, Type, TypeVar
 
 import numpy as np
 
 from ._core import Mistake
 
+Motion = TypeVar("Motion", bound="Run")
 #: Parts of a trajectory that hold a vector at every instant.
 _PARTS = ("q", "v", "states", "u", "contact_force", "friction_force", "outputs")
 #: In shorter intervals [s], relative to the time, rounding dominates the slope of the coordinates.
@@ -86,9 +87,16 @@ class Run:
 
     _document: Optional[Dict[str, Any]] = None
     _columns: Optional[Dict[str, tuple]] = None
+    _native: Any
+    _scene: Any
+    _command: str
+    _words: List[str]
+    _arrays: Dict[str, np.ndarray]
+    _json: Optional[str]
+    _pages: Optional[Dict[str, str]]
 
     @classmethod
-    def _of(cls, core: Any, scene: Any, command: str, words: List[str]) -> "Run":
+    def _of(cls: Type[Motion], core: Any, scene: Any, command: str, words: List[str]) -> Motion:
         run = cls.__new__(cls)
         run._native, run._scene, run._command, run._words = core, scene, command, words
         run._arrays = {}
@@ -229,7 +237,7 @@ class Run:
     def _named(self) -> Dict[str, tuple]:
         if self._columns is None:
             quantities = {part: self._quantities(part) for part in _PARTS}
-            columns = {"time": ("time", None, "s")}
+            columns: Dict[str, tuple] = {"time": ("time", None, "s")}
             for part in _PARTS:
                 for index, (name, unit) in enumerate(quantities[part]):
                     name = f"dot({quantities['q'][index][0]})" if part == "v" else name

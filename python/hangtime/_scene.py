@@ -301,7 +301,7 @@ class _Scenes:
             raise Mistake(f"error: {name!r} is no name of a shipped scene; they are: {', '.join(self)}")
         return Scene(("shipped", _checked(name), None))
 
-    def __iter__(self) -> Iterable[str]:
+    def __iter__(self) -> Iterator[str]:
         return iter(_core.scene_names())
 
     def __len__(self) -> int:

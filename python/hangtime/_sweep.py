@@ -204,6 +204,12 @@ def sweep(
     if store is not None:
         try:
             rows = os.fspath(store)
+            if not isinstance(rows, str) or not rows.endswith(".csv"):
+                # Rows are appended one by one, which other formats do not allow.
+                raise Mistake(
+                    f"error: `store`: found {store!r}; give a name that ends with .csv; "
+                    "table.to_pandas() writes other formats"
+                )
             lines = _stored(rows, plan)
             file = open(rows, "a", encoding="utf-8", newline="")
         except Mistake:
@@ -211,7 +217,7 @@ def sweep(
         except (OSError, TypeError, ValueError) as error:
             raise Mistake(f"error: `store`: {error}; give the path of a file that can be written") from None
     try:
-        if file is not None and not os.path.getsize(rows):
+        if file is not None and rows is not None and not os.path.getsize(rows):
             file.write(plan.header + "\n")
         own = None
         missing = len(lines) < len(plan)

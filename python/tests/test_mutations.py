@@ -51,7 +51,7 @@ def mutated(choose, ball, run, table, program):
             lambda: ball.gradient(value, other, time_limit=2),
             lambda: ball.solve(start=value),
             lambda: ht.nlp(value),
-            lambda: ht.sweep(ball, {"h": [1, 2]}, executor=object(), store=value),
+            lambda: ht.sweep(ball, {"h": [1, 2]}, executor=object(), store=choose.choice([value, f"{other}.csv"])),
             lambda: table[value],
             lambda: table.plot(value),
             lambda: run.play(value)._repr_html_(),

@@ -44,6 +44,8 @@ def test_store_is_resumed_where_it_was_cut_and_refuses_other_sweeps(ball, tmp_pa
             assert store.read_text() == whole
         with pytest.raises(ht.Mistake, match="another sweep"):
             ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store, method="event")
+    with pytest.raises(ht.Mistake, match="ends with .csv"):
+        ht.sweep(ball, OVER, record=RECORD, store=tmp_path / "s.parquet")
     # What is stored is not computed again: no executor is asked.
     assert ht.sweep(ball, OVER, record=RECORD, executor=object(), store=store).csv == whole
 
