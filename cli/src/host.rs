@@ -59,7 +59,14 @@ pub struct HostScene {
 /// The options of the last run and what they mean: those of the next one are mostly the same, and reading them takes as long as a
 /// short run.
 #[derive(Debug, Clone)]
-struct Recent<A>(Arc<Mutex<Option<(Vec<String>, A)>>>);
+struct Recent<A>(Arc<Mutex<Option<Known<A>>>>);
+
+/// Options as words, and what they mean.
+#[derive(Debug)]
+struct Known<A> {
+    options: Vec<String>,
+    arguments: A,
+}
 
 impl<A> Default for Recent<A> {
     fn default() -> Self {
@@ -87,15 +94,18 @@ impl<A: Args + Clone> Recent<A> {
             // A panic leaves what was there before.
             Err(poisoned) => poisoned.into_inner(),
         };
-        if let Some((known, read)) = &*recent
-            && known.iter().eq(options.iter().copied())
+        if let Some(known) = &*recent
+            && known.options.iter().eq(options.iter().copied())
         {
-            return Ok((read.clone(), settings));
+            return Ok((known.arguments.clone(), settings));
         }
         let options: Vec<String> = options.into_iter().cloned().collect();
-        let read: A = scene.arguments(command, &options)?;
-        *recent = Some((options, read.clone()));
-        Ok((read, settings))
+        let arguments: A = scene.arguments(command, &options)?;
+        *recent = Some(Known {
+            options,
+            arguments: arguments.clone(),
+        });
+        Ok((arguments, settings))
     }
 }
 
