@@ -91,7 +91,6 @@ mod timing;
 #[cfg(feature = "terminal")]
 mod watch;
 
-#[cfg(feature = "terminal")]
 pub use arguments::WARM_CHAIN;
 pub use calls::Calls;
 #[cfg(feature = "terminal")]
@@ -100,7 +99,6 @@ pub use command_line::CommandLine;
 pub use host::{HostRun, HostScene, Refusal, options};
 #[cfg(feature = "terminal")]
 pub use host_program::{HostProgram, program_options};
-#[cfg(feature = "terminal")]
 pub use json::Columns;
 #[cfg(feature = "terminal")]
 pub use play::PlayPage;

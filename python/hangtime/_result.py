@@ -296,7 +296,8 @@ class Run:
         """The state at a time [s], right after an impact at that time.
 
         Between two instants, at distance h, coordinates follow the cubic through both states, and velocities its
-        derivative: accurate to h^4 and h^3. Controls, forces and outputs are linear. Nothing reaches over an impact.
+        derivative: accurate to h^4 and h^3. States of first order, controls, forces and outputs are linear. Nothing reaches
+        over an impact.
         """
         t = self.time
         try:

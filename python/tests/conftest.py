@@ -1,9 +1,12 @@
 """What the tests share: the command line beside the package."""
 
+import contextlib
 import json
 import os
 import pathlib
+import signal
 import subprocess
+import threading
 
 import matplotlib
 import pytest
@@ -65,3 +68,13 @@ def without_seconds(text):
     for improvement in document.get("improvements", []):
         improvement.pop("cpu")
     return document
+
+
+@contextlib.contextmanager
+def ctrl_c_after(seconds):
+    timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()

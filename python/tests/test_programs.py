@@ -2,10 +2,11 @@
 
 import math
 import pickle
+import time
 
 import numpy as np
 import pytest
-from conftest import without_seconds
+from conftest import ctrl_c_after, without_seconds
 
 import hangtime as ht
 
@@ -24,6 +25,17 @@ def corner(s, x="2 0", y="3"):
     """``min (x - 2)^2 + (y - 1)^2`` where ``0 <= x`` complements ``y - s >= 0``: 1 at (2, 0) for ``s = 0``."""
     body = ["C0", "o1", "v1", f"n{s}", "O0 0", "o0", "o5", "o1", "v0", "n2", "n2", "o5", "o1", "v1", "n1", "n2"]
     return heading(1, "0 1 1", "0 2 0", "0 0") + lines(*body, "r", "5 1 1", "b", x, y)
+
+
+def chain(n):
+    """The chained valley of Rosenbrock with ``n`` variables, far from its end: ``sum 100 (x_(i+1) - x_i^2)^2 + (1 - x_i)^2``."""
+    sums = ["o54", str(2 * (n - 1))]
+    for i in range(n - 1):
+        sums += ["o2", "n100", "o5", "o1", f"v{i + 1}", "o5", f"v{i}", "n2", "n2"]
+        sums += ["o5", "o1", "n1", f"v{i}", "n2"]
+    top = f"g3 1 1 0\n {n} 0 1 0 0\n 0 1\n 0 0\n 0 {n} 0\n 0 0 0 1\n 0 0 0 0 0\n 0 0\n 0 0\n 0 0 0 0 0\n"
+    starts = [f"x{n}", *(f"{i} {-1.2 if i % 2 else 1}" for i in range(n))]
+    return top + lines("O0 0", *sums, *starts, "r", "b", *["3"] * n)
 
 
 def valley(a):
@@ -95,6 +107,25 @@ def test_options_act_and_progress_is_told(tmp_path):
         with pytest.raises(ht.Mistake) as caught:
             ht.nlp(path, **options)
         assert words in str(caught.value), str(caught.value)
+
+
+def test_ctrl_c_ends_a_program_with_the_point_that_it_has_reached(tmp_path):
+    path = tmp_path / "chain.nl"
+    path.write_text(chain(20_000))
+    said = []
+    begin = time.monotonic()
+    # Without a signal this takes minutes.
+    with ctrl_c_after(1.0):
+        answer = ht.nlp(path, starts=50, progress=lambda at, words: said.append(words))
+    assert time.monotonic() - begin < 20
+    assert answer.status == "interrupted" and answer.x.shape == (20_000,) and np.isfinite(answer.x).all()
+    assert said
+
+    def broken(at, words):
+        raise ZeroDivisionError(words)
+
+    with pytest.raises(ZeroDivisionError):
+        ht.nlp(path, starts=50, progress=broken)
 
 
 def test_files_that_are_no_programs_are_refused_as_by_the_command_line(command, tmp_path):
