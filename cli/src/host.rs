@@ -9,6 +9,7 @@ use std::sync::Mutex;
 
 use clap::{Args, CommandFactory as _};
 use hangtime::Progress;
+use hangtime::estimation::Estimate;
 use hangtime::ocp::Solution;
 use hangtime::simulation::{Gradient, Simulation};
 
@@ -21,7 +22,8 @@ use crate::files::ResultFiles;
 use crate::numbers::ROWS;
 use crate::scene_file::{EXTENSION, entry, is_path, read_text};
 use crate::settings::{ChosenScene, find};
-use crate::task::{OptimumTask, SimulationTask, optimum_facts, simulation_facts};
+use crate::fit;
+use crate::task::{FitTask, OptimumTask, SimulationTask, optimum_facts, simulation_facts};
 use crate::{PublishedData, Scene};
 
 /// Why something was refused: what the command line prints on its standard error stream, without the last line end.
@@ -209,6 +211,9 @@ impl HostScene {
     ) -> Result<HostRun, Refusal> {
         let arguments: SolveArguments = self.arguments("solve", words)?;
         let chosen = self.chosen(&arguments.scene.settings)?;
+        if !chosen.model.experiments().is_empty() {
+            return Ok(fitted(FitTask::new(chosen, &arguments)?, &arguments, observer)?);
+        }
         let mut task = OptimumTask::new(chosen, &arguments)?;
         let mut bound = Bound::new(&arguments.limits);
         let solution = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
@@ -279,9 +284,25 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, BadInput>) -> Result<T, BadInput>
     })
 }
 
+/// The estimate of a scene that compares with measurements.
+fn fitted(
+    mut task: FitTask,
+    arguments: &SolveArguments,
+    observer: &mut (dyn FnMut(&Progress) -> bool + Send),
+) -> Result<HostRun, BadInput> {
+    let mut bound = Bound::new(&arguments.limits);
+    let estimate = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
+    let ending = Ending::of_estimate(&estimate, bound.stop, &arguments.limits);
+    Ok(HostRun {
+        work: Work::Fitted(task, Box::new(estimate)),
+        ending,
+    })
+}
+
 enum Work {
     Simulated(SimulationTask, Box<Simulation>, Option<Gradient>),
     Planned(OptimumTask, Box<Solution>),
+    Fitted(FitTask, Box<Estimate>),
 }
 
 /// A run that has ended.
@@ -321,6 +342,7 @@ impl HostRun {
         match &self.work {
             Work::Simulated(_, simulation, _) => Some(simulation),
             Work::Planned(_, solution) => solution.motion.as_ref(),
+            Work::Fitted(_, estimate) => estimate.experiments.first().map(|known| &known.motion),
         }
     }
 
@@ -332,6 +354,7 @@ impl HostRun {
                 task.json(simulation, gradient.as_ref(), &self.ending)
             }
             Work::Planned(task, solution) => task.json(solution, &self.ending),
+            Work::Fitted(task, estimate) => task.json(estimate, &self.ending),
         }
     }
 
@@ -351,6 +374,9 @@ impl HostRun {
                 "optimal".to_owned(),
                 optimum_facts(&task.method, solution, &self.ending),
             ),
+            Work::Fitted(task, estimate) => {
+                return fit::files(&task.chosen, estimate, (&json, &self.ending), ROWS);
+            }
         };
         let stem = chosen.scene.name.to_owned();
         let Some(simulation) = self.motion() else {
@@ -366,6 +392,7 @@ impl HostRun {
             rows: ROWS,
             index: None,
             facts,
+            further: Vec::new(),
         }
         .contents()
     }

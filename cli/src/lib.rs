@@ -53,9 +53,13 @@ mod figure;
 #[cfg(feature = "terminal")]
 mod files;
 #[cfg(feature = "terminal")]
+mod fit;
+#[cfg(feature = "terminal")]
 mod host;
 #[cfg(feature = "terminal")]
 mod list;
+#[cfg(feature = "terminal")]
+mod measured;
 #[cfg(feature = "terminal")]
 mod motion;
 #[cfg(feature = "terminal")]

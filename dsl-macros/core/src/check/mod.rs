@@ -7,6 +7,7 @@ mod design;
 mod dry;
 mod joint;
 mod law;
+mod measured;
 mod names;
 mod optimal_control;
 mod outputs;
@@ -111,6 +112,7 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
         } => joint::joint(checker, (documentation, name), left, right),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
+        Statement::Minimize { value, .. } if measured::is_misfit(checker, value) => Ok(()),
         Statement::Minimize { keyword, value } => {
             optimal_control::minimize(checker, *keyword, value)
         }
@@ -119,6 +121,8 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
         }
         Statement::Finally(goals) => optimal_control::finally(checker, goals),
         Statement::Free(values) => optimal_control::free(checker, values),
+        // Outputs that are measured may stand below.
+        Statement::Measured(_) => Ok(()),
         Statement::Outputs(quantities) => outputs::outputs(checker, quantities),
         Statement::Picture { keyword, shapes } => picture::picture(checker, *keyword, shapes),
     }
@@ -250,6 +254,7 @@ fn finish(
     states::without_rate(&mut checker);
     let start = values::start_values(&mut checker);
     start::gaps(&mut checker, declared, &start, units, complete);
+    let experiments = measured::experiments(&mut checker, declared, &start);
     reach::surfaces(&mut checker, units);
     let laws = law::of_surfaces(&mut checker);
     let (Some((lagrangian, place)), Ok(laws), Ok(start)) =
@@ -290,8 +295,10 @@ fn finish(
         dynamics.extend(&task.sums);
     }
     moves?;
-    let given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
-    design::finish(&mut checker, &given, &contacts, optimal_control.as_ref());
+    let mut given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
+    given.extend(measured::functions(&checker, &experiments));
+    let judged = judged(optimal_control.as_ref()) || !experiments.is_empty();
+    design::finish(&mut checker, (&given, judged), &contacts, optimal_control.as_ref());
     outputs::finish(&mut checker, &contacts, units);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
@@ -316,8 +323,14 @@ fn finish(
         picture: checker.shown.picture,
         differentiated: Vec::new(),
         free_parameters: checker.free_parameters,
+        experiments,
         held: Vec::new(),
     })
+}
+
+/// Whether a task has an objective.
+fn judged(task: Option<&scene::OptimalControl>) -> bool {
+    task.is_some_and(|task| task.running_cost.is_some() || task.final_cost.is_some())
 }
 
 /// All functions of the motion.

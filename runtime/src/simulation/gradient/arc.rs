@@ -52,6 +52,8 @@ pub(super) struct Arc {
     inputs: Vec<Vec<f64>>,
     by: Vec<Matrix>,
     residual: Vec<f64>,
+    /// Derivatives of the accelerations of the stages, by stage and component.
+    change: Matrix,
 }
 
 impl Arc {
@@ -62,6 +64,7 @@ impl Arc {
             inputs: Vec::new(),
             by: Vec::new(),
             residual: Vec::new(),
+            change: Matrix::default(),
         })
     }
 
@@ -88,7 +91,18 @@ impl Arc {
         }
         let missed = self.missed(n, step);
         self.carry((n, step.length()), state, &change);
+        self.change = change;
         Some(missed)
+    }
+
+    /// Solves the motion of the step without derivatives. The largest distances at its end as of [`step`](Self::step).
+    pub(super) fn values(
+        &mut self,
+        acceleration: &mut Acceleration<'_>,
+        step: Step<'_>,
+    ) -> Option<[f64; 2]> {
+        self.solve(acceleration, step)?;
+        Some(self.missed(acceleration.n, step))
     }
 
     /// Solves for the accelerations of the stages; the factors of the last Newton matrix.
@@ -190,6 +204,34 @@ impl Arc {
             add(&mut q, h * weight, &rate);
         }
         (q, v)
+    }
+
+    /// Derivatives of the state at the share `theta` of the step that was solved last, from those at its start.
+    pub(super) fn derivatives_within(
+        &self,
+        (n, h): (usize, f64),
+        start: &Matrix,
+        theta: f64,
+    ) -> Matrix {
+        let stages = self.tableau.stages();
+        let mut weights = vec![0.0; stages];
+        self.tableau.dense_weights(theta, &mut weights);
+        let mut state = start.clone();
+        for (j, weight) in weights.iter().enumerate() {
+            for k in 0..n {
+                add(state.row_mut(k), h * weight, start.row(n + k));
+                for i in 0..stages {
+                    let factor = h * h * weight * self.tableau.a(j, i);
+                    add(state.row_mut(k), factor, self.change.row(i * n + k));
+                }
+                add(
+                    state.row_mut(n + k),
+                    h * weight,
+                    self.change.row(j * n + k),
+                );
+            }
+        }
+        state
     }
 
     /// Accelerations of the stages on the cubic through both ends.
