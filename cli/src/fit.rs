@@ -39,7 +39,12 @@ pub(crate) fn run(chosen: ChosenScene, arguments: &SolveArguments) -> Result<Rep
     report.diagnoses.extend(ending.line(name));
     let mut written = String::new();
     if let Some(directory) = directory {
-        let files = files(&task.chosen, &estimate, (&json, &ending), arguments.result.rows());
+        let files = files(
+            &task.chosen,
+            &estimate,
+            (&json, &ending),
+            arguments.result.rows(),
+        );
         written = report.deliver(directory, &files);
     }
     report.text = if arguments.result.json {
@@ -100,7 +105,9 @@ fn panels(
     panel: fn(&FittedExperiment, usize) -> Panel,
 ) -> Vec<Panel> {
     let of = |fitted: &FittedExperiment| -> Vec<Panel> {
-        (0..fitted.declared.quantities.len()).map(|k| panel(fitted, k)).collect()
+        (0..fitted.declared.quantities.len())
+            .map(|k| panel(fitted, k))
+            .collect()
     };
     experiments.iter().flat_map(of).collect()
 }
@@ -186,7 +193,11 @@ fn residuals_csv(fitted: &FittedExperiment) -> String {
 fn tables(chosen: &ChosenScene, estimate: &Estimate, ending: &Ending) -> String {
     let mut text = format!("{}: {}\n\n", chosen.scene.name, chosen.scene.title);
     let _ = writeln!(text, "parameters    {}", chosen.parameters().join(", "));
-    let _ = writeln!(text, "method        {FIT_METHOD}, {}", counted(estimate.starts, "start"));
+    let _ = writeln!(
+        text,
+        "method        {FIT_METHOD}, {}",
+        counted(estimate.starts, "start")
+    );
     let _ = writeln!(text, "status        {}", ending.status);
     if estimate.parameters.is_empty() {
         return text;
@@ -215,15 +226,21 @@ fn tables(chosen: &ChosenScene, estimate: &Estimate, ending: &Ending) -> String 
             digits(known.value),
             deviation,
             range,
-            format!("{:.1e}", known.gradient),
         ]
     });
-    let header = ["parameter", "value", "deviation", "range", "gradient"];
+    let header = ["parameter", "value", "deviation", "range"];
     text += &table(header, rows);
     text.push('\n');
     text += &correlations(estimate);
     let rows = estimate.experiments.iter().flat_map(experiment_rows);
-    let header = ["experiment", "quantity", "measurements", "mean residual", "spread", "largest"];
+    let header = [
+        "experiment",
+        "quantity",
+        "measurements",
+        "mean residual",
+        "spread",
+        "largest",
+    ];
     text += &table(header, rows);
     text += "  (residuals in standard deviations)\n\n";
     for known in &estimate.undetermined {

@@ -19,10 +19,10 @@ use crate::arguments::{
 use crate::ending::{Ending, Stop};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
+use crate::fit;
 use crate::numbers::ROWS;
 use crate::scene_file::{EXTENSION, entry, is_path, read_text};
 use crate::settings::{ChosenScene, find};
-use crate::fit;
 use crate::task::{FitTask, OptimumTask, SimulationTask, optimum_facts, simulation_facts};
 use crate::{PublishedData, Scene};
 
@@ -212,7 +212,11 @@ impl HostScene {
         let arguments: SolveArguments = self.arguments("solve", words)?;
         let chosen = self.chosen(&arguments.scene.settings)?;
         if !chosen.model.experiments().is_empty() {
-            return Ok(fitted(FitTask::new(chosen, &arguments)?, &arguments, observer)?);
+            return Ok(fitted(
+                FitTask::new(chosen, &arguments)?,
+                &arguments,
+                observer,
+            )?);
         }
         let mut task = OptimumTask::new(chosen, &arguments)?;
         let mut bound = Bound::new(&arguments.limits);
@@ -330,6 +334,12 @@ impl HostRun {
     #[must_use]
     pub fn diagnosis(&self) -> Option<&str> {
         self.ending.diagnosis.as_deref()
+    }
+
+    /// Whether parameters were estimated.
+    #[must_use]
+    pub fn is_estimate(&self) -> bool {
+        matches!(self.work, Work::Fitted(..))
     }
 
     /// Whether there is a motion; a simulation always has one.

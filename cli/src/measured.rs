@@ -29,7 +29,11 @@ pub(crate) fn read(folder: &Path, experiment: &Experiment) -> Result<Measurement
     let read = File::open(&file).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
     match read {
         Ok(_) if text.len() as u64 <= LARGEST => {}
-        Ok(_) => return Err(refuse("more than 64 MB; keep every second, third, ... line")),
+        Ok(_) => {
+            return Err(refuse(
+                "more than 64 MB; keep every second, third, ... line",
+            ));
+        }
         Err(error) => {
             return Err(refuse(&format!(
                 "{error}; give a table with a column of times and one for each quantity"
@@ -57,7 +61,10 @@ fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
         .map(|(number, line)| (number + 1, line.trim()))
         .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     let Some((number, first)) = lines.next() else {
-        return Err("the table is empty; its first line has names and units, such as `t [s], z [cm]`".to_owned());
+        return Err(
+            "the table is empty; its first line has names and units, such as `t [s], z [cm]`"
+                .to_owned(),
+        );
     };
     let headings = cells(first);
     let (time, columns) =
@@ -96,7 +103,10 @@ fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
         let before = measurements.times.last().copied().unwrap_or(0.0);
         if at.is_nan() || at < before {
             let wanted = match measurements.times.is_empty() {
-                true => "times count from the start of the motion on, so that the first is at least 0".to_owned(),
+                true => {
+                    "times count from the start of the motion on, so that the first is at least 0"
+                        .to_owned()
+                }
                 false => format!("times do not go back: the one before is {before} s"),
             };
             return Err(format!(
@@ -106,7 +116,10 @@ fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
                 short(&cells[time.place])
             ));
         }
-        let row = columns.iter().map(cell).collect::<Result<Vec<f64>, String>>()?;
+        let row = columns
+            .iter()
+            .map(cell)
+            .collect::<Result<Vec<f64>, String>>()?;
         measurements.times.push(at);
         measurements.values.push(row);
     }
@@ -147,7 +160,13 @@ fn columns(headings: &[String], experiment: &Experiment) -> Result<(Column, Vec<
     };
     let time = find(&TIMES, "s", "the column of the times is")?;
     let quantities = experiment.quantities.iter();
-    let columns = quantities.map(|quantity| find(&[quantity.name], quantity.unit, "the scene compares with it"));
+    let columns = quantities.map(|quantity| {
+        find(
+            &[quantity.name],
+            quantity.unit,
+            "the scene compares with it",
+        )
+    });
     Ok((time, columns.collect::<Result<_, String>>()?))
 }
 
@@ -226,7 +245,9 @@ mod tests {
             let read = table(text, &EXPERIMENT).unwrap();
             assert_eq!(read.times, [0.0, 0.02]);
             let turn = 2.0 * std::f64::consts::PI;
-            assert!((read.values[0][0] - 1.5).abs() < 1e-15 && (read.values[1][0] - 1.48).abs() < 1e-15);
+            assert!(
+                (read.values[0][0] - 1.5).abs() < 1e-15 && (read.values[1][0] - 1.48).abs() < 1e-15
+            );
             assert!((read.values[0][1] - turn).abs() < 1e-14 && read.values[1][1].is_nan());
         }
     }
@@ -236,17 +257,50 @@ mod tests {
         let head = "t [s],z [m],dot(phi)\n";
         for (text, reason) in [
             ("".to_owned(), "the table is empty"),
-            ("t,z\n0,1\n".to_owned(), "line 1, no column is called `dot(phi)`"),
-            ("a,z,dot(phi)\n".to_owned(), "line 1, no column is called `t`"),
-            ("t,z [kg],dot(phi)\n".to_owned(), "line 1, column 2 (`z [kg]`): `kg` is no unit of"),
-            ("t,z [furlong],dot(phi)\n".to_owned(), "line 1, column 2 (`z [furlong]`): unknown unit"),
-            ("t,z,z [cm],dot(phi)\n".to_owned(), "line 1, column 3 (`z [cm]`): this is measured in column 2"),
-            (head.to_owned() + "0,1,2\n0.1,1.5m,2\n", "line 3, column 2 (`z [m]`): `1.5m` is no finite number"),
-            (head.to_owned() + "0,1,2\n\n0.1,1\n", "line 4, `0.1,1`: 2 columns, where the first line names 3"),
-            (head.to_owned() + "0,1,2\n0.2,1,2\n0.1,1,2\n", "line 4, column 1 (`t [s]`): `0.1`; times do not go back"),
-            (head.to_owned() + "-1,1,2\n", "line 2, column 1 (`t [s]`): `-1`; times count from the start"),
-            (head.to_owned() + ",1,2\n", "line 2, column 1 (`t [s]`): ``; times count"),
-            (head.to_owned() + "0,inf,2\n", "line 2, column 2 (`z [m]`): `inf` is no finite number"),
+            (
+                "t,z\n0,1\n".to_owned(),
+                "line 1, no column is called `dot(phi)`",
+            ),
+            (
+                "a,z,dot(phi)\n".to_owned(),
+                "line 1, no column is called `t`",
+            ),
+            (
+                "t,z [kg],dot(phi)\n".to_owned(),
+                "line 1, column 2 (`z [kg]`): `kg` is no unit of",
+            ),
+            (
+                "t,z [furlong],dot(phi)\n".to_owned(),
+                "line 1, column 2 (`z [furlong]`): unknown unit",
+            ),
+            (
+                "t,z,z [cm],dot(phi)\n".to_owned(),
+                "line 1, column 3 (`z [cm]`): this is measured in column 2",
+            ),
+            (
+                head.to_owned() + "0,1,2\n0.1,1.5m,2\n",
+                "line 3, column 2 (`z [m]`): `1.5m` is no finite number",
+            ),
+            (
+                head.to_owned() + "0,1,2\n\n0.1,1\n",
+                "line 4, `0.1,1`: 2 columns, where the first line names 3",
+            ),
+            (
+                head.to_owned() + "0,1,2\n0.2,1,2\n0.1,1,2\n",
+                "line 4, column 1 (`t [s]`): `0.1`; times do not go back",
+            ),
+            (
+                head.to_owned() + "-1,1,2\n",
+                "line 2, column 1 (`t [s]`): `-1`; times count from the start",
+            ),
+            (
+                head.to_owned() + ",1,2\n",
+                "line 2, column 1 (`t [s]`): ``; times count",
+            ),
+            (
+                head.to_owned() + "0,inf,2\n",
+                "line 2, column 2 (`z [m]`): `inf` is no finite number",
+            ),
         ] {
             let message = table(&text, &EXPERIMENT).unwrap_err();
             assert!(message.contains(reason), "{message}");

@@ -11,11 +11,12 @@ command line.
 """
 
 from ._core import Mistake, __version__
-from ._result import Event, Run, Solution
+from ._result import Estimate, Event, Run, Solution
 from ._scene import Scene, load, scene, scenes
 from ._sweep import Sweep, sweep
 
 __all__ = [
+    "Estimate",
     "Event",
     "Mistake",
     "Run",

@@ -19,6 +19,7 @@ class Scene:
 
 class Run:
     status: str
+    is_estimate: bool
     json: str
     def files(self) -> List[Tuple[str, str]]: ...
 

@@ -11,7 +11,7 @@ from typing import Any, Callable, Iterable, List, Mapping, NamedTuple, Optional,
 
 from . import _core
 from ._core import Mistake
-from ._result import Run, Solution
+from ._result import Estimate, Run, Solution
 
 Value = Union[float, int, str]
 _OPTIONS: dict = {}
@@ -38,6 +38,8 @@ def _text(name: str, value: Any) -> str:
     """A value as it would stand on the command line: a number with all its digits, or a text with a unit."""
     if isinstance(value, str):
         return value
+    if name == "gradient" and isinstance(value, (list, tuple)) and all(isinstance(item, str) for item in value):
+        return ",".join(value)
     if not isinstance(value, (bool, bytes)) and getattr(value, "shape", None) == ():
         value = value.item()
     if isinstance(value, numbers.Integral) and not isinstance(value, bool):
@@ -154,7 +156,8 @@ class Scene:
 
         Keywords are parameters of the scene, as numbers in the declared unit or texts with a unit (``"15 km/h"``), and
         the options of ``hangtime simulate``: ``method``, ``scheme``, ``stages``, ``steps``, ``elements``,
-        ``formulation``, ``tolerance``, ``width``, ``no_exit_condition``, ``horizon`` [s], ``rows``, ``time_limit`` [s].
+        ``formulation``, ``tolerance``, ``width``, ``no_exit_condition``, ``horizon`` [s], ``rows``, ``gradient`` (names,
+        or ``"all"``), ``time_limit`` [s].
         A parameter with the name of an option is set by ``parameters={"name": value}``.
 
         The interpreter's lock is released. Ctrl-C raises ``KeyboardInterrupt``. ``progress`` is true for a line on the
@@ -169,15 +172,17 @@ class Scene:
         parameters: Optional[Mapping[str, Value]] = None,
         progress: Union[bool, Callable[[Optional[float], str], Any]] = False,
         **keywords: Any,
-    ) -> Solution:
-        """Solves the scene's problem of optimal control.
+    ) -> Union[Solution, Estimate]:
+        """Solves the scene's problem of optimal control, or estimates parameters where it compares with measurements.
 
         Keywords are parameters, as in :meth:`simulate`, and the options of ``hangtime solve``: ``intervals``,
         ``controls``, ``formulation``, ``scheme``, ``stages``, ``elements``, ``starts``, ``horizon`` [s], ``rows``,
-        ``time_limit`` [s]. Ctrl-C ends the solve with the best motion so far, whose status is ``interrupted``.
+        ``gradient`` (names of parameters), ``time_limit`` [s]; an estimation has ``starts``, ``rows`` and ``time_limit``. Ctrl-C ends the solve with the best motion so far, whose status is ``interrupted``.
         """
         words = _words("solve", parameters, keywords)
-        return Solution._of(self._run("solve", words, progress), self, "solve", words)
+        run = self._run("solve", words, progress)
+        kind = Estimate if run.is_estimate else Solution
+        return kind._of(run, self, "solve", words)
 
     def _run(self, command: str, words: List[str], progress: Any):
         call = getattr(self._core, command)

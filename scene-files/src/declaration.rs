@@ -3,9 +3,8 @@
 use hangtime::model::{
     ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation, Experiment,
     FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration, Kernel,
-    Measured, MeasuredQuantity,
-    OptimalControlDeclaration, ParameterDeclaration, Picture, Shape, SparsityPattern, Switching,
-    VariableDeclaration,
+    Measured, MeasuredQuantity, OptimalControlDeclaration, ParameterDeclaration, Picture, Shape,
+    SparsityPattern, Switching, VariableDeclaration,
 };
 use hangtime_dsl::description::{
     self, Condition, Contact, Description, Joints, OptimalControl, Outputs, Pattern, Rows, Variable,

@@ -35,8 +35,11 @@ fn measured(
     let mut data = Measurements::default();
     for time in times {
         let values = of(time).into_iter();
-        data.values
-            .push(values.map(|value| value + deviation * normal(random)).collect());
+        data.values.push(
+            values
+                .map(|value| value + deviation * normal(random))
+                .collect(),
+        );
         data.times.push(time);
     }
     data
@@ -56,7 +59,12 @@ fn near(estimate: &Estimate, truth: &[f64], tolerance: f64) {
     assert_eq!(estimate.status, Status::Solved, "{:?}", estimate.diagnosis);
     for (found, truth) in estimate.parameters.iter().zip(truth) {
         let off = (found.value - truth).abs();
-        assert!(off <= tolerance * truth.abs(), "{} {} {truth}", found.name, found.value);
+        assert!(
+            off <= tolerance * truth.abs(),
+            "{} {} {truth}",
+            found.name,
+            found.value
+        );
     }
     assert_eq!(estimate.parameters.len(), truth.len());
 }
@@ -127,7 +135,11 @@ fn covered(draws: u64) -> [usize; 2] {
         let estimate = fitted_from(&scene, &data, None);
         assert_eq!(estimate.status, Status::Solved, "{:?}", estimate.diagnosis);
         // The misfit has a chi-squared distribution of 298 degrees of freedom: its root over them deviates by 0.04 from 1.
-        assert!((estimate.spread() - 1.0).abs() < 0.2, "{}", estimate.spread());
+        assert!(
+            (estimate.spread() - 1.0).abs() < 0.2,
+            "{}",
+            estimate.spread()
+        );
         for (k, found) in estimate.parameters.iter().enumerate() {
             let deviation = found.deviation.expect("determined");
             within[k] += usize::from((found.value - truth[k]).abs() <= 2.0 * deviation);
@@ -165,7 +177,9 @@ fn search_leads_to_the_truth_from_nearly_all_starts_half_of_it_away() {
         }
         let estimate = fitted_from(&scene, &data, Some(1));
         let found = estimate.parameters.iter().zip(truth);
-        let right = found.into_iter().all(|(found, truth)| (found.value - truth).abs() < 1e-8);
+        let right = found
+            .into_iter()
+            .all(|(found, truth)| (found.value - truth).abs() < 1e-8);
         reached += usize::from(estimate.status == Status::Solved && right);
     }
     assert!(reached >= 19, "{reached}");
@@ -188,7 +202,10 @@ fn huber_finds_what_outliers_take_from_squares() {
         ((estimate.parameters[0].value - truth[0]).abs(), known)
     };
     let ((robust, deviation), (squares, _)) = (off(", huber"), off(""));
-    assert!(robust < 4.0 * deviation && 5.0 * robust < squares, "{robust} {squares}");
+    assert!(
+        robust < 4.0 * deviation && 5.0 * robust < squares,
+        "{robust} {squares}"
+    );
 }
 
 #[test]
@@ -227,9 +244,8 @@ fn experiments_share_parameters_and_have_starts_that_read_them() {
         measured middle: \"2.csv\" { z within 1 [mm], start { z: 2 [m] } }
         measured high: \"3.csv\" { dot(z) within 1 [cm/s], start { z: 3 [m], dot(z): -2*speed } }
         minimize misfit(low) + misfit(middle) + misfit(high)";
-    let z = |height: f64, speed: f64| {
-        move |t: f64| vec![thrown([height, 0.0, speed], (e, 0.0), t)[1]]
-    };
+    let z =
+        |height: f64, speed: f64| move |t: f64| vec![thrown([height, 0.0, speed], (e, 0.0), t)[1]];
     // The data of the second begin behind its first impact, at 0.78 s; those of the third are velocities, by differences of
     // parabolas, which are exact.
     let high = |t: f64| {
@@ -268,9 +284,14 @@ fn what_the_data_do_not_determine_is_named() {
     let data = exact(every(0.1, 10), |t| vec![4.0 * t - 0.5 * G * t * t]);
     let estimate = fitted(fall, &[data]);
     assert_eq!(estimate.status, Status::Undetermined);
-    assert_eq!(estimate.undetermined[0].text, "no measurement changes with `m`");
+    assert_eq!(
+        estimate.undetermined[0].text,
+        "no measurement changes with `m`"
+    );
     assert!(estimate.diagnosis.expect("said").contains("`m`"));
-    let [mass, speed] = &estimate.parameters[..] else { panic!() };
+    let [mass, speed] = &estimate.parameters[..] else {
+        panic!()
+    };
     assert!(mass.deviation.is_none() && mass.value == 2.0);
     assert!((speed.value - 4.0).abs() < 1e-9 && speed.deviation.is_some());
     // A free oscillation knows the ratio of stiffness and mass only.
@@ -279,11 +300,18 @@ fn what_the_data_do_not_determine_is_named() {
         measured swing: \"s.csv\" { x within 1 [mm] } minimize misfit(swing)";
     let data = exact(every(0.05, 40), |t| vec![0.1 * (20.0_f64.sqrt() * t).cos()]);
     let estimate = fitted(spring, &[data]);
-    assert_eq!(estimate.status, Status::Undetermined, "{:?}", estimate.diagnosis);
+    assert_eq!(
+        estimate.status,
+        Status::Undetermined,
+        "{:?}",
+        estimate.diagnosis
+    );
     let [k, m] = [0, 1].map(|j| estimate.parameters[j].value);
     assert!((k / m - 20.0).abs() < 1e-8);
     let changes = &estimate.undetermined[0].changes;
-    let [(0, along_k), (1, along_m)] = changes[..] else { panic!("{changes:?}") };
+    let [(0, along_k), (1, along_m)] = changes[..] else {
+        panic!("{changes:?}")
+    };
     // The ratio stays along (dk, dm) = (k, m).
     assert!((along_k / along_m - 20.0).abs() < 1e-5, "{changes:?}");
 }
@@ -291,12 +319,25 @@ fn what_the_data_do_not_determine_is_named() {
 #[test]
 fn parameter_ends_at_the_bound_that_the_data_press_against() {
     let data = both((0.7, 0.2), &mut Random(1), 0.0);
-    let estimate = fitted(&throws("free e in 0..=0.65 = 0.5 free mu in 0..=1 = 0.3", ""), &data);
+    let estimate = fitted(
+        &throws("free e in 0..=0.65 = 0.5 free mu in 0..=1 = 0.3", ""),
+        &data,
+    );
     assert_eq!(estimate.status, Status::Solved, "{:?}", estimate.diagnosis);
     let e = &estimate.parameters[0];
     assert!(e.at_bound && e.value == 0.65 && e.gradient < 0.0 && e.deviation.is_none());
-    assert!(estimate.notes.iter().any(|note| note.starts_with("`e` ends at a bound")));
-    assert!(estimate.notes.iter().any(|note| note.contains("times as large as the standard")));
+    assert!(
+        estimate
+            .notes
+            .iter()
+            .any(|note| note.starts_with("`e` ends at a bound"))
+    );
+    assert!(
+        estimate
+            .notes
+            .iter()
+            .any(|note| note.contains("times as large as the standard"))
+    );
 }
 
 #[test]
@@ -309,7 +350,10 @@ fn covariance_is_that_of_a_straight_line() {
     near(&estimate, &[2.0], 1e-12);
     let wanted = 0.02 / (0.01_f64 * 385.0).sqrt();
     let deviation = estimate.parameters[0].deviation.expect("determined");
-    assert!((deviation - wanted).abs() < 1e-9 * wanted && (estimate.covariance[0][0] - wanted * wanted).abs() < 1e-12);
+    assert!(
+        (deviation - wanted).abs() < 1e-9 * wanted
+            && (estimate.covariance[0][0] - wanted * wanted).abs() < 1e-12
+    );
     assert_eq!((estimate.measurements, estimate.optima.len()), (10, 1));
 }
 
@@ -327,19 +371,34 @@ fn wrong_measurements_and_scenes_are_refused_by_name() {
         data
     };
     for (data, reason) in [
-        (with(|data| data.times[3] = f64::NAN), "a time of `second` is NaN"),
-        (with(|data| data.times[3] = 0.0), "a time of `second` = 0 s: must be at least 0.06 s"),
-        (with(|data| data.values[3].truncate(1)), "a row of `second` has 1 components, expected 2"),
+        (
+            with(|data| data.times[3] = f64::NAN),
+            "a time of `second` is NaN",
+        ),
+        (
+            with(|data| data.times[3] = 0.0),
+            "a time of `second` = 0 s: must be at least 0.06 s",
+        ),
+        (
+            with(|data| data.values[3].truncate(1)),
+            "a row of `second` has 1 components, expected 2",
+        ),
         (
             with(|data| data.values.iter_mut().for_each(|row| row[1] = f64::NAN)),
             "`z` of `second` has no value at any time",
         ),
-        (with(|data| *data = Measurements::default()), "nothing is measured of `second` behind the start"),
+        (
+            with(|data| *data = Measurements::default()),
+            "nothing is measured of `second` behind the start",
+        ),
     ] {
         let message = refused(&text, &data);
         assert!(message.contains(reason), "{message}");
     }
-    assert!(refused(&text, &good[..1]).contains("the list of measurements has 1 components, expected 2"));
+    assert!(
+        refused(&text, &good[..1])
+            .contains("the list of measurements has 1 components, expected 2")
+    );
     let given = throws("parameters { e = 0.5, mu = 0.3 }", "");
     assert!(refused(&given, &good).contains("has no free parameter"));
 }

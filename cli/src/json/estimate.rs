@@ -1,8 +1,6 @@
 //! The JSON document of an estimation.
 
-use hangtime::estimation::{
-    Direction, Estimate, EstimatedParameter, FittedExperiment, LocalFit,
-};
+use hangtime::estimation::{Direction, Estimate, EstimatedParameter, FittedExperiment, LocalFit};
 use hangtime::model::Declaration;
 use hangtime::simulation::Simulation;
 use serde::{Serialize, Serializer};
@@ -36,10 +34,12 @@ impl Serialize for FoundEntries<'_> {
             unit: found.unit,
             deviation: found.deviation,
             range: found.range,
-            at_bound: found.at_bound.then_some(match found.value <= found.range.0 {
-                true => "lower",
-                false => "upper",
-            }),
+            at_bound: found
+                .at_bound
+                .then_some(match found.value <= found.range.0 {
+                    true => "lower",
+                    false => "upper",
+                }),
             gradient: found.gradient,
         };
         serializer.collect_map(self.0.iter().map(|found| (found.name, entry(found))))

@@ -67,7 +67,10 @@ fn refuse_others(arguments: &SolveArguments) -> Result<(), BadInput> {
         ("--horizon", arguments.horizon.is_some()),
         ("--intervals", arguments.intervals.is_some()),
         ("--controls", arguments.controls != ControlsName::default()),
-        ("--formulation", arguments.formulation != SolveFormulation::default()),
+        (
+            "--formulation",
+            arguments.formulation != SolveFormulation::default(),
+        ),
         ("--search", arguments.search != SearchName::default()),
         ("--scheme", arguments.scheme.is_some()),
         ("--stages", arguments.stages.is_some()),
@@ -96,11 +99,18 @@ pub(crate) fn facts(estimate: &Estimate, ending: &Ending) -> Vec<[String; 2]> {
     }
     facts.push((
         "misfit".to_owned(),
-        format!("{:.6} of {} measurements", estimate.misfit, estimate.measurements),
+        format!(
+            "{:.6} of {} measurements",
+            estimate.misfit, estimate.measurements
+        ),
     ));
     facts.push(("CPU time".to_owned(), seconds(estimate.seconds)));
-    facts.into_iter().map(|(name, value)| [name, value]).collect()
+    facts
+        .into_iter()
+        .map(|(name, value)| [name, value])
+        .collect()
 }
 
 /// What the method is called.
-pub(crate) const METHOD: &str = "least squares (Levenberg, Marquardt) within ranges, exact derivatives through events";
+pub(crate) const METHOD: &str =
+    "least squares (Levenberg, Marquardt) within ranges, exact derivatives through events";

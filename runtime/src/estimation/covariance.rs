@@ -35,10 +35,17 @@ impl Knowledge {
         let n = moves.len();
         let moving: Vec<usize> = (0..n).filter(|&j| moves[j]).collect();
         let width = |j: usize| bounds[j].1 - bounds[j].0;
-        let counts: Vec<bool> = at.residuals.iter().zip(&at.linear_from).map(|(r, &c)| r.abs() <= c).collect();
+        let counts: Vec<bool> = at
+            .residuals
+            .iter()
+            .zip(&at.linear_from)
+            .map(|(r, &c)| r.abs() <= c)
+            .collect();
         let column = |&j: &usize| -> Vec<f64> {
             let values = at.columns[j].iter().zip(&counts);
-            values.map(|(value, counts)| if *counts { value * width(j) } else { 0.0 }).collect()
+            values
+                .map(|(value, counts)| if *counts { value * width(j) } else { 0.0 })
+                .collect()
         };
         let svd = Svd::of(moving.iter().map(column).collect());
         let largest = svd.largest();
@@ -55,7 +62,12 @@ impl Knowledge {
             }
         }
         // Of each singular vector, how its scaled parameters follow from the residuals.
-        let psi: Vec<f64> = at.residuals.iter().zip(&at.linear_from).map(|(r, &c)| r.abs().min(c)).collect();
+        let psi: Vec<f64> = at
+            .residuals
+            .iter()
+            .zip(&at.linear_from)
+            .map(|(r, &c)| r.abs().min(c))
+            .collect();
         let robust = at.linear_from.iter().any(|c| c.is_finite());
         let inverse = inverse(&svd, &moving, (at, &psi, robust), (&width, &is_known));
         for (a, &i) in moving.iter().enumerate() {
@@ -71,7 +83,10 @@ impl Knowledge {
                 });
             }
         }
-        let vague = moving.iter().copied().filter(|&j| covariance[j][j] > width(j) * width(j));
+        let vague = moving
+            .iter()
+            .copied()
+            .filter(|&j| covariance[j][j] > width(j) * width(j));
         Self {
             vague: vague.collect(),
             covariance,
@@ -138,7 +153,9 @@ pub(super) fn in_words(
         .collect();
     let shown = changes.iter().map(|&(j, change)| {
         let known = parameters[j];
-        format!("`{}` by {change:+.3e} {}", known.name, known.unit).trim_end().to_owned()
+        format!("`{}` by {change:+.3e} {}", known.name, known.unit)
+            .trim_end()
+            .to_owned()
     });
     let text = match &changes[..] {
         [(j, _)] => format!("no measurement changes with `{}`", parameters[*j].name),

@@ -59,7 +59,13 @@ impl Evaluation {
     fn weighted(&self) -> (Vec<f64>, Vec<Vec<f64>>) {
         let weights = self.residuals.iter().zip(&self.linear_from);
         let weights: Vec<f64> = weights
-            .map(|(r, &c)| if r.abs() <= c { 1.0 } else { (c / r.abs()).sqrt() })
+            .map(|(r, &c)| {
+                if r.abs() <= c {
+                    1.0
+                } else {
+                    (c / r.abs()).sqrt()
+                }
+            })
             .collect();
         let times = |values: &[f64]| values.iter().zip(&weights).map(|(v, w)| v * w).collect();
         let columns = self.columns.iter().map(|column| times(column));
@@ -70,7 +76,9 @@ impl Evaluation {
     pub(super) fn gradient(&self) -> Vec<f64> {
         let (residuals, columns) = self.weighted();
         let columns = columns.iter();
-        columns.map(|column| 2.0 * dot(column, &residuals)).collect()
+        columns
+            .map(|column| 2.0 * dot(column, &residuals))
+            .collect()
     }
 }
 
@@ -285,7 +293,10 @@ mod tests {
         // With y <= 1/4 the best x solves 400 x^3 - 98 x - 2 = 0 near 1/2: the condition of the remaining variable.
         let found = minimize(&mut problem, &[-1.2, -1.0], &[(0.0, 5.0), (-5.0, 0.25)]).unwrap();
         let slope = 400.0 * found.x[0].powi(3) - 98.0 * found.x[0] - 2.0;
-        assert!(found.optimal && found.x[1] == 0.25 && slope.abs() < 1e-6, "{found:?}");
+        assert!(
+            found.optimal && found.x[1] == 0.25 && slope.abs() < 1e-6,
+            "{found:?}"
+        );
     }
 
     #[test]
@@ -297,8 +308,15 @@ mod tests {
         };
         // With the bound 1/4 the middle value counts by its square, the others by their signs, which cancel.
         let found = minimize(&mut Written(line, 0.25), &[30.0], &[(-100.0, 100.0)]).unwrap();
-        assert!(found.optimal && (found.x[0] - 1.0).abs() < 1e-9, "{found:?}");
-        let found = minimize(&mut Written(line, f64::INFINITY), &[30.0], &[(-100.0, 100.0)]);
+        assert!(
+            found.optimal && (found.x[0] - 1.0).abs() < 1e-9,
+            "{found:?}"
+        );
+        let found = minimize(
+            &mut Written(line, f64::INFINITY),
+            &[30.0],
+            &[(-100.0, 100.0)],
+        );
         assert!((found.unwrap().x[0] - 17.0).abs() < 1e-12);
     }
 }

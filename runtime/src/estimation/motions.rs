@@ -73,14 +73,21 @@ impl<'a, 'o> Motions<'a, 'o> {
             data.check(declared)?;
             let model = model.in_experiment(index).ok_or_else(|| {
                 crate::refusal::unsupported(
-                    format!("the start of its own that `{}` has in a compiled scene", declared.name),
+                    format!(
+                        "the start of its own that `{}` has in a compiled scene",
+                        declared.name
+                    ),
                     "fit `hangtime_scene_files::of_model(&scene)`, which derives it",
                 )
             })?;
             experiments.push(One {
                 declared,
                 model,
-                measured: declared.quantities.iter().map(|known| known.measured).collect(),
+                measured: declared
+                    .quantities
+                    .iter()
+                    .map(|known| known.measured)
+                    .collect(),
                 data,
             });
         }
@@ -95,7 +102,10 @@ impl<'a, 'o> Motions<'a, 'o> {
         let parameters = model.declaration().parameters;
         Ok(Self {
             experiments,
-            names: free.iter().map(|&k| parameters[k].name.to_owned()).collect(),
+            names: free
+                .iter()
+                .map(|&k| parameters[k].name.to_owned())
+                .collect(),
             free,
             bounds,
             share: 1.0,

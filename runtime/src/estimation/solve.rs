@@ -4,9 +4,7 @@ use super::covariance::{Knowledge, in_words};
 use super::least_squares::{Local, Residuals as _, minimize};
 use super::measurements::Measurements;
 use super::motions::Motions;
-use super::result::{
-    Direction, Estimate, EstimatedParameter, FittedExperiment, LocalFit, Status,
-};
+use super::result::{Estimate, EstimatedParameter, FittedExperiment, LocalFit, Status};
 use crate::model::{Model, ParameterDeclaration};
 use crate::{InputError, Observer, refusal};
 use hangtime_solver::clock::ThreadTime;
@@ -53,7 +51,10 @@ pub fn estimate(
     let clock = ThreadTime::now();
     if model.experiments().is_empty() {
         return Err(refusal::unsupported(
-            format!("a fit of `{}`, which compares with no measurements,", model.declaration().name),
+            format!(
+                "a fit of `{}`, which compares with no measurements,",
+                model.declaration().name
+            ),
             "declare `measured` and `minimize misfit(...)`",
         ));
     }
@@ -65,16 +66,21 @@ pub fn estimate(
         )));
     }
     if settings.starts == Some(0) {
-        return Err(refusal::out_of_range("the number of starts", 0.0, "", "at least 1"));
+        return Err(refusal::out_of_range(
+            "the number of starts",
+            0.0,
+            "",
+            "at least 1",
+        ));
     }
     let declared = first_start(model, &motions)?;
     motions.check(&declared)?;
     let mut ends: Vec<(Local, usize)> = Vec::new();
     let mut starts = 0;
     while starts < settings.starts.unwrap_or(FURTHER) && !motions.is_stopped() {
-        let enough = ends.first().is_some_and(|(best, _)| {
-            best.optimal && best.at.obstacle.is_none() && describes(best)
-        });
+        let enough = ends
+            .first()
+            .is_some_and(|(best, _)| best.optimal && best.at.obstacle.is_none() && describes(best));
         if settings.starts.is_none() && enough {
             break;
         }
@@ -96,7 +102,10 @@ fn first_start(model: &dyn Model, motions: &Motions<'_, '_>) -> Result<Vec<f64>,
     let known = motions.free().iter().zip(motions.bounds());
     known
         .map(|(&index, (lower, upper))| {
-            let (value, declared) = (model.parameter(index), &model.declaration().parameters[index]);
+            let (value, declared) = (
+                model.parameter(index),
+                &model.declaration().parameters[index],
+            );
             if (lower..=upper).contains(&value) {
                 return Ok(value);
             }
@@ -145,11 +154,13 @@ fn from(motions: &mut Motions<'_, '_>, start: &[f64]) -> Option<Local> {
         return at_once;
     }
     let mut x = start.to_vec();
-    let mut grown = None;
+    let (mut grown, mut steps) = (None, 0);
     for share in SHARES {
         motions.look_at(share);
         grown = minimize(motions, &x, &bounds);
-        if let Some(end) = &grown {
+        if let Some(end) = &mut grown {
+            steps += end.steps;
+            end.steps = steps;
             x.clone_from(&end.x);
         }
     }
@@ -193,23 +204,7 @@ fn judged(
     ends: &[(Local, usize)],
     measurements: &[Measurements],
 ) -> Estimate {
-    let mut estimate = Estimate {
-        status: Status::Failed,
-        diagnosis: None,
-        parameters: Vec::new(),
-        misfit: f64::NAN,
-        measurements: 0,
-        distance: f64::NAN,
-        covariance: Vec::new(),
-        undetermined: Vec::new(),
-        experiments: Vec::new(),
-        optima: ends.iter().map(|(end, starts)| local(end, *starts)).collect(),
-        starts: 0,
-        steps: 0,
-        simulations: 0,
-        seconds: 0.0,
-        notes: Vec::new(),
-    };
+    let mut estimate = nothing(ends);
     let Some((best, _)) = ends.first() else {
         if motions.is_stopped() {
             estimate.status = Status::Interrupted;
@@ -220,6 +215,54 @@ fn judged(
         ));
         return estimate;
     };
+    let vague = describe(&mut estimate, model, motions, best);
+    for (index, data) in measurements.iter().enumerate() {
+        if let Some(compared) = motions.confirmed(index, &best.x) {
+            estimate.experiments.push(FittedExperiment {
+                declared: &model.experiments()[index],
+                times: data.times.clone(),
+                measured: data.values.clone(),
+                computed: compared.computed,
+                motion: compared.simulation,
+            });
+        }
+    }
+    (estimate.status, estimate.diagnosis) = status(best, &estimate, motions.is_stopped());
+    notes(&mut estimate, &vague);
+    estimate
+}
+
+/// An estimate of which nothing is known but where searches ended.
+fn nothing(ends: &[(Local, usize)]) -> Estimate {
+    Estimate {
+        status: Status::Failed,
+        diagnosis: None,
+        parameters: Vec::new(),
+        misfit: f64::NAN,
+        measurements: 0,
+        distance: f64::NAN,
+        covariance: Vec::new(),
+        undetermined: Vec::new(),
+        experiments: Vec::new(),
+        optima: ends
+            .iter()
+            .map(|(end, starts)| local(end, *starts))
+            .collect(),
+        starts: 0,
+        steps: 0,
+        simulations: 0,
+        seconds: 0.0,
+        notes: Vec::new(),
+    }
+}
+
+/// What is known at the best end: parameters, covariance and what is not determined. The parameters that are known vaguely only.
+fn describe(
+    estimate: &mut Estimate,
+    model: &dyn Model,
+    motions: &Motions<'_, '_>,
+    best: &Local,
+) -> Vec<usize> {
     let bounds = motions.bounds();
     let gradient = best.at.gradient();
     let ends_at = |j: usize| {
@@ -234,7 +277,7 @@ fn judged(
         .map(|&index| &model.declaration().parameters[index])
         .collect();
     let undetermined = knowledge.undetermined.iter();
-    let undetermined: Vec<Direction> = undetermined
+    estimate.undetermined = undetermined
         .map(|direction| in_words(direction, &bounds, &declared))
         .collect();
     for (j, known) in declared.iter().enumerate() {
@@ -255,21 +298,7 @@ fn judged(
     estimate.distance = best.distance;
     estimate.steps = best.steps;
     estimate.covariance = knowledge.covariance;
-    estimate.undetermined = undetermined;
-    for (index, data) in measurements.iter().enumerate() {
-        if let Some(compared) = motions.confirmed(index, &best.x) {
-            estimate.experiments.push(FittedExperiment {
-                declared: &model.experiments()[index],
-                times: data.times.clone(),
-                measured: data.values.clone(),
-                computed: compared.computed,
-                motion: compared.simulation,
-            });
-        }
-    }
-    (estimate.status, estimate.diagnosis) = status(best, &estimate, motions.is_stopped());
-    notes(&mut estimate, &knowledge.vague);
-    estimate
+    knowledge.vague
 }
 
 fn local(end: &Local, starts: usize) -> LocalFit {
@@ -288,7 +317,10 @@ fn status(best: &Local, estimate: &Estimate, stopped: bool) -> (Status, Option<S
         .map(|known| (known.declared.name, &known.motion.status))
         .find(|(_, status)| !status.is_solved());
     if stopped {
-        return (Status::Interrupted, Some("ended before the search did".to_owned()));
+        return (
+            Status::Interrupted,
+            Some("ended before the search did".to_owned()),
+        );
     }
     if !best.optimal {
         let why = format!(

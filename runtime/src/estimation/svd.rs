@@ -89,7 +89,9 @@ mod tests {
             }
         }
         // The third column is the sum of the others: nothing changes along (1, 1, -1).
-        let least = (0..3).min_by(|&a, &b| svd.sigma[a].total_cmp(&svd.sigma[b])).unwrap();
+        let least = (0..3)
+            .min_by(|&a, &b| svd.sigma[a].total_cmp(&svd.sigma[b]))
+            .unwrap();
         assert!(svd.sigma[least] < 1e-14 * svd.largest());
         let along = dot(&svd.v[least], &[1.0, 1.0, -1.0]).abs() / 3.0_f64.sqrt();
         assert!((along - 1.0).abs() < 1e-14, "{along}");

@@ -2,7 +2,7 @@
 
 use hangtime::prelude::*;
 
-use super::support::{assert_exists, by_both, scene};
+use super::support::{assert_close, assert_exists, by_both, scene};
 
 const CEILING: &str = "
     parameters { g: m/s^2 = 8, v0: m/s = 4, top: m = 1 }
@@ -138,7 +138,9 @@ fn graze_has_a_derivative_on_the_side_that_does_not_touch() {
         assert_close(sides.above.q[0][1], 0.0, 1e-12, "z by top from above");
         assert!(sides.below.q[0][1].is_nan());
     }
-    let (_, gradient) = simulate(&scene(CEILING, &[("top", 2.0)])).gradient(["v0"]).unwrap();
+    let (_, gradient) = simulate(&scene(CEILING, &[("top", 2.0)]))
+        .gradient(["v0"])
+        .unwrap();
     assert!(gradient.one_sided.is_none());
 }
 
@@ -168,6 +170,9 @@ fn end_that_jumps_has_no_derivative_to_either_side() {
     // Two bodies that share an inertia, so that landing at once is another impact than landing one after the other.
     let text = LANDINGS.replace("dot(b)^2)/2", "dot(b)^2 + dot(a)*dot(b))/2");
     for (_, gradient) in by_both(&scene(&text, &[]), &["h1"]) {
-        assert!(gradient.obstacle.is_some() && gradient.one_sided.is_none(), "{gradient:?}");
+        assert!(
+            gradient.obstacle.is_some() && gradient.one_sided.is_none(),
+            "{gradient:?}"
+        );
     }
 }

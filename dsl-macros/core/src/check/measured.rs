@@ -1,8 +1,8 @@
 //! Measured motions, and the objective that compares with them, `minimize misfit(name)`.
 
 use super::checker::Checker;
-use super::values::{self, StartValues};
 use super::states;
+use super::values::{self, StartValues};
 use crate::ast::{Expr, Kind, Measured, MeasuredQuantity, Name, Operator, Scene, Statement};
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
 use crate::evaluate::Meaning;
@@ -138,11 +138,7 @@ fn summands<'e>(
 ) -> Checked<()> {
     match &expr.kind {
         Kind::Call { function, .. } if function.text == words::MISFIT => parts.push(expr),
-        Kind::Chain(first, rest)
-            if rest
-                .iter()
-                .all(|link| link.operator == Operator::Add) =>
-        {
+        Kind::Chain(first, rest) if rest.iter().all(|link| link.operator == Operator::Add) => {
             summands(checker, first, parts)?;
             for link in rest {
                 summands(checker, &link.operand, parts)?;
@@ -182,7 +178,11 @@ fn term(checker: &mut Checker<'_>, expr: &Expr, measured: &[&Measured]) -> Check
                 "`{0}` is not measured; declare it, as in `measured {0}: \"data.csv\" {{ z within 1 [cm] }}`",
                 name.text
             ),
-            None => format!("`{}` is not measured (measured: {})", name.text, list(names())),
+            None => format!(
+                "`{}` is not measured (measured: {})",
+                name.text,
+                list(names())
+            ),
         };
         return Err(checker.diagnostics.report("E01", name.place(), message));
     }
@@ -234,12 +234,15 @@ fn without_others(checker: &mut Checker<'_>, declared: &Scene, objective: Place)
             .diagnostics
             .report("E15", control.name.place(), message);
     }
-    let planned = declared.statements.iter().find_map(|statement| match statement {
-        Statement::Constraint { name, .. } => Some((name.place(), "`constraint`")),
-        Statement::Finally(_) => Some((objective, "`finally`")),
-        Statement::Free(_) => Some((objective, "`free { ... }`")),
-        _ => None,
-    });
+    let planned = declared
+        .statements
+        .iter()
+        .find_map(|statement| match statement {
+            Statement::Constraint { name, .. } => Some((name.place(), "`constraint`")),
+            Statement::Finally(_) => Some((objective, "`finally`")),
+            Statement::Free(_) => Some((objective, "`free { ... }`")),
+            _ => None,
+        });
     if let Some((place, what)) = planned {
         let message = format!(
             "{what} in a scene that minimizes a misfit is not supported; the ranges of parameters are declared with them, and an \

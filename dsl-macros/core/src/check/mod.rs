@@ -288,17 +288,11 @@ fn finish(
     joint::finish(&mut checker, &units.gaps, &contacts);
     let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
-    if let Some(task) = &optimal_control {
-        dynamics.extend(task.running_cost);
-        let constraints = task.constraints.iter().chain(&task.at_impacts);
-        dynamics.extend(constraints.map(|known| known.function));
-        dynamics.extend(&task.sums);
-    }
+    dynamics.extend(optimal_control.iter().flat_map(along_the_way));
     moves?;
-    let mut given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
-    given.extend(measured::functions(&checker, &experiments));
-    let judged = judged(optimal_control.as_ref()) || !experiments.is_empty();
-    design::finish(&mut checker, (&given, judged), &contacts, optimal_control.as_ref());
+    let given = [&dynamics[..], &forces, &start.0, &start.1].concat();
+    let task = optimal_control.as_ref();
+    free_parameters(&mut checker, given, &contacts, (task, &experiments));
     outputs::finish(&mut checker, &contacts, units);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
@@ -326,6 +320,28 @@ fn finish(
         experiments,
         held: Vec::new(),
     })
+}
+
+/// What a task reads along the motion.
+fn along_the_way(task: &scene::OptimalControl) -> Vec<Sym> {
+    let constraints = task.constraints.iter().chain(&task.at_impacts);
+    let functions = constraints.map(|known| known.function);
+    functions
+        .chain(task.running_cost)
+        .chain(task.sums.iter().copied())
+        .collect()
+}
+
+/// What is asked of free parameters, of which motion, laws and the objective read some.
+fn free_parameters(
+    checker: &mut Checker<'_>,
+    mut given: Vec<Sym>,
+    contacts: &[scene::Contact],
+    (task, experiments): (Option<&scene::OptimalControl>, &[scene::Experiment]),
+) {
+    given.extend(measured::functions(checker, experiments));
+    let judged = judged(task) || !experiments.is_empty();
+    design::finish(checker, (&given, judged), contacts, task);
 }
 
 /// Whether a task has an objective.

@@ -18,6 +18,7 @@ mod shown;
 
 pub use crate::derive::Given as GivenBy;
 pub use crate::graph::{Function, Function2, Profile};
+pub use crate::scene::Measured;
 pub use builder::{Pattern, System};
 pub use contact::{Contact, Friction, Rows, SolvedRows};
 pub(crate) use declared::text as documentation_text;
@@ -25,7 +26,6 @@ pub use declared::{Parameter, Variable};
 pub use design::{FreeParameters, Held};
 pub use joint::{Joint, Joints};
 pub use kernel::{Kernel, Operation};
-pub use crate::scene::Measured;
 pub use measured::{Experiment, MeasuredQuantity};
 pub use optimal_control::{Condition, ContactTerms, Functions, OptimalControl};
 pub(crate) use readable::formula;

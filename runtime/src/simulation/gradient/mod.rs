@@ -19,17 +19,17 @@ mod cause;
 mod cost;
 mod jump;
 mod matrix;
-mod one_sided;
 mod outputs;
 mod projection;
 mod samples;
+mod sides;
 mod walk;
 mod wanted;
 
 use super::{InitialValueProblem, InputError, Simulation, joints};
 use crate::model::{Measured, Model};
-pub use one_sided::{OneSided, Side, Simulate as SimulateNeighbour};
 use samples::Samples;
+pub use sides::{OneSided, Side};
 use walk::Walk;
 use wanted::Wanted;
 

@@ -96,13 +96,17 @@ fn force_values(acceleration: &Acceleration<'_>) -> Vec<f64> {
     let contacts = acceleration.model.declaration().contacts.len();
     let mut forces = vec![0.0; 2 * contacts];
     let of = |contact: usize, provided: f64| {
-        provided / acceleration.point(contact, contact_point::INVERSE_INERTIA).0
+        provided
+            / acceleration
+                .point(contact, contact_point::INVERSE_INERTIA)
+                .0
     };
     for (&hold, &provided) in acceleration.holds.iter().zip(&acceleration.forces) {
         match hold {
             Hold::Normal { contact, sense } => {
                 forces[contact] = of(contact, provided);
-                forces[contacts + contact] += sense * acceleration.friction(contact).0 * forces[contact];
+                forces[contacts + contact] +=
+                    sense * acceleration.friction(contact).0 * forces[contact];
             }
             Hold::Tangent { contact } => forces[contacts + contact] = of(contact, provided),
         }

@@ -7,8 +7,8 @@ use super::cost::Cost;
 use super::jump::{Impact, jump};
 use super::matrix::{Matrix, add, largest};
 use super::outputs::{Instant, outputs};
-use super::samples::Samples;
 use super::projection::project;
+use super::samples::Samples;
 use super::wanted::Wanted;
 use crate::model::{ControlPiece, Model, contact_point, tangent_point};
 use crate::simulation::{ContactMode, Event, EventKind, InitialValueProblem, Simulation};
@@ -249,7 +249,12 @@ impl<'w> Walk<'w> {
         self.check_touches(step, k)?;
         if let (Some(samples), Some(before)) = (&mut self.samples, before) {
             let acceleration = (&mut self.acceleration, self.wanted);
-            samples.within(acceleration, (&self.arc, step), (&before, &self.impulses), (self.run, k));
+            samples.within(
+                acceleration,
+                (&self.arc, step),
+                (&before, &self.impulses),
+                (self.run, k),
+            );
         }
         Ok(())
     }

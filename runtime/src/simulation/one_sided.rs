@@ -5,10 +5,10 @@
 //! `h -> 0` with an error of `h^3` (Richardson); where these do not agree there is no limit, as at the side of a graze on which
 //! the surface is struck, where the derivative grows like `h^(-1/2)`.
 
-use super::{Gradient, differentiate};
+use super::gradient::{Gradient, OneSided, Side, differentiate};
+use super::quantity::Quantity;
+use super::{ControlSignal, InitialValueProblem, InputError, Simulation};
 use crate::model::Model;
-use crate::simulation::quantity::Quantity;
-use crate::simulation::{ControlSignal, InitialValueProblem, InputError, Simulation};
 
 /// Distance of the farthest motion that is looked at, as a share of the value.
 const DISTANCE: f64 = 1e-4;
@@ -20,26 +20,6 @@ const JUMP: f64 = 4.0;
 const ERROR: f64 = 1e-7;
 /// Share of the largest derivative that counts as none where limits are compared.
 const NONE: f64 = 1e-9;
-
-/// Derivatives of the end of a motion to both sides, with a column for each quantity.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OneSided {
-    /// Towards smaller values.
-    pub below: Side,
-    /// Towards larger values.
-    pub above: Side,
-}
-
-/// Derivatives to one side; not numbers where there is none.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Side {
-    /// Of the coordinates at the end.
-    pub q: Vec<Vec<f64>>,
-    /// Of the velocities at the end.
-    pub v: Vec<Vec<f64>>,
-    /// Of the objective, in a scene that declares one.
-    pub objective: Option<Vec<f64>>,
-}
 
 /// Simulates a scene from a start.
 pub type Simulate<'s> =
@@ -72,11 +52,20 @@ impl Gradient {
             Side {
                 q: (0..n).map(row).collect(),
                 v: (n..2 * n).map(row).collect(),
-                objective: columns.iter().any(|column| column.len() > 2 * n).then(|| row(2 * n)),
+                objective: columns
+                    .iter()
+                    .any(|column| column.len() > 2 * n)
+                    .then(|| row(2 * n)),
             }
         };
         let (below, above) = (of(-1.0), of(1.0));
-        let exists = |side: &Side| side.q.iter().chain(&side.v).flatten().any(|by| by.is_finite());
+        let exists = |side: &Side| {
+            side.q
+                .iter()
+                .chain(&side.v)
+                .flatten()
+                .any(|by| by.is_finite())
+        };
         if exists(&below) || exists(&above) {
             self.one_sided = Some(OneSided { below, above });
         }
@@ -112,9 +101,10 @@ fn limit(
     };
     let size = largest(&near.by);
     let error = ERROR * largest(end);
-    let continuous = end.iter().zip(&near.end).all(|(end, near_end)| {
-        (near_end - end).abs() <= JUMP * near.distance * size + error
-    });
+    let continuous = end
+        .iter()
+        .zip(&near.end)
+        .all(|(end, near_end)| (near_end - end).abs() <= JUMP * near.distance * size + error);
     if !continuous {
         return Vec::new();
     }
@@ -166,7 +156,13 @@ fn moved(
     name: &str,
     share: f64,
 ) -> Option<(Box<dyn Model>, InitialValueProblem, f64)> {
-    let by = |value: f64| if value == 0.0 { share } else { share * value.abs() };
+    let by = |value: f64| {
+        if value == 0.0 {
+            share
+        } else {
+            share * value.abs()
+        }
+    };
     let (mut scene, mut problem) = (model.boxed(), problem.clone());
     let declaration = model.declaration();
     let mut parameters = declaration.parameters.iter();
@@ -201,7 +197,11 @@ fn moved(
 
 /// Adds a share of a value to it; how much that is.
 fn add_share(value: &mut f64, share: f64) -> f64 {
-    let by = if *value == 0.0 { share } else { share * value.abs() };
+    let by = if *value == 0.0 {
+        share
+    } else {
+        share * value.abs()
+    };
     *value += by;
     by.abs()
 }
@@ -214,19 +214,21 @@ fn start_of(model: &dyn Model) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Adds a share of the largest value of a control to it at all times; how much that is.
-fn add_control(
-    controls: &mut ControlSignal,
-    control: usize,
-    (count, share): (usize, f64),
-) -> f64 {
+fn add_control(controls: &mut ControlSignal, control: usize, (count, share): (usize, f64)) -> f64 {
     if matches!(controls, ControlSignal::Zero) {
         *controls = ControlSignal::constant(&vec![0.0; count]);
     }
     if let ControlSignal::PiecewiseConstant { values, .. }
     | ControlSignal::PiecewiseLinear { values, .. } = controls
     {
-        let largest = values.iter().fold(0.0_f64, |most, u| u[control].abs().max(most));
-        let by = if largest == 0.0 { share } else { share * largest };
+        let largest = values
+            .iter()
+            .fold(0.0_f64, |most, u| u[control].abs().max(most));
+        let by = if largest == 0.0 {
+            share
+        } else {
+            share * largest
+        };
         values.iter_mut().for_each(|u| u[control] += by);
         return by.abs();
     }
