@@ -1,5 +1,6 @@
 //! How a run ended: by itself, or because it was asked to.
 
+use hangtime::estimation::{self, Estimate};
 use hangtime::nl;
 use hangtime::ocp::{Solution, Status};
 use hangtime::simulation::{Simulation, SimulationStatus};
@@ -109,6 +110,24 @@ impl Ending {
                 }),
             },
             _ => own,
+        }
+    }
+
+    /// Of an estimation that `stop` asked to end, if anything did.
+    pub(crate) fn of_estimate(
+        estimate: &Estimate,
+        stop: Option<Stop>,
+        limits: &LimitArguments,
+    ) -> Self {
+        match stop.filter(|_| estimate.status == estimation::Status::Interrupted) {
+            Some(stop) => Self {
+                status: stop.name(),
+                diagnosis: Some(stop.diagnosis(limits)),
+            },
+            None => Self {
+                status: estimate.status.name(),
+                diagnosis: estimate.diagnosis.clone(),
+            },
         }
     }
 

@@ -83,6 +83,8 @@ fn text(chosen: &ChosenScene) -> String {
         text += &optimal_control(&*chosen.model, task);
     }
 
+    text += &measured(&*chosen.model);
+
     text += "\nderived equations\n";
     let width = declaration.equations.iter().map(|e| e.left.chars().count());
     let width = width.max().unwrap_or_default();
@@ -201,6 +203,58 @@ fn laws(model: &dyn Model) -> String {
     text
 }
 
+/// The parameters that are looked for.
+fn free_parameters(model: &dyn Model) -> String {
+    let mut text = String::new();
+    let declared = model.declaration().parameters;
+    let free = model.free_parameters();
+    let (mut lower, mut upper) = (vec![0.0; free.len()], vec![0.0; free.len()]);
+    model.free_parameter_bounds(&mut lower, &mut upper);
+    for ((&index, lower), upper) in free.iter().zip(lower).zip(upper) {
+        let name = headed(declared[index].name, declared[index].unit);
+        let _ = writeln!(text, "free        {name} in {lower}..={upper}, a parameter");
+    }
+    text
+}
+
+/// Measured motions and the misfit, in a scene that compares with some.
+fn measured(model: &dyn Model) -> String {
+    let mut text = String::new();
+    let experiments = model.experiments();
+    if experiments.is_empty() {
+        return text;
+    }
+    let misfits = experiments.iter().map(|known| match known.huber {
+        Some(bound) => format!("misfit({}, huber({bound}))", known.name),
+        None => format!("misfit({})", known.name),
+    });
+    let misfits: Vec<String> = misfits.collect();
+    let _ = writeln!(text, "minimize    {}", misfits.join(" + "));
+    for known in experiments {
+        let quantities = known.quantities.iter().map(|quantity| {
+            let within = format!(
+                "{} within {} {}",
+                quantity.name, quantity.within, quantity.unit
+            );
+            within.trim_end().to_owned()
+        });
+        let quantities: Vec<String> = quantities.collect();
+        let start = if known.own_start {
+            ", a start of its own"
+        } else {
+            ""
+        };
+        let _ = writeln!(
+            text,
+            "measured    {} in {}: {}{start}",
+            known.name,
+            known.file,
+            quantities.join(", ")
+        );
+    }
+    text + &free_parameters(model)
+}
+
 /// Objective, constraints, terminal conditions and free initial values.
 fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> String {
     let mut text = String::new();
@@ -227,14 +281,7 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
     if task.free_time {
         text += "free        the final time\n";
     }
-    let declared = model.declaration().parameters;
-    let free = model.free_parameters();
-    let (mut lower, mut upper) = (vec![0.0; free.len()], vec![0.0; free.len()]);
-    model.free_parameter_bounds(&mut lower, &mut upper);
-    for ((&index, lower), upper) in free.iter().zip(lower).zip(upper) {
-        let name = headed(declared[index].name, declared[index].unit);
-        let _ = writeln!(text, "free        {name} in {lower}..={upper}, a parameter");
-    }
+    text += &free_parameters(model);
     let count = task.free_start.len();
     let (mut lower, mut upper) = (vec![f64::NEG_INFINITY; count], vec![f64::INFINITY; count]);
     model.free_start_bounds(&mut lower, &mut upper);

@@ -31,6 +31,8 @@ pub(crate) struct ResultFiles<'a> {
     pub(crate) index: Option<(&'static str, &'static str)>,
     /// What to tell about the result, as (name, value).
     pub(crate) facts: Vec<[String; 2]>,
+    /// Further figures (SVG) and data, as (name, content).
+    pub(crate) further: Vec<(String, String)>,
 }
 
 impl ResultFiles<'_> {
@@ -46,6 +48,7 @@ impl ResultFiles<'_> {
             rows,
             index,
             facts,
+            further,
         } = self;
         let model = chosen.model.as_ref();
         let mut files = vec![
@@ -72,6 +75,11 @@ impl ResultFiles<'_> {
         };
         let svg = over_time(&heading, &panels(model, simulation, published));
         figures.push((format!("{stem}-time.svg"), svg));
+        let (pictures, data): (Vec<_>, Vec<_>) = further
+            .into_iter()
+            .partition(|(name, _)| name.ends_with(".svg"));
+        figures.extend(pictures);
+        files.extend(data);
         let animation = drawing.and_then(|drawing| Animation::new(&drawing, model, simulation));
         let page = Page {
             title: title.clone(),

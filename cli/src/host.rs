@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex};
 
 use clap::{Args, CommandFactory as _};
 use hangtime::Progress;
+use hangtime::estimation::Estimate;
 use hangtime::ocp::{Previous, Solution};
 use hangtime::simulation::{Gradient, Simulation};
 
@@ -18,11 +19,12 @@ use crate::arguments::{
 use crate::ending::{Ending, Stop};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
+use crate::fit;
 use crate::json::{Columns, part, quantities};
 use crate::numbers::ROWS;
 use crate::scene_file::{EXTENSION, entry, is_path, read_text};
 use crate::settings::{ChosenScene, find};
-use crate::task::{OptimumTask, SimulationTask, optimum_facts, simulation_facts};
+use crate::task::{FitTask, OptimumTask, SimulationTask, optimum_facts, simulation_facts};
 use crate::{PublishedData, Scene};
 
 /// Why something was refused: what the command line prints on its standard error stream, without the last line end.
@@ -299,6 +301,13 @@ impl HostScene {
         let (mut arguments, settings) = self.solved.read(self, "solve", words)?;
         arguments.scene.settings.extend(settings);
         let chosen = self.chosen(&arguments.scene.settings)?;
+        if !chosen.model.experiments().is_empty() {
+            return Ok(fitted(
+                FitTask::new(chosen, &arguments)?,
+                &arguments,
+                observer,
+            )?);
+        }
         let mut task = OptimumTask::new(chosen, &arguments)?;
         if let Some(previous) = previous {
             task.start_from(previous);
@@ -372,9 +381,25 @@ pub(crate) fn guarded<T>(work: impl FnOnce() -> Result<T, BadInput>) -> Result<T
     })
 }
 
+/// The estimate of a scene that compares with measurements.
+fn fitted(
+    mut task: FitTask,
+    arguments: &SolveArguments,
+    observer: &mut (dyn FnMut(&Progress) -> bool + Send),
+) -> Result<HostRun, BadInput> {
+    let mut bound = Bound::new(&arguments.limits);
+    let estimate = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
+    let ending = Ending::of_estimate(&estimate, bound.stop, &arguments.limits);
+    Ok(HostRun {
+        work: Work::Fitted(task, Box::new(estimate)),
+        ending,
+    })
+}
+
 enum Work {
     Simulated(SimulationTask, Box<Simulation>, Option<Gradient>),
     Planned(OptimumTask, Box<Solution>),
+    Fitted(FitTask, Box<Estimate>),
 }
 
 /// A run that has ended.
@@ -404,6 +429,12 @@ impl HostRun {
         self.ending.diagnosis.as_deref()
     }
 
+    /// Whether parameters were estimated.
+    #[must_use]
+    pub fn is_estimate(&self) -> bool {
+        matches!(self.work, Work::Fitted(..))
+    }
+
     /// Whether there is a motion; a simulation always has one.
     #[must_use]
     pub fn has_motion(&self) -> bool {
@@ -416,6 +447,7 @@ impl HostRun {
         match &self.work {
             Work::Simulated(_, simulation, _) => simulation.status.is_solved(),
             Work::Planned(_, solution) => solution.status.is_solved(),
+            Work::Fitted(_, estimate) => estimate.status.is_solved(),
         }
     }
 
@@ -427,7 +459,7 @@ impl HostRun {
 
     fn previous(&self) -> Option<&Previous> {
         match &self.work {
-            Work::Simulated(..) => None,
+            Work::Simulated(..) | Work::Fitted(..) => None,
             Work::Planned(_, solution) => solution.previous.as_ref(),
         }
     }
@@ -440,6 +472,7 @@ impl HostRun {
         let (model, rows) = match &self.work {
             Work::Simulated(task, ..) => (&task.chosen.model, task.rows()),
             Work::Planned(task, _) => (&task.chosen.model, task.rows()),
+            Work::Fitted(task, _) => (&task.chosen.model, ROWS),
         };
         part(model.as_ref(), &motion.trajectory, rows, name)
     }
@@ -450,6 +483,7 @@ impl HostRun {
         let chosen = match &self.work {
             Work::Simulated(task, ..) => &task.chosen,
             Work::Planned(task, _) => &task.chosen,
+            Work::Fitted(task, _) => &task.chosen,
         };
         quantities(chosen.model.as_ref(), part)
     }
@@ -458,6 +492,7 @@ impl HostRun {
         match &self.work {
             Work::Simulated(_, simulation, _) => Some(simulation),
             Work::Planned(_, solution) => solution.motion.as_ref(),
+            Work::Fitted(_, estimate) => estimate.experiments.first().map(|known| &known.motion),
         }
     }
 
@@ -469,6 +504,7 @@ impl HostRun {
                 task.json(simulation, gradient.as_ref(), &self.ending)
             }
             Work::Planned(task, solution) => task.json(solution, &self.ending),
+            Work::Fitted(task, estimate) => task.json(estimate, &self.ending),
         }
     }
 
@@ -488,6 +524,9 @@ impl HostRun {
                 "optimal".to_owned(),
                 optimum_facts(&task.method, solution, &self.ending),
             ),
+            Work::Fitted(task, estimate) => {
+                return fit::files(&task.chosen, estimate, (&json, &self.ending), ROWS);
+            }
         };
         let stem = chosen.scene.name.to_owned();
         let Some(simulation) = self.motion() else {
@@ -503,6 +542,7 @@ impl HostRun {
             rows: ROWS,
             index: None,
             facts,
+            further: Vec::new(),
         }
         .contents()
     }

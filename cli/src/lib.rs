@@ -53,11 +53,15 @@ mod figure;
 #[cfg(feature = "terminal")]
 mod files;
 #[cfg(feature = "terminal")]
+mod fit;
+#[cfg(feature = "terminal")]
 mod host;
 #[cfg(feature = "terminal")]
 mod host_program;
 #[cfg(feature = "terminal")]
 mod list;
+#[cfg(feature = "terminal")]
+mod measured;
 #[cfg(feature = "terminal")]
 mod motion;
 #[cfg(feature = "terminal")]

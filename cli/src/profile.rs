@@ -100,7 +100,7 @@ fn table(text: &str) -> Result<Table, String> {
 }
 
 /// The begin of a text, for a message.
-fn short(text: &str) -> String {
+pub(crate) fn short(text: &str) -> String {
     text.chars().take(60).collect()
 }
 
@@ -113,7 +113,7 @@ fn is_heading(line: &str) -> bool {
 }
 
 /// What stands between semicolons, else between commas or tabs, else between blanks; units stay with their names.
-fn cells(line: &str) -> Vec<String> {
+pub(crate) fn cells(line: &str) -> Vec<String> {
     let separator = [';', ',', '\t'].into_iter().find(|&c| line.contains(c));
     let Some(separator) = separator else {
         let mut cells: Vec<String> = Vec::new();
@@ -142,7 +142,7 @@ fn two(number: usize, line: &str) -> Result<[String; 2], String> {
 }
 
 /// A finite number, whose decimals may stand behind a comma.
-fn number_of(cell: &str) -> Option<f64> {
+pub(crate) fn number_of(cell: &str) -> Option<f64> {
     let value: f64 = cell.replace(',', ".").parse().ok()?;
     value.is_finite().then_some(value)
 }

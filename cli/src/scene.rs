@@ -19,6 +19,8 @@ pub struct Scene {
     pub text: Option<&'static TextScene>,
     /// The text of its file, if it is one that is read only where it is asked for.
     pub unread: Option<&'static str>,
+    /// Where the files that it names are looked for; empty for the present folder.
+    pub folder: &'static str,
     /// The group in which it is listed.
     pub group: &'static str,
     /// What one may ask of it, if it is there to be looked at.
@@ -153,6 +155,7 @@ impl Scene {
             variants,
             text: None,
             unread: None,
+            folder: "",
             group: "",
             question: None,
             published: &[],

@@ -80,8 +80,10 @@ pub(crate) fn entry(file: &str, scene: TextScene) -> &'static Scene {
     let title = title.take_while(|line| !line.is_empty());
     let title = title.collect::<Vec<_>>().join(" ");
     let title = title.trim_end_matches('.');
+    let folder = Path::new(file).parent().and_then(Path::to_str);
     let scene = Scene {
         text: Some(model),
+        folder: folder.unwrap_or_default().to_owned().leak(),
         ..Scene::new(
             name,
             match title {

@@ -59,6 +59,7 @@ pub(crate) fn run(
             rows: arguments.result.rows(),
             index: None,
             facts: simulation_facts(method, &simulation, &ending),
+            further: Vec::new(),
         };
         written = report.deliver(directory, &files.contents());
     }
@@ -249,6 +250,9 @@ fn gradient_table(
     let mut text = "\n".to_owned() + &table(header, rows);
     if let Some(obstacle) = &gradient.obstacle {
         let _ = writeln!(text, "note        no derivatives: {obstacle}");
+        if gradient.one_sided.is_some() {
+            text += "            to one side there are others (`one_sided` in --json)\n";
+        }
     }
     text
 }

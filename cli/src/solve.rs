@@ -12,6 +12,7 @@ use crate::bounds::Bounds;
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
+use crate::fit;
 use crate::json::{SolverSettings, struck_after_the_end};
 use crate::method::name_of;
 use crate::output::OutputDirectory;
@@ -31,6 +32,9 @@ pub(crate) fn run(
 ) -> Result<Report, BadInput> {
     refuse_rows_of_nothing(&arguments.result)?;
     let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
+    if !chosen.model.experiments().is_empty() {
+        return fit::run(chosen, arguments);
+    }
     let mut task = OptimumTask::new(chosen, arguments)?;
     let name = task.chosen.scene.name;
     let out = arguments.result.out.as_deref();
@@ -60,6 +64,7 @@ pub(crate) fn run(
                 rows: arguments.result.rows(),
                 index: None,
                 facts: optimum_facts(method, &solution, &ending),
+                further: Vec::new(),
             }
             .contents(),
         };

@@ -13,11 +13,12 @@ command line.
 
 from ._core import Mistake, __version__
 from ._program import Program, nlp
-from ._result import Event, Gradient, Run, Solution
+from ._result import Estimate, Event, Gradient, Run, Solution
 from ._scene import Scene, load, scene, scenes
 from ._sweep import Sweep, sweep
 
 __all__ = [
+    "Estimate",
     "Event",
     "Gradient",
     "Mistake",

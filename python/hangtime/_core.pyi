@@ -25,6 +25,7 @@ class Scene:
 
 class Run:
     status: str
+    is_estimate: bool
     json: str
     def part(self, name: str) -> Optional[Tuple[int, bytes]]: ...
     def quantities(self, part: str) -> List[Tuple[str, str]]: ...

@@ -144,6 +144,11 @@ class Run:
         return found["message"] if isinstance(found, dict) else found
 
     @property
+    def gradient(self) -> Optional[Dict[str, Any]]:
+        """Derivatives, as the JSON has them; ``None`` where none were asked for."""
+        return self.document.get("gradient")
+
+    @property
     def notes(self) -> List[str]:
         """Remarks that a user should read."""
         return self.document["notes"]
@@ -450,6 +455,45 @@ class Solution(Run):
     def _facts(self) -> List[tuple]:
         plan = [("objective", repr(self.objective)), ("stationarity", self.stationarity)]
         return super()._facts() + plan + [("re-simulated", f"{self.resimulated!r} away")]
+
+
+class Estimate(Run):
+    """Parameters that were estimated: the motion of the first experiment, and what belongs to the estimate."""
+
+    @property
+    def objective(self) -> float:
+        """The misfit: squares of all residuals in standard deviations, added up."""
+        return self.document["objective"]
+
+    @property
+    def values(self) -> Dict[str, float]:
+        """The values that were found, by parameter."""
+        return {name: found["value"] for name, found in self.document["free"].items()}
+
+    @property
+    def deviations(self) -> Dict[str, Optional[float]]:
+        """Their standard deviations; ``None`` at a bound, and where the measurements determine nothing."""
+        return {name: found["deviation"] for name, found in self.document["free"].items()}
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the parameters in the order of :attr:`values`; not a number where there is none."""
+        return np.array(self.document["knowledge"]["covariance"], dtype=float)
+
+    @property
+    def correlation(self) -> np.ndarray:
+        """Correlation of the parameters, likewise."""
+        return np.array(self.document["knowledge"]["correlation"], dtype=float)
+
+    @property
+    def experiments(self) -> List[Dict[str, Any]]:
+        """Measured and computed values and residuals, an experiment each."""
+        return self.document["experiments"]
+
+    def _facts(self) -> List[tuple]:
+        found = self.document["free"].items()
+        values = [(name, f"{entry['value']!r} +- {entry['deviation']!r} {entry['unit']}".rstrip()) for name, entry in found]
+        return super()._facts() + [("misfit", repr(self.objective))] + values
 
 
 class Player:

@@ -316,6 +316,12 @@ impl Run {
         self.inner.status()
     }
 
+    /// Whether parameters were estimated.
+    #[getter]
+    fn is_estimate(&self) -> bool {
+        self.inner.is_estimate()
+    }
+
     /// What the command prints with `--json`.
     #[getter]
     fn json(&self) -> &str {

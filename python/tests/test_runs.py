@@ -141,3 +141,29 @@ def test_readme_runs(tmp_path, monkeypatch):
     said = {}
     exec(text.split("```python\n")[1].split("```")[0], said)
     assert said["best"].status == "solved" and len(said["table"]) == 3
+
+
+def test_restitution_of_a_measured_drop_is_found_with_its_deviation(tmp_path):
+    fall, times = math.sqrt(2 / G), [0.05 * k for k in range(1, 20)]
+    z = [1 - G / 2 * t**2 if t < fall else 0.8 * G * fall * (t - fall) - G / 2 * (t - fall) ** 2 for t in times]
+    (tmp_path / "drop.csv").write_text("t,z\n" + "".join(f"{a!r},{b!r}\n" for a, b in zip(times, z)))
+    (tmp_path / "ball.hang").write_text(
+        "parameters { m: kg = 1, g: m/s^2 = 9.81 } free e in 0..=1 = 0.5 coordinates { z: m } "
+        "lagrangian m/2*dot(z)^2 - m*g*z surface floor: z >= 0 impact floor: restitution e start { z: 1 [m] } "
+        'measured drop: "drop.csv" { z within 1 [cm] } minimize misfit(drop)'
+    )
+    found = ht.load(str(tmp_path / "ball.hang")).solve()
+    assert isinstance(found, ht.Estimate) and found.status == "solved"
+    assert found.values["e"] == pytest.approx(0.8, abs=1e-9)
+    slopes = [G * fall * (t - fall) / 0.01 for t in times if t > fall]
+    assert found.deviations["e"] == pytest.approx(sum(s * s for s in slopes) ** -0.5, rel=1e-6)
+    assert found.covariance.shape == (1, 1) and found.correlation[0, 0] == 1
+    assert len(found.experiments[0]["time"]) == 19 and "+-" in repr(found)
+
+
+def test_gradient_of_a_solve_is_that_of_the_formula():
+    # Half the time at full push, half at full brake: t = 2 sqrt(m y / u), and its derivative by m is t/(2 m).
+    best = ht.scene(CART, "cart").solve(intervals=4, gradient=["m"])
+    time = best.final["time"]
+    assert best.gradient["with_respect_to"] == ["m"]
+    assert best.gradient["final_time"][0] == pytest.approx(time / (2 * ht.scene(CART, "cart").parameters["m"].value))

@@ -42,6 +42,7 @@
 //! | [`model`](mod@model) | the interface between scenes and solvers; [`model!`] implements it, and so may you |
 //! | [`simulation`] | one trait, [`Simulator`](simulation::Simulator), one result, several methods: finite elements with switch detection, event-driven, and three to compare with |
 //! | [`ocp`] | optimal control: a search for the contact sequence, collocation with that sequence, a certificate, an independent re-simulation |
+//! | [`estimation`] | parameters from measured motions: least squares with exact derivatives through impacts |
 //! | [`rk`] | collocation schemes to rounding error |
 //! | [`mpcc`], [`nlp`], [`nl`] | the package `hangtime-solver`: complementarity problems, nonlinear programs, and both from `.nl` files |
 //!
@@ -56,6 +57,7 @@ extern crate self as hangtime;
 
 mod contact_law;
 mod dcs;
+pub mod estimation;
 mod fesd;
 mod front;
 mod joints;

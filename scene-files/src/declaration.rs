@@ -1,10 +1,10 @@
 //! What a scene declares, as static data like that of a compiled one.
 
 use hangtime::model::{
-    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
+    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation, Experiment,
     FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration, Kernel,
-    OptimalControlDeclaration, ParameterDeclaration, Picture, Shape, SparsityPattern, Switching,
-    VariableDeclaration,
+    Measured, MeasuredQuantity, OptimalControlDeclaration, ParameterDeclaration, Picture, Shape,
+    SparsityPattern, Switching, VariableDeclaration,
 };
 use hangtime_dsl::description::{
     self, Condition, Contact, Description, Joints, OptimalControl, Outputs, Pattern, Rows, Variable,
@@ -76,6 +76,28 @@ pub(crate) fn picture(picture: &description::Picture) -> Picture {
 pub(crate) fn free_parameters(scene: &Description) -> &'static [usize] {
     let free = scene.free_parameters.iter();
     list(free.flat_map(|free| free.parameters.iter().copied()))
+}
+
+/// The measured motions that a described scene compares with.
+pub(crate) fn experiments(scene: &Description) -> &'static [Experiment] {
+    use description::Measured as Described;
+    list(scene.experiments.iter().map(|known| Experiment {
+        name: text(&known.name),
+        documentation: text(&known.documentation),
+        file: text(&known.file),
+        quantities: list(known.quantities.iter().map(|quantity| MeasuredQuantity {
+            name: text(&quantity.name),
+            unit: text(&quantity.unit),
+            measured: match quantity.measured {
+                Described::Coordinate(k) => Measured::Coordinate(k),
+                Described::Velocity(k) => Measured::Velocity(k),
+                Described::Output(k) => Measured::Output(k),
+            },
+            within: quantity.within,
+        })),
+        huber: known.huber,
+        own_start: known.start.is_some(),
+    }))
 }
 
 /// The parameters of a described scene that are coordinates without motion.

@@ -68,7 +68,11 @@ impl TextDerivatives {
 
 impl ParameterDerivatives for TextDerivatives {
     fn start(&self, values: &mut [f64]) {
-        self.of_parameters(Some(&self.sensitivity.start), values);
+        let own = self
+            .scene
+            .experiment
+            .and_then(|index| self.sensitivity.starts.get(index)?.as_ref());
+        self.of_parameters(Some(own.unwrap_or(&self.sensitivity.start)), values);
     }
 
     fn horizon(&self, values: &mut [f64]) {

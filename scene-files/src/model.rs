@@ -6,7 +6,7 @@ use crate::scene::TextScene;
 use crate::scratch::Scratch;
 use crate::system::zeros;
 use hangtime::model::{
-    Declaration, Held, Model, ParameterDerivatives, Picture, VariableDeclaration,
+    Declaration, Experiment, Held, Model, ParameterDerivatives, Picture, VariableDeclaration,
 };
 use hangtime_dsl::description::MotionDerivatives;
 
@@ -30,7 +30,12 @@ impl Model for TextScene {
     }
 
     fn start(&self, q: &mut [f64], v: &mut [f64]) {
-        let [coordinates, velocities] = self.description().given.start;
+        let description = self.description();
+        let experiment = self
+            .experiment
+            .and_then(|index| description.experiments.get(index));
+        let own = experiment.and_then(|known| known.start);
+        let [coordinates, velocities] = own.unwrap_or(description.given.start);
         self.evaluate(coordinates, &[], &[], q);
         self.evaluate(velocities, &[], &[], v);
     }
@@ -317,6 +322,16 @@ impl Model for TextScene {
             self.evaluate(free.bounds[0], &[], &[], lower);
             self.evaluate(free.bounds[1], &[], &[], upper);
         }
+    }
+
+    fn experiments(&self) -> &'static [Experiment] {
+        self.shared.experiments
+    }
+
+    fn in_experiment(&self, experiment: usize) -> Option<Box<dyn Model>> {
+        let mut scene = self.clone();
+        scene.experiment = Some(experiment);
+        Some(Box::new(scene))
     }
 
     fn with_held(&self, parameters: &[usize]) -> Option<Result<Box<dyn Model>, String>> {

@@ -5,7 +5,7 @@ use crate::declaration;
 use crate::program::{Program, TooLarge};
 use crate::scratch::Scratch;
 use crate::system::zeros;
-use hangtime::model::{Declaration, Held, Picture, VariableDeclaration};
+use hangtime::model::{Declaration, Experiment, Held, Picture, VariableDeclaration};
 use hangtime_dsl::description::{
     Contact, Description, Friction, Functions, Joints, Motion, OptimalControl, Rows,
 };
@@ -20,6 +20,8 @@ pub struct TextScene {
     pub(crate) parameters: Vec<f64>,
     /// What depends on parameters only, of all programs.
     folded: Vec<f64>,
+    /// The experiment whose start it has, if it is in one.
+    pub(crate) experiment: Option<usize>,
 }
 
 #[derive(Debug)]
@@ -28,6 +30,7 @@ pub(crate) struct Shared {
     pub(crate) outputs: &'static [VariableDeclaration],
     pub(crate) picture: Option<Picture>,
     pub(crate) free_parameters: &'static [usize],
+    pub(crate) experiments: &'static [Experiment],
     pub(crate) held: Option<Held>,
     pub(crate) description: Description,
     programs: Vec<Program>,
@@ -58,11 +61,13 @@ impl TextScene {
             // Which equations of joints are held stands behind the parameters.
             parameters: defaults.chain(std::iter::repeat_n(1.0, rows)).collect(),
             folded: Vec::new(),
+            experiment: None,
             shared: Arc::new(Shared {
                 declaration: declaration::of(&description),
                 outputs: declaration::outputs(description.outputs.as_ref()),
                 picture: description.picture.as_ref().map(declaration::picture),
                 free_parameters: declaration::free_parameters(&description),
+                experiments: declaration::experiments(&description),
                 held: description.held.as_ref().map(declaration::held),
                 description,
                 programs,
@@ -294,6 +299,7 @@ impl TextScene {
         let mut derived = Self {
             parameters: self.parameters.clone(),
             folded: Vec::new(),
+            experiment: self.experiment,
             shared,
         };
         derived.fold();

@@ -7,6 +7,8 @@ mod draw;
 mod judge;
 #[path = "../../benches/agreement/scenes.rs"]
 mod scenes;
+#[path = "../../benches/agreement/texts.rs"]
+mod texts;
 
 use judge::{Verdict, judge};
 
@@ -21,7 +23,7 @@ fn solved_runs_of_random_scenes_agree() {
         let mut otherwise = Vec::new();
         for seed in 0..SCENES {
             match judge(&*kind.scene(seed)) {
-                Verdict::Agree => {}
+                Verdict::Agree { .. } => {}
                 Verdict::Disagree(difference) => panic!("{} {seed}: {difference}", kind.name),
                 Verdict::Ended { default, event } => {
                     let unsolved = if default.is_solved() { event } else { default };

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use hangtime::model::Model;
-use hangtime::simulation::Gradient;
+use hangtime::simulation::{Gradient, Side};
 use serde::{Serialize, Serializer};
 
 /// Matrices with a row for each value, and a column for each quantity that it is differentiated by.
@@ -19,6 +19,33 @@ pub(super) struct GradientEntry<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     objective: Option<&'a [f64]>,
     exists: Existence<'a>,
+    /// Of the end to both sides, only where there are no others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    one_sided: Option<OneSidedEntry<'a>>,
+}
+
+/// Null where there is no derivative to that side.
+#[derive(Serialize)]
+struct OneSidedEntry<'a> {
+    below: SideEntry<'a>,
+    above: SideEntry<'a>,
+}
+
+#[derive(Serialize)]
+struct SideEntry<'a> {
+    #[serde(rename = "final")]
+    last: LastEntry<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    objective: Option<&'a [f64]>,
+}
+
+impl<'a> SideEntry<'a> {
+    fn new(side: &'a Side, mechanical: usize) -> Self {
+        Self {
+            last: LastEntry::new(&side.q, &side.v, mechanical),
+            objective: side.objective.as_deref(),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -28,6 +55,18 @@ struct LastEntry<'a> {
     /// Only for scenes that declare states.
     #[serde(skip_serializing_if = "<[Vec<f64>]>::is_empty")]
     states: &'a [Vec<f64>],
+}
+
+impl<'a> LastEntry<'a> {
+    fn new(q: &'a [Vec<f64>], v: &'a [Vec<f64>], mechanical: usize) -> Self {
+        // None where there is no derivative.
+        let (velocities, states) = v.split_at(mechanical.min(v.len()));
+        Self {
+            q: &q[..mechanical.min(q.len())],
+            v: velocities,
+            states,
+        }
+    }
 }
 
 /// Why there are no derivatives, if there are none.
@@ -47,15 +86,14 @@ impl<'a> GradientEntry<'a> {
     pub(super) fn new(model: &dyn Model, gradient: &'a Gradient, kept: &[usize]) -> Self {
         let outputs = model.outputs().iter().zip(&gradient.outputs);
         let mechanical = model.declaration().mechanical();
-        // None where there is no derivative.
-        let (v, states) = gradient.v.split_at(mechanical.min(gradient.v.len()));
+        let sides = gradient.one_sided.as_ref();
         Self {
             with_respect_to: &gradient.with_respect_to,
-            last: LastEntry {
-                q: &gradient.q[..mechanical.min(gradient.q.len())],
-                v,
-                states,
-            },
+            last: LastEntry::new(&gradient.q, &gradient.v, mechanical),
+            one_sided: sides.map(|sides| OneSidedEntry {
+                below: SideEntry::new(&sides.below, mechanical),
+                above: SideEntry::new(&sides.above, mechanical),
+            }),
             event_times: &gradient.event_times,
             outputs: outputs
                 .map(|(output, rows)| {

@@ -6,6 +6,7 @@
 //! before the first such number, and elsewhere `null` stands in its place.
 
 mod columns;
+mod estimate;
 mod gradient;
 mod joints;
 mod parts;
@@ -15,6 +16,7 @@ mod solution;
 
 pub use columns::Columns;
 pub(crate) use columns::{part, quantities};
+pub(crate) use estimate::EstimateDocument;
 pub(crate) use parts::{SCHEMA, SizeEntry, to_line};
 pub(crate) use program::ProgramDocument;
 pub(crate) use simulation::Document;

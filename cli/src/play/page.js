@@ -88,7 +88,7 @@ const say = (words, bad = false) => {
 
 // The editor: line numbers, colours and marks below a plain text field.
 const words = new Set(("parameters coordinates controls fn let profile lagrangian dissipation forces surface impact friction constraint minimize " +
-  "finally free start horizon dry bound inelastic restitution along holding sliding outputs picture pub in point circle rectangle polygon " +
+  "finally free measured within start horizon dry bound inelastic restitution along holding sliding outputs picture pub in point circle rectangle polygon " +
   "link spring curve at to over radius angle").split(" "));
 const painted = /(\/\/[^\n]*|\/\*[\s\S]*?\*\/)|([\p{L}_][\p{L}\p{N}_]*)|(\d+\.?\d*(?:e[-+]?\d+)?)/gu;
 const paint = () => {

@@ -54,6 +54,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
                 rows: usize::MAX,
                 index: Some(INDEX),
                 facts: optimum_facts(&method, &solution, &ending),
+                further: Vec::new(),
             };
             files.extend(result.contents());
             columns.push(Column {

@@ -92,6 +92,7 @@ pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Rep
                 rows: usize::MAX,
                 index: Some(INDEX),
                 facts: simulation_facts(&method, &simulation, &ending),
+                further: Vec::new(),
             };
             files.extend(result.contents());
         } else {

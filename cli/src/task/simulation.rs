@@ -66,9 +66,11 @@ impl SimulationTask {
         let text = text.flatten();
         let model = text.as_ref().map_or(model, |scene| scene as &dyn Model);
         let gradient = simulation::differentiate(model, &self.problem, simulation, &self.gradient);
-        gradient
-            .map(Some)
-            .map_err(|error| self.chosen.refuse(&error))
+        let mut gradient = gradient.map_err(|error| self.chosen.refuse(&error))?;
+        gradient.add_one_sided((model, &self.problem), simulation, &mut |model, problem| {
+            self.method.simulate(model, problem, &mut |_| true)
+        });
+        Ok(Some(gradient))
     }
 
     /// The motion.

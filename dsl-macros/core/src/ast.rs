@@ -103,6 +103,29 @@ pub(crate) struct FreeStart {
     pub(crate) bounds: Option<(Expr, Expr)>,
 }
 
+/// `target within deviation`, in `measured`.
+#[derive(Debug)]
+pub(crate) struct MeasuredQuantity {
+    /// A coordinate, a state or an output.
+    pub(crate) target: Name,
+    /// Whether the target is `dot(name)`.
+    pub(crate) velocity: bool,
+    /// The standard deviation of its measurements.
+    pub(crate) within: Expr,
+}
+
+/// `measured name: "file" { target within deviation, ..., start { ... } }`: one experiment.
+#[derive(Debug)]
+pub(crate) struct Measured {
+    pub(crate) documentation: Documentation,
+    pub(crate) name: Name,
+    /// The file with the measurements, as written.
+    pub(crate) file: String,
+    pub(crate) quantities: Vec<MeasuredQuantity>,
+    /// Start values of its own.
+    pub(crate) start: Vec<Assignment>,
+}
+
 /// What happens where surfaces are hit: parts of an impact law, which the parser has seen to fit together.
 #[derive(Debug)]
 pub(crate) struct Law {
@@ -218,6 +241,7 @@ pub(crate) enum Statement {
     },
     Finally(Vec<Condition>),
     Free(Vec<FreeStart>),
+    Measured(Box<Measured>),
     Outputs(Vec<Quantity>),
     Picture {
         keyword: Place,

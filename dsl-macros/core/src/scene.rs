@@ -33,6 +33,8 @@ pub(crate) struct CheckedScene {
     pub(crate) differentiated: Vec<u16>,
     /// Parameters that optimal control is to find.
     pub(crate) free_parameters: Vec<FreeParameter>,
+    /// Measured motions that the objective compares with.
+    pub(crate) experiments: Vec<Experiment>,
     /// The parameters that are coordinates without motion here, the last ones; none unless asked for.
     pub(crate) held: Vec<u16>,
 }
@@ -43,6 +45,31 @@ pub(crate) struct FreeParameter {
     pub(crate) index: u16,
     /// In the declared unit; functions of parameters that are not free.
     pub(crate) bounds: (Sym, Sym),
+}
+
+/// A measured motion.
+pub(crate) struct Experiment {
+    pub(crate) name: Name,
+    pub(crate) documentation: Documentation,
+    /// The file of the measurements, as written.
+    pub(crate) file: String,
+    /// What was measured, with its standard deviation in the declared unit.
+    pub(crate) quantities: Vec<(Measured, f64)>,
+    /// Initial coordinates and velocities, if it has a start of its own.
+    pub(crate) start: Option<(Vec<Sym>, Vec<Sym>)>,
+    /// Of how many standard deviations on a residual counts linearly.
+    pub(crate) huber: Option<f64>,
+}
+
+/// What is measured, by its index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measured {
+    /// A coordinate.
+    Coordinate(usize),
+    /// The velocity of a coordinate; those of the last coordinates are the states of first order.
+    Velocity(usize),
+    /// What the scene records.
+    Output(usize),
 }
 
 impl CheckedScene {

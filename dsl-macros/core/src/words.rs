@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 23] = [
+pub(crate) const STATEMENTS: [&str; 24] = [
     "parameters",
     "coordinates",
     "controls",
@@ -23,6 +23,7 @@ pub(crate) const STATEMENTS: [&str; 23] = [
     "minimize",
     "finally",
     "free",
+    "measured",
     "outputs",
     "picture",
 ];
@@ -294,6 +295,12 @@ pub(crate) const INTEGRAL: &str = "integral";
 
 /// What adds a function of impulses up over all impacts; its name may be taken by declarations.
 pub(crate) const SUM: &str = "sum";
+
+/// How far a motion is from a measured one, in an objective; its name may be taken by declarations.
+pub(crate) const MISFIT: &str = "misfit";
+
+/// The loss of a misfit that grows linearly far away, so that outliers count less.
+pub(crate) const HUBER: &str = "huber";
 
 /// The final time in an objective or a terminal condition.
 pub(crate) const FINAL_TIME: &str = "time";

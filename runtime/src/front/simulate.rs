@@ -150,11 +150,11 @@ impl<'a> Simulate<'a> {
     /// [`InputError`] if anything that was asked for is refused before the first step; what happens later is the
     /// [`status`](Simulation::status) of the result.
     pub fn run(self) -> Result<Simulation, InputError> {
-        Ok(self.simulated()?.1)
+        Ok(self.simulated()?.2)
     }
 
     /// Simulates, and differentiates the motion by the quantities of these names, as
-    /// [`differentiate`](crate::simulation::differentiate) says. The method is to be one that locates events.
+    /// [`differentiate`](crate::simulation::differentiate) says, with derivatives to one side where there are no others. The method is to be one that locates events.
     ///
     /// # Errors
     /// As of [`run`](Self::run), and [`InputError`] for names that are unknown and scenes without derivatives by parameters.
@@ -164,12 +164,15 @@ impl<'a> Simulate<'a> {
     ) -> Result<(Simulation, Gradient), InputError> {
         let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
         let model = self.model;
-        let (problem, run) = self.simulated()?;
-        let gradient = differentiate(model, &problem, &run, &names)?;
+        let (method, problem, run) = self.simulated()?;
+        let mut gradient = differentiate(model, &problem, &run, &names)?;
+        gradient.add_one_sided((model, &problem), &run, &mut |model, problem| {
+            method.simulate(model, problem, &mut |_| true)
+        });
         Ok((run, gradient))
     }
 
-    fn simulated(mut self) -> Result<(InitialValueProblem, Simulation), InputError> {
+    fn simulated(mut self) -> Result<Simulated<'a>, InputError> {
         if let Some(steps) = self.steps {
             self.method.set_steps(steps)?;
         }
@@ -186,6 +189,9 @@ impl<'a> Simulate<'a> {
             Some(mut observer) => self.method.simulate(self.model, &problem, &mut *observer),
             None => self.method.simulate(self.model, &problem, &mut |_| true),
         }?;
-        Ok((problem, run))
+        Ok((self.method, problem, run))
     }
 }
+
+/// How a motion was simulated, from where, and what it is.
+type Simulated<'a> = (Box<dyn Simulator + 'a>, InitialValueProblem, Simulation);

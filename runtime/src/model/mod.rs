@@ -49,6 +49,7 @@
 
 mod control_piece;
 mod declaration;
+mod experiment;
 mod given;
 pub(crate) mod held;
 mod parameter_derivatives;
@@ -67,6 +68,7 @@ pub use declaration::{
     OptimalControlDeclaration, ParameterDeclaration, SparsityPattern, Switching,
     VariableDeclaration,
 };
+pub use experiment::{Experiment, Measured, MeasuredQuantity};
 pub use given::{Given, Held};
 pub use parameter_derivatives::ParameterDerivatives;
 pub use picture::{Picture, Shape};
@@ -283,6 +285,18 @@ pub trait Model: Send + Sync {
 
     /// The ranges in which the [`free_parameters`](Self::free_parameters) are looked for, in their units.
     fn free_parameter_bounds(&self, _lower: &mut [f64], _upper: &mut [f64]) {}
+
+    /// Measured motions that the scene compares with; none unless its objective is a misfit.
+    fn experiments(&self) -> &'static [Experiment] {
+        &[]
+    }
+
+    /// The scene as it is in one of its [`experiments`](Self::experiments), at the present values of its parameters: with the
+    /// start of that. None where it would have to be compiled.
+    fn in_experiment(&self, experiment: usize) -> Option<Box<dyn Model>> {
+        let known = self.experiments().get(experiment)?;
+        (!known.own_start).then(|| self.boxed())
+    }
 
     /// The scene with some of its parameters (indices, increasing) as coordinates without motion behind all others, at their
     /// present values, so that every function is differentiated by them twice: `p'' = 0`, and no contact acts on them. Those

@@ -2,7 +2,7 @@
 
 use hangtime::prelude::*;
 
-use super::support::{assert_exists, by_both, scene};
+use super::support::{assert_close, assert_exists, by_both, scene};
 
 const CEILING: &str = "
     parameters { g: m/s^2 = 8, v0: m/s = 4, top: m = 1 }
@@ -12,6 +12,18 @@ const CEILING: &str = "
     impact ceiling: restitution 0.5
     start { dot(z): v0 }
     horizon 1 [s]
+";
+
+const LANDINGS: &str = "
+    parameters { h1: m = 1, h2: m = 1, k: N/m = 20, ground: m = 0 }
+    coordinates { a: m, b: m }
+    lagrangian 1[kg]*(dot(a)^2 + dot(b)^2)/2 - 9.81[N]*(a + b) - k/2*(a - b)^2
+    surface first: a - ground >= 0
+    surface second: b - ground >= 0
+    impact first: restitution 0.5
+    impact second: restitution 0.5
+    start { a: h1, b: h2 }
+    horizon 0.6 [s]
 ";
 
 #[test]
@@ -32,18 +44,7 @@ fn grazing_impact_has_no_derivative() {
 
 #[test]
 fn two_bodies_that_land_at_once_by_chance_have_none() {
-    let text = "
-        parameters { h1: m = 1, h2: m = 1, k: N/m = 20, ground: m = 0 }
-        coordinates { a: m, b: m }
-        lagrangian 1[kg]*(dot(a)^2 + dot(b)^2)/2 - 9.81[N]*(a + b) - k/2*(a - b)^2
-        surface first: a - ground >= 0
-        surface second: b - ground >= 0
-        impact first: restitution 0.5
-        impact second: restitution 0.5
-        start { a: h1, b: h2 }
-        horizon 0.6 [s]
-    ";
-    let scene = scene(text, &[]);
+    let scene = scene(LANDINGS, &[]);
     for (_, gradient) in by_both(&scene, &["h1"]) {
         let obstacle = gradient
             .obstacle
@@ -121,5 +122,57 @@ fn coefficients_at_their_limit_have_none() {
         for (_, gradient) in by_both(&scene, &["g", "u0"]) {
             assert_exists(&gradient);
         }
+    }
+}
+
+#[test]
+fn graze_has_a_derivative_on_the_side_that_does_not_touch() {
+    // Thrown slower than 4 m/s the ball is at v0 T - g T^2/2 after T = 1 s, with the velocity v0 - g T; thrown faster it strikes
+    // the ceiling at a speed whose derivative is infinite.
+    for (_, gradient) in by_both(&scene(CEILING, &[]), &["v0", "top"]) {
+        let sides = gradient.one_sided.expect("to one side");
+        assert_close(sides.below.q[0][0], 1.0, 1e-9, "z by v0 from below");
+        assert_close(sides.below.v[0][0], 1.0, 1e-9, "dz/dt by v0 from below");
+        assert!(sides.above.q[0][0].is_nan() && sides.above.v[0][0].is_nan());
+        // A higher ceiling changes nothing, a lower one is struck.
+        assert_close(sides.above.q[0][1], 0.0, 1e-12, "z by top from above");
+        assert!(sides.below.q[0][1].is_nan());
+    }
+    let (_, gradient) = simulate(&scene(CEILING, &[("top", 2.0)]))
+        .gradient(["v0"])
+        .unwrap();
+    assert!(gradient.one_sided.is_none());
+}
+
+#[test]
+fn landings_at_once_have_a_derivative_to_each_side() {
+    let of = |h1: f64| {
+        let run = simulate(&scene(LANDINGS, &[("h1", h1)])).method(EventDriven::default());
+        let run = run.tolerance(1e-13).run().unwrap();
+        [0, 1].map(|k| run.trajectory.q.last().unwrap()[k])
+    };
+    for (_, gradient) in by_both(&scene(LANDINGS, &[]), &["h1"]) {
+        let sides = gradient.one_sided.expect("to both sides");
+        // Quotients of an independent method, whose limits are taken from two distances: their error is that of the motion over
+        // the distance, about 1e-8, and the square of the distance.
+        for (side, sense) in [(&sides.below, -1.0), (&sides.above, 1.0)] {
+            for k in 0..2 {
+                let quotient = |way: f64| (of(1.0 + sense * way)[k] - of(1.0)[k]) / (sense * way);
+                let limit = 2.0 * quotient(1e-5) - quotient(2e-5);
+                assert_close(side.q[k][0], limit, 1e-6, "by h1");
+            }
+        }
+    }
+}
+
+#[test]
+fn end_that_jumps_has_no_derivative_to_either_side() {
+    // Two bodies that share an inertia, so that landing at once is another impact than landing one after the other.
+    let text = LANDINGS.replace("dot(b)^2)/2", "dot(b)^2 + dot(a)*dot(b))/2");
+    for (_, gradient) in by_both(&scene(&text, &[]), &["h1"]) {
+        assert!(
+            gradient.obstacle.is_some() && gradient.one_sided.is_none(),
+            "{gradient:?}"
+        );
     }
 }

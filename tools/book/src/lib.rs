@@ -24,4 +24,4 @@ mod transcript;
 pub use book::{Book, Chapter};
 pub use links::dead_links;
 pub use page::{Page, pages};
-pub use steps::{Excerpt, Kind, Run, SceneText, Step};
+pub use steps::{Data, Excerpt, Kind, Run, SceneText, Step};

@@ -86,6 +86,7 @@ fn draw(book: &Book, figures: &Path) -> Result<()> {
                     };
                     fs::write(file, before + &scene.text)?;
                 }
+                Step::Data(data) => fs::write(scratch.path().join(&data.file), &data.text)?,
                 Step::Run(command) if command.arguments.join(" ").contains("--out figures") => {
                     run(scratch.path(), &command.arguments)?;
                 }

@@ -55,11 +55,22 @@ pub struct Excerpt {
     pub text: String,
 }
 
+/// Measurements in a file beside the scenes.
+#[derive(Debug, Clone)]
+pub struct Data {
+    /// Name of the file.
+    pub file: String,
+    /// Its lines.
+    pub text: String,
+}
+
 /// One thing to do.
 #[derive(Debug, Clone)]
 pub enum Step {
     /// Write a scene.
     Scene(SceneText),
+    /// Write measurements.
+    Data(Data),
     /// Run a command.
     Run(Run),
     /// Look at a program.
@@ -104,6 +115,10 @@ fn of_block(info: &str, text: String) -> Vec<Step> {
         ["hang", _] => scene(Kind::Whole),
         ["hang", _, "more"] => scene(Kind::More),
         ["hang", _, "mistaken"] => scene(Kind::Mistaken),
+        ["csv", file] => vec![Step::Data(Data {
+            file: file.to_owned(),
+            text,
+        })],
         ["console"] => runs(&text),
         ["rust", file] => vec![Step::Excerpt(Excerpt {
             file: file.to_owned(),

@@ -72,6 +72,10 @@ fn follow(chapter: &Chapter) -> (Vec<String>, Vec<String>) {
     fs::create_dir_all(&scratch.0).unwrap();
     let wrong = |step: &Step| match step {
         Step::Scene(scene) => write(&scratch.0, scene),
+        Step::Data(data) => {
+            fs::write(scratch.0.join(&data.file), &data.text).unwrap();
+            None
+        }
         Step::Run(command) => compare(&scratch.0, command),
         Step::Excerpt(excerpt) => {
             let source = fs::read_to_string(root().join(&excerpt.file)).unwrap();

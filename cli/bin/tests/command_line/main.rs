@@ -7,6 +7,7 @@ mod book;
 mod browser;
 mod contact_scenes;
 mod design;
+mod fit;
 mod gallery;
 mod gradients;
 mod joints;

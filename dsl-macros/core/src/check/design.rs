@@ -38,10 +38,10 @@ pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Chec
     Ok(())
 }
 
-/// Free parameters belong to a scene with an objective, and something that it judges reads each of them.
+/// Free parameters belong to a scene with an objective (`judged`), and something that it judges reads each of them.
 pub(super) fn finish(
     checker: &mut Checker<'_>,
-    dynamics: &[Sym],
+    (dynamics, judged): (&[Sym], bool),
     contacts: &[Contact],
     task: Option<&OptimalControl>,
 ) {
@@ -58,9 +58,7 @@ pub(super) fn finish(
     let read = graph::variables(&functions);
     for free in &checker.free_parameters {
         let name = &checker.parameters[usize::from(free.index)].name;
-        let message = if task
-            .is_none_or(|task| task.running_cost.is_none() && task.final_cost.is_none())
-        {
+        let message = if !judged {
             format!(
                 "free parameter `{0}` in a scene without `minimize`, so that nothing says which value is best; add an \
                  objective, or write `parameters {{ {0} = ... }}`",

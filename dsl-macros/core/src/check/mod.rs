@@ -7,6 +7,7 @@ mod design;
 mod dry;
 mod joint;
 mod law;
+mod measured;
 mod names;
 mod optimal_control;
 mod outputs;
@@ -111,6 +112,7 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
         } => joint::joint(checker, (documentation, name), left, right),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
+        Statement::Minimize { value, .. } if measured::is_misfit(checker, value) => Ok(()),
         Statement::Minimize { keyword, value } => {
             optimal_control::minimize(checker, *keyword, value)
         }
@@ -119,6 +121,8 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
         }
         Statement::Finally(goals) => optimal_control::finally(checker, goals),
         Statement::Free(values) => optimal_control::free(checker, values),
+        // Outputs that are measured may stand below.
+        Statement::Measured(_) => Ok(()),
         Statement::Outputs(quantities) => outputs::outputs(checker, quantities),
         Statement::Picture { keyword, shapes } => picture::picture(checker, *keyword, shapes),
     }
@@ -250,6 +254,7 @@ fn finish(
     states::without_rate(&mut checker);
     let start = values::start_values(&mut checker);
     start::gaps(&mut checker, declared, &start, units, complete);
+    let experiments = measured::experiments(&mut checker, declared, &start);
     reach::surfaces(&mut checker, units);
     let laws = law::of_surfaces(&mut checker);
     let (Some((lagrangian, place)), Ok(laws), Ok(start)) =
@@ -283,15 +288,11 @@ fn finish(
     joint::finish(&mut checker, &units.gaps, &contacts);
     let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
     let optimal_control = optimal_control::optimal_control(&mut checker, units);
-    if let Some(task) = &optimal_control {
-        dynamics.extend(task.running_cost);
-        let constraints = task.constraints.iter().chain(&task.at_impacts);
-        dynamics.extend(constraints.map(|known| known.function));
-        dynamics.extend(&task.sums);
-    }
+    dynamics.extend(optimal_control.iter().flat_map(along_the_way));
     moves?;
-    let given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
-    design::finish(&mut checker, &given, &contacts, optimal_control.as_ref());
+    let given = [&dynamics[..], &forces, &start.0, &start.1].concat();
+    let task = optimal_control.as_ref();
+    free_parameters(&mut checker, given, &contacts, (task, &experiments));
     outputs::finish(&mut checker, &contacts, units);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
@@ -316,8 +317,36 @@ fn finish(
         picture: checker.shown.picture,
         differentiated: Vec::new(),
         free_parameters: checker.free_parameters,
+        experiments,
         held: Vec::new(),
     })
+}
+
+/// What a task reads along the motion.
+fn along_the_way(task: &scene::OptimalControl) -> Vec<Sym> {
+    let constraints = task.constraints.iter().chain(&task.at_impacts);
+    let functions = constraints.map(|known| known.function);
+    functions
+        .chain(task.running_cost)
+        .chain(task.sums.iter().copied())
+        .collect()
+}
+
+/// What is asked of free parameters, of which motion, laws and the objective read some.
+fn free_parameters(
+    checker: &mut Checker<'_>,
+    mut given: Vec<Sym>,
+    contacts: &[scene::Contact],
+    (task, experiments): (Option<&scene::OptimalControl>, &[scene::Experiment]),
+) {
+    given.extend(measured::functions(checker, experiments));
+    let judged = judged(task) || !experiments.is_empty();
+    design::finish(checker, (&given, judged), contacts, task);
+}
+
+/// Whether a task has an objective.
+fn judged(task: Option<&scene::OptimalControl>) -> bool {
+    task.is_some_and(|task| task.running_cost.is_some() || task.final_cost.is_some())
 }
 
 /// All functions of the motion.

@@ -80,6 +80,7 @@ pub(super) fn inferred(
         );
         sound &= !energy || walk.diagnostics.mistakes() == before;
     }
+    statement::measured(&mut walk, scene);
     statement::sliding_velocities(&mut walk);
     angle::arguments(&mut walk);
     let Walk {

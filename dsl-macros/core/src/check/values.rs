@@ -44,7 +44,7 @@ fn names_a_later_one(checker: &Checker<'_>, expr: &Expr) -> bool {
 
 /// An expression as a number in a declared unit: bare numbers are in that unit already, anything
 /// else is in SI units and converted.
-fn in_declared_unit(
+pub(super) fn in_declared_unit(
     checker: &mut Checker<'_>,
     expr: &Expr,
     unit: Option<&WrittenUnit>,
@@ -278,6 +278,15 @@ pub(super) struct StartValues {
 }
 
 impl StartValues {
+    /// These values, and where there are none those of `others`.
+    pub(super) fn or(mut self, others: &Self) -> Self {
+        for (own, other) in self.declared.iter_mut().zip(&others.declared) {
+            *own = own.or(*other);
+        }
+        self.complete &= others.complete;
+        self
+    }
+
     /// Initial coordinates and velocities; zero where nothing is declared.
     pub(super) fn values(self) -> Checked<(Vec<Sym>, Vec<Sym>)> {
         if !self.complete {
@@ -313,13 +322,23 @@ fn start_value(checker: &mut Checker<'_>, sym: Sym, expr: &Expr, shown: &str) ->
 
 /// Checks and evaluates what `start` says.
 pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
+    let assignments = std::mem::take(&mut checker.start);
+    let values = assigned(checker, &assignments);
+    if values.complete {
+        free_start_within_bounds(checker, &values.declared);
+    }
+    values
+}
+
+/// Checks and evaluates start values.
+pub(super) fn assigned(checker: &mut Checker<'_>, assignments: &[Assignment]) -> StartValues {
     let n = checker.coordinates.len() + checker.states.len();
     let mut values: Vec<Option<(Sym, Place)>> = vec![None; 2 * n];
     let mut failed = false;
-    for assignment in std::mem::take(&mut checker.start) {
+    for assignment in assignments {
         let value = match states::index(checker, &assignment.target) {
-            Some(state) => state_start(checker, &assignment, state),
-            None => coordinate_start(checker, &assignment, n),
+            Some(state) => state_start(checker, assignment, state),
+            None => coordinate_start(checker, assignment, n),
         };
         let Ok((slot, value)) = value else {
             failed = true;
@@ -331,13 +350,10 @@ pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
         {
             checker.diagnostics.syntax(
                 assignment.target.place(),
-                format!("`{}` has two start values; keep one", shown(&assignment)),
+                format!("`{}` has two start values; keep one", shown(assignment)),
             );
             failed = true;
         }
-    }
-    if !failed {
-        free_start_within_bounds(checker, &values);
     }
     StartValues {
         declared: values,
@@ -407,7 +423,7 @@ fn start_number(
 }
 
 /// What an assignment is to.
-fn shown(assignment: &Assignment) -> String {
+pub(super) fn shown(assignment: &Assignment) -> String {
     let name = &assignment.target.text;
     if assignment.velocity {
         format!("dot({name})")

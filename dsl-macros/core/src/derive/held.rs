@@ -75,6 +75,8 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         output.value = one(output.value);
     }
     scene.picture = None;
+    // Start values of experiments are for the parameters as they are.
+    scene.experiments.clear();
     let free = scene
         .free_parameters
         .iter()

@@ -9,6 +9,7 @@ mod design;
 mod equations;
 mod joint;
 mod kernel;
+mod measured;
 mod optimal_control;
 mod readable;
 mod renamed;
@@ -17,6 +18,7 @@ mod shown;
 
 pub use crate::derive::Given as GivenBy;
 pub use crate::graph::{Function, Function2, Profile};
+pub use crate::scene::Measured;
 pub use builder::{Pattern, System};
 pub use contact::{Contact, Friction, Rows, SolvedRows};
 pub(crate) use declared::text as documentation_text;
@@ -24,6 +26,7 @@ pub use declared::{Parameter, Variable};
 pub use design::{FreeParameters, Held};
 pub use joint::{Joint, Joints};
 pub use kernel::{Kernel, Operation};
+pub use measured::{Experiment, MeasuredQuantity};
 pub use optimal_control::{Condition, ContactTerms, Functions, OptimalControl};
 pub(crate) use readable::formula;
 pub use sensitivity::{ContactSensitivity, Derivative, FrictionSensitivity, Sensitivity};
@@ -78,6 +81,8 @@ pub struct Description {
     pub sensitivity: Option<Sensitivity>,
     /// The parameters that optimal control is to find, if there are any.
     pub free_parameters: Option<FreeParameters>,
+    /// Measured motions that the objective compares with.
+    pub experiments: Vec<Experiment>,
     /// The parameters that are coordinates without motion; none unless they were asked for.
     pub held: Option<Held>,
     /// All straight-line functions.
@@ -164,6 +169,7 @@ impl Description {
         let given = given(&mut builder);
         let sensitivity = sensitivity::sensitivity(&mut builder, equations);
         let free_parameters = design::free(&mut builder);
+        let experiments = measured::experiments(&mut builder);
         let held = design::held(&mut builder, equations);
         let description = Self {
             name: scene.name.text.clone(),
@@ -183,6 +189,7 @@ impl Description {
             picture,
             sensitivity,
             free_parameters,
+            experiments,
             held,
             kernels: builder.kernels,
             systems: builder.systems,

@@ -15,6 +15,8 @@ pub struct Sensitivity {
     pub parameters: Vec<usize>,
     /// Initial coordinates and then velocities by the parameters.
     pub start: Derivative,
+    /// The same of the experiments that have a start of their own.
+    pub starts: Vec<Option<Derivative>>,
     /// Horizon by the parameters, if it is declared.
     pub horizon: Option<Derivative>,
     /// One a contact.
@@ -82,6 +84,15 @@ pub(super) fn sensitivity(builder: &mut Builder<'_>, equations: &Equations) -> O
             .map(usize::from)
             .collect(),
         start: list.of_parameters("start", &start),
+        starts: scene
+            .experiments
+            .iter()
+            .map(|known| {
+                let (q, v) = known.start.as_ref()?;
+                let what = format!("start_{}", known.name.text);
+                Some(list.of_parameters(&what, &[&q[..], v].concat()))
+            })
+            .collect(),
         horizon: scene
             .horizon
             .map(|horizon| list.of_parameters("horizon", &[horizon])),

@@ -3,10 +3,47 @@
 use super::kernel::literal;
 use super::methods::positions;
 use crate::description::{
-    Condition, Contact, ContactTerms, Description, OptimalControl, Pattern, Picture, Shape,
-    Variable,
+    Condition, Contact, ContactTerms, Description, Experiment, Measured, OptimalControl, Pattern,
+    Picture, Shape, Variable,
 };
 use std::fmt::Write;
+
+/// Measured motions.
+pub(super) fn experiments(list: &[Experiment]) -> String {
+    let mut code = String::new();
+    for known in list {
+        let _ = write!(
+            code,
+            "::hangtime::model::Experiment {{ name: {:?}, documentation: {:?}, file: {:?}, own_start: {}, huber: {}, \
+             quantities: &[",
+            known.name,
+            known.documentation,
+            known.file,
+            known.start.is_some(),
+            known.huber.map_or_else(
+                || "__Option::None".to_owned(),
+                |bound| format!("__Option::Some({})", literal(bound))
+            )
+        );
+        for quantity in &known.quantities {
+            let (kind, index) = match quantity.measured {
+                Measured::Coordinate(k) => ("Coordinate", k),
+                Measured::Velocity(k) => ("Velocity", k),
+                Measured::Output(k) => ("Output", k),
+            };
+            let _ = write!(
+                code,
+                "::hangtime::model::MeasuredQuantity {{ name: {:?}, unit: {:?}, measured: \
+                 ::hangtime::model::Measured::{kind}({index}), within: {} }},",
+                quantity.name,
+                quantity.unit,
+                literal(quantity.within)
+            );
+        }
+        code.push_str("] },");
+    }
+    code
+}
 
 /// Writes `static DECLARATION`.
 pub(super) fn write(scene: &Description, code: &mut String) {

@@ -78,8 +78,12 @@ fn implementation(scene: &CheckedScene, derived: &Description, text: &str, code:
     let joints = derived.joints.as_ref();
     let joints = joints.map_or_else(String::new, |joints| methods::joints(derived, joints));
     let of_control = optimal_control(derived);
-    let further =
-        laws(derived) + &joints + &of_control + &shown(derived) + &free_parameters(derived);
+    let further = laws(derived)
+        + &joints
+        + &of_control
+        + &shown(derived)
+        + &free_parameters(derived)
+        + &experiments(derived);
     let given = &derived.given;
     let of_parameters = |kernel, out| methods::of_parameters(derived, kernel, out);
     let _ = write!(
@@ -205,6 +209,17 @@ fn free_parameters(derived: &Description) -> String {
         free.parameters,
         methods::of_parameters(derived, free.bounds[0], "lower"),
         methods::of_parameters(derived, free.bounds[1], "upper")
+    )
+}
+
+/// The method for measured motions, if the scene compares with any. Their start values are no part of what is compiled.
+fn experiments(derived: &Description) -> String {
+    if derived.experiments.is_empty() {
+        return String::new();
+    }
+    format!(
+        "fn experiments(&self) -> &'static [::hangtime::model::Experiment] {{ &[{}] }}",
+        declaration::experiments(&derived.experiments)
     )
 }
 

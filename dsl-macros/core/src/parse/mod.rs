@@ -7,6 +7,7 @@ mod documentation;
 mod expression;
 mod joint;
 mod law;
+mod measured;
 mod number;
 mod picture;
 mod pieces;

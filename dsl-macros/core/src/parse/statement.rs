@@ -5,7 +5,7 @@ use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, block, entries, equals, name, range, target};
-use super::{control, joint, law, picture, profile, slips, unit};
+use super::{control, joint, law, measured, picture, profile, slips, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::words;
@@ -132,6 +132,7 @@ fn statement(
             control::free_parameter(quantity, documentation, diagnostics)
         }
         "free" => control::free(cursor, &word, diagnostics),
+        "measured" => measured::measured(cursor, (documentation, assignments), diagnostics),
         "outputs" => Ok(Statement::Outputs(quantities(cursor, &word, diagnostics)?)),
         "picture" => picture::picture(cursor, &word, diagnostics),
         _ => Err(unknown_statement(cursor, &word, diagnostics)),

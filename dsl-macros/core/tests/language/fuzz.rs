@@ -53,7 +53,7 @@ impl Random {
     }
 }
 
-const WORDS: [&str; 70] = [
+const WORDS: [&str; 74] = [
     "rotation",
     "rotation_x",
     "transpose",
@@ -124,6 +124,10 @@ const WORDS: [&str; 70] = [
     "to",
     "curve",
     "over",
+    "measured",
+    "within",
+    "misfit",
+    "huber",
 ];
 const SYMBOLS: [char; 22] = [
     '+', '-', '*', '/', '^', '|', '=', ',', ':', ';', '.', '>', '<', '!', '#', '$', '?', '@', '&',

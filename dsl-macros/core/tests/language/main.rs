@@ -15,6 +15,7 @@ mod design;
 mod format;
 mod fuzz;
 mod joints;
+mod measured;
 mod messages;
 mod pages;
 mod sensitivities;

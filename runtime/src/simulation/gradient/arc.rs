@@ -17,8 +17,14 @@ use crate::rk::{ButcherTableau, Scheme};
 
 /// Stages of a step: one more than the finest elements of a run have, so that the error of the run is what counts.
 const STAGES: usize = 7;
-/// Newton iterations of a step.
+/// Newton iterations of a step with derivatives of all stages.
 const MOST_ITERATIONS: usize = 8;
+/// The same of changes that get no smaller.
+const ROUNDING: f64 = 1e-9;
+/// Iterations without new derivatives between two of them: each costs a fraction of one with.
+const MOST_REPEATED: usize = 6;
+/// Ratio of the changes of two of them above which new derivatives are worth their cost.
+const CONTRACTS: f64 = 0.1;
 /// Change of the velocity, relative to its size, that leaves nothing but rounding in derivatives.
 const CONVERGED: f64 = 1e-12;
 
@@ -52,6 +58,8 @@ pub(super) struct Arc {
     inputs: Vec<Vec<f64>>,
     by: Vec<Matrix>,
     residual: Vec<f64>,
+    /// Derivatives of the accelerations of the stages, by stage and component.
+    change: Matrix,
 }
 
 impl Arc {
@@ -62,6 +70,7 @@ impl Arc {
             inputs: Vec::new(),
             by: Vec::new(),
             residual: Vec::new(),
+            change: Matrix::default(),
         })
     }
 
@@ -88,7 +97,18 @@ impl Arc {
         }
         let missed = self.missed(n, step);
         self.carry((n, step.length()), state, &change);
+        self.change = change;
         Some(missed)
+    }
+
+    /// Solves the motion of the step without derivatives. The largest distances at its end as of [`step`](Self::step).
+    pub(super) fn values(
+        &mut self,
+        acceleration: &mut Acceleration<'_>,
+        step: Step<'_>,
+    ) -> Option<[f64; 2]> {
+        self.solve(acceleration, step)?;
+        Some(self.missed(acceleration.n, step))
     }
 
     /// Solves for the accelerations of the stages; the factors of the last Newton matrix.
@@ -102,6 +122,7 @@ impl Arc {
         let reached = h * largest(&self.stages).max(largest(&acceleration.free));
         let speed = largest(step.from.v).max(largest(step.to.v)).max(reached);
         let mut system = None;
+        let mut last = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
             let (matrix, pivots) = self.linearize(acceleration, step)?;
             dense::solve(&matrix.values, &pivots, &mut self.residual);
@@ -110,12 +131,74 @@ impl Arc {
             if change.is_nan() {
                 return None;
             }
-            system = Some((matrix, pivots));
-            if change <= CONVERGED * speed {
+            // Where rounding is more than that, changes stay as large as they are.
+            if change <= CONVERGED * speed || (change <= ROUNDING * speed && change >= last) {
+                system = Some((matrix, pivots));
                 break;
             }
+            last = change;
+            self.repeat(
+                acceleration,
+                step,
+                (&matrix, &pivots),
+                (change, CONVERGED * speed),
+            )?;
+            system = Some((matrix, pivots));
         }
         system
+    }
+
+    /// Goes on with the factors of the last Newton matrix, behind a `change` of the velocity, as long as that pays; the derivatives
+    /// are those of the stages where these factors come from.
+    fn repeat(
+        &mut self,
+        acceleration: &mut Acceleration<'_>,
+        step: Step<'_>,
+        (matrix, pivots): (&Matrix, &[usize]),
+        (mut change, enough): (f64, f64),
+    ) -> Option<()> {
+        let (from, h, n) = (step.from, step.length(), acceleration.n);
+        for _ in 0..MOST_REPEATED {
+            self.residual.clear();
+            for m in 0..self.tableau.stages() {
+                let x = self.stage_input((acceleration, step), (from, h), m);
+                if !acceleration.evaluate_values(&x) {
+                    return None;
+                }
+                let own = &self.stages[m * n..][..n];
+                let values = own.iter().zip(&acceleration.value);
+                self.residual.extend(values.map(|(own, value)| own - value));
+            }
+            dense::solve(&matrix.values, pivots, &mut self.residual);
+            add(&mut self.stages, -1.0, &self.residual);
+            let next = h * largest(&self.residual);
+            if next.is_nan() {
+                return None;
+            }
+            if next <= enough || next > CONTRACTS * change {
+                break;
+            }
+            change = next;
+        }
+        Some(())
+    }
+
+    /// The input vector of stage `m`.
+    fn stage_input(
+        &self,
+        (acceleration, step): (&Acceleration<'_>, Step<'_>),
+        (from, h): (At<'_>, f64),
+        m: usize,
+    ) -> Vec<f64> {
+        let n = acceleration.n;
+        let c = self.tableau.c()[m];
+        let (mut q, mut v) = (from.q.to_vec(), from.v.to_vec());
+        add(&mut q, c * h, from.v);
+        for (j, stage) in self.stages.chunks_exact(n).enumerate() {
+            add(&mut v, h * self.tableau.a(m, j), stage);
+            add(&mut q, h * h * self.tableau.a_squared(m, j), stage);
+        }
+        stage_input(acceleration, (&q, &v), from.time + c * h, step.controls)
     }
 
     /// Distances of the end from the known one.
@@ -192,6 +275,30 @@ impl Arc {
         (q, v)
     }
 
+    /// Derivatives of the state at the share `theta` of the step that was solved last, from those at its start.
+    pub(super) fn derivatives_within(
+        &self,
+        (n, h): (usize, f64),
+        start: &Matrix,
+        theta: f64,
+    ) -> Matrix {
+        let stages = self.tableau.stages();
+        let mut weights = vec![0.0; stages];
+        self.tableau.dense_weights(theta, &mut weights);
+        let mut state = start.clone();
+        for (j, weight) in weights.iter().enumerate() {
+            for k in 0..n {
+                add(state.row_mut(k), h * weight, start.row(n + k));
+                for i in 0..stages {
+                    let factor = h * h * weight * self.tableau.a(j, i);
+                    add(state.row_mut(k), factor, self.change.row(i * n + k));
+                }
+                add(state.row_mut(n + k), h * weight, self.change.row(j * n + k));
+            }
+        }
+        state
+    }
+
     /// Accelerations of the stages on the cubic through both ends.
     fn guess(
         &mut self,
@@ -232,14 +339,7 @@ impl Arc {
         self.by.clear();
         self.inputs.clear();
         for m in 0..stages {
-            let c = self.tableau.c()[m];
-            let (mut q, mut v) = (from.q.to_vec(), from.v.to_vec());
-            add(&mut q, c * h, from.v);
-            for (j, stage) in self.stages.chunks_exact(n).enumerate() {
-                add(&mut v, h * self.tableau.a(m, j), stage);
-                add(&mut q, h * h * self.tableau.a_squared(m, j), stage);
-            }
-            let x = stage_input(acceleration, (&q, &v), from.time + c * h, step.controls);
+            let x = self.stage_input((acceleration, step), (from, h), m);
             if !acceleration.evaluate(&x) {
                 return None;
             }

@@ -21,11 +21,15 @@ mod jump;
 mod matrix;
 mod outputs;
 mod projection;
+mod samples;
+mod sides;
 mod walk;
 mod wanted;
 
 use super::{InitialValueProblem, InputError, Simulation, joints};
-use crate::model::Model;
+use crate::model::{Measured, Model};
+use samples::Samples;
+pub use sides::{OneSided, Side};
 use walk::Walk;
 use wanted::Wanted;
 
@@ -54,6 +58,8 @@ pub struct Gradient {
     pub objective: Option<Vec<f64>>,
     /// Why there are no derivatives from some instant on; values behind that are not numbers.
     pub obstacle: Option<String>,
+    /// Derivatives to one side where there are no others, see [`add_one_sided`](Self::add_one_sided).
+    pub one_sided: Option<OneSided>,
 }
 
 /// Differentiates a motion that `model` has from the start of `problem`, as a simulator that locates events found it, by the
@@ -69,11 +75,7 @@ pub fn differentiate(
     run: &Simulation,
     names: &[String],
 ) -> Result<Gradient, InputError> {
-    joints::refuse(
-        model,
-        "derivatives of a motion",
-        "compare two motions, or describe the mechanism by coordinates that need no joint",
-    )?;
+    refuse_joints(model)?;
     let wanted = Wanted::of(model, names)?;
     let trajectory = &run.trajectory;
     let (n, columns) = (problem.q.len(), wanted.count());
@@ -87,6 +89,7 @@ pub fn differentiate(
         outputs: vec![vec![vec![f64::NAN; columns]; trajectory.time.len()]; model.outputs().len()],
         objective: None,
         obstacle: None,
+        one_sided: None,
     };
     if !run.status.is_solved() {
         gradient.obstacle = Some(format!(
@@ -120,4 +123,60 @@ pub fn differentiate(
         }
     }
     Ok(gradient)
+}
+
+/// Derivatives along equations of joints are not known.
+fn refuse_joints(model: &dyn Model) -> Result<(), InputError> {
+    joints::refuse(
+        model,
+        "derivatives of a motion",
+        "compare two motions, or describe the mechanism by coordinates that need no joint",
+    )
+}
+
+/// What is measured of a motion at given times.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Observed {
+    /// By time and then by quantity; fewer than there are times where the motion ends before.
+    pub(crate) values: Vec<Vec<f64>>,
+    /// Derivatives of each; fewer where there are none from some instant on.
+    pub(crate) by: Vec<Vec<Vec<f64>>>,
+    /// Why there are none from there on.
+    pub(crate) obstacle: Option<String>,
+}
+
+/// Observes what is `measured` of a motion at increasing `times`, right before an event at one of them, and differentiates that
+/// by the quantities of these names, as [`differentiate`] does.
+///
+/// # Errors
+/// [`InputError`] for names that are unknown, and for scenes whose derivatives are not known.
+pub(crate) fn observe(
+    model: &dyn Model,
+    (problem, run): (&InitialValueProblem, &Simulation),
+    names: &[String],
+    (measured, times): (&[Measured], &[f64]),
+) -> Result<Observed, InputError> {
+    refuse_joints(model)?;
+    let wanted = Wanted::of(model, names)?;
+    let mut observed = Observed {
+        values: Vec::new(),
+        by: Vec::new(),
+        obstacle: Some("there is no motion".to_owned()),
+    };
+    if run.trajectory.time.is_empty() {
+        return Ok(observed);
+    }
+    let Some(mut walk) = Walk::new(model, problem, run, &wanted) else {
+        return Ok(observed);
+    };
+    walk.samples = Some(Samples::new(measured, times));
+    observed.obstacle = walk.run().err();
+    if let Some(samples) = walk.observed() {
+        (observed.values, observed.by) = (samples.values, samples.by);
+    }
+    if observed.by.len() == times.len() {
+        // What happens behind the last measurement is not seen.
+        observed.obstacle = None;
+    }
+    Ok(observed)
 }

@@ -6,11 +6,53 @@ use super::wanted::Wanted;
 use crate::model::contact_point;
 use crate::simulation::Trajectory;
 
-/// Derivatives of the outputs at instant `k` of a trajectory, a row an output. The `acceleration` is evaluated there.
+/// What outputs read at an instant: `(q, v, u, t)`, with the time in every scene, and forces and impulses so far of all contacts.
+pub(super) struct Instant {
+    pub(super) x: Vec<f64>,
+    pub(super) read: Vec<f64>,
+}
+
+impl Instant {
+    /// Instant `k` of a trajectory.
+    pub(super) fn recorded(trajectory: &Trajectory, k: usize) -> Self {
+        let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
+        let mut read = trajectory.contact_force[k].clone();
+        let contacts = read.len();
+        read.extend(trajectory.friction_force.get(k).into_iter().flatten());
+        read.resize(2 * contacts, 0.0);
+        read.extend(trajectory.impulses(k));
+        Self {
+            x: [q, v, u, &[trajectory.time[k]][..]].concat(),
+            read,
+        }
+    }
+
+    /// The instant at `x` at which the `acceleration` is evaluated.
+    pub(super) fn evaluated(
+        acceleration: &Acceleration<'_>,
+        x: Vec<f64>,
+        impulses: &[f64],
+    ) -> Self {
+        let mut read = force_values(acceleration);
+        read.extend(impulses);
+        Self { x, read }
+    }
+
+    /// What the scene records there.
+    pub(super) fn values(&self, acceleration: &Acceleration<'_>) -> Vec<f64> {
+        let mut values = vec![0.0; acceleration.model.outputs().len()];
+        acceleration
+            .model
+            .output_values(&self.x, &self.read, &mut values);
+        values
+    }
+}
+
+/// Derivatives of the outputs at an instant, a row an output. The `acceleration` is evaluated there.
 pub(super) fn outputs(
     acceleration: &Acceleration<'_>,
     wanted: &Wanted,
-    (trajectory, k): (&Trajectory, usize),
+    instant: &Instant,
     state: &Matrix,
     impulses: &Matrix,
 ) -> Matrix {
@@ -18,16 +60,11 @@ pub(super) fn outputs(
     let declaration = model.declaration();
     let (n, controls) = (declaration.coordinates.len(), declaration.controls.len());
     let contacts = declaration.contacts.len();
-    let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
-    let x = [q, v, u, &[trajectory.time[k]][..]].concat();
-    let mut read = trajectory.contact_force[k].clone();
-    read.extend(trajectory.friction_force.get(k).into_iter().flatten());
-    read.resize(2 * contacts, 0.0);
-    read.extend(trajectory.impulses(k));
+    let Instant { x, read } = instant;
     let behind = 2 * n + controls + 1;
     let count = model.outputs().len();
     let mut by = Matrix::zeros(count, behind + 4 * contacts + wanted.parameters);
-    wanted.derivatives.outputs(&x, &read, &mut by.values);
+    wanted.derivatives.outputs(x, read, &mut by.values);
     let mut values = Matrix::zeros(count, wanted.count());
     for column in 0..wanted.count() {
         let forces = forces(acceleration, wanted, state, column);
@@ -52,6 +89,34 @@ pub(super) fn outputs(
 /// A product in which what is not read may be unknown.
 fn times(factor: f64, value: f64) -> f64 {
     if factor == 0.0 { 0.0 } else { factor * value }
+}
+
+/// The normal forces of all contacts and then their tangential ones, where the `acceleration` is evaluated.
+fn force_values(acceleration: &Acceleration<'_>) -> Vec<f64> {
+    let contacts = acceleration.model.declaration().contacts.len();
+    let mut forces = vec![0.0; 2 * contacts];
+    let of = |contact: usize, provided: f64| {
+        provided
+            / acceleration
+                .point(contact, contact_point::INVERSE_INERTIA)
+                .0
+    };
+    for (&hold, &provided) in acceleration.holds.iter().zip(&acceleration.forces) {
+        match hold {
+            Hold::Normal { contact, sense } => {
+                forces[contact] = of(contact, provided);
+                forces[contacts + contact] +=
+                    sense * acceleration.friction(contact).0 * forces[contact];
+            }
+            Hold::Tangent { contact } => forces[contacts + contact] = of(contact, provided),
+        }
+    }
+    for &(contact, sense) in &acceleration.given {
+        let (curvature, _) = acceleration.point(contact, contact_point::CURVATURE);
+        forces[contact] = of(contact, -curvature);
+        forces[contacts + contact] = sense * acceleration.friction(contact).0 * forces[contact];
+    }
+    forces
 }
 
 /// Derivatives of the normal forces of all contacts and then of the tangential ones, by one quantity at a fixed time.

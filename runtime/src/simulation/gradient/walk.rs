@@ -6,8 +6,9 @@ use super::cause::{self, Before};
 use super::cost::Cost;
 use super::jump::{Impact, jump};
 use super::matrix::{Matrix, add, largest};
-use super::outputs::outputs;
+use super::outputs::{Instant, outputs};
 use super::projection::project;
+use super::samples::Samples;
 use super::wanted::Wanted;
 use crate::model::{ControlPiece, Model, contact_point, tangent_point};
 use crate::simulation::{ContactMode, Event, EventKind, InitialValueProblem, Simulation};
@@ -54,6 +55,8 @@ pub(super) struct Walk<'w> {
     pub(super) states: Vec<Matrix>,
     /// The same of the outputs.
     pub(super) outputs: Vec<Matrix>,
+    /// What is looked at between the instants, if anything is.
+    pub(super) samples: Option<Samples<'w>>,
 }
 
 impl<'w> Walk<'w> {
@@ -95,6 +98,7 @@ impl<'w> Walk<'w> {
             event_times: Vec::with_capacity(run.events.len()),
             states: Vec::with_capacity(trajectory.time.len()),
             outputs: Vec::new(),
+            samples: None,
             run,
             problem,
             wanted,
@@ -111,6 +115,10 @@ impl<'w> Walk<'w> {
         let mut first = 0;
         let mut passed = 0;
         self.enter(0)?;
+        if let Some(samples) = &mut self.samples {
+            let state = (&self.state, &self.impulses);
+            samples.begin(&self.acceleration, (self.wanted, self.run), state);
+        }
         loop {
             let time = times[first];
             let last = times.partition_point(|&t| t <= time) - 1;
@@ -195,15 +203,10 @@ impl<'w> Walk<'w> {
         for k in instants {
             self.states.push(self.state.clone());
             if !self.acceleration.model.outputs().is_empty() {
-                let at = (&self.run.trajectory, k);
+                let at = Instant::recorded(&self.run.trajectory, k);
                 let (state, impulses) = (&self.state, &self.impulses);
-                self.outputs.push(outputs(
-                    &self.acceleration,
-                    self.wanted,
-                    at,
-                    state,
-                    impulses,
-                ));
+                let by = outputs(&self.acceleration, self.wanted, &at, state, impulses);
+                self.outputs.push(by);
             }
         }
     }
@@ -222,6 +225,7 @@ impl<'w> Walk<'w> {
             to: at(k + 1),
             controls: &controls,
         };
+        let before = self.samples.is_some().then(|| self.state.clone());
         let (acceleration, state) = (&mut self.acceleration, &mut self.state);
         let cost = self.cost.as_mut();
         let missed = self.arc.step(acceleration, self.wanted, step, state, cost);
@@ -242,7 +246,17 @@ impl<'w> Walk<'w> {
                 trajectory.time[k + 1]
             ));
         }
-        self.check_touches(step, k)
+        self.check_touches(step, k)?;
+        if let (Some(samples), Some(before)) = (&mut self.samples, before) {
+            let acceleration = (&mut self.acceleration, self.wanted);
+            samples.within(
+                acceleration,
+                (&self.arc, step),
+                (&before, &self.impulses),
+                (self.run, k),
+            );
+        }
+        Ok(())
     }
 
     /// No open contact touches its surface within the step that was solved last and opens again: a neighbouring motion
@@ -496,6 +510,14 @@ impl<'w> Walk<'w> {
             }
         }
         Ok(())
+    }
+
+    /// What was looked at, to the end of the motion.
+    pub(super) fn observed(&mut self) -> Option<Samples<'w>> {
+        let mut samples = self.samples.take()?;
+        let motion = (self.problem, self.run);
+        samples.go_on(&mut self.acceleration, &mut self.arc, motion);
+        Some(samples)
     }
 
     /// Derivatives of `(q, v)` at the end, which moves with the horizon, and of the objective, if they are known.

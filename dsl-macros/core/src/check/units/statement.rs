@@ -6,6 +6,7 @@ use crate::ast::{
     Assignment, Condition, Expr, FreeStart, Kind, Law, Name, Quantity, Scene, Statement,
 };
 use crate::check::law::velocities;
+use crate::check::measured::contains_misfit;
 use crate::check::values::is_bare;
 use crate::diagnostics::{Checked, Reported};
 use crate::dimension::Dimension;
@@ -82,6 +83,7 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             let result = joint(walk, statement);
             noted(walk, name, result)
         }
+        Statement::Minimize { value, .. } if contains_misfit(value) => Ok(()),
         Statement::Minimize { value, .. } => walk.scalar(value).map(|_| ()),
         Statement::Constraint { name, condition } => {
             let what = format!("both sides of constraint `{}`", name.text);
@@ -103,6 +105,8 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             }
             Ok(())
         }
+        // Outputs that are measured may stand below.
+        Statement::Measured(_) => Ok(()),
         Statement::Start(assignments) => starts(walk, assignments),
         Statement::Horizon { value, .. } => horizon(walk, value),
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
@@ -397,6 +401,27 @@ fn dry_friction(walk: &mut Walk<'_>, statement: &Statement) -> Checked<()> {
         name.text
     );
     walk.expect(bound, &own, &wanted, &reason)
+}
+
+/// Deviations of measurements have the unit of what is measured; start values of an experiment are as those of the scene.
+pub(super) fn measured(walk: &mut Walk<'_>, scene: &Scene) {
+    for statement in &scene.statements {
+        let Statement::Measured(measured) = statement else {
+            continue;
+        };
+        for quantity in &measured.quantities {
+            if is_bare(&quantity.within) {
+                continue;
+            }
+            let Ok(own) = walk.scalar(&quantity.within) else {
+                continue;
+            };
+            let (wanted, shown) = of_target(walk, &quantity.target, quantity.velocity);
+            let reason = format!("it is the standard deviation of the measured `{shown}`");
+            let _: Checked<()> = walk.expect(&quantity.within, &own, &wanted, &reason);
+        }
+        let _: Checked<()> = starts(walk, &measured.start);
+    }
 }
 
 /// Sliding velocities are measured like the gaps, over seconds.

@@ -1,0 +1,309 @@
+//! Measured motions from tables: a line a time, names and units in the first one.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use hangtime::estimation::Measurements;
+use hangtime::model::Experiment;
+use hangtime_units::Unit;
+
+use crate::failure::{BadInput, did_you_mean};
+use crate::profile::{cells, number_of, short};
+use crate::table::counted;
+
+/// Largest table that is read, in bytes.
+const LARGEST: u64 = 64 << 20;
+/// What the column of times may be called.
+const TIMES: [&str; 2] = ["t", "time"];
+
+/// Reads the measurements of an experiment; a path that is not absolute is that from `folder`.
+pub(crate) fn read(folder: &Path, experiment: &Experiment) -> Result<Measurements, BadInput> {
+    let file = folder.join(experiment.file);
+    let refuse = |what: &str| {
+        let file = file.display();
+        BadInput::new(format!("measured `{}`, {file}: {what}", experiment.name))
+    };
+    let mut text = String::new();
+    // What is no file, such as a pipe, does not tell its length.
+    let read = File::open(&file).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
+    match read {
+        Ok(_) if text.len() as u64 <= LARGEST => {}
+        Ok(_) => {
+            return Err(refuse(
+                "more than 64 MB; keep every second, third, ... line",
+            ));
+        }
+        Err(error) => {
+            return Err(refuse(&format!(
+                "{error}; give a table with a column of times and one for each quantity"
+            )));
+        }
+    }
+    table(&text, experiment).map_err(|what| refuse(&what))
+}
+
+/// A column that is read.
+struct Column {
+    /// Its place in a line.
+    place: usize,
+    /// Its heading, for messages.
+    heading: String,
+    /// How many units of the scene one of its units is.
+    factor: f64,
+}
+
+/// Reads a table.
+fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
+    let text = text.trim_start_matches('\u{feff}');
+    let lines = text.lines().enumerate();
+    let mut lines = lines
+        .map(|(number, line)| (number + 1, line.trim()))
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+    let Some((number, first)) = lines.next() else {
+        return Err(
+            "the table is empty; its first line has names and units, such as `t [s], z [cm]`"
+                .to_owned(),
+        );
+    };
+    let headings = cells(first);
+    let (time, columns) =
+        columns(&headings, experiment).map_err(|what| format!("line {number}, {what}"))?;
+    let mut measurements = Measurements::default();
+    for (number, line) in lines {
+        let cells = cells(line);
+        if cells.len() != headings.len() {
+            return Err(format!(
+                "line {number}, `{}`: {}, where the first line names {}; write decimals with a point, or semicolons \
+                 between the columns",
+                short(line),
+                counted(cells.len(), "column"),
+                headings.len()
+            ));
+        }
+        let cell = |column: &Column| {
+            let text = cells[column.place].as_str();
+            let wrong = |what: &str| {
+                format!(
+                    "line {number}, column {} (`{}`): {what}",
+                    column.place + 1,
+                    column.heading
+                )
+            };
+            match (text.is_empty(), number_of(text)) {
+                (true, _) => Ok(f64::NAN),
+                (false, Some(value)) => Ok(value * column.factor),
+                (false, None) => Err(wrong(&format!(
+                    "`{}` is no finite number; write one, or leave the cell empty where nothing was measured",
+                    short(text)
+                ))),
+            }
+        };
+        let at = cell(&time)?;
+        let before = measurements.times.last().copied().unwrap_or(0.0);
+        if at.is_nan() || at < before {
+            let wanted = match measurements.times.is_empty() {
+                true => {
+                    "times count from the start of the motion on, so that the first is at least 0"
+                        .to_owned()
+                }
+                false => format!("times do not go back: the one before is {before} s"),
+            };
+            return Err(format!(
+                "line {number}, column {} (`{}`): `{}`; {wanted}",
+                time.place + 1,
+                time.heading,
+                short(&cells[time.place])
+            ));
+        }
+        let row = columns
+            .iter()
+            .map(cell)
+            .collect::<Result<Vec<f64>, String>>()?;
+        measurements.times.push(at);
+        measurements.values.push(row);
+    }
+    Ok(measurements)
+}
+
+/// The columns of the times and of all quantities.
+fn columns(headings: &[String], experiment: &Experiment) -> Result<(Column, Vec<Column>), String> {
+    let names: Vec<(&str, Option<&str>)> = headings.iter().map(|text| heading(text)).collect();
+    let find = |wanted: &[&str], unit: &str, what: &str| {
+        let mut places = (0..names.len()).filter(|&place| wanted.contains(&names[place].0));
+        let Some(place) = places.next() else {
+            let known = || names.iter().map(|name| name.0);
+            return Err(format!(
+                "no column is called `{}`{}; {what}, as in `{} [{}]` (columns: {})",
+                wanted[0],
+                did_you_mean(wanted[0], known()),
+                wanted[0],
+                if unit.is_empty() { "1" } else { unit },
+                known().collect::<Vec<_>>().join(", ")
+            ));
+        };
+        if let Some(second) = places.next() {
+            return Err(format!(
+                "column {} (`{}`): this is measured in column {} already; rename one",
+                second + 1,
+                headings[second],
+                place + 1
+            ));
+        }
+        let factor = factor(names[place].1, unit)
+            .map_err(|error| format!("column {} (`{}`): {error}", place + 1, headings[place]))?;
+        Ok(Column {
+            place,
+            heading: headings[place].clone(),
+            factor,
+        })
+    };
+    let time = find(&TIMES, "s", "the column of the times is")?;
+    let quantities = experiment.quantities.iter();
+    let columns = quantities.map(|quantity| {
+        find(
+            &[quantity.name],
+            quantity.unit,
+            "the scene compares with it",
+        )
+    });
+    Ok((time, columns.collect::<Result<_, String>>()?))
+}
+
+/// Name and unit of a heading such as `z [cm]`, `z (cm)` or `dot(z) [m/s]`.
+fn heading(text: &str) -> (&str, Option<&str>) {
+    let text = text.trim();
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        let Some(inner) = text.strip_suffix(close) else {
+            continue;
+        };
+        let Some((name, unit)) = inner.rsplit_once(open) else {
+            continue;
+        };
+        // The parentheses of a velocity belong to its name.
+        if name.trim() != "dot" {
+            return (name.trim(), Some(unit.trim()));
+        }
+    }
+    (text, None)
+}
+
+/// How many units `to` one of `from` is; a number without a unit is in `to` already.
+fn factor(from: Option<&str>, to: &str) -> Result<f64, String> {
+    let Some(from) = from else { return Ok(1.0) };
+    let parse = |unit: &str| match unit {
+        "" | "-" => "1".parse::<Unit>(),
+        unit => unit.parse::<Unit>(),
+    };
+    let (own, wanted) = (
+        parse(from).map_err(|error| error.to_string())?,
+        parse(to).map_err(|error| error.to_string())?,
+    );
+    if own.exponents != wanted.exponents {
+        return Err(format!(
+            "`{from}` is no unit of what is measured; write one that converts to {}, or none for that",
+            if to.is_empty() { "1" } else { to }
+        ));
+    }
+    Ok(own.scale / wanted.scale)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::table;
+    use hangtime::model::{Experiment, Measured, MeasuredQuantity};
+
+    const EXPERIMENT: Experiment = Experiment {
+        name: "flight",
+        documentation: "",
+        file: "flight.csv",
+        quantities: &[
+            MeasuredQuantity {
+                name: "z",
+                unit: "m",
+                measured: Measured::Coordinate(0),
+                within: 0.01,
+            },
+            MeasuredQuantity {
+                name: "dot(phi)",
+                unit: "rad/s",
+                measured: Measured::Velocity(1),
+                within: 0.1,
+            },
+        ],
+        huber: None,
+        own_start: false,
+    };
+
+    #[test]
+    fn tables_of_any_style_are_read_in_the_units_of_the_scene() {
+        for text in [
+            "t [ms],z [cm],dot(phi) [rev/s]\n0,150,1\n20,148,\n",
+            "\u{feff}dot(phi) [rev/s];\"time (s)\";remark;z (cm)\r\n1;0;a;150\r\n;0,02;b;148\r\n",
+            "# a remark\nt [ms]\tdot(phi) [rev/s]\tz [cm]\n\n0\t1\t150\n20\t\t148",
+        ] {
+            let read = table(text, &EXPERIMENT).unwrap();
+            assert_eq!(read.times, [0.0, 0.02]);
+            let turn = 2.0 * std::f64::consts::PI;
+            assert!(
+                (read.values[0][0] - 1.5).abs() < 1e-15 && (read.values[1][0] - 1.48).abs() < 1e-15
+            );
+            assert!((read.values[0][1] - turn).abs() < 1e-14 && read.values[1][1].is_nan());
+        }
+    }
+
+    #[test]
+    fn tables_that_are_none_are_refused_with_line_and_column() {
+        let head = "t [s],z [m],dot(phi)\n";
+        for (text, reason) in [
+            ("".to_owned(), "the table is empty"),
+            (
+                "t,z\n0,1\n".to_owned(),
+                "line 1, no column is called `dot(phi)`",
+            ),
+            (
+                "a,z,dot(phi)\n".to_owned(),
+                "line 1, no column is called `t`",
+            ),
+            (
+                "t,z [kg],dot(phi)\n".to_owned(),
+                "line 1, column 2 (`z [kg]`): `kg` is no unit of",
+            ),
+            (
+                "t,z [furlong],dot(phi)\n".to_owned(),
+                "line 1, column 2 (`z [furlong]`): unknown unit",
+            ),
+            (
+                "t,z,z [cm],dot(phi)\n".to_owned(),
+                "line 1, column 3 (`z [cm]`): this is measured in column 2",
+            ),
+            (
+                head.to_owned() + "0,1,2\n0.1,1.5m,2\n",
+                "line 3, column 2 (`z [m]`): `1.5m` is no finite number",
+            ),
+            (
+                head.to_owned() + "0,1,2\n\n0.1,1\n",
+                "line 4, `0.1,1`: 2 columns, where the first line names 3",
+            ),
+            (
+                head.to_owned() + "0,1,2\n0.2,1,2\n0.1,1,2\n",
+                "line 4, column 1 (`t [s]`): `0.1`; times do not go back",
+            ),
+            (
+                head.to_owned() + "-1,1,2\n",
+                "line 2, column 1 (`t [s]`): `-1`; times count from the start",
+            ),
+            (
+                head.to_owned() + ",1,2\n",
+                "line 2, column 1 (`t [s]`): ``; times count",
+            ),
+            (
+                head.to_owned() + "0,inf,2\n",
+                "line 2, column 2 (`z [m]`): `inf` is no finite number",
+            ),
+        ] {
+            let message = table(&text, &EXPERIMENT).unwrap_err();
+            assert!(message.contains(reason), "{message}");
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! Measured motions: what they declare, and what is refused with what to write instead.
+
+use hangtime_dsl::description::Measured;
+use hangtime_dsl::{describe_differentiated, describe_text, format_text};
+
+/// A ball with a coefficient that is looked for, and further statements.
+fn scene(further: &str) -> String {
+    format!(
+        "parameters {{ m: kg = 1, g: m/s^2 = 9.81 }} free e in 0..=1 = 0.5 coordinates {{ y: m, phi: rad }} states {{ a: A }} \
+         rates {{ a: -a/1[s] }} lagrangian m/2*dot(y)^2 + m*1[m^2]/2*dot(phi)^2 - m*g*y surface floor: y >= 0 \
+         impact floor: restitution e start {{ y: 1 [m], a: 2 [A] }} outputs {{ height: cm = y, fast = dot(y) }} {further}"
+    )
+}
+
+fn messages(text: &str) -> Vec<String> {
+    let mistakes = describe_text(text, "s").err().unwrap_or_default();
+    let code = |code: Option<&str>| code.map_or(String::new(), |code| format!("{code}: "));
+    mistakes
+        .iter()
+        .map(|known| code(known.code) + &known.message)
+        .collect()
+}
+
+#[test]
+fn experiments_are_described_with_names_units_and_deviations_in_the_declared_units() {
+    let text = scene(
+        "measured one: \"a b.csv\" { y within 1 [cm], dot(phi) within 90 [deg/s], a within 5, height within 1 [mm] }
+         measured two: \"two.csv\" { fast within 0.1 [m/s], start { dot(y): -2*e*1[m/s] } }
+         minimize misfit(one) + misfit(two, huber(2))",
+    );
+    let (derived, warnings) = describe_text(&text, "s").expect("no mistakes");
+    assert!(
+        warnings.is_empty() && derived.optimal_control.is_none(),
+        "{warnings:?}"
+    );
+    let [one, two] = &derived.experiments[..] else {
+        panic!()
+    };
+    assert_eq!(
+        (one.file.as_str(), one.huber, one.start),
+        ("a b.csv", None, None)
+    );
+    let known: Vec<(&str, &str, Measured, f64)> = one
+        .quantities
+        .iter()
+        .map(|q| (q.name.as_str(), q.unit.as_str(), q.measured, q.within))
+        .collect();
+    let quarter = std::f64::consts::FRAC_PI_2;
+    assert_eq!(
+        known,
+        [
+            ("y", "m", Measured::Coordinate(0), 0.01),
+            ("dot(phi)", "rad/s", Measured::Velocity(1), quarter),
+            ("a", "A", Measured::Velocity(2), 5.0),
+            ("height", "cm", Measured::Output(0), 0.1),
+        ]
+    );
+    assert_eq!(
+        (two.huber, two.quantities[0].unit.as_str()),
+        (Some(2.0), "m/s")
+    );
+    assert!(two.start.is_some());
+    // The start of the second by the free parameter: one entry, of the velocity of y.
+    let (derived, _) = describe_differentiated(&text, "s", &["e"]).expect("no mistakes");
+    let starts = &derived.sensitivity.as_ref().expect("asked for").starts;
+    assert!(starts[0].is_none());
+    assert_eq!(
+        starts[1].as_ref().expect("declared").pattern.entries,
+        [(3, 0)]
+    );
+}
+
+#[test]
+fn scene_without_measurements_carries_nothing_of_them() {
+    let text = scene("minimize height").replace("free e in 0..=1 = 0.5", "parameters { e = 0.5 }");
+    let (derived, _) = describe_text(&text, "s").expect("no mistakes");
+    assert!(derived.experiments.is_empty());
+    let starts = derived
+        .kernels
+        .iter()
+        .filter(|kernel| kernel.name.starts_with("start_"));
+    assert_eq!(starts.count(), 2);
+}
+
+#[test]
+fn mistakes_with_measurements_say_what_to_write() {
+    let one = "measured one: \"a.csv\" { y within 1 [cm] }";
+    for (further, wanted) in [
+        ("measured { }", "expected the name of the experiment"),
+        (
+            "measured one \"a.csv\" { }",
+            "expected `:` and the file of the measurements, as in `measured flight: \"throw.csv\"",
+        ),
+        (
+            "measured one: a { }",
+            "expected the name of a file in quotation marks",
+        ),
+        (
+            "measured one: \"\" { y within 1 [cm] }",
+            "`one` has no file",
+        ),
+        (
+            "measured one: \"a.csv\" { y: 1 }",
+            "expected `within` and the standard deviation of the measurements",
+        ),
+        (
+            "measured one: \"a.csv\" { } minimize misfit(one)",
+            "`one` measures nothing; write what, as in `z within 1 [cm]`",
+        ),
+        (
+            "measured one: \"a.csv\" { y within 1 [kg] } minimize misfit(one)",
+            "E03: units differ: `1 [kg]` is in kg, where m is",
+        ),
+        (
+            "measured one: \"a.csv\" { fast within 1 [m] } minimize misfit(one)",
+            "E03: units differ: `1 [m]` is in m, where m/s is",
+        ),
+        (
+            "measured one: \"a.csv\" { y within 0 } minimize misfit(one)",
+            "E17: the standard deviation of the measured `y` is `0`",
+        ),
+        (
+            "measured one: \"a.csv\" { z within 1 } minimize misfit(one)",
+            "E01: `z` is not declared",
+        ),
+        (
+            "measured one: \"a.csv\" { e within 1 } minimize misfit(one)",
+            "E15: `e` is no coordinate, state or output",
+        ),
+        (
+            "measured one: \"a.csv\" { y within 1, y within 2 } minimize misfit(one)",
+            "E19: `y` is measured twice in `one`",
+        ),
+        (
+            "measured one: \"a.csv\" { y within 1, start { y: dot(y)*1[s] } } minimize misfit(one)",
+            "the start value of `y` depends on the velocity",
+        ),
+        (
+            one,
+            "E15: nothing compares with the measured `one`; write `minimize misfit(one)`",
+        ),
+        (
+            "minimize misfit(two)",
+            "E01: `two` is not measured; declare it",
+        ),
+        (
+            &format!("{one} minimize misfit(on)"),
+            "E01: `on` is not measured; did you mean `one`?",
+        ),
+        (
+            &format!("{one} minimize misfit(one) + 1"),
+            "E15: `1` beside a misfit",
+        ),
+        (
+            &format!("{one} minimize 2*misfit(one)"),
+            "E15: `2*misfit(one)` beside a misfit",
+        ),
+        (
+            &format!("{one} minimize misfit(one) + misfit(one)"),
+            "E15: the misfit of `one` is added twice",
+        ),
+        (
+            &format!("{one} minimize misfit(one, absolute)"),
+            "E15: `absolute` is no loss; write `huber`",
+        ),
+        (
+            &format!("{one} minimize misfit(one, huber(-1))"),
+            "E15: `huber(-1)` is no loss",
+        ),
+        (
+            &format!("{one} minimize misfit()"),
+            "E02: `misfit()`: a misfit is of one measured motion",
+        ),
+        (
+            &format!("{one} {one} minimize misfit(one)"),
+            "E19: `one` is measured twice; rename one",
+        ),
+        (
+            &format!("{one} minimize misfit(one) minimize time"),
+            "a scene has one `minimize`",
+        ),
+        (
+            &format!("{one} controls {{ u: N }} forces {{ y: u }} minimize misfit(one)"),
+            "E15: the control `u` in a scene that minimizes a misfit is not supported",
+        ),
+        (
+            &format!("{one} finally {{ y == 0 }} minimize misfit(one)"),
+            "E15: `finally` in a scene that minimizes a misfit",
+        ),
+        (
+            &format!("{one} free {{ dot(y) }} minimize misfit(one)"),
+            "E15: `free { ... }` in a scene that minimizes a misfit",
+        ),
+    ] {
+        let found = messages(&scene(further));
+        assert!(
+            found.iter().any(|text| text.contains(wanted)),
+            "{further}: {found:?}"
+        );
+    }
+    // A parameter that only a start of an experiment reads is read.
+    let text = scene(
+        "free v: m/s in 0..=1 = 0.5 measured one: \"a\" { y within 1, start { dot(y): v } } minimize misfit(one)",
+    );
+    assert_eq!(messages(&text), [""; 0]);
+    let unread =
+        scene("free v: m/s in 0..=1 = 0.5 measured one: \"a\" { y within 1 } minimize misfit(one)");
+    assert!(messages(&unread)[0].starts_with("E15: nothing in the motion"));
+}
+
+#[test]
+fn name_misfit_may_be_taken_by_a_scene() {
+    let text = scene("fn misfit(x) = x^2 minimize misfit(y)")
+        .replace("free e in 0..=1 = 0.5", "parameters { e = 0.5 }");
+    let (derived, _) = describe_text(&text, "s").expect("no mistakes");
+    assert!(derived.experiments.is_empty() && derived.optimal_control.is_some());
+}
+
+#[test]
+fn measurements_are_formatted_like_the_statements_around_them() {
+    let text = scene(
+        "measured  one:\"a.csv\"{y within 1[cm],start{y:2[m],dot(y):0}}\nminimize misfit( one ,huber )",
+    );
+    let formatted = format_text(&text, "s").expect("no mistakes");
+    let wanted = "measured one: \"a.csv\" { y within 1 [cm], start { y: 2 [m], dot(y): 0 } }\nminimize misfit(one, huber)\n";
+    assert!(formatted.ends_with(wanted), "{formatted}");
+    assert_eq!(
+        format_text(&formatted, "s").expect("no mistakes"),
+        formatted
+    );
+}

@@ -1,0 +1,21 @@
+//! Derivatives to one side, where there are no others.
+
+/// Derivatives of the end of a motion to both sides, with a column for each quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OneSided {
+    /// Towards smaller values.
+    pub below: Side,
+    /// Towards larger values.
+    pub above: Side,
+}
+
+/// Derivatives to one side; not numbers where there is none.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Side {
+    /// Of the coordinates at the end.
+    pub q: Vec<Vec<f64>>,
+    /// Of the velocities at the end.
+    pub v: Vec<Vec<f64>>,
+    /// Of the objective, in a scene that declares one.
+    pub objective: Option<Vec<f64>>,
+}
