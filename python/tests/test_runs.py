@@ -1,16 +1,13 @@
 """Simulations and solves: closed forms, and the numbers of the command line."""
 
-import contextlib
 import math
-import os
 import pickle
-import signal
 import threading
 import time
 
 import numpy as np
 import pytest
-from conftest import BALL, CART, ROOT, without_seconds
+from conftest import BALL, CART, ROOT, ctrl_c_after, without_seconds
 
 import hangtime as ht
 
@@ -101,16 +98,6 @@ def test_runs_pickle_and_show_themselves():
     assert run.plot("z", "dot(z)").get_legend() is not None
 
 
-@contextlib.contextmanager
-def ctrl_c_after(seconds):
-    timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
-
-
 def test_ctrl_c_ends_a_solve_with_the_best_motion_or_at_once():
     begin = time.monotonic()
     try:
@@ -172,11 +159,3 @@ def test_restitution_of_a_measured_drop_is_found_with_its_deviation(tmp_path):
     assert found.deviations["e"] == pytest.approx(sum(s * s for s in slopes) ** -0.5, rel=1e-6)
     assert found.covariance.shape == (1, 1) and found.correlation[0, 0] == 1
     assert len(found.experiments[0]["time"]) == 19 and "+-" in repr(found)
-
-
-def test_gradient_of_a_solve_is_that_of_the_formula():
-    # Half the time at full push, half at full brake: t = 2 sqrt(m y / u), and its derivative by m is t/(2 m).
-    best = ht.scene(CART, "cart").solve(intervals=4, gradient=["m"])
-    time = best.final["time"]
-    assert best.gradient["with_respect_to"] == ["m"]
-    assert best.gradient["final_time"][0] == pytest.approx(time / (2 * ht.scene(CART, "cart").parameters["m"].value))
