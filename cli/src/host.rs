@@ -472,7 +472,7 @@ impl HostRun {
         let (model, rows) = match &self.work {
             Work::Simulated(task, ..) => (&task.chosen.model, task.rows()),
             Work::Planned(task, _) => (&task.chosen.model, task.rows()),
-            Work::Fitted(task, _) => (&task.chosen.model, ROWS),
+            Work::Fitted(task, _) => (&task.chosen.model, task.rows()),
         };
         part(model.as_ref(), &motion.trajectory, rows, name)
     }

@@ -144,11 +144,6 @@ class Run:
         return found["message"] if isinstance(found, dict) else found
 
     @property
-    def gradient(self) -> Optional[Dict[str, Any]]:
-        """Derivatives, as the JSON has them; ``None`` where none were asked for."""
-        return self.document.get("gradient")
-
-    @property
     def notes(self) -> List[str]:
         """Remarks that a user should read."""
         return self.document["notes"]

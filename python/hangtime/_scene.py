@@ -39,8 +39,6 @@ def _text(name: str, value: Any) -> str:
     """A value as it would stand on the command line: a number with all its digits, or a text with a unit."""
     if isinstance(value, str):
         return value
-    if name == "gradient" and isinstance(value, (list, tuple)) and all(isinstance(item, str) for item in value):
-        return ",".join(value)
     if not isinstance(value, (bool, bytes)) and getattr(value, "shape", None) == ():
         value = value.item()
     if isinstance(value, numbers.Integral) and not isinstance(value, bool):
@@ -186,7 +184,8 @@ class Scene:
 
         Keywords are parameters of the scene, as numbers in the declared unit or texts with a unit (``"15 km/h"``), and
         the options of ``hangtime simulate``: ``method``, ``scheme``, ``stages``, ``steps``, ``elements``,
-from ._result import Estimate, Gradient, Run, Solution
+        ``formulation``, ``tolerance``, ``width``, ``no_exit_condition``, ``horizon`` [s], ``rows``, ``time_limit`` [s],
+        ``gradient`` (a name or a list of names that the motion is differentiated by, for :attr:`Run.gradient`). A parameter with the name of an option is set by ``parameters={"name": value}``.
 
         The interpreter's lock is released. Ctrl-C raises ``KeyboardInterrupt``. ``progress`` is true for a line on the
         standard error stream, or is called with the time reached [s] and a text.
@@ -221,7 +220,15 @@ from ._result import Estimate, Gradient, Run, Solution
         """Solves the scene's problem of optimal control, or estimates parameters where it compares with measurements.
 
         Keywords are parameters, as in :meth:`simulate`, and the options of ``hangtime solve``: ``intervals``,
-from ._result import Estimate, Gradient, Run, Solution
+        ``controls``, ``formulation``, ``search``, ``scheme``, ``stages``, ``elements``, ``starts``, ``horizon`` [s],
+        ``rows``, ``time_limit`` [s], ``gradient`` (parameters that the optimum is differentiated by). ``start`` is an
+        earlier solution of the scene, for other parameters or intervals, whose motion is started from. Ctrl-C ends the solve with the best motion so far, whose status is ``interrupted``.
+        """
+        words = _words("solve", parameters, keywords)
+        more = {} if start is None else {"start": _native(start)}
+        run = self._run("solve", words, progress, **more)
+        kind = Estimate if run.is_estimate else Solution
+        return kind._of(run, self, "solve", words)
 
     def _run(self, command: str, words: List[str], progress: Any, **more: Any):
         with _telling(self.name, progress) as told:

@@ -159,11 +159,3 @@ def test_restitution_of_a_measured_drop_is_found_with_its_deviation(tmp_path):
     assert found.deviations["e"] == pytest.approx(sum(s * s for s in slopes) ** -0.5, rel=1e-6)
     assert found.covariance.shape == (1, 1) and found.correlation[0, 0] == 1
     assert len(found.experiments[0]["time"]) == 19 and "+-" in repr(found)
-
-
-def test_gradient_of_a_solve_is_that_of_the_formula():
-    # Half the time at full push, half at full brake: t = 2 sqrt(m y / u), and its derivative by m is t/(2 m).
-    best = ht.scene(CART, "cart").solve(intervals=4, gradient=["m"])
-    time = best.final["time"]
-    assert best.gradient["with_respect_to"] == ["m"]
-    assert best.gradient["final_time"][0] == pytest.approx(time / (2 * ht.scene(CART, "cart").parameters["m"].value))

@@ -54,6 +54,11 @@ impl FitTask {
         Ok(estimate)
     }
 
+    /// Most rows of trajectories.
+    pub(crate) fn rows(&self) -> usize {
+        self.rows
+    }
+
     /// The JSON document of an estimate that ended as `ending` tells.
     pub(crate) fn json(&self, estimate: &Estimate, ending: &Ending) -> String {
         EstimateDocument::new(&self.chosen, estimate, ending, self.rows).text()

@@ -67,9 +67,11 @@ impl SimulationTask {
         let model = text.as_ref().map_or(model, |scene| scene as &dyn Model);
         let gradient = simulation::differentiate(model, &self.problem, simulation, &self.gradient);
         let mut gradient = gradient.map_err(|error| self.chosen.refuse(&error))?;
-        gradient.add_one_sided((model, &self.problem), simulation, &mut |model, problem| {
+        let mut neighbour = |model: &dyn Model, problem: &InitialValueProblem| {
             self.method.simulate(model, problem, &mut |_| true)
-        });
+        };
+        let scene = (model, &self.problem);
+        simulation::add_one_sided(&mut gradient, scene, simulation, &mut neighbour);
         Ok(Some(gradient))
     }
 

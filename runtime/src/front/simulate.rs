@@ -4,7 +4,7 @@ use super::StartValues;
 use crate::model::Model;
 use crate::simulation::{
     ControlSignal, Fesd, Gradient, InitialValueProblem, InputError, Simulation, Simulator,
-    differentiate,
+    add_one_sided, differentiate,
 };
 use crate::{Observer, Progress};
 
@@ -166,9 +166,10 @@ impl<'a> Simulate<'a> {
         let model = self.model;
         let (method, problem, run) = self.simulated()?;
         let mut gradient = differentiate(model, &problem, &run, &names)?;
-        gradient.add_one_sided((model, &problem), &run, &mut |model, problem| {
+        let mut neighbour = |model: &dyn Model, problem: &InitialValueProblem| {
             method.simulate(model, problem, &mut |_| true)
-        });
+        };
+        add_one_sided(&mut gradient, (model, &problem), &run, &mut neighbour);
         Ok((run, gradient))
     }
 

@@ -45,7 +45,7 @@ pub(crate) use gradient::{Observed, observe};
 pub use hangtime_solver::nlp::Residuals;
 pub use hangtime_solver::{ProblemSize, Seconds};
 pub use moreau::Moreau;
-pub use one_sided::Simulate as SimulateNeighbour;
+pub use one_sided::{Simulate as SimulateNeighbour, add_one_sided};
 pub use problem::{ControlSignal, InitialValueProblem};
 pub use result::{Counts, Diagnosis, Event, EventKind, Simulation, SimulationStatus};
 pub use smooth::Smooth;

@@ -25,50 +25,46 @@ const NONE: f64 = 1e-9;
 pub type Simulate<'s> =
     dyn FnMut(&dyn Model, &InitialValueProblem) -> Result<Simulation, InputError> + 's;
 
-impl Gradient {
-    /// Adds the derivatives to one side where the motion `run` of `model` from `problem` has none, by simulating its neighbours.
-    pub fn add_one_sided(
-        &mut self,
-        (model, problem): (&dyn Model, &InitialValueProblem),
-        run: &Simulation,
-        simulate: &mut Simulate<'_>,
-    ) {
-        let Some(end) = end(run).filter(|_| self.obstacle.is_some() && run.status.is_solved())
-        else {
-            return;
-        };
-        let n = problem.q.len();
-        let mut of = |sense: f64| {
-            let columns = self.with_respect_to.iter();
-            let columns: Vec<Vec<f64>> = columns
-                .map(|name| limit((model, problem), &end, (name, sense), simulate))
-                .collect();
-            let row = |i: usize| -> Vec<f64> {
-                columns
-                    .iter()
-                    .map(|column| column.get(i).copied().unwrap_or(f64::NAN))
-                    .collect()
-            };
-            Side {
-                q: (0..n).map(row).collect(),
-                v: (n..2 * n).map(row).collect(),
-                objective: columns
-                    .iter()
-                    .any(|column| column.len() > 2 * n)
-                    .then(|| row(2 * n)),
-            }
-        };
-        let (below, above) = (of(-1.0), of(1.0));
-        let exists = |side: &Side| {
-            side.q
+/// Adds the derivatives to one side to a `gradient` of the motion `run` of a scene from a start, if it has none from some instant on,
+/// by simulating its neighbours.
+pub fn add_one_sided(
+    gradient: &mut Gradient,
+    (model, problem): (&dyn Model, &InitialValueProblem),
+    run: &Simulation,
+    simulate: &mut Simulate<'_>,
+) {
+    let Some(end) = end(run).filter(|_| gradient.obstacle.is_some() && run.status.is_solved())
+    else {
+        return;
+    };
+    let n = problem.q.len();
+    let mut of = |sense: f64| {
+        let columns = gradient.with_respect_to.iter();
+        let columns: Vec<Vec<f64>> = columns
+            .map(|name| limit((model, problem), &end, (name, sense), simulate))
+            .collect();
+        let row = |i: usize| -> Vec<f64> {
+            columns
                 .iter()
-                .chain(&side.v)
-                .flatten()
-                .any(|by| by.is_finite())
+                .map(|column| column.get(i).copied().unwrap_or(f64::NAN))
+                .collect()
         };
-        if exists(&below) || exists(&above) {
-            self.one_sided = Some(OneSided { below, above });
+        Side {
+            q: (0..n).map(row).collect(),
+            v: (n..2 * n).map(row).collect(),
+            objective: columns
+                .iter()
+                .any(|column| column.len() > 2 * n)
+                .then(|| row(2 * n)),
         }
+    };
+    let (below, above) = (of(-1.0), of(1.0));
+    let exists = |side: &Side| {
+        let mut rows = side.q.iter().chain(&side.v).flatten();
+        rows.any(|by| by.is_finite())
+    };
+    if exists(&below) || exists(&above) {
+        gradient.one_sided = Some(OneSided { below, above });
     }
 }
 

@@ -147,7 +147,8 @@ fn graze_has_a_derivative_on_the_side_that_does_not_touch() {
 #[test]
 fn landings_at_once_have_a_derivative_to_each_side() {
     let of = |h1: f64| {
-        let run = simulate(&scene(LANDINGS, &[("h1", h1)])).method(EventDriven::default());
+        let scene = scene(LANDINGS, &[("h1", h1)]);
+        let run = simulate(&scene).method(EventDriven::default());
         let run = run.tolerance(1e-13).run().unwrap();
         [0, 1].map(|k| run.trajectory.q.last().unwrap()[k])
     };

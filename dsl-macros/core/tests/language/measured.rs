@@ -82,14 +82,26 @@ fn scene_without_measurements_carries_nothing_of_them() {
     assert_eq!(starts.count(), 2);
 }
 
+/// Each statement is refused with these words.
+fn refused(cases: &[(&str, &str)]) {
+    for (further, wanted) in cases {
+        let found = messages(&scene(further));
+        let is_wanted = |text: &String| text.contains(wanted);
+        assert!(found.iter().any(is_wanted), "{further}: {found:?}");
+    }
+}
+
+const ONE: &str = "measured one: \"a.csv\" { y within 1 [cm] }";
+
 #[test]
-fn mistakes_with_measurements_say_what_to_write() {
-    let one = "measured one: \"a.csv\" { y within 1 [cm] }";
-    for (further, wanted) in [
+fn mistakes_in_measurements_say_what_to_write() {
+    let entries =
+        |entries: &str| format!("measured one: \"a.csv\" {{ {entries} }} minimize misfit(one)");
+    refused(&[
         ("measured { }", "expected the name of the experiment"),
         (
             "measured one \"a.csv\" { }",
-            "expected `:` and the file of the measurements, as in `measured flight: \"throw.csv\"",
+            "expected `:` and the file of the measurements",
         ),
         (
             "measured one: a { }",
@@ -101,42 +113,52 @@ fn mistakes_with_measurements_say_what_to_write() {
         ),
         (
             "measured one: \"a.csv\" { y: 1 }",
-            "expected `within` and the standard deviation of the measurements",
+            "expected `within` and the standard deviation",
         ),
         (
-            "measured one: \"a.csv\" { } minimize misfit(one)",
+            &entries(""),
             "`one` measures nothing; write what, as in `z within 1 [cm]`",
         ),
         (
-            "measured one: \"a.csv\" { y within 1 [kg] } minimize misfit(one)",
+            &entries("y within 1 [kg]"),
             "E03: units differ: `1 [kg]` is in kg, where m is",
         ),
         (
-            "measured one: \"a.csv\" { fast within 1 [m] } minimize misfit(one)",
+            &entries("fast within 1 [m]"),
             "E03: units differ: `1 [m]` is in m, where m/s is",
         ),
         (
-            "measured one: \"a.csv\" { y within 0 } minimize misfit(one)",
+            &entries("y within 0"),
             "E17: the standard deviation of the measured `y` is `0`",
         ),
+        (&entries("z within 1"), "E01: `z` is not declared"),
         (
-            "measured one: \"a.csv\" { z within 1 } minimize misfit(one)",
-            "E01: `z` is not declared",
-        ),
-        (
-            "measured one: \"a.csv\" { e within 1 } minimize misfit(one)",
+            &entries("e within 1"),
             "E15: `e` is no coordinate, state or output",
         ),
         (
-            "measured one: \"a.csv\" { y within 1, y within 2 } minimize misfit(one)",
+            &entries("y within 1, y within 2"),
             "E19: `y` is measured twice in `one`",
         ),
         (
-            "measured one: \"a.csv\" { y within 1, start { y: dot(y)*1[s] } } minimize misfit(one)",
+            &entries("y within 1, start { y: dot(y)*1[s] }"),
             "the start value of `y` depends on the velocity",
         ),
+    ]);
+    // A parameter that only a start of an experiment reads is read.
+    let free = "free v: m/s in 0..=1 = 0.5 ";
+    let text = free.to_owned() + &entries("y within 1, start { dot(y): v }");
+    assert_eq!(messages(&scene(&text)), [""; 0]);
+    let unread = scene(&(free.to_owned() + &entries("y within 1")));
+    assert!(messages(&unread)[0].starts_with("E15: nothing in the motion"));
+}
+
+#[test]
+fn mistakes_in_misfits_say_what_to_write() {
+    let with = |further: &str| format!("{ONE} {further}");
+    refused(&[
         (
-            one,
+            ONE,
             "E15: nothing compares with the measured `one`; write `minimize misfit(one)`",
         ),
         (
@@ -144,68 +166,54 @@ fn mistakes_with_measurements_say_what_to_write() {
             "E01: `two` is not measured; declare it",
         ),
         (
-            &format!("{one} minimize misfit(on)"),
+            &with("minimize misfit(on)"),
             "E01: `on` is not measured; did you mean `one`?",
         ),
         (
-            &format!("{one} minimize misfit(one) + 1"),
+            &with("minimize misfit(one) + 1"),
             "E15: `1` beside a misfit",
         ),
         (
-            &format!("{one} minimize 2*misfit(one)"),
+            &with("minimize 2*misfit(one)"),
             "E15: `2*misfit(one)` beside a misfit",
         ),
         (
-            &format!("{one} minimize misfit(one) + misfit(one)"),
+            &with("minimize misfit(one) + misfit(one)"),
             "E15: the misfit of `one` is added twice",
         ),
         (
-            &format!("{one} minimize misfit(one, absolute)"),
+            &with("minimize misfit(one, absolute)"),
             "E15: `absolute` is no loss; write `huber`",
         ),
         (
-            &format!("{one} minimize misfit(one, huber(-1))"),
+            &with("minimize misfit(one, huber(-1))"),
             "E15: `huber(-1)` is no loss",
         ),
         (
-            &format!("{one} minimize misfit()"),
+            &with("minimize misfit()"),
             "E02: `misfit()`: a misfit is of one measured motion",
         ),
         (
-            &format!("{one} {one} minimize misfit(one)"),
+            &with(&with("minimize misfit(one)")),
             "E19: `one` is measured twice; rename one",
         ),
         (
-            &format!("{one} minimize misfit(one) minimize time"),
+            &with("minimize misfit(one) minimize time"),
             "a scene has one `minimize`",
         ),
         (
-            &format!("{one} controls {{ u: N }} forces {{ y: u }} minimize misfit(one)"),
+            &with("controls { u: N } forces { y: u } minimize misfit(one)"),
             "E15: the control `u` in a scene that minimizes a misfit is not supported",
         ),
         (
-            &format!("{one} finally {{ y == 0 }} minimize misfit(one)"),
+            &with("finally { y == 0 } minimize misfit(one)"),
             "E15: `finally` in a scene that minimizes a misfit",
         ),
         (
-            &format!("{one} free {{ dot(y) }} minimize misfit(one)"),
+            &with("free { dot(y) } minimize misfit(one)"),
             "E15: `free { ... }` in a scene that minimizes a misfit",
         ),
-    ] {
-        let found = messages(&scene(further));
-        assert!(
-            found.iter().any(|text| text.contains(wanted)),
-            "{further}: {found:?}"
-        );
-    }
-    // A parameter that only a start of an experiment reads is read.
-    let text = scene(
-        "free v: m/s in 0..=1 = 0.5 measured one: \"a\" { y within 1, start { dot(y): v } } minimize misfit(one)",
-    );
-    assert_eq!(messages(&text), [""; 0]);
-    let unread =
-        scene("free v: m/s in 0..=1 = 0.5 measured one: \"a\" { y within 1 } minimize misfit(one)");
-    assert!(messages(&unread)[0].starts_with("E15: nothing in the motion"));
+    ]);
 }
 
 #[test]

@@ -58,7 +58,7 @@ pub struct Gradient {
     pub objective: Option<Vec<f64>>,
     /// Why there are no derivatives from some instant on; values behind that are not numbers.
     pub obstacle: Option<String>,
-    /// Derivatives to one side where there are no others, see [`add_one_sided`](Self::add_one_sided).
+    /// Derivatives to one side where there are no others, see [`add_one_sided`](super::add_one_sided).
     pub one_sided: Option<OneSided>,
 }
 
