@@ -106,9 +106,9 @@ fn left(py: Python<'_>, raised: Option<PyErr>) -> PyResult<()> {
 
 /// Numbers as bytes, which arrays are views of.
 fn bytes<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyBytes>> {
-    let size = size_of::<f64>();
-    PyBytes::new_with(py, values.len() * size, |bytes| {
-        for (bytes, value) in bytes.chunks_exact_mut(size).zip(values) {
+    PyBytes::new_with(py, size_of_val(values), |bytes| {
+        let chunks = bytes.chunks_exact_mut(size_of::<f64>());
+        for (bytes, value) in chunks.zip(values) {
             bytes.copy_from_slice(&value.to_ne_bytes());
         }
         Ok(())
