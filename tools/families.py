@@ -38,6 +38,8 @@ NEAR, CLOSE = 1e-2, 1e-4
 """What is above the best by more than these is listed."""
 ROUNDING = 1e-6
 """Relative difference from the least possible that counts as rounding: constraints hold to about that."""
+SMALL = 1e-3
+"""Objectives below this, in the units of the scene, are compared by their difference: the least possible may be 0."""
 LONG = 10.0
 """CPU seconds above which a default run is listed."""
 
@@ -90,7 +92,7 @@ def number(row):
 
 def above(value, best):
     """Excess of an objective over the best one, relative to it."""
-    return (value - best) / max(abs(best), 1e-9)
+    return (value - best) / max(abs(best), SMALL)
 
 
 def cell(row, best):
@@ -147,9 +149,11 @@ def main():
     parser.add_argument("--csv", type=pathlib.Path, help="the rows [default: FOLDER.csv]")
     parser.add_argument("--time-limit", type=float, default=60.0, metavar="SECONDS")
     parser.add_argument("--ways", default=",".join(WAYS), help="which ways, separated by commas")
+    parser.add_argument("--intervals", default="", help="only these numbers of intervals, separated by commas")
     parser.add_argument("--only", default="", metavar="TEXT", help="scenes whose name begins so")
     parser.add_argument("--table", action="store_true", help="print the table of the rows that are there, and run nothing")
     options = parser.parse_args()
+    numbers = [int(number) for number in options.intervals.split(",")] if options.intervals else INTERVALS
     path = options.csv or options.folder.with_suffix(".csv")
     scenes = sorted(options.folder.glob("*.hang"))
     rows = {}
@@ -157,7 +161,7 @@ def main():
         with path.open(newline="") as file:
             rows = {(row["scene"], row["intervals"], row["way"]): row for row in csv.DictReader(file)}
     for way in [] if options.table else options.ways.split(","):
-        for intervals in QUICK.get(way, INTERVALS):
+        for intervals in [count for count in numbers if count in QUICK.get(way, numbers)]:
             for scene in scenes:
                 key = (scene.stem, str(intervals), way)
                 if key in rows or not scene.stem.startswith(options.only):
