@@ -4,7 +4,8 @@
 Every scene is solved on 10 and on 30 control intervals by the default search, on grids, from one start, from sixteen starts, and by
 time-freezing on 10 intervals; one process at a time, on one thread, `--time-limit` each. The rows are kept in a CSV file beside the folder, one
 a run, and a run that is there already is not done again. On standard output comes a Markdown table: a row a scene and number of intervals, with
-the objective of every way relative to the best. A scene may say in its comment `Least possible: NUMBER`; what is less is marked.
+the objective of every way relative to the best of all, those on grids that it contains included. A scene may say
+in its comment `Least possible: NUMBER`, and `on 10 intervals NUMBER` for a grid; what is less is marked.
 """
 
 import argparse
@@ -42,6 +43,8 @@ ROUNDING = 1e-6
 """Relative difference from the least possible that counts as rounding: constraints hold to about that."""
 SMALL = 1e-3
 """Objectives below this, in the units of the scene, are compared by their difference: the least possible may be 0."""
+UNPROVED = {"uncertified", "unconfirmed", "infeasible", "not_found", "failed", "unbounded"}
+"""States of a default run that are listed where some way finds a motion."""
 LONG = 10.0
 """CPU seconds above which a default run is listed."""
 
@@ -79,9 +82,10 @@ def run(program, scene, intervals, way, limit):
     return row
 
 
-def least(scene):
-    """The least possible objective that the comment of a scene states, if it does."""
-    found = re.search(r"Least possible: (-?[0-9.]+(?:e-?[0-9]+)?)", scene.read_text())
+def least(scene, intervals):
+    """The least possible objective that the comment of a scene states, for that grid or for all, if it does."""
+    text = scene.read_text()
+    found = re.search(rf"on {intervals} intervals ([0-9.]+)", text) or re.search(r"Least possible: (-?[0-9.]+)", text)
     return float(found[1]) if found else None
 
 
@@ -124,10 +128,11 @@ def table(scenes, rows):
     lines = [f"| scene | N | best | {' | '.join(WAYS)} |", "|" + "---|" * (3 + len(WAYS))]
     wrong = []
     for scene in scenes:
-        bound = least(scene)
         for intervals in INTERVALS:
+            bound = least(scene, intervals)
             of = {way: rows.get((scene.stem, str(intervals), way)) for way in WAYS}
-            values = [number(row) for row in of.values() if number(row) is not None]
+            contained = [rows.get((scene.stem, str(fewer), way)) for fewer in INTERVALS if intervals % fewer == 0 for way in WAYS]
+            values = [number(row) for row in contained if number(row) is not None]
             best = min(values, default=None)
             lines.append(
                 f"| {scene.stem} | {intervals} | {'none' if best is None else f'{best:.8g}'} | {' | '.join(cell(row, best) for row in of.values())} |"
@@ -136,11 +141,11 @@ def table(scenes, rows):
             default = of["default"]
             if default and best is not None:
                 value = number(default)
-                if value is None or default["status"] != "solved":
+                if value is None or default["status"] in UNPROVED:
                     wrong.append(f"b: {place}: {default['status']}, best {best:.8g}: {default['message'][:160]}")
-                elif above(value, best) > CLOSE:
+                if value is not None and above(value, best) > CLOSE:
                     size = "1 %" if above(value, best) > NEAR else "1e-4"
-                    wrong.append(f"a ({size}): {place}: {value:.8g}, best {best:.8g}, +{100 * above(value, best):.3g} %")
+                    wrong.append(f"a ({size}): {place}: {value:.8g}, best {best:.8g}, +{100 * above(value, best):.3g} % ({default['status']})")
             if default and float(default["cpu_seconds"]) > LONG:
                 wrong.append(f"c: {place}: {default['cpu_seconds']} s")
             for way, row in of.items():
@@ -181,7 +186,8 @@ def main():
                 rows[key] = {name: str(value) for name, value in row.items()}
                 print(" ".join(str(row[name]) for name in COLUMNS[:8]), file=sys.stderr, flush=True)
                 write(path, scenes, rows)
-    write(path, scenes, rows)
+    if not options.table:
+        write(path, scenes, rows)
     lines, wrong = table(scenes, rows)
     print("\n".join(lines))
     print("\n" + "\n".join(f"- {line}" for line in wrong))
