@@ -85,7 +85,7 @@ def run(program, scene, intervals, way, limit):
 def least(scene, intervals):
     """The least possible objective that the comment of a scene states, for that grid or for all, if it does."""
     text = scene.read_text()
-    found = re.search(rf"on {intervals} intervals ([0-9.]+)", text) or re.search(r"Least possible: (-?[0-9.]+)", text)
+    found = re.search(rf"on {intervals} intervals ([0-9]+(?:\.[0-9]+)?)", text) or re.search(r"Least possible: (-?[0-9]+(?:\.[0-9]+)?)", text)
     return float(found[1]) if found else None
 
 
