@@ -176,16 +176,16 @@ def main():
     if path.exists():
         with path.open(newline="") as file:
             rows = {(row["scene"], row["intervals"], row["way"]): row for row in csv.DictReader(file)}
-    for way in [] if options.table else options.ways.split(","):
-        for intervals in [count for count in numbers if count in QUICK.get(way, numbers)]:
-            for scene in sorted(scenes, key=lambda scene: effort(rows, scene.stem)):
-                key = (scene.stem, str(intervals), way)
-                if key in rows or not scene.stem.startswith(options.only):
-                    continue
-                row = run(options.program, scene, intervals, way, options.time_limit)
-                rows[key] = {name: str(value) for name, value in row.items()}
-                print(" ".join(str(row[name]) for name in COLUMNS[:8]), file=sys.stderr, flush=True)
-                write(path, scenes, rows)
+    ways = [] if options.table else options.ways.split(",")
+    for scene in sorted(scenes, key=lambda scene: effort(rows, scene.stem)):
+        for way, intervals in ((way, count) for way in ways for count in numbers if count in QUICK.get(way, numbers)):
+            key = (scene.stem, str(intervals), way)
+            if key in rows or not scene.stem.startswith(options.only):
+                continue
+            row = run(options.program, scene, intervals, way, options.time_limit)
+            rows[key] = {name: str(value) for name, value in row.items()}
+            print(" ".join(str(row[name]) for name in COLUMNS[:8]), file=sys.stderr, flush=True)
+            write(path, scenes, rows)
     if not options.table:
         write(path, scenes, rows)
     lines, wrong = table(scenes, rows)
