@@ -5,7 +5,7 @@ Every scene is solved on 10 and on 30 control intervals by the default search, o
 time-freezing on 10 intervals; one process at a time, on one thread, `--time-limit` each. The rows are kept in a CSV file beside the folder, one
 a run, and a run that is there already is not done again. On standard output comes a Markdown table: a row a scene and number of intervals, with
 the objective of every way relative to the best of all, those on grids that it contains included. A scene may say
-in its comment `Least possible: NUMBER`, and `on 10 intervals NUMBER` for a grid; what is less is marked.
+in its comment `Least possible: NUMBER`, and `on 10 intervals NUMBER` for a grid; what is less is marked. `Possible on 10 intervals: NUMBER` is a motion that was simulated.
 """
 
 import argparse
@@ -89,6 +89,12 @@ def least(scene, intervals):
     return float(found[1]) if found else None
 
 
+def known(scene, intervals):
+    """Objectives of motions that the comment of a scene states, on that grid or on one that it contains."""
+    found = re.findall(r"Possible on ([0-9]+) intervals: ([0-9]+(?:\.[0-9]+)?)", scene.read_text())
+    return [float(value) for count, value in found if intervals % int(count) == 0]
+
+
 def number(row):
     """The objective of a run that ended with a motion, else nothing."""
     if not row or row["status"] not in MOTION or row["objective"] == "":
@@ -132,7 +138,7 @@ def table(scenes, rows):
             bound = least(scene, intervals)
             of = {way: rows.get((scene.stem, str(intervals), way)) for way in WAYS}
             contained = [rows.get((scene.stem, str(fewer), way)) for fewer in INTERVALS if intervals % fewer == 0 for way in WAYS]
-            values = [number(row) for row in contained if number(row) is not None]
+            values = [number(row) for row in contained if number(row) is not None] + known(scene, intervals)
             best = min(values, default=None)
             lines.append(
                 f"| {scene.stem} | {intervals} | {'none' if best is None else f'{best:.8g}'} | {' | '.join(cell(row, best) for row in of.values())} |"
