@@ -78,11 +78,17 @@ pub(crate) fn free_parameters(scene: &Description) -> &'static [usize] {
     list(free.flat_map(|free| free.parameters.iter().copied()))
 }
 
+/// What functions of optimal control remember of a start that is to be found.
+pub(crate) fn remembered(scene: &Description) -> &'static [usize] {
+    list(scene.remembered.iter().copied())
+}
+
 /// The parameters of a described scene that are coordinates without motion.
 pub(crate) fn held(held: &description::Held) -> Held {
     use description::GivenBy;
     Held {
         parameters: list(held.parameters.iter().copied()),
+        starts: list(held.starts.iter().copied()),
         given: list(held.given.iter().map(|given| match *given {
             GivenBy::Start(k) => Given::Start(k),
             GivenBy::Horizon => Given::Horizon,

@@ -324,6 +324,10 @@ impl Model for TextScene {
         Some(derived.map(|scene| Box::new(scene) as Box<dyn Model>))
     }
 
+    fn remembered(&self) -> &'static [usize] {
+        self.shared.remembered
+    }
+
     fn held(&self) -> Option<Held> {
         self.shared.held
     }

@@ -184,7 +184,8 @@ fn statement_end(pieces: &[Piece]) -> usize {
         let begins = index > 0
             && depth == 0
             && piece.kind == Kind::Word
-            && words::STATEMENTS.contains(&piece.text.as_str());
+            && words::STATEMENTS.contains(&piece.text.as_str())
+            && !pieces.get(index + 1).is_some_and(|next| next.is("("));
         if begins {
             // Comments above the next statement are its own; one behind this statement stays there.
             let comments = pieces[..index].iter().rev();

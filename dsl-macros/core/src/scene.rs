@@ -35,6 +35,10 @@ pub(crate) struct CheckedScene {
     pub(crate) free_parameters: Vec<FreeParameter>,
     /// The parameters that are coordinates without motion here, the last ones; none unless asked for.
     pub(crate) held: Vec<u16>,
+    /// Components of the start `(q, v)` that are free, and that functions of optimal control read as `Start`, increasing.
+    pub(crate) remembered: Vec<usize>,
+    /// Whether these are coordinates without motion here, behind all others.
+    pub(crate) remembers: bool,
 }
 
 /// A parameter that optimal control is to find.
@@ -49,6 +53,16 @@ impl CheckedScene {
     /// Number of declared coordinates, those of a mechanism.
     pub(crate) fn mechanical(&self) -> usize {
         self.coordinates.len() - self.states.len()
+    }
+
+    /// A component of the start, in its declared unit.
+    pub(crate) fn start_component(&self, k: usize) -> Sym {
+        let n = self.start.0.len();
+        if k < n {
+            self.start.0[k]
+        } else {
+            self.start.1[k - n]
+        }
     }
 }
 
@@ -130,6 +144,20 @@ pub(crate) struct OptimalControl {
     pub(crate) free_time: bool,
     /// Indices into `(q, v)`, increasing, with bounds in declared units.
     pub(crate) free_start: Vec<(usize, Option<(Sym, Sym)>)>,
+}
+
+impl OptimalControl {
+    /// Replaces every function that a motion is judged by.
+    pub(crate) fn map_functions(&mut self, replace: impl Fn(Sym) -> Sym) {
+        let lists = [&mut self.constraints, &mut self.at_impacts, &mut self.goals];
+        for condition in lists.into_iter().flatten() {
+            condition.function = replace(condition.function);
+        }
+        let costs = self.running_cost.iter_mut().chain(&mut self.final_cost);
+        costs
+            .chain(&mut self.sums)
+            .for_each(|value| *value = replace(*value));
+    }
 }
 
 /// `function >= 0` or `function == 0`.

@@ -295,6 +295,9 @@ pub(crate) const INTEGRAL: &str = "integral";
 /// What adds a function of impulses up over all impacts; its name may be taken by declarations.
 pub(crate) const SUM: &str = "sum";
 
+/// What a quantity is at the start of the motion; its word begins a statement as well, where braces follow.
+pub(crate) const START: &str = "start";
+
 /// The final time in an objective or a terminal condition.
 pub(crate) const FINAL_TIME: &str = "time";
 

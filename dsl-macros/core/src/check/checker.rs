@@ -160,6 +160,18 @@ impl Checker<'_> {
         }
     }
 
+    /// A component of the start `(q, v)` as it is written, where states have their coordinates.
+    pub(super) fn component(&self, k: usize) -> String {
+        let n = self.coordinates.len();
+        match k.checked_sub(n) {
+            None => self.coordinates[k].name.text.clone(),
+            Some(k) => match k.checked_sub(n - self.states.len()) {
+                None => format!("dot({})", self.coordinates[k].name.text),
+                Some(state) => self.states[state].name.text.clone(),
+            },
+        }
+    }
+
     /// A name whose declaration failed: uses of it are not reported as undeclared, as the stand-in is
     /// never emitted.
     pub(super) fn poison(&mut self, name: &Name) -> Checked<()> {

@@ -13,6 +13,7 @@ mod outputs;
 mod picture;
 mod pieces;
 mod reach;
+mod remembered;
 mod rules;
 mod start;
 mod states;
@@ -282,7 +283,8 @@ fn finish(
     switches::append(&mut checker, &mut forces, &mut contacts)?;
     joint::finish(&mut checker, &units.gaps, &contacts);
     let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
-    let optimal_control = optimal_control::optimal_control(&mut checker, units);
+    let mut optimal_control = optimal_control::optimal_control(&mut checker, units);
+    let remembered = remembered::starts(&mut checker, optimal_control.as_mut(), &start);
     if let Some(task) = &optimal_control {
         dynamics.extend(task.running_cost);
         let constraints = task.constraints.iter().chain(&task.at_impacts);
@@ -317,6 +319,8 @@ fn finish(
         differentiated: Vec::new(),
         free_parameters: checker.free_parameters,
         held: Vec::new(),
+        remembered,
+        remembers: false,
     })
 }
 

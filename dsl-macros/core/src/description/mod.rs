@@ -78,6 +78,8 @@ pub struct Description {
     pub sensitivity: Option<Sensitivity>,
     /// The parameters that optimal control is to find, if there are any.
     pub free_parameters: Option<FreeParameters>,
+    /// Components of the start `(q, v)` that are to be found and that functions of optimal control read, increasing.
+    pub remembered: Vec<usize>,
     /// The parameters that are coordinates without motion; none unless they were asked for.
     pub held: Option<Held>,
     /// All straight-line functions.
@@ -183,6 +185,7 @@ impl Description {
             picture,
             sensitivity,
             free_parameters,
+            remembered: scene.remembered.clone(),
             held,
             kernels: builder.kernels,
             systems: builder.systems,

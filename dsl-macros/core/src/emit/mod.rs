@@ -194,18 +194,28 @@ fn shown(derived: &Description) -> String {
     written
 }
 
-/// The methods for parameters that are to be found, if there are any.
+/// The methods for parameters that are to be found, and for what is remembered of the start, if there is any.
 fn free_parameters(derived: &Description) -> String {
+    let mut written = String::new();
+    if !derived.remembered.is_empty() {
+        let remembered = &derived.remembered;
+        let _ = write!(
+            written,
+            "fn remembered(&self) -> &'static [__usize] {{ &{remembered:?} }}"
+        );
+    }
     let Some(free) = &derived.free_parameters else {
-        return String::new();
+        return written;
     };
-    format!(
+    let _ = write!(
+        written,
         "fn free_parameters(&self) -> &'static [__usize] {{ &{:?} }}
         fn free_parameter_bounds(&self, lower: &mut [__f64], upper: &mut [__f64]) {{ {}; {} }}",
         free.parameters,
         methods::of_parameters(derived, free.bounds[0], "lower"),
         methods::of_parameters(derived, free.bounds[1], "upper")
-    )
+    );
+    written
 }
 
 /// The methods for optimal control, as far as the scene declares it.

@@ -6,6 +6,7 @@ use super::functions::{elementary, velocity_direction};
 use super::matrix;
 use super::named;
 use super::recorded;
+use super::remembered;
 use super::scope::{Meaning, Role, Scope};
 use super::switch;
 use super::value::Value;
@@ -410,6 +411,9 @@ fn call(
         let summed = scalar(scope, argument, diagnostics);
         scope.role = Role::End;
         return recorded::sum(scope, argument, summed?, diagnostics);
+    }
+    if text == words::START {
+        return remembered::at_start(scope, whole, arguments, diagnostics);
     }
     if words::CONTACT_FUNCTIONS.contains(&text) {
         return recorded::of_contact(scope, whole, text, arguments, diagnostics);
