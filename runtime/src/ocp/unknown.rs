@@ -58,12 +58,6 @@ pub(in crate::ocp) fn with_unknowns<'a>(
             "solve in phases, the default",
         ));
     }
-    if !scene.declaration().states.is_empty() {
-        return Err(refusal::unsupported(
-            format!("{what} of a scene with states of first order"),
-            "give the parameter a value by `--set` and compare, or state the quantity as a coordinate",
-        ));
-    }
     let model = match scene.with_held(&indices) {
         Some(Ok(model)) => model,
         Some(Err(why)) => return Err(InputError::unsupported(why)),

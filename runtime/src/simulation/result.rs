@@ -441,7 +441,7 @@ impl EventKind {
     }
 
     /// The kind of a change of friction that is one of the contact `declared`.
-    pub(super) fn of(self, declared: &ContactDeclaration) -> Self {
+    pub(crate) fn of(self, declared: &ContactDeclaration) -> Self {
         match (self, declared.switch) {
             (Self::Stick, Some(_)) => Self::Slide,
             (Self::Slip, Some(_)) => Self::Switch,

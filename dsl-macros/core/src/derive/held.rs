@@ -85,9 +85,16 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     scene.start.0.extend(parameters.chain(values));
     scene.start.1.resize(n + held, Sym::ZERO);
     scene.forces.resize(n + held, Sym::ZERO);
-    let rates = (0..held).map(|k| Sym::variable(Variable::Velocity((n + k) as u16)));
-    let inertia: Sym = rates.map(|rate| (rate * rate).scaled(0.5)).sum();
-    scene.lagrangian = one(scene.lagrangian) + inertia;
+    scene.lagrangian = one(scene.lagrangian);
+    if scene.states.is_empty() {
+        let rates = (0..held).map(|k| Sym::variable(Variable::Velocity((n + k) as u16)));
+        let inertia: Sym = rates.map(|rate| (rate * rate).scaled(0.5)).sum();
+        scene.lagrangian += inertia;
+    } else {
+        // Behind states stand states, of the rate 0.
+        let rates = scene.coordinates[n..].iter().map(rate);
+        scene.states.extend(rates);
+    }
     for force in &mut scene.forces {
         *force = one(*force);
     }
@@ -155,6 +162,18 @@ fn component(scene: &CheckedScene, n: usize, k: usize) -> Coordinate {
         name,
         unit,
         documentation: own.documentation.clone(),
+        bounds: None,
+    }
+}
+
+/// The velocity of a coordinate without motion, as a state.
+fn rate(held: &Coordinate) -> Coordinate {
+    let mut name = held.name.clone();
+    name.text = format!("dot({})", name.text);
+    Coordinate {
+        name,
+        unit: held.unit.as_ref().map(per_second),
+        documentation: held.documentation.clone(),
         bounds: None,
     }
 }
