@@ -142,6 +142,7 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         friction,
         dry: contact.dry,
         switch: contact.switch.map(|passes| match passes {
+            _ if contact.reset.is_some() => Switching::Resets,
             true => Switching::Passes,
             false => Switching::Slides,
         }),

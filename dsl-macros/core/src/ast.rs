@@ -203,6 +203,11 @@ pub(crate) enum Statement {
         left: Expr,
         right: Expr,
     },
+    /// What states and velocities are set to where a condition comes true.
+    When {
+        condition: Condition,
+        assignments: Vec<Assignment>,
+    },
     Start(Vec<Assignment>),
     Horizon {
         keyword: Place,

@@ -104,9 +104,10 @@ impl Writer {
             .iter()
             .rposition(|piece| !piece.is(";") && !piece.is(","));
         let pieces = &pieces[..=ends.unwrap_or(0)];
-        // A profile has its argument and its units before the block.
+        // A profile has its argument and its units before the block, `when` its condition.
         let open = pieces.iter().position(|piece| piece.is("{"));
-        let named = |&open: &usize| open == 1 || pieces[0].text == "profile";
+        let named =
+            |&open: &usize| open == 1 || ["profile", "when"].contains(&pieces[0].text.as_str());
         let remarks = |head: &[Piece]| head.iter().any(Piece::is_comment);
         let Some(open) = open
             .filter(named)

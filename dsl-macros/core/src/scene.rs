@@ -218,9 +218,18 @@ pub(crate) struct Contact {
     pub(crate) friction: Option<Friction>,
     /// Largest force of dry friction, in SI units; such a contact has no gap, and its coefficient is 1.
     pub(crate) bound: Option<Sym>,
-    /// Of a switch what it acts by, one force a coordinate in declared units: it is dry friction with the bound 1, against minus
-    /// its function.
-    pub(crate) switch: Option<Vec<Sym>>,
+    /// Of a switch what it acts by: it is dry friction with the bound 1, against minus its function.
+    pub(crate) switch: Option<Action>,
+    /// Velocities (indices) that are set where the function of a switch that does nothing else comes to be positive, with what they are
+    /// set to, in declared units.
+    pub(crate) reset: Vec<(usize, Sym)>,
+}
+
+/// What a switch acts by, one force a coordinate in declared units.
+pub(crate) struct Action {
+    pub(crate) force: Vec<Sym>,
+    /// The same with each control as large as it is usually, so that what is measured by it has derivatives where a control is 0.
+    pub(crate) usual: Vec<Sym>,
 }
 
 impl Contact {
@@ -246,6 +255,7 @@ impl Contact {
             }),
             bound: Some(bound),
             switch: None,
+            reset: Vec::new(),
         }
     }
 }

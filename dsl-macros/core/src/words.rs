@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 23] = [
+pub(crate) const STATEMENTS: [&str; 24] = [
     "parameters",
     "coordinates",
     "controls",
@@ -17,6 +17,7 @@ pub(crate) const STATEMENTS: [&str; 23] = [
     "impact",
     "dry",
     "joint",
+    "when",
     "start",
     "horizon",
     "constraint",

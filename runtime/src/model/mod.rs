@@ -295,6 +295,10 @@ pub trait Model: Send + Sync {
         None
     }
 
+    /// The velocities `v`, states of first order among them, right after the function of a contact with
+    /// [`Switching::Resets`] has come to be positive at `x`.
+    fn reset(&self, _contact: usize, _x: &[f64], _v: &mut [f64]) {}
+
     /// Components of the start `(q, v)` (indices, increasing) that optimal control is to find and that its functions read, as
     /// `start(...)`; the functions of this scene read the declared start there, and those of [`with_held`](Self::with_held) the one
     /// that is found.

@@ -115,6 +115,8 @@ impl Problem {
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
         InitialValueProblem::check_at_once(model, "optimal control")?;
+        let remedy = "simulate it under given controls, or write what happens there as phases of several scenes";
+        InitialValueProblem::check_resets(model, "optimal control", remedy)?;
         let (lower, upper) = bounds(model);
         let declaration = model.declaration();
         let bounded = declaration

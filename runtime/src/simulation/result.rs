@@ -423,6 +423,8 @@ pub enum EventKind {
     Slide,
     /// The motion passes the zero of a switch, or leaves it.
     Switch,
+    /// The condition of a `when` comes true, and states or velocities are set.
+    When,
 }
 
 impl EventKind {
@@ -437,6 +439,7 @@ impl EventKind {
             Self::Slip => "slip",
             Self::Slide => "slide",
             Self::Switch => "switch",
+            Self::When => "when",
         }
     }
 

@@ -66,7 +66,18 @@ pub(super) struct Checker<'a> {
 pub(super) struct Laws {
     pub(super) impacts: Vec<CheckedLaw>,
     pub(super) dry: Vec<DryFriction>,
+    pub(super) resets: Vec<Reset>,
     pub(super) joints: Vec<scene::Joint>,
+}
+
+/// What is set where a condition comes true.
+pub(super) struct Reset {
+    pub(super) documentation: Documentation,
+    pub(super) name: Name,
+    /// Positive where the condition holds, in SI units.
+    pub(super) function: Sym,
+    /// States and velocities, by their places among the velocities of all coordinates, with their values in declared units.
+    pub(super) values: Vec<(usize, Sym)>,
 }
 
 /// Dry friction without a surface.

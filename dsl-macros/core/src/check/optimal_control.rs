@@ -389,7 +389,7 @@ fn moves(checker: &Checker<'_>, value: Sym) -> bool {
 }
 
 /// A condition as written.
-fn shown(condition: &Condition) -> String {
+pub(super) fn shown(condition: &Condition) -> String {
     let relation = match condition.relation {
         Relation::Equal => "==",
         Relation::AtLeast => ">=",

@@ -7,9 +7,9 @@
 
 use super::explicit::Explicit;
 use super::simplify::simplify;
+use crate::ast::WrittenUnit;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::ast::WrittenUnit;
 use crate::scene::{CheckedScene, Condition, Coordinate, OptimalControl};
 use hangtime_units::Unit;
 
@@ -101,9 +101,11 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     for contact in &mut scene.contacts {
         contact.gap = one(contact.gap);
         contact.bound = contact.bound.map(one);
-        if let Some(acts) = &mut contact.switch {
-            acts.iter_mut().for_each(|force| *force = one(*force));
-            acts.resize(n + held, Sym::ZERO);
+        if let Some(action) = &mut contact.switch {
+            for forces in [&mut action.force, &mut action.usual] {
+                forces.iter_mut().for_each(|force| *force = one(*force));
+                forces.resize(n + held, Sym::ZERO);
+            }
         }
         if let Some(along) = &mut contact.along {
             along
@@ -227,7 +229,11 @@ fn task_with(
 
 /// Number of coordinates that move; those behind them are held.
 pub(super) fn moving(scene: &CheckedScene) -> usize {
-    let remembered = if scene.remembers { scene.remembered.len() } else { 0 };
+    let remembered = if scene.remembers {
+        scene.remembered.len()
+    } else {
+        0
+    };
     scene.coordinates.len() - scene.held.len() - remembered
 }
 

@@ -139,6 +139,16 @@ fn laws(derived: &Description) -> String {
     };
     let value = |kernel| methods::coefficient(derived, kernel);
     let mut written = String::new();
+    let resets = arms(&|contact| {
+        let kernel = contact.reset?;
+        Some(methods::of_inputs(derived, kernel, "v"))
+    });
+    if !resets.is_empty() {
+        let _ = write!(
+            written,
+            "fn reset(&self, contact: __usize, x: &[__f64], v: &mut [__f64]) {{ match contact {{ {resets} _ => {{}} }} }}"
+        );
+    }
     let restitution = arms(&|contact| contact.restitution.map(value));
     if !restitution.is_empty() {
         let _ = write!(

@@ -20,7 +20,8 @@ pub(in crate::ocp) fn closed_mode(frictional: bool, velocity: f64, zero: f64) ->
 
 /// Whether a contact is a switch that is only passed: nothing holds its function at zero.
 pub(in crate::ocp) fn is_passed(model: &dyn Model, contact: usize) -> bool {
-    model.declaration().contacts[contact].switch == Some(Switching::Passes)
+    let switch = model.declaration().contacts[contact].switch;
+    switch.is_some_and(Switching::passes)
 }
 
 /// Whether friction acts on a contact.

@@ -7,6 +7,7 @@ use hangtime_solver::clock::ThreadTime;
 use self::outputs::Outputs;
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};
+use super::contact_state::{ContactState, Direction};
 use super::diagnosis::Place;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
@@ -19,7 +20,7 @@ use super::remarks::Remarks;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
-use crate::model::Model;
+use crate::model::{Model, Switching};
 use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::vanishing_inertia;
@@ -490,7 +491,12 @@ impl<'a> Integration<'a> {
         let vanished = self.pass_edge(vanished);
         self.dynamics
             .observe_rounding(self.t, &self.y, self.h, at_start);
+        let mut set = self.set(vanished, &previously);
+        let vanished = vanished.filter(|_| set.is_empty());
         let impact = self.impact(vanished)?;
+        if !impact.struck.is_empty() {
+            set.extend(self.set(None, &previously));
+        }
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
             self.y[n..2 * n].copy_from_slice(&before);
@@ -523,7 +529,7 @@ impl<'a> Integration<'a> {
             velocities: &before,
             mode: &previously,
         };
-        let events = instant.events(&impact.struck, at_start);
+        let events = instant.events((&impact.struck, &set), at_start);
         self.result.events.extend(events);
         let last = self.result.events.last().map(|event| event.contact);
         self.log.tidy(&mut self.result.events);
@@ -536,6 +542,34 @@ impl<'a> Integration<'a> {
     /// Events so far, listed or not.
     fn events(&self) -> usize {
         self.log.count(self.result.events.len())
+    }
+
+    /// Sets what conditions ask for that come true here: the one whose function has `vanished`, those that what was set or an impact
+    /// has made true since the mode `previously`, each once. Returns them.
+    fn set(&mut self, vanished: Option<Switch>, previously: &[ContactState]) -> Vec<usize> {
+        let n = self.dynamics.n;
+        let model = self.dynamics.model;
+        let contacts = model.declaration().contacts;
+        let below = ContactState::Slip(Direction::Forward);
+        let mut set: Vec<usize> = Vec::new();
+        loop {
+            self.dynamics.load(self.t, &self.y);
+            let next = (0..contacts.len()).find(|&i| {
+                let waits = contacts[i].switch == Some(Switching::Resets)
+                    && previously[i] == below
+                    && !set.contains(&i);
+                waits
+                    && (vanished == Some(Switch::SlidingVelocity(i, Direction::Forward)) || {
+                        self.dynamics.evaluate_tangent(i);
+                        self.dynamics.sliding_velocity(i) < -self.dynamics.zero_sliding_velocity(i)
+                    })
+            });
+            let Some(i) = next else { return set };
+            let mut velocities = self.y[n..2 * n].to_vec();
+            model.reset(i, self.dynamics.input(), &mut velocities);
+            self.y[n..2 * n].copy_from_slice(&velocities);
+            set.push(i);
+        }
     }
 
     /// Lets the next piece of an edge act if it has come to be the largest: nothing else happens there.
