@@ -43,7 +43,10 @@ fn motion_that_repeats_itself_is_that_of_the_resonance_curve() {
         ("x == start(x), dot(x) == start(dot(x))", "2"),
         ("x == -start(x), dot(x) == -start(dot(x))", "1"),
         // One condition of what follows from both, and one sum.
-        ("x + dot(x)*1 [s] == start(x + dot(x)*1 [s]), x - start(x) == 0 [m]", "2"),
+        (
+            "x + dot(x)*1 [s] == start(x + dot(x)*1 [s]), x - start(x) == 0 [m]",
+            "2",
+        ),
     ] {
         let solution = optimum(&shaken(goals, turns), 20);
         let (q, v) = start(&solution);
@@ -72,7 +75,9 @@ fn ball_on_a_shaken_table_repeats_itself_with_the_table() {
         (a * phase.sin() + speed * t - g * t * t / 2.0, g * t - speed)
     });
     assert!(
-        cycles.iter().any(|(y, rate)| (q[0] - y).abs() < DIGITS && (v[0] - rate).abs() < DIGITS),
+        cycles
+            .iter()
+            .any(|(y, rate)| (q[0] - y).abs() < DIGITS && (v[0] - rate).abs() < DIGITS),
         "{q:?} {v:?} {cycles:?} {period}"
     );
 }
@@ -126,7 +131,11 @@ fn start_of_what_is_given_is_its_value() {
     let text = "coordinates { x: m } controls { u: N } lagrangian dot(x)^2/2*1 [kg] forces { x: u } start { x: 2 }
         minimize integral(u^2) finally { x == start(x) + 1 [m], dot(x) == 0 [m/s] } horizon 1 [s]";
     let scene = of_text("scene.hang", text).expect("accepted");
-    assert!(scene.warnings().contains("`start(x)` is the value that `start` gives"));
+    assert!(
+        scene
+            .warnings()
+            .contains("`start(x)` is the value that `start` gives")
+    );
     let solution = solve(&scene).intervals(2).run().expect("accepted");
     let last = solution.motion.expect("a motion").trajectory.q;
     close(last.last().expect("its end")[0], 3.0);

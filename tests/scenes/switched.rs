@@ -96,10 +96,7 @@ fn relay_swings_with_four_parabolas_a_period() {
     let events: Vec<_> = [1.0, 3.0, 5.0, 7.0].map(|k| (Switch, k * quarter)).to_vec();
     // 10 s are 7 quarters and a bit: on its way out from zero.
     let t = 10.0 - 7.0 * quarter;
-    let ends = [
-        ("x", quarter * t - t * t / 2.0),
-        ("v", quarter - t),
-    ];
+    let ends = [("x", quarter * t - t * t / 2.0), ("v", quarter - t)];
     compare(&gallery!("relay"), &ends, &events);
 }
 
@@ -124,11 +121,15 @@ fn genes_read_each_other_along_exponentials() {
         let meets = |value: f64, focus: f64, threshold: f64| {
             let share: f64 = (focus - threshold) / (focus - value);
             let time = -share.ln();
-            if share > 0.0 && time > 1e-12 { time } else { f64::INFINITY }
+            if share > 0.0 && time > 1e-12 {
+                time
+            } else {
+                f64::INFINITY
+            }
         };
         let first = meets(x, focus.0, much).min(meets(y, focus.1, little));
-        let last = time + first > 8.0;
-        let step = if last { 8.0 - time } else { first };
+        let last = time + first > 3.0;
+        let step = if last { 3.0 - time } else { first };
         x = focus.0 + (x - focus.0) * (-step).exp();
         y = focus.1 + (y - focus.1) * (-step).exp();
         time += step;
@@ -179,7 +180,11 @@ fn thermostat_switches_at_two_temperatures() {
     let mut time = heats(15.0, 21.0);
     let (mut events, mut on) = (vec![(When, time)], false);
     loop {
-        let next = if on { heats(19.0, 21.0) } else { cools(21.0, 19.0) };
+        let next = if on {
+            heats(19.0, 21.0)
+        } else {
+            cools(21.0, 19.0)
+        };
         if time + next > 40.0 {
             break;
         }
@@ -218,20 +223,37 @@ fn turbo_car_changes_at_ten_metres_a_second_and_takes_the_least_time() {
     let mut scene = gallery!("turbo-car");
     scene.set_parameter(0, 2.0 * 27.5 + 25.0);
     let solution = optimum(&scene, 7);
-    assert!((solution.horizon - 7.0).abs() < 1e-7, "{}", solution.horizon);
-    let times: Vec<f64> = solution.planned_events.iter().map(|event| event.0).collect();
+    assert!(
+        (solution.horizon - 7.0).abs() < 1e-7,
+        "{}",
+        solution.horizon
+    );
+    let times: Vec<f64> = solution
+        .planned_events
+        .iter()
+        .map(|event| event.0)
+        .collect();
     assert!(
         times.len() == 2 && (times[0] - 2.0).abs() < 1e-6 && (times[1] - 5.0).abs() < 1e-6,
         "{times:?}"
     );
-    assert!(solution.planned_events.iter().all(|event| event.1 == Switch));
+    assert!(
+        solution
+            .planned_events
+            .iter()
+            .all(|event| event.1 == Switch)
+    );
 }
 
 #[test]
 fn sliding_plan_ends_on_its_target() {
     // y goes from 0 to 1 in 2 s with u = 1/2, and the relay holds x at 0 from 0.5/0.75 s on; the effort is least where u is constant.
     let solution = optimum(&gallery!("slide-to-target"), 10);
-    assert!((solution.objective - 0.5).abs() < 1e-8, "{}", solution.objective);
+    assert!(
+        (solution.objective - 0.5).abs() < 1e-8,
+        "{}",
+        solution.objective
+    );
     let (time, kind, _) = solution.planned_events[0];
     assert!(kind == Slide && (time - 2.0 / 3.0).abs() < 1e-7, "{time}");
     let end = solution.motion.expect("a motion").trajectory;
@@ -246,7 +268,11 @@ fn sliding_plan_ends_on_its_target() {
 fn plan_rests_in_the_relay_that_it_has_to_pass() {
     // Without effort it is at 0 after 1 s, and rests. From there x' = u - 1 over a time w costs (1 + 1/w)^2 w, least with w = 1: 4.
     let solution = optimum(&gallery!("passing-relay"), 6);
-    assert!((solution.objective - 4.0).abs() < 1e-7, "{}", solution.objective);
+    assert!(
+        (solution.objective - 4.0).abs() < 1e-7,
+        "{}",
+        solution.objective
+    );
     let events: Vec<_> = solution.planned_events.iter().map(|e| (e.1, e.0)).collect();
     for ((kind, time), (wanted, when)) in events.iter().zip([(Slide, 1.0), (Switch, 2.0)]) {
         assert!(*kind == wanted && (time - when).abs() < 1e-6, "{events:?}");
@@ -292,4 +318,33 @@ fn what_optimal_control_does_not_know_of_switches_is_refused_by_name() {
     let refused = solve(&of_text("when.hang", text).expect("no mistakes")).run();
     let why = refused.expect_err("refused").to_string();
     assert!(why.contains("`when x >= 1`"), "{why}");
+}
+
+#[test]
+fn conditions_with_sizes_are_rows() {
+    // From rest to rest over 1 with a speed of at most 1.2: a trapezoid of slopes that cost least, at |v| <= 1.2 and so at v <= 1.2.
+    let text = |limit: &str| {
+        format!(
+            "coordinates {{ x: m }} controls {{ u: N }} lagrangian dot(x)^2/2*1 [kg] forces {{ x: u }} minimize integral(u^2)
+            constraint speed: {limit} finally {{ max(x, 2*x) <= 2 [m], x >= 1 [m], dot(x) == 0 [m/s] }} horizon 1 [s]"
+        )
+    };
+    let found = [
+        "|dot(x)| <= 1.2 [m/s]",
+        "min(1.2 [m/s], 2 [m/s]) >= dot(x)",
+        "dot(x) <= 1.2 [m/s]",
+    ]
+    .map(|limit| {
+        optimum(
+            &of_text("speed.hang", &text(limit)).expect("no mistakes"),
+            8,
+        )
+        .objective
+    });
+    assert!(
+        (found[0] - found[2]).abs() < 1e-8 && (found[1] - found[2]).abs() < 1e-8,
+        "{found:?}"
+    );
+    // Without a limit it is 12, on a grid a little more.
+    assert!(found[2] > 12.5, "{found:?}");
 }

@@ -79,7 +79,11 @@ fn thrown_ball_strikes_what_it_is_thrown_at_at_once() {
         impact floor: restitution 0.5 when t >= 1 [s] { dot(z) = -3 [m/s] } horizon 1.2 [s]";
     for motion in motions(text) {
         let z = 1.5 * 0.2 - 5.0 * 0.04;
-        assert!((end(&motion, "z") - z).abs() < 1e-9, "{}", end(&motion, "z"));
+        assert!(
+            (end(&motion, "z") - z).abs() < 1e-9,
+            "{}",
+            end(&motion, "z")
+        );
     }
 }
 

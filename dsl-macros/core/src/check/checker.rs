@@ -119,8 +119,9 @@ pub(super) struct CheckedFriction {
 #[derive(Default)]
 pub(super) struct Task {
     pub(super) cost: Option<Cost>,
-    pub(super) constraints: Vec<scene::Condition>,
-    pub(super) goals: Vec<scene::Condition>,
+    /// As declared, each one condition for every piece.
+    pub(super) constraints: Vec<Vec<scene::Condition>>,
+    pub(super) goals: Vec<Vec<scene::Condition>>,
     pub(super) free: Vec<Free>,
 }
 

@@ -307,9 +307,7 @@ fn norm(
 ) -> Checked<Value> {
     match value(scope, inner, diagnostics)? {
         Value::Scalar(part) if scope.may_switch() => switch::size(scope, whole, part, diagnostics),
-        Value::Scalar(part) if edges::admitted(scope.role) => {
-            Ok(edges::call(scope, "abs", vec![part]))
-        }
+        Value::Scalar(part) if edges::admitted(scope) => Ok(edges::call(scope, "abs", vec![part])),
         Value::Scalar(part) => Err(edges::refuse_size(scope, inner, part, diagnostics)),
         Value::Vector(components) => {
             let square: Sym = components.iter().map(|component| component.square()).sum();

@@ -69,6 +69,8 @@ pub(crate) struct Scope {
     pub(crate) state_size: u16,
     /// Whether a force is evaluated.
     pub(crate) acts: bool,
+    /// Whether a condition is evaluated, which is taken apart into smooth ones.
+    pub(crate) takes_apart: bool,
     /// Whether what is evaluated is given a name, for whatever may use it.
     pub(crate) defers: bool,
     /// Switches of what acts.

@@ -7,7 +7,7 @@ use super::pieces::{block, entries, name, range, target};
 use crate::ast::{
     Assignment, Condition, Documentation, FreeStart, Name, Quantity, Relation, Statement,
 };
-use crate::diagnostics::{Checked, Diagnostics};
+use crate::diagnostics::{Checked, Diagnostics, Reported};
 
 /// `finally { condition, ... }`.
 pub(super) fn finally(
@@ -59,6 +59,7 @@ pub(super) fn when(
         return Err(diagnostics.syntax(place, message));
     }
     let inner = block(cursor, word, diagnostics)?;
+    let before = diagnostics.mistakes();
     let assignments = entries(inner, diagnostics, |cursor, diagnostics| {
         let (target, velocity) = target(cursor, diagnostics)?;
         if !cursor.eat_symbol("=") {
@@ -79,6 +80,9 @@ pub(super) fn when(
             value,
         })
     });
+    if assignments.is_empty() && diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
     Ok(Statement::When {
         condition,
         assignments,

@@ -87,13 +87,22 @@ fn start_that_is_free_is_a_coordinate_that_decides_it_and_nothing_where_it_is_no
     let read = text("dot(x) == start(dot(x)), a == start(a)");
     let (plain, _) = describe_text(&read, "s").expect("no mistakes");
     // (q, v) with a place for the integral of the state: dot(x) is 3, the state 5.
-    assert_eq!((&plain.remembered[..], plain.coordinates.len()), (&[3, 5][..], 3));
+    assert_eq!(
+        (&plain.remembered[..], plain.coordinates.len()),
+        (&[3, 5][..], 3)
+    );
     let (held, _) = describe_held(&read, "s", &[]).expect("no mistakes");
     let known = held.held.as_ref().expect("held");
     assert_eq!(known.starts, [3, 5]);
-    let names: Vec<&str> = held.coordinates[3..].iter().map(|c| c.name.as_str()).collect();
+    let names: Vec<&str> = held.coordinates[3..]
+        .iter()
+        .map(|c| c.name.as_str())
+        .collect();
     assert_eq!(names, ["start(dot(x))", "start(a)"]);
-    let units: Vec<&str> = held.coordinates[3..].iter().map(|c| c.unit.as_str()).collect();
+    let units: Vec<&str> = held.coordinates[3..]
+        .iter()
+        .map(|c| c.unit.as_str())
+        .collect();
     assert_eq!(units, ["cm/s", "A"]);
     use hangtime_dsl::description::GivenBy;
     // Among (q, v) with five coordinates.
@@ -109,7 +118,7 @@ fn start_that_is_free_is_a_coordinate_that_decides_it_and_nothing_where_it_is_no
 
 #[test]
 fn conditions_are_formatted_like_the_statements_around_them() {
-    let text = "states{x,on}\nrates{x:1[1/s]+on*0[1/s]}\nwhen  x>=1{on=1}// once\nwhen x<=0 { on=0,x=  x+1}\n";
+    let text = "states{x,on}\nrates{x:1 [1/s]+on*0 [1/s]}\nwhen  x>=1{on=1}// once\nwhen x<=0 { on=0,x=  x+1}\n";
     assert_eq!(
         format_text(text, "s").expect("no mistakes"),
         "states { x, on }\nrates { x: 1 [1/s] + on*0 [1/s] }\nwhen x >= 1 { on = 1 } // once\nwhen x <= 0 { on = 0, x = x + 1 }\n"
