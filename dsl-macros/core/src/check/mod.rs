@@ -291,12 +291,7 @@ fn finish(
     let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
     let mut optimal_control = optimal_control::optimal_control(&mut checker, units);
     let remembered = remembered::starts(&mut checker, optimal_control.as_mut(), &start);
-    if let Some(task) = &optimal_control {
-        dynamics.extend(task.running_cost);
-        let constraints = task.constraints.iter().chain(&task.at_impacts);
-        dynamics.extend(constraints.map(|known| known.function));
-        dynamics.extend(&task.sums);
-    }
+    dynamics.extend(optimal_control.iter().flat_map(during_motion));
     moves?;
     let given: Vec<Sym> = [&dynamics[..], &forces, &start.0, &start.1].concat();
     design::finish(&mut checker, &given, &contacts, optimal_control.as_ref());
@@ -328,6 +323,14 @@ fn finish(
         remembered,
         remembers: false,
     })
+}
+
+/// What optimal control judges during a motion.
+fn during_motion(task: &scene::OptimalControl) -> Vec<Sym> {
+    let constraints = task.constraints.iter().chain(&task.at_impacts);
+    let functions = constraints.map(|known| known.function);
+    let functions = task.running_cost.into_iter().chain(functions);
+    functions.chain(task.sums.iter().copied()).collect()
 }
 
 /// All functions of the motion.

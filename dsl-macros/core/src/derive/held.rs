@@ -10,7 +10,7 @@ use super::simplify::simplify;
 use crate::ast::WrittenUnit;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{CheckedScene, Condition, Coordinate, OptimalControl};
+use crate::scene::{CheckedScene, Condition, Contact, Coordinate, OptimalControl};
 use hangtime_units::Unit;
 
 /// What a function of parameters gives, by the index of a component of the start `(q, v)` or of a contact.
@@ -61,30 +61,7 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         Some(Sym::variable(Variable::Coordinate((n + k) as u16)))
     };
     let one = |value: Sym| graph::substitute(&[value], place)[0];
-    for &index in chosen {
-        let known = &scene.parameters[usize::from(index)];
-        scene.coordinates.push(Coordinate {
-            name: known.name.clone(),
-            unit: known.unit.clone(),
-            documentation: known.documentation.clone(),
-            // What does not move is bounded at the start.
-            bounds: None,
-        });
-    }
-    let values: Vec<Sym> = remembered
-        .iter()
-        .map(|&k| scene.start_component(k))
-        .collect();
-    for &k in &remembered {
-        let component = component(&scene, n, k);
-        scene.coordinates.push(component);
-    }
-    let parameters = chosen
-        .iter()
-        .map(|&index| Sym::variable(Variable::Parameter(index)));
-    scene.start.0.extend(parameters.chain(values));
-    scene.start.1.resize(n + held, Sym::ZERO);
-    scene.forces.resize(n + held, Sym::ZERO);
+    add_coordinates(&mut scene, chosen);
     scene.lagrangian = one(scene.lagrangian);
     if scene.states.is_empty() {
         let rates = (0..held).map(|k| Sym::variable(Variable::Velocity((n + k) as u16)));
@@ -99,23 +76,7 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         *force = one(*force);
     }
     for contact in &mut scene.contacts {
-        contact.gap = one(contact.gap);
-        contact.bound = contact.bound.map(one);
-        if let Some(action) = &mut contact.switch {
-            for forces in [&mut action.force, &mut action.usual] {
-                forces.iter_mut().for_each(|force| *force = one(*force));
-                forces.resize(n + held, Sym::ZERO);
-            }
-        }
-        if let Some(along) = &mut contact.along {
-            along
-                .iter_mut()
-                .for_each(|component| *component = one(*component));
-            along.resize(n + held, Sym::ZERO);
-        }
-        if let Some(friction) = &mut contact.friction {
-            friction.sliding = one(friction.sliding);
-        }
+        replace_in(contact, n + held, &one);
     }
     for output in &mut scene.outputs {
         output.value = one(output.value);
@@ -145,6 +106,49 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     scene.held = chosen.to_vec();
     scene.remembers = !remembered.is_empty();
     scene
+}
+
+/// Puts parameters and what is remembered behind the coordinates, with their values at the start.
+fn add_coordinates(scene: &mut CheckedScene, chosen: &[u16]) {
+    let n = scene.coordinates.len();
+    let remembered = scene.remembered.clone();
+    for &index in chosen {
+        let known = &scene.parameters[usize::from(index)];
+        scene.coordinates.push(Coordinate {
+            name: known.name.clone(),
+            unit: known.unit.clone(),
+            documentation: known.documentation.clone(),
+            // What does not move is bounded at the start.
+            bounds: None,
+        });
+    }
+    let values = remembered.iter().map(|&k| scene.start_component(k));
+    let values: Vec<Sym> = values.collect();
+    for &k in &remembered {
+        let component = component(scene, n, k);
+        scene.coordinates.push(component);
+    }
+    let parameters = chosen.iter().copied().map(Variable::Parameter);
+    let parameters = parameters.map(Sym::variable);
+    scene.start.0.extend(parameters.chain(values));
+    scene.start.1.resize(scene.coordinates.len(), Sym::ZERO);
+    scene.forces.resize(scene.coordinates.len(), Sym::ZERO);
+}
+
+/// Replaces the functions of a contact, which acts on none of the coordinates behind those that it knew.
+fn replace_in(contact: &mut Contact, coordinates: usize, one: &impl Fn(Sym) -> Sym) {
+    contact.gap = one(contact.gap);
+    contact.bound = contact.bound.map(one);
+    let action = contact.switch.iter_mut();
+    let lists = action.flat_map(|action| [&mut action.force, &mut action.usual]);
+    for components in lists.chain(&mut contact.along) {
+        let all = components.iter_mut();
+        all.for_each(|component| *component = one(*component));
+        components.resize(coordinates, Sym::ZERO);
+    }
+    if let Some(friction) = &mut contact.friction {
+        friction.sliding = one(friction.sliding);
+    }
 }
 
 /// What is remembered of a component of the start `(q, v)`, as a coordinate.

@@ -404,11 +404,7 @@ fn call(
         return matrix::call(function, &values, diagnostics);
     }
     if text == words::SUM && !diagnostics.is_poisoned(text) {
-        let argument = recorded::summand(scope, whole, arguments, diagnostics)?;
-        scope.role = Role::Impact;
-        let summed = scalar(scope, argument, diagnostics);
-        scope.role = Role::End;
-        return recorded::sum(scope, argument, summed?, diagnostics);
+        return sum(scope, whole, arguments, diagnostics);
     }
     if text == words::START {
         return remembered::at_start(scope, whole, arguments, diagnostics);
@@ -435,6 +431,20 @@ fn call(
         return Err(diagnostics.report("E02", whole.place, message));
     }
     known_function(scope, whole, text, arguments, diagnostics)
+}
+
+/// `sum(expression)`, over all impacts.
+fn sum(
+    scope: &mut Scope,
+    whole: &Expr,
+    arguments: &[Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let argument = recorded::summand(scope, whole, arguments, diagnostics)?;
+    scope.role = Role::Impact;
+    let summed = scalar(scope, argument, diagnostics);
+    scope.role = Role::End;
+    recorded::sum(scope, argument, summed?, diagnostics)
 }
 
 /// A switch of these arguments.

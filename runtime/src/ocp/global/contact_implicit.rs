@@ -118,6 +118,7 @@ impl<'a> ContactImplicit<'a> {
             bounds,
             ..
         } = setting;
+        let known = model.declaration().contacts;
         let n = model.declaration().coordinates.len();
         let mut program = Program::new(model);
         let shape = ControlShape::Constant;
@@ -177,15 +178,8 @@ impl<'a> ContactImplicit<'a> {
             elements,
             contacts: unknowns,
             start: frame.start,
-            passed: (0..model.declaration().contacts.len())
-                .map(|contact| is_passed(model, contact))
-                .collect(),
-            edges: model
-                .declaration()
-                .contacts
-                .iter()
-                .map(|c| c.alternatives)
-                .collect(),
+            passed: (0..known.len()).map(|i| is_passed(model, i)).collect(),
+            edges: known.iter().map(|c| c.alternatives).collect(),
         }
     }
 

@@ -7,7 +7,6 @@ use hangtime_solver::clock::ThreadTime;
 use self::outputs::Outputs;
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};
-use super::contact_state::{ContactState, Direction};
 use super::diagnosis::Place;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
@@ -17,10 +16,11 @@ use super::forces::Forces;
 use super::impact::{Impact, LowestBounce};
 use super::instant::Instant;
 use super::remarks::Remarks;
+use super::resets;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
-use crate::model::{Model, Switching};
+use crate::model::Model;
 use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::vanishing_inertia;
@@ -491,11 +491,21 @@ impl<'a> Integration<'a> {
         let vanished = self.pass_edge(vanished);
         self.dynamics
             .observe_rounding(self.t, &self.y, self.h, at_start);
-        let mut set = self.set(vanished, &previously);
+        let mut set = resets::set(
+            &mut self.dynamics,
+            (self.t, &mut self.y),
+            vanished,
+            &previously,
+        );
         let vanished = vanished.filter(|_| set.is_empty());
         let impact = self.impact(vanished)?;
         if !impact.struck.is_empty() {
-            set.extend(self.set(None, &previously));
+            set.extend(resets::set(
+                &mut self.dynamics,
+                (self.t, &mut self.y),
+                None,
+                &previously,
+            ));
         }
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
@@ -542,34 +552,6 @@ impl<'a> Integration<'a> {
     /// Events so far, listed or not.
     fn events(&self) -> usize {
         self.log.count(self.result.events.len())
-    }
-
-    /// Sets what conditions ask for that come true here: the one whose function has `vanished`, those that what was set or an impact
-    /// has made true since the mode `previously`, each once. Returns them.
-    fn set(&mut self, vanished: Option<Switch>, previously: &[ContactState]) -> Vec<usize> {
-        let n = self.dynamics.n;
-        let model = self.dynamics.model;
-        let contacts = model.declaration().contacts;
-        let below = ContactState::Slip(Direction::Forward);
-        let mut set: Vec<usize> = Vec::new();
-        loop {
-            self.dynamics.load(self.t, &self.y);
-            let next = (0..contacts.len()).find(|&i| {
-                let waits = contacts[i].switch == Some(Switching::Resets)
-                    && previously[i] == below
-                    && !set.contains(&i);
-                waits
-                    && (vanished == Some(Switch::SlidingVelocity(i, Direction::Forward)) || {
-                        self.dynamics.evaluate_tangent(i);
-                        self.dynamics.sliding_velocity(i) < -self.dynamics.zero_sliding_velocity(i)
-                    })
-            });
-            let Some(i) = next else { return set };
-            let mut velocities = self.y[n..2 * n].to_vec();
-            model.reset(i, self.dynamics.input(), &mut velocities);
-            self.y[n..2 * n].copy_from_slice(&velocities);
-            set.push(i);
-        }
     }
 
     /// Lets the next piece of an edge act if it has come to be the largest: nothing else happens there.
