@@ -88,7 +88,7 @@ fn puck_in_a_shaken_box_strikes_its_walls_in_turn() {
     let text = format!(
         "parameters {{ b: m = {b}, a: m = {a}, w: rad/s = {w} }} coordinates {{ x: m }} controls {{ u: N }}
         lagrangian dot(x)^2/2*1 [kg] forces {{ x: u }} surface right: x <= b + a*sin(w*t) surface left: x >= a*sin(w*t) - b
-        impact right, left: restitution {e} start {{ dot(x): 1.2 }} free {{ x, dot(x) }} minimize integral(u^2)
+        impact right, left: restitution {e} start {{ x: -0.1, dot(x): 1.2 }} free {{ x, dot(x) in 0.5..=3 }} minimize integral(u^2)
         finally {{ x == -start(x), dot(x) == -start(dot(x)) }} horizon pi/w"
     );
     let solution = optimum(&text, 10);
@@ -121,7 +121,8 @@ fn current_under_an_alternating_voltage_repeats_itself() {
     // A state of first order: i = Re V exp(i w t)/(r + i w ell).
     let text = "parameters { r: Ohm = 2, ell: H = 0.1, w: rad/s = 12 } states { i: A } controls { u: V }
         rates { i: (10 [V]*cos(w*t) + u - r*i)/ell } free { i } minimize integral(u^2) finally { i == start(i) } horizon 2*pi/w";
-    let solution = optimum(text, 12);
+    // An interval is half of the time constant: four stages are right to some 1e-10.
+    let solution = optimum(text, 24);
     let trajectory = &solution.motion.as_ref().expect("a motion").trajectory;
     close(trajectory.v[0][0], 10.0 * 2.0 / (4.0 + 1.44));
 }
@@ -149,4 +150,20 @@ fn cost_may_read_the_start() {
     let solution = optimum(text, 4);
     let (_, v) = start(&solution);
     close(v[0], 1.0);
+}
+
+#[test]
+fn what_is_remembered_of_the_start_is_a_variable_each_and_nothing_where_nothing_is() {
+    use hangtime::ocp::{Problem, Settings, program_sizes};
+    let variables = |goals: &str| {
+        let scene = of_text("scene.hang", &shaken(goals, "2")).expect("no mistakes");
+        let sizes = program_sizes(&scene, &Problem::of(&scene, 10), &Settings::default());
+        sizes.expect("accepted")[1].size().variables
+    };
+    let plain = variables("x == 0 [m], dot(x) == 0 [m/s]");
+    assert_eq!(variables("x == start(x), dot(x) == 0 [m/s]"), plain + 1);
+    assert_eq!(
+        variables("x == start(x), dot(x) == start(dot(x))"),
+        plain + 2
+    );
 }
