@@ -94,6 +94,17 @@ pub(crate) struct Condition {
     pub(crate) right: Expr,
 }
 
+impl fmt::Display for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let relation = match self.relation {
+            Relation::Equal => "==",
+            Relation::AtLeast => ">=",
+            Relation::AtMost => "<=",
+        };
+        write!(f, "{} {relation} {}", self.left, self.right)
+    }
+}
+
 /// `name in lower..=upper`, in `free`.
 #[derive(Debug)]
 pub(crate) struct FreeStart {

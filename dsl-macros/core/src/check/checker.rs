@@ -184,6 +184,13 @@ impl Checker<'_> {
         }
     }
 
+    /// Whether a condition sets a state, so that it needs no rate.
+    pub(super) fn is_set(&self, state: usize) -> bool {
+        let index = self.coordinates.len() + state;
+        let mut values = self.laws.resets.iter().flat_map(|reset| &reset.values);
+        values.any(|&(known, _)| known == index)
+    }
+
     /// A name whose declaration failed: uses of it are not reported as undeclared, as the stand-in is
     /// never emitted.
     pub(super) fn poison(&mut self, name: &Name) -> Checked<()> {

@@ -211,7 +211,7 @@ pub(super) fn finally(checker: &mut Checker<'_>, goals: &[Condition]) -> Checked
         let (Ok(left), Ok(right)) = (left, right) else {
             continue;
         };
-        let name = shown(goal);
+        let name = goal.to_string();
         if let Ok(pieces) = checked_condition(checker, goal, name, left, right) {
             checker.task.goals.push(pieces);
         }
@@ -291,7 +291,7 @@ fn checked_condition(
             format!(
                 "`{}` is the same for every motion, so it is no condition; use coordinates, \
                  velocities or the time",
-                shown(condition)
+                condition
             ),
         ));
     }
@@ -412,16 +412,6 @@ pub(super) fn optimal_control(
 fn moves(checker: &Checker<'_>, value: Sym) -> bool {
     let of_motion = |variable| !matches!(variable, Variable::Parameter(_));
     graph::depends_on(value, of_motion) || checker.free_parameter_in(value).is_some()
-}
-
-/// A condition as written.
-pub(super) fn shown(condition: &Condition) -> String {
-    let relation = match condition.relation {
-        Relation::Equal => "==",
-        Relation::AtLeast => ">=",
-        Relation::AtMost => "<=",
-    };
-    format!("{} {relation} {}", condition.left, condition.right)
 }
 
 /// Whether a product holds one integral, which does not divide.

@@ -4,7 +4,7 @@
 
 use super::checker::{Checker, Reset};
 use super::rules::smooth;
-use super::{optimal_control, states, values};
+use super::{states, values};
 use crate::ast::{Assignment, Condition, Expr, Name, Relation};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::expression;
@@ -39,7 +39,7 @@ pub(super) fn when(
             Variable::Coordinate(_) | Variable::Velocity(_) | Variable::Time
         )
     };
-    let shown = optimal_control::shown(condition);
+    let shown = condition.to_string();
     if !graph::depends_on(function, moves) {
         let message = format!(
             "`{shown}` depends on nothing that changes, so that it never comes true; use coordinates, velocities, states or the time"
@@ -116,13 +116,6 @@ fn set(checker: &mut Checker<'_>, assignment: &Assignment) -> Checked<(usize, Sy
     }
     let scale = scene::scale(unit.as_ref());
     Ok((index, value.scaled(1.0 / scale)))
-}
-
-/// Whether a state is set somewhere, so that it needs no rate.
-pub(super) fn sets(checker: &Checker<'_>, state: usize) -> bool {
-    let index = checker.coordinates.len() + state;
-    let mut values = checker.laws.resets.iter().flat_map(|reset| &reset.values);
-    values.any(|&(known, _)| known == index)
 }
 
 /// Puts a contact for each condition behind the others; states have their coordinates.

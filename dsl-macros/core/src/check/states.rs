@@ -4,7 +4,6 @@
 //! velocities knows states, and nothing else is solved for.
 
 use super::checker::Checker;
-use super::resets;
 use crate::ast::{Assignment, Name, WrittenUnit};
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
 use crate::evaluate::expression;
@@ -85,7 +84,7 @@ pub(super) fn without_rate(checker: &mut Checker<'_>) {
     for state in 0..checker.states.len() {
         let name = checker.states[state].name.clone();
         let known = checker.rates.iter().any(|&(known, _)| known == state);
-        if known || resets::sets(checker, state) || checker.diagnostics.mistakes() > 0 {
+        if known || checker.is_set(state) || checker.diagnostics.mistakes() > 0 {
             continue;
         }
         let message = format!(

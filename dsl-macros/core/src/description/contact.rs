@@ -6,6 +6,7 @@ use crate::derive::{ContactEquations, Explicit, FrictionEquations, Implicit, Inv
 use crate::graph::{Sym, Variable};
 use crate::scene;
 
+// Many fields: what a declaration says of a contact, and a kernel each of what is derived.
 /// A contact: what is declared of it, and its kernels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {

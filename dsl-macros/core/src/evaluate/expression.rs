@@ -407,7 +407,7 @@ fn call(
         return sum(scope, whole, arguments, diagnostics);
     }
     if text == words::START {
-        return remembered::at_start(scope, whole, arguments, diagnostics);
+        return at_start(scope, whole, arguments, diagnostics);
     }
     if words::CONTACT_FUNCTIONS.contains(&text) {
         return recorded::of_contact(scope, whole, text, arguments, diagnostics);
@@ -445,6 +445,18 @@ fn sum(
     let summed = scalar(scope, argument, diagnostics);
     scope.role = Role::End;
     recorded::sum(scope, argument, summed?, diagnostics)
+}
+
+/// `start(expression)`.
+fn at_start(
+    scope: &mut Scope,
+    whole: &Expr,
+    arguments: &[Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let argument = remembered::argument(scope, whole, arguments, diagnostics)?;
+    let known = value(scope, argument, diagnostics)?;
+    remembered::at_start(scope, (whole, argument), &known, diagnostics)
 }
 
 /// A switch of these arguments.

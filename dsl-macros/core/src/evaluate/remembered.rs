@@ -1,19 +1,18 @@
 //! `start(...)`: what a quantity is at the start of the motion, in what is judged of it.
 
-use super::expression::value;
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::Expr;
 use crate::diagnostics::{Checked, Diagnostics};
 use crate::graph::{self, Sym, Variable};
 
-/// The argument with the start of the motion in the place of its coordinates and velocities.
-pub(super) fn at_start(
-    scope: &mut Scope,
+/// What `start(...)` is asked of, where that has a meaning.
+pub(super) fn argument<'e>(
+    scope: &Scope,
     whole: &Expr,
-    arguments: &[Expr],
+    arguments: &'e [Expr],
     diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
+) -> Checked<&'e Expr> {
     if !matches!(scope.role, Role::Running | Role::Constraint | Role::End) {
         let message = format!(
             "`{whole}` is known to `minimize`, `constraint` and `finally` only, which judge a motion as a whole; elsewhere a \
@@ -25,7 +24,16 @@ pub(super) fn at_start(
         let message = format!("`start` takes 1 argument, found {}", arguments.len());
         return Err(diagnostics.report("E02", whole.place, message));
     };
-    let known = value(scope, argument, diagnostics)?;
+    Ok(argument)
+}
+
+/// The value of the argument with the start of the motion in the place of its coordinates and velocities.
+pub(super) fn at_start(
+    scope: &mut Scope,
+    (whole, argument): (&Expr, &Expr),
+    known: &Value,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
     for variable in graph::variables(known.components()) {
         let what = match variable {
             Variable::Coordinate(_) | Variable::Velocity(_) | Variable::Parameter(_) => continue,
