@@ -13,9 +13,10 @@ use hangtime::nlp::IterationInfo;
 
 use crate::arguments::{LimitArguments, MEMORY_LIMIT};
 use crate::bounds::Bounds;
-use crate::failure::{BadInput, did_you_mean, one_line};
+use crate::failure::{BadInput, one_line};
 use crate::output::OutputDirectory;
-use crate::program::{names, read, summary};
+use crate::program::{open, read, summary};
+use crate::program_options::{self, OPTIONS, wrong};
 use crate::report::Report;
 
 /// The flag that follows the name of the file.
@@ -25,38 +26,13 @@ const VARIABLE: &str = "hangtime_options";
 /// Lines of the log between headings.
 const PAGE: usize = 20;
 
-/// The options, with what they are.
-const OPTIONS: [(&str, &str); 7] = [
-    (
-        "tol",
-        "bound of the optimality error, relative to the scale of the program at its start (1e-8)",
-    ),
-    (
-        "constr_viol_tol",
-        "bound of the violation of a solution, in the units of the program (1e-6)",
-    ),
-    ("max_iter", "most interior point iterations"),
-    ("time_limit", "most seconds of wall-clock time"),
-    ("starts", "points to start from; the best end is kept (1)"),
-    (
-        "warm_start",
-        "whether multipliers in the file are started from: yes or no (yes)",
-    ),
-    (
-        "print_level",
-        "0: nothing, 1: the result, 2: every iteration (2)",
-    ),
-];
-
-/// Other names of options, as solvers of the same kind have them.
-const SYNONYMS: [(&str, &str); 6] = [
-    ("tolerance", "tol"),
-    ("maxit", "max_iter"),
-    ("max_wall_time", "time_limit"),
-    ("max_cpu_time", "time_limit"),
-    ("timelim", "time_limit"),
-    ("outlev", "print_level"),
-];
+/// The option that concerns the log, with what it is.
+const PRINT_LEVEL: (&str, &str) = (
+    "print_level",
+    "0: nothing, 1: the result, 2: every iteration (2)",
+);
+/// Another name of it, as solvers of the same kind have it.
+const OUTLEV: &str = "outlev";
 
 /// What the options say.
 struct Wishes {
@@ -68,6 +44,23 @@ struct Wishes {
 pub(crate) fn call(arguments: &[OsString]) -> Option<(&Path, &[OsString])> {
     let place = arguments.iter().position(|word| word == FLAG)?;
     (place == 2).then(|| (Path::new(&arguments[1]), &arguments[3..]))
+}
+
+/// What a call answers by which a modelling language asks what it has before it solves: `-v` for the version, `-=` for the options.
+pub(crate) fn told(arguments: &[OsString]) -> Option<String> {
+    let [_, question] = arguments else {
+        return None;
+    };
+    let version = format!("hangtime {}\n", env!("CARGO_PKG_VERSION"));
+    match question.to_str()? {
+        "-v" => Some(version),
+        "-=" => {
+            let lines = OPTIONS.iter().chain([&PRINT_LEVEL]);
+            let lines = lines.map(|(name, meaning)| format!("{name:16} {meaning}\n"));
+            Some(lines.collect())
+        }
+        _ => None,
+    }
 }
 
 /// Solves the program and writes its `.sol` file; only a file that cannot be read, or a `.sol` file that cannot be written, is an error.
@@ -119,9 +112,7 @@ fn program_path(stub: &Path) -> PathBuf {
 /// What is printed at the end, and the `.sol` file; or why the program was not solved.
 fn answer(path: &Path, bytes: &[u8], words: &[OsString]) -> Result<(String, String), String> {
     let wishes = wishes(words)?;
-    let names = |extension| names(&path.with_extension(extension));
-    let mut program = Program::read_named(bytes, names("col"), names("row"))
-        .map_err(|error| error.to_string())?;
+    let mut program = open(path, bytes).map_err(|error| error.to_string())?;
     let name: &'static str = Box::leak(path.display().to_string().into_boxed_str());
     let limits = LimitArguments {
         time_limit: None,
@@ -212,50 +203,17 @@ fn wishes(words: &[OsString]) -> Result<Wishes, String> {
 
 /// Takes in one option.
 fn set(wishes: &mut Wishes, name: &str, value: &str) -> Result<(), String> {
-    let synonym = SYNONYMS.iter().find(|(other, _)| *other == name);
-    let name = synonym.map_or(name, |(_, name)| *name);
-    let wrong = |range: &str| format!("option `{name}`: found `{value}`; give {range}");
-    let number = |range: &str, fits: &dyn Fn(f64) -> bool| {
-        let number: Option<f64> = value.parse().ok();
-        number
-            .filter(|number| fits(*number))
-            .ok_or_else(|| wrong(range))
-    };
-    let count = |least: usize, most: usize| {
-        let count: Option<usize> = value.parse().ok();
-        let range = format!("a whole number from {least} to {most}");
-        count
-            .filter(|count| (least..=most).contains(count))
-            .ok_or_else(|| wrong(&range))
-    };
-    let above_zero = |number: f64| number > 0.0;
-    let solve = &mut wishes.solve;
     match name {
-        "tol" => solve.tolerance = number("a number above 0 and below 1", &|v| v > 0.0 && v < 1.0)?,
-        "constr_viol_tol" => solve.constraint_tolerance = number("a number above 0", &above_zero)?,
-        "time_limit" => solve.maximum_seconds = number("seconds above 0", &above_zero)?,
-        "max_iter" => solve.maximum_iterations = Some(count(0, 1_000_000)?),
-        "starts" => solve.starts = count(1, 10_000)?,
-        "print_level" => wishes.print_level = count(0, 12)?,
-        "warm_start" => {
-            solve.warm = match value {
-                "yes" | "1" => true,
-                "no" | "0" => false,
-                _ => return Err(wrong("yes or no")),
-            }
+        "print_level" | OUTLEV => {
+            let range = "a whole number from 0 to 12";
+            let level = value.parse().ok().filter(|level| *level <= 12);
+            wishes.print_level = level.ok_or_else(|| wrong(PRINT_LEVEL.0, value, range))?;
+            Ok(())
         }
         // by these AMPL and its kin say how the answer goes back, which here is always the same
-        "wantsol" | "halt_on_ampl_error" => {}
-        _ => {
-            let known = OPTIONS.map(|(name, meaning)| format!("{name} ({meaning})"));
-            let near = did_you_mean(name, OPTIONS.map(|(name, _)| name));
-            return Err(format!(
-                "there is no option `{name}`{near}; options are {}",
-                known.join(", ")
-            ));
-        }
+        "wantsol" | "halt_on_ampl_error" => Ok(()),
+        _ => program_options::set(&mut wishes.solve, name, value, &[PRINT_LEVEL]),
     }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::numbers::{
-    ROWS, above_zero, duration, elements, intervals, rows, shard, stages, starts, steps,
+    ROWS, above_zero, chain, duration, elements, intervals, rows, shard, stages, starts, steps,
 };
 
 /// Simulation and optimal control of mechanical systems with impacts.
@@ -105,7 +105,7 @@ pub(crate) struct ListArguments {
 }
 
 /// The scene and its parameters.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct SceneArguments {
     /// Name of the scene; `hangtime list` shows them. Or the path of a scene file, which ends with .hang.
     #[arg(value_name = "SCENE")]
@@ -116,7 +116,7 @@ pub(crate) struct SceneArguments {
 }
 
 /// Where the files of a result go, and how it is printed.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct ResultArguments {
     /// Directory for data, figures and a page; made if it does not exist.
     #[arg(long, value_name = "DIR")]
@@ -154,7 +154,7 @@ pub(crate) struct LimitArguments {
 }
 
 /// Arguments of `simulate`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct SimulateArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
@@ -247,7 +247,7 @@ pub(crate) enum FormulationName {
 }
 
 /// Arguments of `solve`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
@@ -340,6 +340,10 @@ pub(crate) struct NlpArguments {
     pub(crate) limits: LimitArguments,
 }
 
+/// Points of a chain of a warm sweep, unless others are asked for: few enough that a sweep of some hundred points keeps many
+/// processors busy, and a start from nothing is a tenth of the solves.
+pub const WARM_CHAIN: &str = "10";
+
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]
 pub(crate) struct SweepArguments {
@@ -372,10 +376,14 @@ pub(crate) struct SweepArguments {
         conflicts_with = "join"
     )]
     pub(crate) record: Vec<String>,
+    /// Let a point of `--what solve` start from the motion found at the point before it, in chains of N points along the last
+    /// parameter (without N: 10); the first point of a chain starts from nothing, as every point does without this option.
+    #[arg(long, value_name = "N", value_parser = chain, num_args = 0..=1, require_equals = true, default_missing_value = WARM_CHAIN, conflicts_with = "join")]
+    pub(crate) warm: Option<usize>,
     /// The table; its columns are point, values, status, message, contact sequence, records, and a mark of the sweep.
     #[arg(long, value_name = "FILE.csv")]
     pub(crate) out: PathBuf,
-    /// Only every N-th point, from the I-th on, for N jobs that share a sweep.
+    /// Only every N-th point (of a warm sweep: chain), from the I-th on, for N jobs that share a sweep.
     #[arg(long, value_name = "I/N", value_parser = shard, default_value = "1/1", conflicts_with = "join")]
     pub(crate) shard: (usize, usize),
     /// Go on with a table that a run before has begun.

@@ -120,8 +120,16 @@ impl CommandLine {
     /// The exit status is 0 for a solved problem, 2 for bad input and for files that could not be written, 3 for a
     /// result that did not converge or that a limit ended.
     pub fn run(&self, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+        ExitCode::from(self.status(arguments))
+    }
+
+    /// As [`CommandLine::run`], with the exit status as a number, for programs that end by their own means.
+    pub fn status(&self, arguments: impl IntoIterator<Item = OsString>) -> u8 {
         keep_write_errors();
         let arguments: Vec<OsString> = arguments.into_iter().collect();
+        if let Some(answer) = ampl::told(&arguments) {
+            return ended(Ok(Ok(Report::of(answer))));
+        }
         if let Some((file, options)) = ampl::call(&arguments) {
             return ended(panic::catch_unwind(|| ampl::run(file, options)));
         }
@@ -227,18 +235,18 @@ impl CommandLine {
 }
 
 /// Prints what a command came to; gives its exit status.
-fn ended(outcome: std::thread::Result<Result<Report, BadInput>>) -> ExitCode {
+fn ended(outcome: std::thread::Result<Result<Report, BadInput>>) -> u8 {
     match outcome {
         Ok(Ok(report)) => report.print(),
         Ok(Err(refusal)) => {
             refuse(&refusal);
-            ExitCode::from(BAD_INPUT)
+            BAD_INPUT
         }
         Err(_) => {
             complain(
                 "internal_error: a mistake in this program, at the place above; please report it",
             );
-            ExitCode::from(NOT_CONVERGED)
+            NOT_CONVERGED
         }
     }
 }

@@ -5,11 +5,11 @@
 use std::collections::BTreeMap;
 use std::fmt;
 use std::panic::{self, AssertUnwindSafe};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use clap::{Args, CommandFactory as _};
 use hangtime::Progress;
-use hangtime::ocp::Solution;
+use hangtime::ocp::{Previous, Solution};
 use hangtime::simulation::{Gradient, Simulation};
 
 use crate::arguments::{
@@ -18,6 +18,7 @@ use crate::arguments::{
 use crate::ending::{Ending, Stop};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
+use crate::json::{Columns, part, quantities};
 use crate::numbers::ROWS;
 use crate::scene_file::{EXTENSION, entry, is_path, read_text};
 use crate::settings::{ChosenScene, find};
@@ -51,6 +52,61 @@ pub struct HostScene {
     scene: &'static Scene,
     /// The text of the scene, or the name of a shipped one: equal scenes have the same.
     identity: String,
+    simulated: Recent<SimulateArguments>,
+    solved: Recent<SolveArguments>,
+}
+
+/// The options of the last run and what they mean: those of the next one are mostly the same, and reading them takes as long as a
+/// short run.
+#[derive(Debug, Clone)]
+struct Recent<A>(Arc<Mutex<Option<Known<A>>>>);
+
+/// Options as words, and what they mean.
+#[derive(Debug)]
+struct Known<A> {
+    options: Vec<String>,
+    arguments: A,
+}
+
+impl<A> Default for Recent<A> {
+    fn default() -> Self {
+        Self(Arc::default())
+    }
+}
+
+/// How a setting begins that is one word.
+const SETTING: &str = "--set=";
+
+impl<A: Args + Clone> Recent<A> {
+    /// The options among `words`, read, and the settings among them.
+    fn read(
+        &self,
+        scene: &HostScene,
+        command: &'static str,
+        words: &[String],
+    ) -> Result<(A, Vec<String>), BadInput> {
+        let (settings, options): (Vec<&String>, Vec<&String>) =
+            words.iter().partition(|word| word.starts_with(SETTING));
+        let settings = settings.iter().map(|word| word[SETTING.len()..].to_owned());
+        let settings = settings.collect();
+        let mut recent = match self.0.lock() {
+            Ok(recent) => recent,
+            // A panic leaves what was there before.
+            Err(poisoned) => poisoned.into_inner(),
+        };
+        if let Some(known) = &*recent
+            && known.options.iter().eq(options.iter().copied())
+        {
+            return Ok((known.arguments.clone(), settings));
+        }
+        let options: Vec<String> = options.into_iter().cloned().collect();
+        let arguments: A = scene.arguments(command, &options)?;
+        *recent = Some(Known {
+            options,
+            arguments: arguments.clone(),
+        });
+        Ok((arguments, settings))
+    }
 }
 
 /// Scenes that were derived, by file name and text: they stay in memory until the program ends, each once.
@@ -76,10 +132,7 @@ impl HostScene {
         {
             return Self::derive(&format!("{name}.{EXTENSION}"), text.to_owned());
         }
-        Ok(Self {
-            scene: find(scenes, name)?,
-            identity: name.to_owned(),
-        })
+        Ok(Self::new(find(scenes, name)?, name.to_owned()))
     }
 
     /// The scene of a text, as [`HostScene::open`] gives that of the file `name.hang`.
@@ -111,10 +164,16 @@ impl HostScene {
                 scene
             }
         };
-        Ok(Self {
+        Ok(Self::new(scene, text))
+    }
+
+    fn new(scene: &'static Scene, identity: String) -> Self {
+        Self {
             scene,
-            identity: text,
-        })
+            identity,
+            simulated: Recent::default(),
+            solved: Recent::default(),
+        }
     }
 
     /// Name of the scene.
@@ -185,7 +244,8 @@ impl HostScene {
         words: &[String],
         observer: &mut (dyn FnMut(&Progress) -> bool + Send),
     ) -> Result<HostRun, Refusal> {
-        let arguments: SimulateArguments = self.arguments("simulate", words)?;
+        let (mut arguments, settings) = self.simulated.read(self, "simulate", words)?;
+        arguments.scene.settings.extend(settings);
         let chosen = self.chosen(&arguments.scene.settings)?;
         let task = SimulationTask::new(chosen, &arguments)?;
         let mut bound = Bound::new(&arguments.limits);
@@ -207,9 +267,42 @@ impl HostScene {
         words: &[String],
         observer: &mut (dyn FnMut(&Progress) -> bool + Send),
     ) -> Result<HostRun, Refusal> {
-        let arguments: SolveArguments = self.arguments("solve", words)?;
+        self.planned(words, None, observer)
+    }
+
+    /// As [`HostScene::solve`], from the motion of an earlier solve of the same scene, for other parameters or another number of
+    /// intervals: its contact sequence is tried first, and contact-implicit programs where it leads to nothing.
+    ///
+    /// # Errors
+    /// As [`HostScene::solve`], and where the earlier run has no plan, or one of another scene.
+    pub fn solve_from(
+        &self,
+        words: &[String],
+        before: &HostRun,
+        observer: &mut (dyn FnMut(&Progress) -> bool + Send),
+    ) -> Result<HostRun, Refusal> {
+        let none = || {
+            BadInput::new(
+                "the start is a run without a plan; give the result of a solve that found a motion",
+            )
+        };
+        let previous = before.previous().ok_or_else(none)?;
+        self.planned(words, Some(previous), observer)
+    }
+
+    fn planned(
+        &self,
+        words: &[String],
+        previous: Option<&Previous>,
+        observer: &mut (dyn FnMut(&Progress) -> bool + Send),
+    ) -> Result<HostRun, Refusal> {
+        let (mut arguments, settings) = self.solved.read(self, "solve", words)?;
+        arguments.scene.settings.extend(settings);
         let chosen = self.chosen(&arguments.scene.settings)?;
         let mut task = OptimumTask::new(chosen, &arguments)?;
+        if let Some(previous) = previous {
+            task.start_from(previous);
+        }
         let mut bound = Bound::new(&arguments.limits);
         let solution = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
         let ending = Ending::of_bounded(&solution, bound.stop, &arguments.limits);
@@ -271,7 +364,7 @@ impl Bound {
 }
 
 /// A mistake in this program must not end the host.
-fn guarded<T>(work: impl FnOnce() -> Result<T, BadInput>) -> Result<T, BadInput> {
+pub(crate) fn guarded<T>(work: impl FnOnce() -> Result<T, BadInput>) -> Result<T, BadInput> {
     panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| {
         Err(BadInput::new(
             "internal_error: a mistake in this program, at the place above; please report it",
@@ -315,6 +408,50 @@ impl HostRun {
     #[must_use]
     pub fn has_motion(&self) -> bool {
         self.motion().is_some()
+    }
+
+    /// Whether the run ended with a solution.
+    #[must_use]
+    pub fn is_solved(&self) -> bool {
+        match &self.work {
+            Work::Simulated(_, simulation, _) => simulation.status.is_solved(),
+            Work::Planned(_, solution) => solution.status.is_solved(),
+        }
+    }
+
+    /// Whether another solve can start from it: whether it is a solve that found a motion.
+    #[must_use]
+    pub fn is_start(&self) -> bool {
+        self.previous().is_some()
+    }
+
+    fn previous(&self) -> Option<&Previous> {
+        match &self.work {
+            Work::Simulated(..) => None,
+            Work::Planned(_, solution) => solution.previous.as_ref(),
+        }
+    }
+
+    /// A part of the trajectory by its name in the document, such as `q`, at the instants that the document has: numbers row after
+    /// row. `None` where there is no such part, or no motion.
+    #[must_use]
+    pub fn part(&self, name: &str) -> Option<Columns> {
+        let motion = self.motion()?;
+        let (model, rows) = match &self.work {
+            Work::Simulated(task, ..) => (&task.chosen.model, task.rows()),
+            Work::Planned(task, _) => (&task.chosen.model, task.rows()),
+        };
+        part(model.as_ref(), &motion.trajectory, rows, name)
+    }
+
+    /// Name and unit of every column of a part; a number has an empty unit.
+    #[must_use]
+    pub fn quantities(&self, part: &str) -> Vec<(String, String)> {
+        let chosen = match &self.work {
+            Work::Simulated(task, ..) => &task.chosen,
+            Work::Planned(task, _) => &task.chosen,
+        };
+        quantities(chosen.model.as_ref(), part)
     }
 
     fn motion(&self) -> Option<&Simulation> {

@@ -55,6 +55,8 @@ mod files;
 #[cfg(feature = "terminal")]
 mod host;
 #[cfg(feature = "terminal")]
+mod host_program;
+#[cfg(feature = "terminal")]
 mod list;
 #[cfg(feature = "terminal")]
 mod motion;
@@ -68,6 +70,8 @@ mod play;
 mod profile;
 #[cfg(feature = "terminal")]
 mod program;
+#[cfg(feature = "terminal")]
+mod program_options;
 #[cfg(feature = "terminal")]
 mod progress;
 #[cfg(feature = "terminal")]
@@ -87,11 +91,15 @@ mod timing;
 #[cfg(feature = "terminal")]
 mod watch;
 
+pub use arguments::WARM_CHAIN;
 pub use calls::Calls;
 #[cfg(feature = "terminal")]
 pub use command_line::CommandLine;
 #[cfg(feature = "terminal")]
 pub use host::{HostRun, HostScene, Refusal, options};
+#[cfg(feature = "terminal")]
+pub use host_program::{HostProgram, program_options};
+pub use json::Columns;
 #[cfg(feature = "terminal")]
 pub use play::PlayPage;
 pub use published::{
@@ -103,4 +111,4 @@ pub use scene::{
     Scene, Variant, parameter,
 };
 #[cfg(feature = "terminal")]
-pub use sweep::SweepPlan;
+pub use sweep::{SweepPlan, SweepWork};

@@ -96,6 +96,12 @@ pub(crate) fn shard(text: &str) -> Result<(usize, usize), String> {
         .ok_or_else(|| "give I/N with whole numbers 1 <= I <= N, such as 3/40".to_owned())
 }
 
+/// Points of a chain of a sweep, each of which starts from the one before it.
+pub(crate) fn chain(text: &str) -> Result<usize, String> {
+    let points = text.parse().ok().filter(|&points| points > 0);
+    points.ok_or_else(|| "give a whole number of points, at least 1".to_owned())
+}
+
 /// A finite number above zero.
 pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

@@ -39,9 +39,7 @@ pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
     let refused = |what: String| BadInput::new(format!("{shown}: {what}"));
     let bytes = read(path)
         .map_err(|error| refused(format!("{error}; give a .nl file that can be read")))?;
-    let names = |extension| names(&path.with_extension(extension));
-    let mut program = Program::read_named(&bytes, names("col"), names("row"))
-        .map_err(|error| refused(error.to_string()))?;
+    let mut program = open(path, &bytes).map_err(|error| refused(error.to_string()))?;
     drop(bytes);
     let size = ProblemSize::of(&program, program.complementarities().len());
     let mut display = SolveProgress::new(name);
@@ -139,8 +137,14 @@ pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The program of these bytes of the file `path`, with the names in the files beside it.
+pub(crate) fn open(path: &Path, bytes: &[u8]) -> Result<Program, nl::ReadError> {
+    let names = |extension| names(&path.with_extension(extension));
+    Program::read_named(bytes, names("col"), names("row"))
+}
+
 /// The lines of a file with names, if there is one.
-pub(crate) fn names(path: &Path) -> Vec<String> {
+fn names(path: &Path) -> Vec<String> {
     let text = read(path).unwrap_or_default();
     let text = String::from_utf8_lossy(&text);
     text.lines().map(|line| line.trim().to_owned()).collect()

@@ -1,12 +1,13 @@
 //! What a command prints, and the exit status that goes with it.
 
 use std::io::{self, Write as _};
-use std::process::ExitCode;
 
 use crate::arguments::ResultArguments;
 use crate::failure::{BadInput, one_line, visible};
 use crate::output::OutputDirectory;
 
+/// Exit status of a solved problem.
+pub(crate) const SUCCESS: u8 = 0;
 /// Exit status of a result that did not converge.
 pub(crate) const NOT_CONVERGED: u8 = 3;
 /// Exit status of bad input, and of files that could not be written.
@@ -64,8 +65,8 @@ impl Report {
         }
     }
 
-    /// Prints it.
-    pub(crate) fn print(&self) -> ExitCode {
+    /// Prints it; gives the exit status.
+    pub(crate) fn print(&self) -> u8 {
         let mut stdout = io::stdout().lock();
         let written = stdout
             .write_all(visible(&self.text).as_bytes())
@@ -74,23 +75,23 @@ impl Report {
             complain(line);
         }
         match printed(written) {
-            failed if failed != ExitCode::SUCCESS => failed,
-            _ if !self.refusals.is_empty() => ExitCode::from(BAD_INPUT),
-            _ if self.diagnoses.is_empty() => ExitCode::SUCCESS,
-            _ => ExitCode::from(NOT_CONVERGED),
+            failed if failed != SUCCESS => failed,
+            _ if !self.refusals.is_empty() => BAD_INPUT,
+            _ if self.diagnoses.is_empty() => SUCCESS,
+            _ => NOT_CONVERGED,
         }
     }
 }
 
 /// The exit status of what has been `written` to the standard output stream.
-pub(crate) fn printed(written: io::Result<()>) -> ExitCode {
+pub(crate) fn printed(written: io::Result<()>) -> u8 {
     match written {
         // Whoever reads the other end of a pipe may stop whenever they like.
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             complain(&format!("standard output: {error}; check where it leads"));
-            ExitCode::from(BAD_INPUT)
+            BAD_INPUT
         }
-        _ => ExitCode::SUCCESS,
+        _ => SUCCESS,
     }
 }
 

@@ -5,25 +5,30 @@
 >>> run = ride.simulate(speed="15 km/h", horizon=2)
 >>> run["y"], run.time, run.events, run.at(0.7)["dot(y)"]
 >>> best = ride.solve(intervals=30, progress=True)
+>>> answer = ht.nlp("program.nl")
 
 Numbers are those of the command line, bit for bit. Bad input is one exception, :class:`Mistake`, that prints like the
 command line.
 """
 
 from ._core import Mistake, __version__
-from ._result import Event, Run, Solution
+from ._program import Program, nlp
+from ._result import Event, Gradient, Run, Solution
 from ._scene import Scene, load, scene, scenes
 from ._sweep import Sweep, sweep
 
 __all__ = [
     "Event",
+    "Gradient",
     "Mistake",
+    "Program",
     "Run",
     "Scene",
     "Solution",
     "Sweep",
     "__version__",
     "load",
+    "nlp",
     "scene",
     "scenes",
     "sweep",

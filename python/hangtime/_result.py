@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import json
+import os
 from html import escape
-from typing import Any, Dict, Iterator, List, Optional
+from typing import Any, Dict, Iterator, List, Optional, Type, TypeVar
 
 import numpy as np
 
 from ._core import Mistake
 
+Motion = TypeVar("Motion", bound="Run")
 #: Parts of a trajectory that hold a vector at every instant.
-_PARTS = ("q", "v", "u", "contact_force", "friction_force", "outputs")
+_PARTS = ("q", "v", "states", "u", "contact_force", "friction_force", "outputs")
 #: In shorter intervals [s], relative to the time, rounding dominates the slope of the coordinates.
 _SHORT = 1e-8
+#: A part that a motion does not have.
+_NOTHING = np.zeros((0, 0))
+_NOTHING.flags.writeable = False
 
 
 class Event:
@@ -30,9 +35,41 @@ class Event:
         """Velocities right before, shape (n,)."""
         self.v_after = np.array(entry["v_after"])
         """Velocities right after, shape (n,)."""
+        self.states = np.array(entry.get("states", ()))
+        """States of first order, which an impact leaves as they are; shape (states,)."""
+        self.contact_impulse = np.array(entry.get("contact_impulse", ()))
+        """Normal impulses of an impact, shape (contacts,); empty for other events."""
+        self.friction_impulse = np.array(entry.get("friction_impulse", ()))
+        """Tangential impulses of an impact, shape (contacts,); empty for other events and without friction."""
 
     def __repr__(self) -> str:
         return f"<{self.kind} {self.contact} at {self.time!r} s>"
+
+
+class Gradient:
+    """Derivatives of a motion by :attr:`with_respect_to`, one a column; NaN where there is none."""
+
+    def __init__(self, entry: Dict[str, Any], names: Dict[str, List[str]]):
+        self.with_respect_to: List[str] = list(entry["with_respect_to"])
+        """Names of the columns."""
+        count = len(self.with_respect_to)
+        last, exists = entry.get("final", {}), entry.get("exists", True)
+        rows = [pair for part in last for pair in zip(names[part], last[part])]
+        self.final: Dict[str, np.ndarray] = {name: _row(row) for name, row in rows}
+        """Of the state at the end, by name, shape (columns,)."""
+        self.event_times = _matrix(entry.get("event_times", ()), count)
+        """Of the times of events, shape (events, columns)."""
+        self.outputs = {name: _matrix(rows, count) for name, rows in entry.get("outputs", {}).items()}
+        """Of each output, by name, shape (rows, columns)."""
+        self.objective = _row(entry["objective"]) if "objective" in entry else None
+        """Of the objective, shape (columns,); ``None`` where there is none."""
+        self.final_time = _row(entry["final_time"]) if "final_time" in entry else None
+        """Of the final time of an optimum, shape (columns,); ``None`` for a simulation."""
+        self.obstacle: Optional[str] = None if exists is True else exists
+        """Why there are no derivatives, if there are none."""
+
+    def __repr__(self) -> str:
+        return f"<hangtime gradient by {', '.join(self.with_respect_to)}{': ' + self.obstacle if self.obstacle else ''}>"
 
 
 class State(Dict[str, float]):
@@ -50,9 +87,16 @@ class Run:
 
     _document: Optional[Dict[str, Any]] = None
     _columns: Optional[Dict[str, tuple]] = None
+    _native: Any
+    _scene: Any
+    _command: str
+    _words: List[str]
+    _arrays: Dict[str, np.ndarray]
+    _json: Optional[str]
+    _pages: Optional[Dict[str, str]]
 
     @classmethod
-    def _of(cls, core: Any, scene: Any, command: str, words: List[str]) -> "Run":
+    def _of(cls: Type[Motion], core: Any, scene: Any, command: str, words: List[str]) -> Motion:
         run = cls.__new__(cls)
         run._native, run._scene, run._command, run._words = core, scene, command, words
         run._arrays = {}
@@ -105,6 +149,72 @@ class Run:
         return self.document["notes"]
 
     @property
+    def scene(self) -> str:
+        """Name of the scene."""
+        return self.document["scene"]
+
+    @property
+    def schema(self) -> int:
+        """Version of the document's layout."""
+        return self.document["schema"]
+
+    @property
+    def parameters(self) -> Dict[str, Any]:
+        """Values of all parameters by name, in their declared units; those that a solve has found too. Choices are texts."""
+        return self.document["parameters"]
+
+    @property
+    def method(self) -> Dict[str, Any]:
+        """The method and its settings."""
+        return self.document["method"]
+
+    @property
+    def error_estimate(self) -> Optional[float]:
+        """Estimated distance of the motion from the exact one, in the units of the scene; ``None`` where there is none."""
+        return self.document.get("error_estimate")
+
+    @property
+    def residuals(self) -> Dict[str, float]:
+        """``primal``, ``dual`` and ``complementarity``."""
+        return self.document["residuals"]
+
+    @property
+    def size(self) -> Dict[str, int]:
+        """Numbers of variables, rows, pairs and nonzeros of the largest system or program."""
+        return self.document["size"]
+
+    @property
+    def iterations(self) -> Dict[str, int]:
+        """Work done."""
+        return self.document["iterations"]
+
+    @property
+    def seconds(self) -> Dict[str, float]:
+        """CPU times [s]."""
+        return self.document["seconds"]
+
+    @property
+    def initially(self) -> Dict[str, str]:
+        """What each contact does from the start on, by name: of that there is no event."""
+        return {entry["contact"]: entry["mode"] for entry in self.document["initially"]}
+
+    @property
+    def joints(self) -> Dict[str, np.ndarray]:
+        """Forces of joints by name, shape (rows,), or (rows, equations) for a joint with several."""
+        joints = self.document.get("joints", {})
+        return {name: np.array(entry["force"], dtype=float) for name, entry in joints.items()}
+
+    @property
+    def gradient(self) -> Optional[Gradient]:
+        """The derivatives that were asked for by ``gradient=``; ``None`` where none were."""
+        if "gradient" not in self.document:
+            return None
+        quantities = self.document["quantities"]
+        names = {part: [entry["name"] for entry in quantities.get(part, ())] for part in ("q", "states")}
+        names["v"] = [f"dot({name})" for name in names["q"]]
+        return Gradient(self.document["gradient"], names)
+
+    @property
     def time(self) -> np.ndarray:
         """Instants [s], shape (rows,); an instant with an impact stands there twice, before and after."""
         return self._part("time")
@@ -126,21 +236,35 @@ class Run:
 
     def _named(self) -> Dict[str, tuple]:
         if self._columns is None:
-            quantities = self.document["quantities"]
-            columns = {"time": ("time", None, quantities["time"])}
-            coordinates = [entry["name"] for entry in quantities["q"]]
+            quantities = {part: self._quantities(part) for part in _PARTS}
+            columns: Dict[str, tuple] = {"time": ("time", None, "s")}
             for part in _PARTS:
-                for index, entry in enumerate(quantities.get(part, ())):
-                    name = f"dot({coordinates[index]})" if part == "v" else entry["name"]
-                    columns.setdefault(name, (part, index, entry["unit"]))
+                for index, (name, unit) in enumerate(quantities[part]):
+                    name = f"dot({quantities['q'][index][0]})" if part == "v" else name
+                    columns.setdefault(name, (part, index, unit))
             self._columns = columns
         return self._columns
 
+    def _quantities(self, part: str) -> List[tuple]:
+        """Names and units of the columns of a part."""
+        if self._native is not None:
+            return self._native.quantities(part)
+        entries = self.document["quantities"].get(part, ())
+        return [(entry["name"], entry["unit"]) for entry in entries]
+
     def _part(self, part: str) -> np.ndarray:
         if part not in self._arrays:
-            array = np.array(self.document["trajectory"].get(part, []), dtype=float)
-            array.flags.writeable = False
-            self._arrays[part] = array
+            if self._native is not None:
+                # A view of what the native part has written: no text on the way.
+                found = self._native.part(part)
+                width, numbers = found if found is not None else (0, b"")
+                array = np.frombuffer(numbers)
+            else:
+                rows = self.document["trajectory"].get(part, [])
+                array = np.array(rows, dtype=float)
+                array.flags.writeable = False
+                width = array.shape[1] if array.ndim == 2 else 1
+            self._arrays[part] = array if part == "time" else array.reshape(-1, width) if width else _NOTHING
         return self._arrays[part]
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -172,7 +296,8 @@ class Run:
         """The state at a time [s], right after an impact at that time.
 
         Between two instants, at distance h, coordinates follow the cubic through both states, and velocities its
-        derivative: accurate to h^4 and h^3. Controls, forces and outputs are linear. Nothing reaches over an impact.
+        derivative: accurate to h^4 and h^3. States of first order, controls, forces and outputs are linear. Nothing reaches
+        over an impact.
         """
         t = self.time
         try:
@@ -207,7 +332,7 @@ class Run:
     def plot(self, *names: str, axes: Any = None) -> Any:
         """Draws quantities over time, by default all coordinates, and returns matplotlib's axes."""
         pyplot = _pyplot()
-        names = names or tuple(entry["name"] for entry in self.document["quantities"]["q"])
+        names = names or tuple(name for name, _ in self._quantities("q"))
         axes = axes if axes is not None else pyplot.subplots()[1]
         for name in names:
             unit = self.units.get(name, "")
@@ -228,7 +353,9 @@ class Run:
         return pictures[chosen[0]]
 
     def play(self, height: int = 640) -> "Player":
-        """The player of the motion, which a notebook shows inline; ``.save(path)`` writes it as a page."""
+        """The player of the motion, which a notebook shows inline, so many pixels high; ``.save(path)`` writes it as a page."""
+        if not isinstance(height, (int, np.integer)) or isinstance(height, bool) or height < 1:
+            raise Mistake(f"error: `height`: found {height!r}; give a whole number of pixels")
         pages = [text for name, text in self.files.items() if name.endswith(".html")]
         if not pages:
             raise Mistake(f"error: no motion to play: {self.status}")
@@ -241,7 +368,7 @@ class Run:
         return facts
 
     def _end(self) -> Dict[str, float]:
-        coordinates = {entry["name"] for entry in self.document["quantities"]["q"]}
+        coordinates = {name for name, _ in self._quantities("q")}
         return {name: value for name, value in self.final.items() if name in coordinates} if len(self.time) else {}
 
     def __repr__(self) -> str:
@@ -259,8 +386,13 @@ class Solution(Run):
 
     @property
     def objective(self) -> float:
-        """Value of what is minimized."""
-        return self.document["objective"]
+        """Value of what is minimized; NaN without a plan."""
+        return _number(self.document["objective"])
+
+    @property
+    def resimulated_objective(self) -> Optional[float]:
+        """The same of the event-driven simulation; ``None`` where it has none."""
+        return self.document.get("resimulated_objective")
 
     @property
     def stationarity(self) -> str:
@@ -273,14 +405,47 @@ class Solution(Run):
         return self.document["optima"]
 
     @property
+    def improvements(self) -> List[Dict[str, Any]]:
+        """The first motion that was confirmed, and every better one after it."""
+        return self.document["improvements"]
+
+    @property
+    def starts(self) -> int:
+        """Starts from which motions were looked for."""
+        return self.document["starts"]
+
+    @property
+    def free(self) -> Dict[str, Dict[str, Any]]:
+        """Free parameters that were found, by name: ``value``, ``unit``, ``range``, and ``at_bound`` at an end of it."""
+        return self.document.get("free", {})
+
+    @property
+    def excess(self) -> List[Dict[str, Any]]:
+        """Violations between the places where a condition is imposed."""
+        return self.document["excess"]
+
+    @property
+    def margins(self) -> List[Dict[str, Any]]:
+        """Distances that the method keeps, and what they cost."""
+        return self.document["margins"]
+
+    @property
+    def time_freezing(self) -> Optional[Dict[str, Any]]:
+        """The complementarity problem of that formulation, where it was asked for."""
+        return self.document.get("time_freezing")
+
+    @property
     def controls(self) -> np.ndarray:
         """Controls, as the command line's JSON has them, shape (intervals, controls)."""
         return np.array(self.document["controls"], dtype=float)
 
     @property
     def resimulated(self) -> float:
-        """Distance of the event-driven simulation under these controls from the plan, at the end."""
-        return self.document["resimulation_error"]
+        """Distance of the event-driven simulation under these controls from the plan, at the end; NaN without a plan."""
+        return _number(self.document["resimulation_error"])
+
+    #: The same under its name in the document.
+    resimulation_error = resimulated
 
     def _facts(self) -> List[tuple]:
         plan = [("objective", repr(self.objective)), ("stationarity", self.stationarity)]
@@ -295,12 +460,28 @@ class Player:
 
     def save(self, path: Any) -> None:
         """Writes the page."""
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(self.page)
+        try:
+            with open(os.fspath(path), "w", encoding="utf-8") as file:
+                file.write(self.page)
+        except (OSError, TypeError, ValueError) as error:
+            raise Mistake(f"error: {error}; give the path of a file that can be written") from None
 
     def _repr_html_(self) -> str:
         frame = "width:100%;border:0"
         return f'<iframe srcdoc="{escape(self.page)}" style="{frame};height:{int(self.height)}px"></iframe>'
+
+
+def _number(value: Optional[float]) -> float:
+    """A number of the document, whose ``null`` is none."""
+    return float("nan") if value is None else value
+
+
+def _row(values: Any) -> np.ndarray:
+    return np.array(values, dtype=float)
+
+
+def _matrix(rows: Any, width: int) -> np.ndarray:
+    return np.array(rows, dtype=float).reshape(-1, width)
 
 
 def _between(t: np.ndarray, rows: Dict[str, np.ndarray], k: int, time: float) -> Dict[str, np.ndarray]:

@@ -7,11 +7,12 @@ import numbers
 import os
 import sys
 import time
-from typing import Any, Callable, Iterable, List, Mapping, NamedTuple, Optional, Union
+from contextlib import contextmanager
+from typing import Any, Callable, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Union
 
 from . import _core
 from ._core import Mistake
-from ._result import Run, Solution
+from ._result import Gradient, Run, Solution
 
 Value = Union[float, int, str]
 _OPTIONS: dict = {}
@@ -61,15 +62,27 @@ def _words(command: str, parameters: Optional[Mapping[str, Value]], keywords: Ma
             if name in settings:
                 raise Mistake(f"error: `{name}` is given twice; keep one of them")
             settings[name] = value
+        elif value is None or value is False:
+            continue
         elif value is True:
             words.append(f"--{name.replace('_', '-')}")
-        elif value is not None and value is not False:
+        elif name == "gradient":
+            words.append(f"--gradient={_names(name, value)}")
+        else:
             words.append(f"--{name.replace('_', '-')}={_text(name, value)}")
     for name, value in settings.items():
         if not isinstance(name, str):
             raise Mistake(f"error: `parameters`: {name!r} is no name; give a dict of values by name")
         words.append(f"--set={name}={_text(name, value)}")
     return [_checked(word) for word in words]
+
+
+def _names(option: str, value: Any) -> str:
+    """Names, one or several, as one word."""
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, (list, tuple)) or not names or not all(isinstance(name, str) for name in names):
+        raise Mistake(f"error: `{option}`: found {value!r}; give a name or a list of names")
+    return ",".join(names)
 
 
 def _checked(text: str) -> str:
@@ -98,6 +111,23 @@ class _Bar:
         if self.width:
             sys.stderr.write("\r" + " " * self.width + "\r")
             sys.stderr.flush()
+
+
+@contextmanager
+def _telling(name: str, progress: Any) -> Iterator[Optional[Callable[[Optional[float], str], Any]]]:
+    """What a run is to tell its progress, if anything: a callable that was given, or a line that ends with the run."""
+    if callable(progress):
+        yield progress
+    elif progress is None or progress is False:
+        yield None
+    elif progress is True:
+        bar = _Bar(name)
+        try:
+            yield bar
+        finally:
+            bar.close()
+    else:
+        raise Mistake(f"error: `progress` is {type(progress).__name__}: give True, or what is called with time and text")
 
 
 class Scene:
@@ -154,8 +184,8 @@ class Scene:
 
         Keywords are parameters of the scene, as numbers in the declared unit or texts with a unit (``"15 km/h"``), and
         the options of ``hangtime simulate``: ``method``, ``scheme``, ``stages``, ``steps``, ``elements``,
-        ``formulation``, ``tolerance``, ``width``, ``no_exit_condition``, ``horizon`` [s], ``rows``, ``time_limit`` [s].
-        A parameter with the name of an option is set by ``parameters={"name": value}``.
+        ``formulation``, ``tolerance``, ``width``, ``no_exit_condition``, ``horizon`` [s], ``rows``, ``time_limit`` [s],
+        ``gradient`` (a name or a list of names that the motion is differentiated by, for :attr:`Run.gradient`). A parameter with the name of an option is set by ``parameters={"name": value}``.
 
         The interpreter's lock is released. Ctrl-C raises ``KeyboardInterrupt``. ``progress`` is true for a line on the
         standard error stream, or is called with the time reached [s] and a text.
@@ -163,33 +193,44 @@ class Scene:
         words = _words("simulate", parameters, keywords)
         return Run._of(self._run("simulate", words, progress), self, "simulate", words)
 
+    def gradient(
+        self, *names: str, parameters: Optional[Mapping[str, Value]] = None, **keywords: Any
+    ) -> Gradient:
+        """Derivatives of a simulated motion by parameters or initial values, exact through impacts.
+
+        Names are those of parameters, or of coordinates and velocities ``dot(NAME)`` at the start; without any, all
+        parameters. Keywords are those of :meth:`simulate`. For an optimum: ``solve(gradient=[...]).gradient``.
+        """
+        asked = list(names) or list(self.parameters)
+        if not asked:
+            raise Mistake("error: the scene has no parameters; give names of coordinates to differentiate by")
+        run = self.simulate(parameters=parameters, gradient=asked, **keywords)
+        if run.gradient is None:
+            raise Mistake(f"error: no derivatives: {run.status}")
+        return run.gradient
+
     def solve(
         self,
         *,
         parameters: Optional[Mapping[str, Value]] = None,
+        start: Optional[Solution] = None,
         progress: Union[bool, Callable[[Optional[float], str], Any]] = False,
         **keywords: Any,
     ) -> Solution:
         """Solves the scene's problem of optimal control.
 
         Keywords are parameters, as in :meth:`simulate`, and the options of ``hangtime solve``: ``intervals``,
-        ``controls``, ``formulation``, ``scheme``, ``stages``, ``elements``, ``starts``, ``horizon`` [s], ``rows``,
-        ``time_limit`` [s]. Ctrl-C ends the solve with the best motion so far, whose status is ``interrupted``.
+        ``controls``, ``formulation``, ``search``, ``scheme``, ``stages``, ``elements``, ``starts``, ``horizon`` [s],
+        ``rows``, ``time_limit`` [s], ``gradient`` (parameters that the optimum is differentiated by). ``start`` is an
+        earlier solution of the scene, for other parameters or intervals, whose motion is started from. Ctrl-C ends the solve with the best motion so far, whose status is ``interrupted``.
         """
         words = _words("solve", parameters, keywords)
-        return Solution._of(self._run("solve", words, progress), self, "solve", words)
+        more = {} if start is None else {"start": _native(start)}
+        return Solution._of(self._run("solve", words, progress, **more), self, "solve", words)
 
-    def _run(self, command: str, words: List[str], progress: Any):
-        call = getattr(self._core, command)
-        if callable(progress):
-            return call(words, progress)
-        if not progress:
-            return call(words)
-        bar = _Bar(self.name)
-        try:
-            return call(words, bar)
-        finally:
-            bar.close()
+    def _run(self, command: str, words: List[str], progress: Any, **more: Any):
+        with _telling(self.name, progress) as told:
+            return getattr(self._core, command)(words, told, **more)
 
     def __repr__(self) -> str:
         return f"<hangtime scene {self.name}: {self.title}>"
@@ -206,6 +247,15 @@ class Scene:
             f"<b>{escape(self.name)}</b>: {escape(self.title)}<table><tr><th>parameter</th><th>value</th><th>unit</th>"
             f"<th></th></tr>{rows}</table>"
         )
+
+
+def _native(start: Any) -> Any:
+    """The run of a solution that a solve is to start from."""
+    if not isinstance(start, Solution):
+        raise Mistake(f"error: `start` is {type(start).__name__}: give what solve returned")
+    if start._native is None:
+        raise Mistake("error: `start` was pickled, which keeps no motion to start from; solve it again")
+    return start._native
 
 
 def load(path: Union[str, "os.PathLike[str]"]) -> Scene:
@@ -251,7 +301,7 @@ class _Scenes:
             raise Mistake(f"error: {name!r} is no name of a shipped scene; they are: {', '.join(self)}")
         return Scene(("shipped", _checked(name), None))
 
-    def __iter__(self) -> Iterable[str]:
+    def __iter__(self) -> Iterator[str]:
         return iter(_core.scene_names())
 
     def __len__(self) -> int:

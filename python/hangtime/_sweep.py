@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-import multiprocessing
 import os
-from concurrent.futures import Executor, ProcessPoolExecutor
 from functools import lru_cache
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
@@ -16,6 +14,9 @@ from . import _core
 from ._core import Mistake
 from ._result import _pyplot
 from ._scene import Scene, Value, _checked, _text, _words
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 #: Rows that a worker computes before it hands them over: a call of a worker costs about as much as a short run.
 _CHUNK = 16
@@ -64,6 +65,8 @@ class Sweep(Sequence[Dict[str, str]]):
                 return np.array(cells)
         if isinstance(key, slice):
             return [self[k] for k in range(*key.indices(len(self)))]
+        if not isinstance(key, (int, np.integer)):
+            raise Mistake(f"error: {type(key).__name__} is no column and no row; columns are: {', '.join(self.columns)}")
         if not -len(self) <= key < len(self):
             raise IndexError(f"row {key} of {len(self)}")
         return dict(zip(self.columns, self._rows[1:][key]))
@@ -140,15 +143,15 @@ def _edges(centres: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=4)
-def _plan(origin: tuple, solve: bool, over: tuple, words: tuple, record: tuple) -> Any:
+def _plan(origin: tuple, solve: bool, warm: int, over: tuple, words: tuple, record: tuple) -> Any:
     """A plan, made once in a process."""
-    return _core.SweepPlan(Scene(origin)._core, solve, list(over), list(words), list(record))
+    return _core.SweepPlan(Scene(origin)._core, solve, warm, list(over), list(words), list(record))
 
 
-def _rows(spec: tuple, points: Sequence[int]) -> List[str]:
-    """What a worker does: rows of points."""
+def _rows(spec: tuple, chains: Sequence[int]) -> List[str]:
+    """What a worker does: rows of chains of points."""
     plan = _plan(*spec)
-    return [plan.row(point) for point in points]
+    return [row for chain in chains for row in plan.rows(chain)]
 
 
 def sweep(
@@ -160,6 +163,7 @@ def sweep(
     parameters: Optional[Mapping[str, Value]] = None,
     executor: Optional[Executor] = None,
     store: Any = None,
+    warm: Union[bool, int] = False,
     **keywords: Any,
 ) -> Sweep:
     """Simulates or solves a scene over the values of its parameters.
@@ -171,12 +175,17 @@ def sweep(
     default fresh processes, for which a script needs the usual ``if __name__ == "__main__":``. What a row holds depends
     neither on the workers nor on their order; a point that fails is a row whose status says so.
 
+    With ``warm``, solves start from each other: the last parameter is cut into chains of ``warm`` points (``True``: 10). The
+    first point of a chain starts from nothing; every other one from the motion found at the point before it, and from
+    nothing where that leads to no solution. So rows depend on the values and on ``warm`` alone. A chain is computed by one
+    worker; one that was cut is computed anew. Neighbours may stay in a local optimum that a start from nothing leaves.
+
     ``store`` is the path of a CSV file: rows are kept there and not computed again, also by ``hangtime sweep --resume``,
     whose table is the same.
     """
     if not isinstance(scene, Scene):
         raise Mistake(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
-    if what not in ("simulate", "solve"):
+    if not isinstance(what, str) or what not in ("simulate", "solve"):
         raise Mistake(f"error: what = {what!r}: give 'simulate' or 'solve'")
     if not isinstance(over, Mapping):
         raise Mistake(f"error: `over` is {type(over).__name__}: give a dict of values by parameter")
@@ -185,23 +194,43 @@ def sweep(
     spec = (
         scene._origin,
         what == "solve",
+        _chain(warm),
         tuple(_axis(name, values) for name, values in over.items()),
         tuple(_words(what, parameters, keywords)),
         tuple(_checked(name) for name in record),
     )
     plan = _plan(*spec)
-    rows = None if store is None else os.fspath(store)
-    lines = _stored(rows, plan)
-    file = None if rows is None else open(rows, "a", encoding="utf-8", newline="")
-    try:
-        if file is not None and not os.path.getsize(rows):
-            file.write(plan.header + "\n")
-        missing = len(lines) < len(plan)
-        # Fresh processes: a forked one has no threads of those that the solver started before.
-        fresh = multiprocessing.get_context("spawn")
-        own = ProcessPoolExecutor(mp_context=fresh) if executor is None and missing else None
+    rows, lines, file = None, [], None
+    if store is not None:
         try:
-            for row in _computed(executor or own, spec, range(len(lines), len(plan))):
+            rows = os.fspath(store)
+            if not isinstance(rows, str) or not rows.endswith(".csv"):
+                # Rows are appended one by one, which other formats do not allow.
+                raise Mistake(
+                    f"error: `store`: found {store!r}; give a name that ends with .csv; "
+                    "table.to_pandas() writes other formats"
+                )
+            lines = _stored(rows, plan)
+            file = open(rows, "a", encoding="utf-8", newline="")
+        except Mistake:
+            raise
+        except (OSError, TypeError, ValueError) as error:
+            raise Mistake(f"error: `store`: {error}; give the path of a file that can be written") from None
+    try:
+        if file is not None and rows is not None and not os.path.getsize(rows):
+            file.write(plan.header + "\n")
+        own = None
+        missing = len(lines) < len(plan)
+        if missing and executor is not None and not callable(getattr(executor, "submit", None)):
+            raise Mistake(f"error: `executor` is {type(executor).__name__}: give one of concurrent.futures, or None")
+        if missing and executor is None:
+            from concurrent.futures import ProcessPoolExecutor
+            from multiprocessing import get_context
+
+            # Fresh processes: a forked one has no threads of those that the solver started before.
+            own = ProcessPoolExecutor(mp_context=get_context("spawn"))
+        try:
+            for row in _computed(own if executor is None else executor, spec, plan, len(lines)):
                 lines.append(row)
                 if file is not None:
                     file.write(row + "\n")
@@ -223,9 +252,24 @@ def _axis(name: Any, values: Any) -> str:
     return _checked(f"{name}={','.join(_text(name, value) for value in values)}")
 
 
-def _computed(executor: Any, spec: tuple, points: range) -> Iterable[str]:
-    """Rows in order; only so many chunks wait at a time."""
-    chunks = [points[k : k + _CHUNK] for k in range(0, len(points), _CHUNK)]
+def _chain(warm: Any) -> int:
+    if warm is True:
+        return int(_core.WARM_CHAIN)
+    if warm is False or warm is None:
+        return 1
+    if not isinstance(warm, (int, np.integer)) or not 1 <= warm <= 2**31:
+        raise Mistake(f"error: `warm`: found {warm!r}; give True, or the points of a chain, a whole number from 1")
+    return int(warm)
+
+
+def _computed(executor: Any, spec: tuple, plan: Any, done: int) -> Iterable[str]:
+    """Rows from point ``done`` on, in order; only so many chunks of chains wait at a time."""
+    first = next((k for k in range(plan.chains) if plan.chain(k)[1] > done), plan.chains) if spec[2] > 1 else done
+    # A chunk is so many chains that there are about as many points in it as in one without chains.
+    size = max(1, _CHUNK // spec[2])
+    chunks = [range(k, min(k + size, plan.chains)) for k in range(first, plan.chains, size)]
+    # Of a chain that was begun, the points that are known are computed once more: others start from them.
+    known = done - plan.chain(first)[0] if chunks else 0
     waiting = _WAITING * (os.cpu_count() or 1)
     futures: Dict[int, Any] = {}
     try:
@@ -233,17 +277,17 @@ def _computed(executor: Any, spec: tuple, points: range) -> Iterable[str]:
             for ahead in range(k, min(k + waiting, len(chunks))):
                 if ahead not in futures:
                     futures[ahead] = executor.submit(_rows, spec, list(chunks[ahead]))
-            yield from futures[k].result()
-            futures[k] = None
+            yield from futures[k].result()[known:]
+            futures[k], known = None, 0
     finally:
         rest = [future for future in futures.values() if future is not None]
         for future in rest:
             future.cancel()
 
 
-def _stored(path: Optional[str], plan: Any) -> List[str]:
+def _stored(path: str, plan: Any) -> List[str]:
     """Rows that are stored already; what a killed run left of a row is cut off."""
-    if path is None or not os.path.exists(path):
+    if not os.path.exists(path):
         return []
     with open(path, "rb+") as file:
         text = file.read()

@@ -2,17 +2,19 @@
 //!
 //! The package itself is written in Python, in `hangtime/`; it makes arrays and pictures of what comes from here.
 
+use std::ffi::OsString;
+use std::fmt::Display;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex, OnceLock};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use hangtime::Progress;
-use hangtime_cli::{HostRun, HostScene, Refusal};
+use hangtime_cli::{HostProgram, HostRun, HostScene, Refusal, SweepWork};
 use pyo3::create_exception;
 use pyo3::exceptions::{PyIndexError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
 create_exception!(
     _core,
@@ -30,11 +32,6 @@ fn mistake(refusal: &Refusal) -> PyErr {
     Mistake::new_err(refusal.to_string())
 }
 
-/// What a run does, in words.
-fn words_of(now: &Progress) -> String {
-    now.to_string()
-}
-
 /// Whether Ctrl-C was pressed, or `progress` raised: then the run is to stop, and why.
 fn interruption(
     py: Python<'_>,
@@ -47,6 +44,75 @@ fn interruption(
         Some(progress) => progress.call1(py, (share, words)).map(|_| ()),
         None => Ok(()),
     }
+}
+
+/// What long work calls with what it is doing; it goes on while that answers true.
+type Say<'a> = &'a mut (dyn FnMut(&dyn Display) -> bool + Send);
+
+/// Does long work in a thread of its own and tells `progress` what it says. Once Ctrl-C is pressed, or `progress` raises, `stop` is set:
+/// what was raised comes back beside what the work came to.
+fn watched<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Py<PyAny>>,
+    stop: &Arc<AtomicBool>,
+    work: impl FnOnce(Say<'_>) -> T + Send + 'static,
+) -> PyResult<(T, Option<PyErr>)> {
+    let (said, heard) = mpsc::channel();
+    // The wait for a word goes on without the interpreter's lock, which asks for shared access.
+    let heard = Mutex::new(heard);
+    let asked = Arc::clone(stop);
+    let work = move || {
+        let mut told = Instant::now();
+        work(&mut |now| {
+            if told.elapsed() >= PATIENCE {
+                told = Instant::now();
+                // The listener may be about to leave.
+                let _ = said.send(now.to_string());
+            }
+            !asked.load(Ordering::Relaxed)
+        })
+    };
+    let worker = thread::Builder::new().stack_size(STACK).spawn(work)?;
+    let mut raised = None;
+    loop {
+        let word = py.detach(|| match heard.lock() {
+            Ok(heard) => heard.recv_timeout(PATIENCE),
+            Err(poisoned) => poisoned.into_inner().recv_timeout(PATIENCE),
+        });
+        let told = match &word {
+            Ok(words) => interruption(py, progress, None, words),
+            Err(RecvTimeoutError::Timeout) => py.check_signals(),
+            Err(RecvTimeoutError::Disconnected) => break,
+        };
+        if let Err(error) = told {
+            stop.store(true, Ordering::Relaxed);
+            raised.get_or_insert(error);
+        }
+    }
+    let done = py.detach(|| worker.join());
+    let done = done.map_err(|_| PyRuntimeError::new_err("internal_error: the solver panicked"))?;
+    Ok((done, raised))
+}
+
+/// What is left of something raised where work came to a result: Ctrl-C asked for that result, all else counts.
+fn left(py: Python<'_>, raised: Option<PyErr>) -> PyResult<()> {
+    let interrupts =
+        |raised: &PyErr| raised.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py);
+    match raised.filter(|raised| !interrupts(raised)) {
+        Some(raised) => Err(raised),
+        None => Ok(()),
+    }
+}
+
+/// Numbers as bytes, which arrays are views of.
+fn bytes<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyBytes>> {
+    let size = size_of::<f64>();
+    PyBytes::new_with(py, values.len() * size, |bytes| {
+        for (bytes, value) in bytes.chunks_exact_mut(size).zip(values) {
+            bytes.copy_from_slice(&value.to_ne_bytes());
+        }
+        Ok(())
+    })
 }
 
 /// A scene that was derived.
@@ -117,7 +183,7 @@ impl Scene {
                 }
                 next = now.seconds + PATIENCE.as_secs_f64();
                 let told = Python::attach(|py| {
-                    interruption(py, progress.as_ref(), Some(now.time), &words_of(now))
+                    interruption(py, progress.as_ref(), Some(now.time), &now.to_string())
                 });
                 raised = told.err();
                 raised.is_none()
@@ -129,60 +195,100 @@ impl Scene {
         }
     }
 
-    /// One solve, in a thread of its own. Ctrl-C ends it with the best motion so far; where there is none, by
-    /// `KeyboardInterrupt`.
-    #[pyo3(signature = (words, progress=None))]
+    /// One solve, in a thread of its own, from the motion of the run `start` if that is given. Ctrl-C ends it with the best motion so
+    /// far; where there is none, by `KeyboardInterrupt`.
+    #[pyo3(signature = (words, progress=None, start=None))]
     fn solve(
         &self,
         py: Python<'_>,
         words: Vec<String>,
         progress: Option<Py<PyAny>>,
+        start: Option<Py<Run>>,
     ) -> PyResult<Run> {
         let stop = Arc::new(AtomicBool::new(false));
-        let (said, heard) = mpsc::channel();
-        // The wait for a word goes on without the interpreter's lock, which asks for shared access.
-        let heard = Mutex::new(heard);
-        let (scene, asked) = (self.inner.clone(), Arc::clone(&stop));
-        let work = move || {
-            let mut told = Instant::now();
-            scene.solve(&words, &mut |now| {
-                if told.elapsed() >= PATIENCE {
-                    told = Instant::now();
-                    // The listener may be about to leave.
-                    let _ = said.send(words_of(now));
-                }
-                !asked.load(Ordering::Relaxed)
-            })
-        };
-        let worker = thread::Builder::new().stack_size(STACK).spawn(work)?;
-        let mut raised = None;
-        loop {
-            let word = py.detach(|| match heard.lock() {
-                Ok(heard) => heard.recv_timeout(PATIENCE),
-                Err(poisoned) => poisoned.into_inner().recv_timeout(PATIENCE),
-            });
-            let told = match &word {
-                Ok(words) => interruption(py, progress.as_ref(), None, words),
-                Err(RecvTimeoutError::Timeout) => py.check_signals(),
-                Err(RecvTimeoutError::Disconnected) => break,
-            };
-            if let Err(error) = told {
-                stop.store(true, Ordering::Relaxed);
-                raised.get_or_insert(error);
+        let scene = self.inner.clone();
+        let (run, raised) = watched(py, progress.as_ref(), &stop, move |say| {
+            let observer = &mut |now: &hangtime::Progress| say(now);
+            match &start {
+                Some(start) => scene.solve_from(&words, &start.get().inner, observer),
+                None => scene.solve(&words, observer),
             }
+        })?;
+        let run = run.map_err(|r| mistake(&r))?;
+        match raised {
+            Some(raised) if !run.has_motion() => return Err(raised),
+            raised => left(py, raised)?,
         }
-        let run = py
-            .detach(|| worker.join())
-            .map_err(|_| PyRuntimeError::new_err("internal_error: the solver panicked"))?
-            .map_err(|r| mistake(&r))?;
-        let interrupt = raised.filter(|raised| {
-            let interrupt = raised.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py);
-            !(interrupt && run.has_motion())
-        });
-        match interrupt {
-            Some(raised) => Err(raised),
-            None => Ok(Run::new(run)),
-        }
+        Ok(Run::new(run))
+    }
+}
+
+/// Solves the program of a `.nl` file, in a thread of its own, with options as pairs of name and value. Ctrl-C ends it with the point that
+/// it has reached.
+#[pyfunction]
+#[pyo3(signature = (path, options, progress=None))]
+fn solve_program(
+    py: Python<'_>,
+    path: String,
+    options: Vec<(String, String)>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Program> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = Arc::clone(&stop);
+    let (answer, raised) = watched(py, progress.as_ref(), &stop, move |say| {
+        HostProgram::solve(&path, &options, &asked, &mut |now| say(&now))
+    })?;
+    let inner = answer.map_err(|r| mistake(&r))?;
+    left(py, raised)?;
+    Ok(Program { inner })
+}
+
+/// Names of the options of [`solve_program`].
+#[pyfunction]
+fn program_options() -> Vec<&'static str> {
+    hangtime_cli::program_options()
+}
+
+/// A program of a `.nl` file that was solved.
+#[pyclass(frozen, module = "hangtime._core")]
+struct Program {
+    inner: HostProgram,
+}
+
+#[pymethods]
+impl Program {
+    /// Name of the status.
+    #[getter]
+    fn status(&self) -> &'static str {
+        self.inner.status()
+    }
+
+    /// What the command prints with `--json`.
+    #[getter]
+    fn json(&self) -> String {
+        self.inner.json()
+    }
+
+    /// The `.sol` file.
+    #[getter]
+    fn sol(&self) -> String {
+        self.inner.sol()
+    }
+
+    /// Names of the variables and of the rows.
+    fn names(&self) -> [Vec<String>; 2] {
+        self.inner.names()
+    }
+
+    /// The variables, the multipliers of the rows, and those of lower and of upper bounds, each as bytes.
+    fn numbers<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyBytes>; 4]> {
+        let [lower, upper] = self.inner.bound_multipliers();
+        Ok([
+            bytes(py, self.inner.x())?,
+            bytes(py, self.inner.multipliers())?,
+            bytes(py, lower)?,
+            bytes(py, upper)?,
+        ])
     }
 }
 
@@ -216,6 +322,22 @@ impl Run {
         self.json.get_or_init(|| self.inner.json())
     }
 
+    /// A part of the trajectory: numbers of a row, and all numbers as bytes; `None` where there is no such part.
+    fn part<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+    ) -> PyResult<Option<(usize, Bound<'py, PyBytes>)>> {
+        let part = self.inner.part(name);
+        part.map(|part| Ok((part.width, bytes(py, &part.values)?)))
+            .transpose()
+    }
+
+    /// Name and unit of every column of a part.
+    fn quantities(&self, part: &str) -> Vec<(String, String)> {
+        self.inner.quantities(part)
+    }
+
     /// What the command writes with `--out`, as pairs of name and content.
     fn files(&self, py: Python<'_>) -> Vec<(String, String)> {
         py.detach(|| self.inner.files())
@@ -235,18 +357,31 @@ impl SweepPlan {
         py: Python<'_>,
         scene: &Scene,
         solve: bool,
+        warm: usize,
         over: Vec<String>,
         words: Vec<String>,
         record: Vec<String>,
     ) -> PyResult<Self> {
         let scene = scene.inner.clone();
-        let plan = py.detach(|| hangtime_cli::SweepPlan::new(scene, solve, &over, &words, &record));
+        let work = SweepWork {
+            solve,
+            warm,
+            words: &words,
+            record: &record,
+        };
+        let plan = py.detach(|| hangtime_cli::SweepPlan::new(scene, &over, &work));
         plan.map(|inner| Self { inner }).map_err(|r| mistake(&r))
     }
 
     /// How many points there are.
     fn __len__(&self) -> usize {
         self.inner.count()
+    }
+
+    /// How many chains of points there are, each of which is computed by itself.
+    #[getter]
+    fn chains(&self) -> usize {
+        self.inner.chains()
     }
 
     /// The headings of the columns, a line of CSV.
@@ -261,18 +396,41 @@ impl SweepPlan {
         self.inner.mark()
     }
 
-    /// Computes the row of a point, a line of CSV.
-    fn row(&self, py: Python<'_>, number: usize) -> PyResult<String> {
-        if number >= self.inner.count() {
-            return Err(PyIndexError::new_err(format!(
-                "point {number}: a sweep of {} points counts from 0",
-                self.inner.count()
-            )));
-        }
-        let row = py.detach(|| self.inner.row(number, &|| true));
-        py.check_signals()?;
-        Ok(row)
+    /// The first point of a chain, and the one after its last.
+    fn chain(&self, number: usize) -> PyResult<(usize, usize)> {
+        let points = self.inner.chain(self.checked(number)?);
+        Ok((points.start, points.end))
     }
+
+    /// Computes the rows of a chain, lines of CSV.
+    fn rows(&self, py: Python<'_>, number: usize) -> PyResult<Vec<String>> {
+        let number = self.checked(number)?;
+        let rows = py.detach(|| self.inner.rows(number, &|| true));
+        py.check_signals()?;
+        Ok(rows)
+    }
+}
+
+impl SweepPlan {
+    fn checked(&self, number: usize) -> PyResult<usize> {
+        if number < self.inner.chains() {
+            return Ok(number);
+        }
+        Err(PyIndexError::new_err(format!(
+            "chain {number}: a sweep of {} chains counts from 0",
+            self.inner.chains()
+        )))
+    }
+}
+
+/// The command line: arguments begin with the name of the program. It prints, and gives the exit status.
+#[pyfunction]
+fn run(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    let command_line = hangtime_cli::CommandLine::new(hangtime_models::scenes())
+        .with_hard(hangtime_models::hard_scenes())
+        .with_hard_optima(hangtime_models::hard_optima())
+        .with_peers(hangtime_models::peers());
+    py.detach(|| command_line.status(arguments))
 }
 
 /// Names of the shipped scenes.
@@ -296,6 +454,11 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Scene>()?;
     module.add_class::<Run>()?;
     module.add_class::<SweepPlan>()?;
+    module.add_class::<Program>()?;
+    module.add("WARM_CHAIN", hangtime_cli::WARM_CHAIN)?;
+    module.add_function(wrap_pyfunction!(solve_program, module)?)?;
+    module.add_function(wrap_pyfunction!(program_options, module)?)?;
+    module.add_function(wrap_pyfunction!(run, module)?)?;
     module.add_function(wrap_pyfunction!(scene_names, module)?)?;
     module.add_function(wrap_pyfunction!(options, module)?)
 }

@@ -1,9 +1,12 @@
 """What the tests share: the command line beside the package."""
 
+import contextlib
 import json
 import os
 import pathlib
+import signal
 import subprocess
+import threading
 
 import matplotlib
 import pytest
@@ -11,6 +14,9 @@ import pytest
 matplotlib.use("agg")
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+#: The command line; `HANGTIME` names another one.
+PROGRAM = os.environ.get("HANGTIME", str(ROOT / "target" / "debug" / "hangtime"))
 
 BALL = """
 parameters { h: m = 1, e = 0.5, push: m/s = 0 }
@@ -38,12 +44,11 @@ finally { y == d, dot(y) == 0 }
 @pytest.fixture(scope="session")
 def command():
     """Runs the command line (`HANGTIME` names the program) and returns exit status, output and error text."""
-    program = os.environ.get("HANGTIME", str(ROOT / "target" / "debug" / "hangtime"))
-    if not os.path.exists(program):
-        pytest.fail(f"{program} is missing: cargo build -p hangtime-bin, or name the program by HANGTIME")
+    if not os.path.exists(PROGRAM):
+        pytest.fail(f"{PROGRAM} is missing: cargo build -p hangtime-bin, or name the program by HANGTIME")
 
     def run(*words, cwd=None):
-        done = subprocess.run([program, *map(str, words)], capture_output=True, text=True, cwd=cwd, check=False)
+        done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, cwd=cwd, check=False)
         return done.returncode, done.stdout, done.stderr
 
     return run
@@ -63,3 +68,13 @@ def without_seconds(text):
     for improvement in document.get("improvements", []):
         improvement.pop("cpu")
     return document
+
+
+@contextlib.contextmanager
+def ctrl_c_after(seconds):
+    timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()

@@ -3,11 +3,13 @@
 import json
 import math
 import random
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from conftest import BALL
 from matplotlib import pyplot
+from test_programs import corner
 
 import hangtime as ht
 
@@ -20,13 +22,14 @@ VALUES = [
 ]
 KEYS = [
     "h", "e", "push", "horizon", "method", "tolerance", "steps", "stages", "elements", "scheme", "rows", "time_limit",
-    "parameters", "no_exit_condition", "unknown", "out", "json", "set",
-]  # fmt: skip
+    "parameters", "no_exit_condition", "unknown", "out", "json", "set", "gradient", "progress",
+]
+OPTIONS = ["tol", "constr_viol_tol", "max_iter", "time_limit", "starts", "warm_start", "progress", "unknown"]  # fmt: skip
 #: What Python and the package raise by name; anything else is a mistake in the package.
 NAMED = (ht.Mistake, TypeError, AttributeError, IndexError)
 
 
-def mutated(choose, ball, run):
+def mutated(choose, ball, run, table, program):
     """One call with something wrong in it."""
     value, other = choose.choice(VALUES), choose.choice(VALUES)
     key = choose.choice(KEYS)
@@ -45,6 +48,18 @@ def mutated(choose, ball, run):
             lambda: run[value],
             lambda: run.at(value),
             lambda: run.plot(value),
+            lambda: ball.gradient(value, other, time_limit=2),
+            lambda: ball.solve(start=value),
+            lambda: ht.nlp(value),
+            lambda: ht.sweep(ball, {"h": [1, 2]}, executor=object(), store=choose.choice([value, f"{other}.csv"])),
+            lambda: table[value],
+            lambda: table.plot(value),
+            lambda: run.play(value)._repr_html_(),
+            lambda: run.play().save(value),
+            lambda: ht.scene(BALL, "ball").simulate(parameters={"h": value, "e": other}, time_limit=2),
+            lambda: ht.nlp(program, **{"time_limit": 2, choose.choice(OPTIONS): value}),
+            lambda: mutilate_file(choose, program, value),
+            lambda: ht.sweep(ball, {"h": [1, 2]}, executor=object(), warm=value),
             lambda: ht.sweep(ball, {"h": value}, executor=value),
             lambda: ht.sweep(ball, value, what=other),
             lambda: ht.sweep(value, {"h": [1]}),
@@ -53,18 +68,33 @@ def mutated(choose, ball, run):
     )
 
 
+def mutilate_file(choose, program, value):
+    """A program with a part of it missing or replaced, or a file that is gone."""
+    other = program.with_name("mutilated.nl")
+    other.write_text(mutilated(choose, program.read_text()), encoding="utf-8")
+    if value is None:
+        other.unlink()
+    ht.nlp(other, time_limit=2, max_iter=50)
+
+
 def mutilated(choose, text):
     at, length = choose.randrange(len(text)), choose.randrange(1, 20)
     return text[:at] + choose.choice(["", "(", "}", "1e999", "z", "é", "\x00", "-"]) + text[at + length :]
 
 
 @pytest.mark.parametrize("block", range(10))
-def test_fifty_mutated_calls_raise_by_name(block):
+def test_fifty_mutated_calls_raise_by_name(block, tmp_path, monkeypatch):
+    program = tmp_path / "corner.nl"
+    program.write_text(corner(0.0))
     choose = random.Random(block)
     ball = ht.scene(BALL, "ball")
     run = ball.simulate()
+    with ThreadPoolExecutor(1) as executor:
+        table = ht.sweep(ball, {"h": [1, 2]}, record=["final.z"], executor=executor)
+    # Files that a call writes by a name that is none of ours.
+    monkeypatch.chdir(tmp_path)
     for _ in range(50):
-        call = mutated(choose, ball, run)
+        call = mutated(choose, ball, run, table, program)
         try:
             call()
         except NAMED as error:

@@ -1,16 +1,13 @@
 """Simulations and solves: closed forms, and the numbers of the command line."""
 
-import contextlib
 import math
-import os
 import pickle
-import signal
 import threading
 import time
 
 import numpy as np
 import pytest
-from conftest import BALL, CART, ROOT, without_seconds
+from conftest import BALL, CART, ROOT, ctrl_c_after, without_seconds
 
 import hangtime as ht
 
@@ -99,16 +96,6 @@ def test_runs_pickle_and_show_themselves():
     frame = run.to_pandas()
     assert list(frame["z"]) == list(run["z"]) and frame.attrs["units"]["z"] == "m"
     assert run.plot("z", "dot(z)").get_legend() is not None
-
-
-@contextlib.contextmanager
-def ctrl_c_after(seconds):
-    timer = threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
-    try:
-        yield
-    finally:
-        timer.cancel()
 
 
 def test_ctrl_c_ends_a_solve_with_the_best_motion_or_at_once():

@@ -5,7 +5,7 @@ from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from conftest import BALL
+from conftest import BALL, CART
 
 import hangtime as ht
 
@@ -44,6 +44,8 @@ def test_store_is_resumed_where_it_was_cut_and_refuses_other_sweeps(ball, tmp_pa
             assert store.read_text() == whole
         with pytest.raises(ht.Mistake, match="another sweep"):
             ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store, method="event")
+    with pytest.raises(ht.Mistake, match="ends with .csv"):
+        ht.sweep(ball, OVER, record=RECORD, store=tmp_path / "s.parquet")
     # What is stored is not computed again: no executor is asked.
     assert ht.sweep(ball, OVER, record=RECORD, executor=object(), store=store).csv == whole
 
@@ -102,3 +104,33 @@ def test_sweep_draws_a_line_and_a_map_with_marked_changes(ball):
     frame = table.to_pandas()
     assert list(frame["point"]) == list(range(6)) and set(frame["message"]) == {""}
     assert list(frame["final.z [m]"]) == list(table["final.z"])
+
+
+def test_warm_table_is_that_of_the_command_line_however_it_is_computed(command, tmp_path):
+    path, store = tmp_path / "cart.hang", tmp_path / "s.csv"
+    path.write_text(CART)
+    cart = ht.load(path)
+    over = {"m": [2, 2.6], "d": np.linspace(0.5, 1.7, 5)}
+    values = ",".join(repr(float(d)) for d in over["d"])
+    words = ["--what", "solve", "--warm=2", "--over", "m=2,2.6", "--over", f"d={values}", "--record", "objective"]
+    assert command("sweep", path, *words, "--out", "c.csv", "--", "--intervals", 4, cwd=tmp_path)[0] == 0
+    wanted = (tmp_path / "c.csv").read_text()
+    more = {"what": "solve", "record": ["objective"], "intervals": 4, "warm": 2}
+    with ThreadPoolExecutor(2) as executor:
+        table = ht.sweep(cart, over, executor=executor, store=store, **more)
+        assert table.csv == wanted
+        # Cut within a chain and at its end.
+        for rows in (2, 3, 8):
+            store.write_text("".join(wanted.splitlines(keepends=True)[: 1 + rows]))
+            assert ht.sweep(cart, over, executor=executor, store=store, **more).csv == wanted
+            assert store.read_text() == wanted
+        with pytest.raises(ht.Mistake, match="another sweep"):
+            ht.sweep(cart, over, executor=executor, store=store, **{**more, "warm": 3})
+    m, d = table["m"], table["d"]
+    # The tolerance of the solver is 1e-8, and the plan is polished.
+    np.testing.assert_allclose(table["objective"], 2 * np.sqrt(m * d), rtol=1e-7)
+    for warm in (0, -1, 2.5, "3", [2]):
+        with pytest.raises(ht.Mistake, match="warm"):
+            ht.sweep(cart, over, executor=object(), **{**more, "warm": warm})
+    with pytest.raises(ht.Mistake, match="what solve"):
+        ht.sweep(cart, over, executor=object(), what="simulate", warm=True)

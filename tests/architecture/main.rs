@@ -18,6 +18,7 @@ use modules::Modules;
 mod arrows;
 mod lengths;
 mod modules;
+mod packages;
 mod tokens;
 
 /// Whether findings in a file count: with `HANGTIME_ARROWS` those in the chosen folder, otherwise all.

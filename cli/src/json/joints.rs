@@ -4,7 +4,7 @@ use hangtime::model::Model;
 use hangtime::simulation::{Trajectory, joint_forces};
 use serde::{Serialize, Serializer};
 
-use super::parts::kept_instants;
+use super::columns::kept_instants;
 
 /// All joints by name, in order of declaration.
 pub(super) struct JointsEntry {

@@ -5,6 +5,7 @@
 //! and `10.2759` stays `10.2759`. What is not finite is never written: the rows of a trajectory end
 //! before the first such number, and elsewhere `null` stands in its place.
 
+mod columns;
 mod gradient;
 mod joints;
 mod parts;
@@ -12,6 +13,8 @@ mod program;
 mod simulation;
 mod solution;
 
+pub use columns::Columns;
+pub(crate) use columns::{part, quantities};
 pub(crate) use parts::{SCHEMA, SizeEntry, to_line};
 pub(crate) use program::ProgramDocument;
 pub(crate) use simulation::Document;

@@ -9,10 +9,9 @@ use hangtime::simulation::{
 };
 use serde::{Serialize, Serializer};
 
+use super::columns::{finite_instants, kept_instants, quantities};
 use crate::ending::Ending;
 use crate::failure::steers;
-use crate::published::Quantity;
-use crate::quantity;
 use crate::sampling::State;
 use crate::settings::ChosenScene;
 use crate::thinning;
@@ -228,25 +227,6 @@ impl<'a> TrajectoryEntry<'a> {
     }
 }
 
-/// At most `most` of the instants before the first whose state is not finite.
-pub(super) fn kept_instants(trajectory: &Trajectory, most: usize) -> Vec<usize> {
-    thinning::kept(&trajectory.time[..finite_instants(trajectory)], most)
-}
-
-/// Instants before the first whose state is not finite. Forces may be infinite where the motion goes on.
-fn finite_instants(trajectory: &Trajectory) -> usize {
-    let finite = |row: &[f64]| row.iter().all(|value| value.is_finite());
-    (0..trajectory.time.len())
-        .take_while(|&k| {
-            trajectory.time[k].is_finite()
-                && trajectory.numerical_time[k].is_finite()
-                && [&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]]
-                    .into_iter()
-                    .all(|row| finite(row))
-        })
-        .count()
-}
-
 /// Name and unit of every column of a trajectory.
 #[derive(Serialize)]
 pub(super) struct QuantitiesEntry {
@@ -276,29 +256,20 @@ struct QuantityEntry {
 
 impl QuantitiesEntry {
     pub(super) fn of(model: &dyn Model) -> Self {
-        let declaration = model.declaration();
-        let columns = |places: std::ops::Range<usize>, quantity: fn(usize) -> Quantity| {
-            let entry = |index| {
-                let quantity = quantity(index);
-                QuantityEntry {
-                    name: quantity::name(model, quantity),
-                    unit: quantity::unit(model, quantity),
-                }
-            };
-            places.map(entry).collect()
+        let columns = |part: &str| {
+            let quantities = quantities(model, part).into_iter();
+            let entries = quantities.map(|(name, unit)| QuantityEntry { name, unit });
+            entries.collect()
         };
-        let (mechanical, coordinates) = (declaration.mechanical(), declaration.coordinates.len());
-        let contacts = declaration.contacts.len();
-        let rub = declaration.contacts.iter().any(|c| c.friction.is_some());
         Self {
             time: "s",
-            q: columns(0..mechanical, Quantity::Coordinate),
-            v: columns(0..mechanical, Quantity::Velocity),
-            states: columns(mechanical..coordinates, Quantity::Velocity),
-            u: columns(0..declaration.controls.len(), Quantity::Control),
-            contact_force: columns(0..contacts, Quantity::ContactForce),
-            outputs: columns(0..model.outputs().len(), Quantity::Output),
-            friction_force: columns(0..if rub { contacts } else { 0 }, Quantity::FrictionForce),
+            q: columns("q"),
+            v: columns("v"),
+            states: columns("states"),
+            u: columns("u"),
+            contact_force: columns("contact_force"),
+            outputs: columns("outputs"),
+            friction_force: columns("friction_force"),
         }
     }
 }

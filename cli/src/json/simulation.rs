@@ -4,12 +4,12 @@ use hangtime::model::Model;
 use hangtime::simulation::{Counts, Gradient, ProblemSize, Residuals, Seconds, Simulation};
 use serde::Serialize;
 
+use super::columns::kept_instants;
 use super::gradient::GradientEntry;
 use super::joints::JointsEntry;
 use super::parts::{
     DiagnosisEntry, EventEntry, FinalEntry, InitialEntry, IterationsEntry, ParameterValues,
-    QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry,
-    kept_instants, to_line,
+    QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
 };
 use crate::ending::Ending;
 use crate::method::MethodSettings;

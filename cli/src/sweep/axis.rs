@@ -16,6 +16,8 @@ pub(super) struct Axis {
     pub(super) unit: &'static str,
     /// The values in that unit, as shortest texts that read back as the same numbers; or choices.
     pub(super) values: Vec<String>,
+    /// Whether they choose the form of the scene.
+    pub(super) is_choice: bool,
 }
 
 impl Axis {
@@ -69,6 +71,7 @@ impl Axis {
             name: name.to_owned(),
             unit,
             values: numbers.iter().map(ToString::to_string).collect(),
+            is_choice: false,
         })
     }
 
@@ -80,6 +83,7 @@ impl Axis {
                 name: name.to_owned(),
                 unit: "",
                 values: values.split(',').map(|v| v.trim().to_owned()).collect(),
+                is_choice: true,
             });
         }
         let parameters = chosen.model.declaration().parameters;

@@ -22,7 +22,7 @@ use crate::host::HostScene;
 use crate::progress::Progress;
 use crate::report::Report;
 
-pub use plan::SweepPlan;
+pub use plan::{SweepPlan, SweepWork};
 use table::Table;
 
 /// Stack of a worker \[bytes\], that of a program's first thread on common systems: a point runs there as alone.
@@ -44,12 +44,19 @@ pub(crate) fn run(
         words.extend(["--set".to_owned(), setting.clone()]);
     }
     words.extend(arguments.options.iter().cloned());
-    let solve = arguments.what == SweepTask::Solve;
-    let plan = SweepPlan::read(scene, solve, &arguments.over, &words, &arguments.record)?;
+    let work = SweepWork {
+        solve: arguments.what == SweepTask::Solve,
+        warm: arguments.warm.unwrap_or(1),
+        words: &words,
+        record: &arguments.record,
+    };
+    let plan = SweepPlan::read(scene, &arguments.over, &work)?;
     let (shard, shards) = arguments.shard;
-    let points: Vec<usize> = (shard - 1..plan.count()).step_by(shards).collect();
+    let chains: Vec<usize> = (shard - 1..plan.chains()).step_by(shards).collect();
+    let points = chains.iter().flat_map(|&chain| plan.chain(chain));
+    let points: Vec<usize> = points.collect();
     let (mut table, done) = Table::open(out, &plan, &points, arguments.resume)?;
-    let counted = compute(&plan, &points[done..], &mut table)?;
+    let counted = compute(&plan, &chains, &points[done..], &mut table)?;
     let mut text = format!("{} points", points.len());
     if done > 0 {
         let _ = write!(text, ", {done} of them from before");
@@ -61,23 +68,29 @@ pub(crate) fn run(
     Ok(Report::of(text))
 }
 
-/// Computes points side by side and appends their rows in order; returns how often there was each status.
+/// Computes chains of points side by side and appends the rows of `points`, the last ones of them, in order; returns how often there
+/// was each status.
 fn compute(
     plan: &SweepPlan,
+    chains: &[usize],
     points: &[usize],
     table: &mut Table<'_>,
 ) -> Result<BTreeMap<String, usize>, BadInput> {
+    // A chain that was begun is computed anew: its next point starts from the motion of the one before it.
+    let first = points.first().copied();
+    let first = first.and_then(|first| chains.iter().position(|&k| plan.chain(k).contains(&first)));
+    let chains = &chains[first.unwrap_or(chains.len())..];
     // Workers are threads of their own: one of the pool could, while a solve waits for its parts, begin another point.
-    let workers = rayon::current_num_threads().min(points.len());
+    let workers = rayon::current_num_threads().min(chains.len());
     let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
     let goes_on = || !stopped.load(Ordering::Relaxed);
-    let work = |sender: mpsc::Sender<(usize, String)>| {
+    let work = |sender: mpsc::Sender<(usize, Vec<String>)>| {
         while goes_on() {
             let place = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&point) = points.get(place) else {
+            let Some(&chain) = chains.get(place) else {
                 break;
             };
-            if sender.send((place, plan.row(point, &goes_on))).is_err() {
+            if sender.send((place, plan.rows(chain, &goes_on))).is_err() {
                 break;
             }
         }
@@ -87,7 +100,7 @@ fn compute(
     let mut counted = BTreeMap::new();
     let axes = plan.status_column();
     thread::scope(|scope| {
-        let (sender, rows) = mpsc::channel();
+        let (sender, found) = mpsc::channel();
         for _ in 0..workers {
             let (sender, work) = (sender.clone(), &work);
             let builder = thread::Builder::new().stack_size(STACK);
@@ -97,18 +110,22 @@ fn compute(
         }
         drop(sender);
         let mut early = BTreeMap::new();
-        let mut place = 0;
-        for (number, row) in rows {
-            early.insert(number, row);
-            while let Some(row) = early.remove(&place) {
-                if let Err(refusal) = table.append(&row) {
-                    stopped.store(true, Ordering::Relaxed);
-                    return Err(refusal);
+        let (mut place, mut written) = (0, 0);
+        for (number, rows) in found {
+            early.insert(number, rows);
+            while let Some(rows) = early.remove(&place) {
+                let numbered = plan.chain(chains[place]).zip(rows);
+                for (_, row) in numbered.filter(|(point, _)| Some(point) >= points.first()) {
+                    if let Err(refusal) = table.append(&row) {
+                        stopped.store(true, Ordering::Relaxed);
+                        return Err(refusal);
+                    }
+                    let status = row.split(',').nth(axes).unwrap_or_default();
+                    *counted.entry(status.to_owned()).or_insert(0) += 1;
+                    written += 1;
                 }
-                let status = row.split(',').nth(axes).unwrap_or_default();
-                *counted.entry(status.to_owned()).or_insert(0) += 1;
                 place += 1;
-                progress.reach(place as f64);
+                progress.reach(f64::from(written));
             }
         }
         Ok(counted)

@@ -1,8 +1,11 @@
 //! The points of a sweep and the row of each: what a row holds depends on nothing but the sweep and its number.
 
+use std::ops::Range;
+
 use crate::arguments::{SimulateArguments, SolveArguments};
 use crate::failure::BadInput;
-use crate::host::{HostScene, Refusal};
+use crate::host::{HostRun, HostScene, Refusal};
+use crate::settings::ChosenScene;
 
 use super::axis::{Axis, MOST_POINTS};
 use super::record::{Record, sequence};
@@ -17,7 +20,23 @@ pub struct SweepPlan {
     words: Vec<String>,
     axes: Vec<Axis>,
     records: Vec<Record>,
+    /// Points of a chain, each of which starts from the one before it; 1: all start from nothing.
+    warm: usize,
     mark: String,
+}
+
+/// What a sweep does beside its points: the parts of a command that is no scene and no values.
+#[derive(Debug, Clone, Copy)]
+pub struct SweepWork<'a> {
+    /// Solve instead of simulate.
+    pub solve: bool,
+    /// Points of a chain, each of which starts from the motion found at the one before it; 1 for none. Chains go along the last
+    /// parameter.
+    pub warm: usize,
+    /// The words that stand behind the scene on the command line.
+    pub words: &'a [String],
+    /// Names of the numbers to record.
+    pub record: &'a [String],
 }
 
 impl std::fmt::Debug for SweepPlan {
@@ -29,28 +48,25 @@ impl std::fmt::Debug for SweepPlan {
 }
 
 impl SweepPlan {
-    /// The sweep of `scene` over `over`, each `NAME=from:to:count[UNIT]` or `NAME=a,b,c`, which simulates, or solves if
-    /// `solve`, with the words that stand behind the scene on the command line, and records numbers by name.
+    /// The sweep of `scene` over `over`, each `NAME=from:to:count[UNIT]` or `NAME=a,b,c`.
     ///
     /// # Errors
     /// Names that the scene or its runs do not have, values without meaning, and words that the command refuses.
-    pub fn new(
-        scene: HostScene,
-        solve: bool,
-        over: &[String],
-        words: &[String],
-        record: &[String],
-    ) -> Result<Self, Refusal> {
-        Ok(Self::read(scene, solve, over, words, record)?)
+    pub fn new(scene: HostScene, over: &[String], work: &SweepWork<'_>) -> Result<Self, Refusal> {
+        Ok(Self::read(scene, over, work)?)
     }
 
     pub(super) fn read(
         scene: HostScene,
-        solve: bool,
         over: &[String],
-        words: &[String],
-        record: &[String],
+        work: &SweepWork<'_>,
     ) -> Result<Self, BadInput> {
+        let &SweepWork {
+            solve,
+            warm,
+            words,
+            record,
+        } = work;
         // As they are understood, so that other spellings of the same words are the same sweep.
         let (settings, understood) = if solve {
             let arguments: SolveArguments = scene.arguments("solve", words)?;
@@ -73,21 +89,8 @@ impl SweepPlan {
                 "a sweep needs values; add --over NAME=from:to:count or --over NAME=a,b,c",
             ));
         }
-        let axes = over.iter().map(|text| Axis::read(&chosen, text));
-        let axes = axes.collect::<Result<Vec<_>, _>>()?;
-        for (index, axis) in axes.iter().enumerate() {
-            let names = axes[..index].iter().map(|earlier| earlier.name.as_str());
-            let given = settings
-                .iter()
-                .filter_map(|setting| setting.split_once('='));
-            let mut names = names.chain(given.map(|(name, _)| name.trim()));
-            if names.any(|name| name == axis.name) {
-                return Err(BadInput::new(format!(
-                    "--over: `{}` is given twice; keep one of them",
-                    axis.name
-                )));
-            }
-        }
+        let axes = read_axes(&chosen, over, &settings)?;
+        check_warm(work, &axes)?;
         let count = axes.iter().try_fold(1_usize, |product, axis| {
             let product = product.checked_mul(axis.values.len());
             product.filter(|&count| count <= MOST_POINTS)
@@ -111,6 +114,8 @@ impl SweepPlan {
         let parts = parts
             .chain(axis_parts)
             .chain(record.iter().map(String::as_str));
+        let chains = (warm > 1).then(|| format!("warm={warm}"));
+        let parts = parts.chain(chains.as_deref());
         let mark = format!("{:016x}/{count}", digest(parts));
         Ok(Self {
             scene,
@@ -118,6 +123,7 @@ impl SweepPlan {
             words: words.to_vec(),
             axes,
             records,
+            warm,
             mark,
         })
     }
@@ -126,6 +132,26 @@ impl SweepPlan {
     #[must_use]
     pub fn count(&self) -> usize {
         self.axes.iter().map(|axis| axis.values.len()).product()
+    }
+
+    /// How many chains there are; without warm starts every point is one.
+    #[must_use]
+    pub fn chains(&self) -> usize {
+        match self.axes.last().map_or(0, |axis| axis.values.len()) {
+            0 => 0,
+            length => self.count() / length * length.div_ceil(self.warm),
+        }
+    }
+
+    /// The points of a chain, below [`SweepPlan::chains`], which follow each other along the last parameter.
+    #[must_use]
+    pub fn chain(&self, number: usize) -> Range<usize> {
+        let length = self.axes.last().map_or(1, |axis| axis.values.len());
+        let of_a_line = length.div_ceil(self.warm);
+        let (line, place) = (number / of_a_line, number % of_a_line);
+        let first = place * self.warm;
+        let last = (first + self.warm).min(length);
+        line * length + first..line * length + last
     }
 
     /// The mark of the sweep, `digest/count`: of the scene's text, the command, its words, the values and the records.
@@ -162,23 +188,38 @@ impl SweepPlan {
         values
     }
 
-    /// Computes the row of point `number`, below [`SweepPlan::count`], as a line of CSV without its end. A point that is
+    /// Computes the rows of the points of a chain, below [`SweepPlan::chains`], as lines of CSV without their ends. The first point
+    /// starts from nothing; another one starts from the motion found at the one before it, if there is one, and from nothing where
+    /// that leads to no solution: so that a row depends on the points before it in its chain, and on nothing else. A point that is
     /// refused has the status `refused`, and the message says why. `goes_on` is asked now and then.
     #[must_use]
-    pub fn row(&self, number: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> String {
+    pub fn rows(&self, chain: usize, goes_on: &(dyn Fn() -> bool + Sync)) -> Vec<String> {
+        let mut before = None;
+        let points = self.chain(chain);
+        let row = points.map(|number| {
+            let (row, run) = self.row(number, before.as_ref(), goes_on);
+            before = run;
+            row
+        });
+        row.collect()
+    }
+
+    /// The row of a point that starts from the motion of another run, if there is one; and its run.
+    fn row(
+        &self,
+        number: usize,
+        before: Option<&HostRun>,
+        goes_on: &(dyn Fn() -> bool + Sync),
+    ) -> (String, Option<HostRun>) {
         let values = self.values(number);
         let mut words = self.words.clone();
         for (axis, value) in self.axes.iter().zip(&values) {
-            words.extend(["--set".to_owned(), format!("{}={value}", axis.name)]);
+            words.push(format!("--set={}={value}", axis.name));
         }
-        let run = if self.solve {
-            self.scene.solve(&words, &mut |_| goes_on())
-        } else {
-            self.scene.simulate(&words, &mut |_| goes_on())
-        };
+        let run = self.run(&words, before, goes_on);
         let mut cells = vec![number.to_string()];
         cells.extend(values.into_iter().map(str::to_owned));
-        match run {
+        match &run {
             Ok(run) => {
                 // A document is JSON.
                 let document = serde_json::from_str(&run.json()).unwrap_or_default();
@@ -194,7 +235,70 @@ impl SweepPlan {
             }
         }
         cells.push(self.mark.clone());
-        line(&cells)
+        (line(&cells), run.ok())
+    }
+
+    /// The run of a point, from the motion of another one where that leads to a solution.
+    fn run(
+        &self,
+        words: &[String],
+        before: Option<&HostRun>,
+        goes_on: &(dyn Fn() -> bool + Sync),
+    ) -> Result<HostRun, Refusal> {
+        if !self.solve {
+            return self.scene.simulate(words, &mut |_| goes_on());
+        }
+        if let Some(before) = before.filter(|before| before.is_start()) {
+            let run = self.scene.solve_from(words, before, &mut |_| goes_on())?;
+            if run.is_solved() || !goes_on() {
+                return Ok(run);
+            }
+        }
+        self.scene.solve(words, &mut |_| goes_on())
+    }
+}
+
+/// The values of the parameters, none of which may be given twice.
+fn read_axes(
+    chosen: &ChosenScene,
+    over: &[String],
+    settings: &[String],
+) -> Result<Vec<Axis>, BadInput> {
+    let axes = over.iter().map(|text| Axis::read(chosen, text));
+    let axes = axes.collect::<Result<Vec<_>, _>>()?;
+    for (index, axis) in axes.iter().enumerate() {
+        let names = axes[..index].iter().map(|earlier| earlier.name.as_str());
+        let given = settings
+            .iter()
+            .filter_map(|setting| setting.split_once('='));
+        let mut names = names.chain(given.map(|(name, _)| name.trim()));
+        if names.any(|name| name == axis.name) {
+            return Err(BadInput::new(format!(
+                "--over: `{}` is given twice; keep one of them",
+                axis.name
+            )));
+        }
+    }
+    Ok(axes)
+}
+
+/// Refuses chains of what has no start to hand on.
+fn check_warm(work: &SweepWork<'_>, axes: &[Axis]) -> Result<(), BadInput> {
+    if work.warm <= 1 {
+        return Ok(());
+    }
+    if !work.solve {
+        return Err(BadInput::new(
+            "--warm: simulations start from nothing else than their scene; leave it out, or sweep with --what solve",
+        ));
+    }
+    match axes.last() {
+        Some(axis) if axis.is_choice => Err(BadInput::new(format!(
+            "--warm: the last parameter, `{}`, chooses a form of the scene, whose motions are no starts for another form; name a \
+             parameter with numbers last",
+            axis.name
+        ))),
+        _ => Ok(()),
     }
 }
 

@@ -2,8 +2,8 @@
 
 use hangtime::Observer;
 use hangtime::ocp::{
-    self, ControlShape, Formulation, Horizon, Problem, SearchSpace, Settings, Solution,
-    Stationarity, TimeFreezingSettings,
+    self, ControlShape, Formulation, Guess, Horizon, Previous, Problem, SearchSpace, Settings,
+    Solution, Stationarity, TimeFreezingSettings,
 };
 use hangtime::rk::Scheme;
 
@@ -70,6 +70,16 @@ impl OptimumTask {
             settings,
             rows: arguments.result.rows(),
         })
+    }
+
+    /// Most rows of a trajectory in documents.
+    pub(crate) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Starts from the motion of an earlier plan for the same scene.
+    pub(crate) fn start_from(&mut self, previous: &Previous) {
+        self.settings.guess = Guess::Previous(Box::new(previous.clone()));
     }
 
     /// The plan; the scene has the values of its free parameters from there on.

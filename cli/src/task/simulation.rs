@@ -46,6 +46,11 @@ impl SimulationTask {
         })
     }
 
+    /// Most rows of a trajectory in documents.
+    pub(crate) fn rows(&self) -> usize {
+        self.rows
+    }
+
     /// The derivatives of the motion, if they were asked for.
     pub(crate) fn gradient(&self, simulation: &Simulation) -> Result<Option<Gradient>, BadInput> {
         if self.gradient.is_empty() {

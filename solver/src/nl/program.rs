@@ -125,6 +125,18 @@ impl Program {
         Ok(program)
     }
 
+    /// Names of the variables of the file, in its order.
+    #[must_use]
+    pub fn variable_names(&self) -> Vec<String> {
+        (0..self.variables).map(|k| self.variable_name(k)).collect()
+    }
+
+    /// Names of the rows of the file, in its order.
+    #[must_use]
+    pub fn row_names(&self) -> Vec<String> {
+        (0..self.file_rows).map(|k| self.row_name(k)).collect()
+    }
+
     /// Slacks start where their rows hold, as far as their bounds allow.
     fn start_slacks(&mut self) {
         let first = self.variables;

@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::nlp::file;
-use crate::support::{Scratch, hangtime, refused};
+use crate::support::{Scratch, hangtime, refused, solved};
 
 /// Runs the protocol on a program that is written first; the status, standard output and the `.sol` file.
 fn answered(scratch: &Scratch, text: &str, options: &[&str]) -> (Option<i32>, String, String) {
@@ -85,6 +85,22 @@ fn ampl_takes_options_from_the_environment_and_then_from_the_line() {
     assert_eq!(printed, 0);
     assert!(limited >= 400, "{limited}");
     assert_eq!(run(&["max_iter=1000"]), (0, 0));
+}
+
+#[test]
+fn ampl_is_told_the_version_and_the_options_before_it_solves() {
+    // Pyomo calls a solver available if `-v` says a version.
+    assert_eq!(
+        solved(&["-v"]),
+        format!("hangtime {}\n", env!("CARGO_PKG_VERSION"))
+    );
+    let options = solved(&["-="]);
+    for name in ["tol ", "max_iter ", "warm_start ", "print_level "] {
+        assert!(
+            options.lines().any(|line| line.starts_with(name)),
+            "{options}"
+        );
+    }
 }
 
 #[test]

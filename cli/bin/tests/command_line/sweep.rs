@@ -152,3 +152,85 @@ fn sweep_refuses_tables_of_others_and_names_what_is_wrong() {
     let output = hangtime(&["sweep", "--out", "t.csv"]);
     assert_eq!(output.status.code(), Some(2));
 }
+
+/// A cart that is pushed over a distance in least time, from rest to rest: `2 sqrt(m d/F)`.
+const CART: &str = "parameters { m: kg = 2, d: m = 1 }\ncoordinates { y: m }\ncontrols { u: N in -1..=1 }\n\
+     lagrangian m/2*dot(y)^2\nforces { y: u }\nminimize time\nstart { y: 0 }\nfinally { y == d, dot(y) == 0 }\n";
+
+/// The table of a warm sweep over 2 x 7 points in chains of three, written to a file of the folder.
+fn warm(scratch: &Scratch, table: &str, more: &[&str]) -> String {
+    let (scene, out) = (
+        format!("{}/cart.hang", scratch.text()),
+        format!("{}/{table}", scratch.text()),
+    );
+    let fixed = [
+        "sweep", &scene, "--what", "solve", "--warm=3", "--out", &out,
+    ];
+    let over = ["--over", "m=2,2.7", "--over", "d=0.4:1.6:7"];
+    let last = ["--record", "objective", "--", "--intervals", "6"];
+    solved(&[&fixed[..], &over, more, &last].concat());
+    scratch.read(table)
+}
+
+#[test]
+fn warm_sweep_starts_points_from_each_other_whoever_computes_them() {
+    let scratch = folder("sweep-warm");
+    std::fs::write(scratch.0.join("cart.hang"), CART).unwrap();
+    let whole = warm(&scratch, "whole.csv", &[]);
+    let rows: Vec<&str> = whole.lines().skip(1).collect();
+    assert_eq!(rows.len(), 14);
+    for (k, row) in rows.iter().enumerate() {
+        let cells: Vec<&str> = row.split(',').collect();
+        let [number, m, d, objective] =
+            [0, 1, 2, 6].map(|place| cells[place].parse::<f64>().unwrap());
+        assert_eq!(number, k as f64);
+        assert_eq!(cells[3], "solved");
+        // The tolerance of the solver is 1e-8, and the plan is polished.
+        assert!((objective - 2.0 * (m * d).sqrt()).abs() < 1e-7, "{row}");
+    }
+    // Chains are 0..3, 3..6, 6..7 and the same of the other mass: six of them for two shards.
+    let mut join = vec!["sweep".to_owned(), "--join".to_owned()];
+    for shard in ["1/2", "2/2"] {
+        let name = format!("s{}.csv", &shard[..1]);
+        let table = warm(&scratch, &name, &["--shard", shard]);
+        let first = table.lines().nth(1).unwrap().to_owned();
+        assert_eq!(first, rows[if shard == "1/2" { 0 } else { 3 }]);
+        join.push(format!("{}/{name}", scratch.text()));
+    }
+    let out = format!("{}/joined.csv", scratch.text());
+    join.extend(["--out".to_owned(), out]);
+    solved(&join.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(scratch.read("joined.csv"), whole);
+    // Cut within a chain, it is computed anew from its first point on.
+    for lines in [3, 6] {
+        let cut: String = whole.split_inclusive('\n').take(lines).collect();
+        std::fs::write(scratch.0.join("cut.csv"), cut).unwrap();
+        assert_eq!(warm(&scratch, "cut.csv", &["--resume"]), whole);
+    }
+}
+
+#[test]
+fn warm_sweep_is_refused_where_nothing_is_handed_on() {
+    let scratch = folder("sweep-warm-refused");
+    let words = |more: &[&str]| words(&scratch, "t.csv", more);
+    let refusal =
+        |more: &[&str]| refused(&words(more).iter().map(String::as_str).collect::<Vec<_>>());
+    assert!(refusal(&["--warm"]).contains("--what solve"));
+    assert!(refusal(&["--warm=0"]).contains("at least 1"));
+    let out = format!("{}/u.csv", scratch.text());
+    // The last parameter chooses a form of the scene.
+    let choice = refused(&[
+        "sweep",
+        "pump-track",
+        "--what",
+        "solve",
+        "--warm",
+        "--over",
+        "speed=4,5",
+        "--over",
+        "law=holding",
+        "--out",
+        &out,
+    ]);
+    assert!(choice.contains("`law`"), "{choice}");
+}

@@ -44,8 +44,8 @@ pub(super) fn coordinates(lagrangian: Sym, checker: &mut Checker<'_>) {
     for (place, name, inertia) in found {
         let message = format!(
             "`{name}` begins at rest anywhere, and `{inertia}` is nothing but its inertia: if it is a number that is chosen, \
-             it does not stay, as the `lagrangian` or a force moves it; make `{inertia}` so large that it does, or cancel \
-             in `forces` what acts on it"
+             it does not stay, as the `lagrangian` or a force moves it; declare a parameter that is found in the place of the \
+             coordinate, as in `free {name}: rad in 0.1..=1.2 = 0.5` with its own unit and range"
         );
         checker.diagnostics.warn("E05", place, message);
     }

@@ -1,0 +1,171 @@
+//! What goes into the packages: licences, figures, a README that says how to depend on it, and a changelog of readable length.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::{members, workspace};
+
+/// Most lines of a release in the changelog, without the empty ones: what a reader takes in.
+const RELEASE: usize = 60;
+/// What every package that can be published says of itself.
+const FIELDS: [&str; 7] = [
+    "description",
+    "license",
+    "repository",
+    "rust-version",
+    "readme",
+    "keywords",
+    "categories",
+];
+
+/// A package that can be published.
+struct Package {
+    folder: PathBuf,
+    manifest: String,
+}
+
+impl Package {
+    fn all() -> Vec<Self> {
+        let read = |member: &PathBuf| Self {
+            folder: workspace().join(member),
+            manifest: text(&workspace().join(member).join("Cargo.toml")),
+        };
+        let packages = members()
+            .iter()
+            .map(read)
+            .filter(|package| !package.manifest.contains("publish = false"))
+            .collect::<Vec<_>>();
+        assert!(packages.len() >= 10, "packages are not found");
+        packages
+    }
+
+    /// The value of a key that stands alone in its line.
+    fn value(&self, key: &str) -> Option<&str> {
+        let lines = self.manifest.lines();
+        let mut values = lines.filter_map(|line| line.strip_prefix(key)?.strip_prefix(" = "));
+        values.next().map(|value| value.trim_matches('"'))
+    }
+
+    fn name(&self) -> &str {
+        self.value("name").expect("a name")
+    }
+
+    /// The files that would be published.
+    fn files(&self) -> Vec<String> {
+        let output = Command::new(env!("CARGO"))
+            .args(["package", "--list", "--allow-dirty", "--offline", "-p"])
+            .arg(self.name())
+            .current_dir(workspace())
+            .output()
+            .expect("cargo runs");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{}: {errors}", self.name());
+        let list = String::from_utf8_lossy(&output.stdout);
+        // On Windows with the separators of that system.
+        list.lines().map(|line| line.replace('\\', "/")).collect()
+    }
+}
+
+fn text(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The paths behind `![...](`.
+fn figures(readme: &str) -> Vec<&str> {
+    let behind = readme.split("![").skip(1);
+    let paths = behind.filter_map(|rest| rest.split_once("](")?.1.split_once(')'));
+    paths.map(|(path, _)| path).collect()
+}
+
+#[test]
+fn packages_hold_licences_their_readme_and_its_figures() {
+    for package in Package::all() {
+        let (name, files) = (package.name(), package.files());
+        let readme = package
+            .folder
+            .join(package.value("readme").expect("a README"));
+        let readme = text(&readme);
+        let wanted = ["LICENSE-APACHE", "LICENSE-MIT", "README.md", "Cargo.toml"];
+        for wanted in wanted.into_iter().chain(figures(&readme)) {
+            assert!(
+                files.iter().any(|file| file == wanted),
+                "{name}: no {wanted}"
+            );
+        }
+        assert!(
+            files.iter().any(|file| file.ends_with(".rs")),
+            "{name}: no sources"
+        );
+        for licence in ["LICENSE-APACHE", "LICENSE-MIT"] {
+            let (own, common) = (package.folder.join(licence), workspace().join(licence));
+            assert_eq!(text(&own), text(&common), "{name}: {licence}");
+        }
+    }
+}
+
+#[test]
+fn packages_say_what_they_are_and_how_to_depend_on_them() {
+    let workspace_manifest = text(&workspace().join("Cargo.toml"));
+    let version = workspace_manifest
+        .lines()
+        .find_map(|line| line.strip_prefix("version = "))
+        .expect("a version")
+        .trim_matches('"')
+        .rsplit_once('.')
+        .expect("three numbers")
+        .0;
+    for package in Package::all() {
+        let name = package.name();
+        for field in FIELDS {
+            let own = package.value(field);
+            let inherited = package.value(&format!("{field}.workspace"));
+            assert!(own.or(inherited).is_some(), "{name}: no `{field}`");
+        }
+        // The program has the README of the library, whose name it has as well.
+        let library = if name == "hangtime-bin" {
+            "hangtime"
+        } else {
+            name
+        };
+        let readme = package
+            .folder
+            .join(package.value("readme").expect("a README"));
+        let line = format!("[dependencies]\n{library} = \"{version}\"\n");
+        assert!(text(&readme).contains(&line), "{name}: README lacks {line}");
+    }
+}
+
+#[test]
+fn python_package_has_the_version_and_the_oldest_rust_of_the_workspace() {
+    let [root, native, package] = ["Cargo.toml", "python/Cargo.toml", "python/pyproject.toml"]
+        .map(|path| text(&workspace().join(path)));
+    let line = |text: &str, key: &str| {
+        let found = text.lines().find(|line| line.starts_with(key));
+        found.unwrap_or_else(|| panic!("no {key}")).to_owned()
+    };
+    for key in ["version = ", "rust-version = "] {
+        assert_eq!(line(&native, key), line(&root, key));
+    }
+    assert_eq!(line(&package, "version = "), line(&root, "version = "));
+    for licence in ["LICENSE-APACHE", "LICENSE-MIT"] {
+        let [own, common] =
+            [workspace().join("python"), workspace()].map(|folder| text(&folder.join(licence)));
+        assert_eq!(own, common, "python: {licence}");
+    }
+}
+
+#[test]
+fn releases_in_the_changelog_are_of_readable_length() {
+    let changelog = text(&workspace().join("CHANGELOG.md"));
+    let releases: Vec<&str> = changelog.split("\n## ").skip(1).collect();
+    assert!(releases.len() >= 2, "releases are not found");
+    for release in releases {
+        let title = release.lines().next().unwrap_or_default();
+        let lines = release.lines().filter(|line| !line.is_empty()).count();
+        assert!(
+            lines <= RELEASE,
+            "{title}: {lines} lines; at most {RELEASE}"
+        );
+    }
+}
