@@ -178,6 +178,11 @@ impl Writer {
     }
 }
 
+/// Whether `start(...)` is there, the value of a quantity at the start, and no statement.
+fn is_value_at_start(pieces: &[Piece]) -> bool {
+    pieces[0].text == words::START && pieces.get(1).is_some_and(|next| next.is("("))
+}
+
 /// Where the first statement ends: before the next one, or before what belongs to that.
 fn statement_end(pieces: &[Piece]) -> usize {
     let mut depth = 0_usize;
@@ -186,7 +191,7 @@ fn statement_end(pieces: &[Piece]) -> usize {
             && depth == 0
             && piece.kind == Kind::Word
             && words::STATEMENTS.contains(&piece.text.as_str())
-            && !pieces.get(index + 1).is_some_and(|next| next.is("("));
+            && !is_value_at_start(&pieces[index..]);
         if begins {
             // Comments above the next statement are its own; one behind this statement stays there.
             let comments = pieces[..index].iter().rev();

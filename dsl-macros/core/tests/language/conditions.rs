@@ -118,14 +118,14 @@ fn start_that_is_free_is_a_coordinate_that_decides_it_and_nothing_where_it_is_no
 
 #[test]
 fn conditions_are_formatted_like_the_statements_around_them() {
-    let text = "states{x,on}\nrates{x:1 [1/s]+on*0 [1/s]}\nwhen  x>=1{on=1}// once\nwhen x<=0 { on=0,x=  x+1}\n";
+    let text = "states{x,on}\nrates{x:1 [1/s]+on / 3 [s]}\nwhen  x>=1{on=1}// once\nwhen x<=0 { on=0,x=  x+1}\n";
     assert_eq!(
         format_text(text, "s").expect("no mistakes"),
-        "states { x, on }\nrates { x: 1 [1/s] + on*0 [1/s] }\nwhen x >= 1 { on = 1 } // once\nwhen x <= 0 { on = 0, x = x + 1 }\n"
+        "states { x, on }\nrates { x: 1 [1/s] + on/3[s] }\nwhen x >= 1 { on = 1 } // once\nwhen x <= 0 { on = 0, x = x + 1 }\n"
     );
     let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nfree { x }\nminimize (x -start( x ) )^2\nfinally { x==-start(x) + 1 [m] }\n";
     assert_eq!(
         format_text(text, "s").expect("no mistakes"),
-        "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nfree { x }\nminimize (x - start(x))^2\nfinally { x == -start(x) + 1 [m] }\n"
+        "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nfree { x }\nminimize (x - start(x))^2\nfinally { x == -start(x) + 1 [m] }\n"
     );
 }
