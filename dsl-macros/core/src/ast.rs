@@ -68,7 +68,7 @@ pub(crate) struct Quantity {
     pub(crate) free: bool,
 }
 
-/// `name: value`, in `forces` and `start`.
+/// `name: value`, in `forces` and `start`, and `name = value`, in `when`.
 #[derive(Debug, Clone)]
 pub(crate) struct Assignment {
     pub(crate) target: Name,
