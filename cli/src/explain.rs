@@ -156,6 +156,10 @@ fn laws(model: &dyn Model) -> String {
     for (index, contact) in declaration.contacts.iter().enumerate() {
         if let Some(switch) = contact.switch {
             let how = match switch {
+                Switching::Resets => {
+                    let _ = writeln!(text, "when        {}", contact.name);
+                    continue;
+                }
                 Switching::Slides => "passed, or slid along",
                 _ => "passed",
             };
@@ -296,7 +300,11 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
         } else {
             String::new()
         };
-        let _ = writeln!(text, "free        {name} at the start{bounds}");
+        let read = match model.remembered().contains(&index) {
+            true => ", which conditions read",
+            false => "",
+        };
+        let _ = writeln!(text, "free        {name} at the start{bounds}{read}");
     }
     text
 }

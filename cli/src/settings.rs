@@ -48,7 +48,8 @@ impl ChosenScene {
         }
         chosen.check_bounds()?;
         chosen.check_coefficients()?;
-        if !chosen.model.free_parameters().is_empty() {
+        let unknown = chosen.model.free_parameters().len() + chosen.model.remembered().len();
+        if unknown > 0 {
             chosen.without_compiler();
         }
         Ok(chosen)

@@ -100,11 +100,17 @@ pub(crate) fn experiments(scene: &Description) -> &'static [Experiment] {
     }))
 }
 
+/// What functions of optimal control remember of a start that is to be found.
+pub(crate) fn remembered(scene: &Description) -> &'static [usize] {
+    list(scene.remembered.iter().copied())
+}
+
 /// The parameters of a described scene that are coordinates without motion.
 pub(crate) fn held(held: &description::Held) -> Held {
     use description::GivenBy;
     Held {
         parameters: list(held.parameters.iter().copied()),
+        starts: list(held.starts.iter().copied()),
         given: list(held.given.iter().map(|given| match *given {
             GivenBy::Start(k) => Given::Start(k),
             GivenBy::Horizon => Given::Horizon,
@@ -158,6 +164,7 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         friction,
         dry: contact.dry,
         switch: contact.switch.map(|passes| match passes {
+            _ if contact.reset.is_some() => Switching::Resets,
             true => Switching::Passes,
             false => Switching::Slides,
         }),

@@ -339,6 +339,16 @@ impl Model for TextScene {
         Some(derived.map(|scene| Box::new(scene) as Box<dyn Model>))
     }
 
+    fn reset(&self, contact: usize, x: &[f64], v: &mut [f64]) {
+        if let Some(kernel) = self.description().contacts[contact].reset {
+            self.evaluate(kernel, x, &[], v);
+        }
+    }
+
+    fn remembered(&self) -> &'static [usize] {
+        self.shared.remembered
+    }
+
     fn held(&self) -> Option<Held> {
         self.shared.held
     }

@@ -12,6 +12,7 @@ mod gradient;
 mod joints;
 mod many_contacts;
 mod own_command_line;
+mod periodic;
 mod published_data;
 mod published_results;
 mod pump_track;
@@ -21,5 +22,7 @@ mod scene_files;
 #[path = "../stability/mod.rs"]
 mod stability;
 mod states;
+mod switched;
 mod teaching_models;
+mod when;
 mod zoo;

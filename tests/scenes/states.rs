@@ -399,7 +399,6 @@ fn what_knows_no_switches_refuses_them_by_name() {
         let error = error.expect("a refusal");
         assert!(error.contains("the switch `sign(x)`"), "{error}");
     };
-    refused(solve(&scene).run().err().map(|error| error.to_string()));
     let horizon = || simulate(&scene).horizon(1.0);
     refused(
         horizon()

@@ -68,7 +68,7 @@ pub(crate) struct Quantity {
     pub(crate) free: bool,
 }
 
-/// `name: value`, in `forces` and `start`.
+/// `name: value`, in `forces` and `start`, and `name = value`, in `when`.
 #[derive(Debug, Clone)]
 pub(crate) struct Assignment {
     pub(crate) target: Name,
@@ -92,6 +92,17 @@ pub(crate) struct Condition {
     pub(crate) left: Expr,
     pub(crate) relation: Relation,
     pub(crate) right: Expr,
+}
+
+impl fmt::Display for Condition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let relation = match self.relation {
+            Relation::Equal => "==",
+            Relation::AtLeast => ">=",
+            Relation::AtMost => "<=",
+        };
+        write!(f, "{} {relation} {}", self.left, self.right)
+    }
 }
 
 /// `name in lower..=upper`, in `free`.
@@ -225,6 +236,11 @@ pub(crate) enum Statement {
         name: Name,
         left: Expr,
         right: Expr,
+    },
+    /// What states and velocities are set to where a condition comes true.
+    When {
+        condition: Condition,
+        assignments: Vec<Assignment>,
     },
     Start(Vec<Assignment>),
     Horizon {

@@ -104,10 +104,11 @@ impl Writer {
             .iter()
             .rposition(|piece| !piece.is(";") && !piece.is(","));
         let pieces = &pieces[..=ends.unwrap_or(0)];
-        // A profile has its argument and its units before the block, what is measured its file.
+        // A profile has its argument and its units before the block, `when` its condition, what is measured its file.
         let open = pieces.iter().position(|piece| piece.is("{"));
-        let named =
-            |&open: &usize| open == 1 || ["profile", "measured"].contains(&pieces[0].text.as_str());
+        let named = |&open: &usize| {
+            open == 1 || ["profile", "measured", "when"].contains(&pieces[0].text.as_str())
+        };
         let remarks = |head: &[Piece]| head.iter().any(Piece::is_comment);
         let Some(open) = open
             .filter(named)
@@ -178,6 +179,11 @@ impl Writer {
     }
 }
 
+/// Whether `start(...)` is there, the value of a quantity at the start, and no statement.
+fn is_value_at_start(pieces: &[Piece]) -> bool {
+    pieces[0].text == words::START && pieces.get(1).is_some_and(|next| next.is("("))
+}
+
 /// Where the first statement ends: before the next one, or before what belongs to that.
 fn statement_end(pieces: &[Piece]) -> usize {
     let mut depth = 0_usize;
@@ -185,7 +191,8 @@ fn statement_end(pieces: &[Piece]) -> usize {
         let begins = index > 0
             && depth == 0
             && piece.kind == Kind::Word
-            && words::STATEMENTS.contains(&piece.text.as_str());
+            && words::STATEMENTS.contains(&piece.text.as_str())
+            && !is_value_at_start(&pieces[index..]);
         if begins {
             // Comments above the next statement are its own; one behind this statement stays there.
             let comments = pieces[..index].iter().rev();

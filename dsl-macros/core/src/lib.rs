@@ -274,7 +274,8 @@ fn derived(
     let chosen: Vec<u16> = chosen.map(|(_, index)| index).collect();
     if kind == Parameters::Differentiated {
         scene.differentiated = chosen;
-    } else if !chosen.is_empty() {
+        derive::at_declared_start(&mut scene);
+    } else if !chosen.is_empty() || !scene.remembered.is_empty() {
         check::without_free_bounds(&scene, &chosen, diagnostics)?;
         scene = derive::with_held(scene, &chosen);
     }

@@ -37,6 +37,10 @@ pub(crate) struct CheckedScene {
     pub(crate) experiments: Vec<Experiment>,
     /// The parameters that are coordinates without motion here, the last ones; none unless asked for.
     pub(crate) held: Vec<u16>,
+    /// Components of the start `(q, v)` that are free, and that functions of optimal control read as `Start`, increasing.
+    pub(crate) remembered: Vec<usize>,
+    /// Whether these are coordinates without motion here, behind all others.
+    pub(crate) remembers: bool,
 }
 
 /// A parameter that optimal control is to find.
@@ -76,6 +80,16 @@ impl CheckedScene {
     /// Number of declared coordinates, those of a mechanism.
     pub(crate) fn mechanical(&self) -> usize {
         self.coordinates.len() - self.states.len()
+    }
+
+    /// A component of the start, in its declared unit.
+    pub(crate) fn start_component(&self, k: usize) -> Sym {
+        let n = self.start.0.len();
+        if k < n {
+            self.start.0[k]
+        } else {
+            self.start.1[k - n]
+        }
     }
 }
 
@@ -159,6 +173,20 @@ pub(crate) struct OptimalControl {
     pub(crate) free_start: Vec<(usize, Option<(Sym, Sym)>)>,
 }
 
+impl OptimalControl {
+    /// Replaces every function that a motion is judged by.
+    pub(crate) fn map_functions(&mut self, replace: impl Fn(Sym) -> Sym) {
+        let lists = [&mut self.constraints, &mut self.at_impacts, &mut self.goals];
+        for condition in lists.into_iter().flatten() {
+            condition.function = replace(condition.function);
+        }
+        let costs = self.running_cost.iter_mut().chain(&mut self.final_cost);
+        costs
+            .chain(&mut self.sums)
+            .for_each(|value| *value = replace(*value));
+    }
+}
+
 /// `function >= 0` or `function == 0`.
 pub(crate) struct Condition {
     pub(crate) name: String,
@@ -217,9 +245,18 @@ pub(crate) struct Contact {
     pub(crate) friction: Option<Friction>,
     /// Largest force of dry friction, in SI units; such a contact has no gap, and its coefficient is 1.
     pub(crate) bound: Option<Sym>,
-    /// Of a switch what it acts by, one force a coordinate in declared units: it is dry friction with the bound 1, against minus
-    /// its function.
-    pub(crate) switch: Option<Vec<Sym>>,
+    /// Of a switch what it acts by: it is dry friction with the bound 1, against minus its function.
+    pub(crate) switch: Option<Action>,
+    /// Velocities (indices) that are set where the function of a switch that does nothing else comes to be positive, with what they are
+    /// set to, in declared units.
+    pub(crate) reset: Vec<(usize, Sym)>,
+}
+
+/// What a switch acts by, one force a coordinate in declared units.
+pub(crate) struct Action {
+    pub(crate) force: Vec<Sym>,
+    /// The same with each control as large as it is usually, so that what is measured by it has derivatives where a control is 0.
+    pub(crate) usual: Vec<Sym>,
 }
 
 impl Contact {
@@ -245,6 +282,7 @@ impl Contact {
             }),
             bound: Some(bound),
             switch: None,
+            reset: Vec::new(),
         }
     }
 }

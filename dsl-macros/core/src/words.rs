@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 24] = [
+pub(crate) const STATEMENTS: [&str; 25] = [
     "parameters",
     "coordinates",
     "controls",
@@ -17,6 +17,7 @@ pub(crate) const STATEMENTS: [&str; 24] = [
     "impact",
     "dry",
     "joint",
+    "when",
     "start",
     "horizon",
     "constraint",
@@ -301,6 +302,8 @@ pub(crate) const MISFIT: &str = "misfit";
 
 /// The loss of a misfit that grows linearly far away, so that outliers count less.
 pub(crate) const HUBER: &str = "huber";
+/// What a quantity is at the start of the motion; its word begins a statement as well, where braces follow.
+pub(crate) const START: &str = "start";
 
 /// The final time in an objective or a terminal condition.
 pub(crate) const FINAL_TIME: &str = "time";

@@ -92,7 +92,7 @@ struct Sorted {
 impl Solved {
     fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
         let at_rest = |i: usize| {
-            contacts.switch(i) != Some(Switching::Passes)
+            !contacts.switch(i).is_some_and(Switching::passes)
                 && contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest()
         };
         let (lines, cones) = impact::coulomb_lines(contacts, &touching, at_rest);
@@ -125,7 +125,7 @@ impl Solved {
         let passed: Vec<usize> = touching
             .iter()
             .copied()
-            .filter(|&i| contacts.switch(i) == Some(Switching::Passes))
+            .filter(|&i| contacts.switch(i).is_some_and(Switching::passes))
             .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
             .collect();
         let mut motion = contacts.free_acceleration().to_vec();

@@ -220,6 +220,16 @@ pub enum Switching {
     Slides,
     /// The sign does not change the rate of `c` where `c = 0`, and the motion passes; `D` is 1.
     Passes,
+    /// Nothing acts by the sign: where `c` comes to be positive, velocities are set, see [`Model::reset`](super::Model::reset).
+    Resets,
+}
+
+impl Switching {
+    /// Whether the function is only passed, and never held at zero.
+    #[must_use]
+    pub const fn passes(self) -> bool {
+        !matches!(self, Self::Slides)
+    }
 }
 
 /// Coulomb friction of a contact in the plane.

@@ -2,11 +2,15 @@
 
 use super::SparsityPattern;
 
-/// Parameters that stand behind the coordinates of a scene as coordinates without motion, see [`Model::with_held`](super::Model::with_held).
+/// Parameters that stand behind the coordinates of a scene as coordinates without motion, and behind them what is remembered of its
+/// start, see [`Model::with_held`](super::Model::with_held).
 #[derive(Debug, Clone, Copy)]
 pub struct Held {
-    /// Their indices among the parameters, in the order of these coordinates, which are the last ones.
+    /// Their indices among the parameters, in the order of these coordinates.
     pub parameters: &'static [usize],
+    /// Components of the start `(q, v)` of the scene itself that the coordinates behind those are, and decide: those of
+    /// [`Model::remembered`](super::Model::remembered).
+    pub starts: &'static [usize],
     /// What of start, horizon and laws depends on them; the start, the horizon and the laws of the model itself have the values
     /// that the parameters were given.
     pub given: &'static [Given],
@@ -14,6 +18,14 @@ pub struct Held {
     pub jacobian: SparsityPattern,
     /// Pattern (lower triangle) of the Hessian of the weighted [`Model::given_values`](super::Model::given_values).
     pub hessian: SparsityPattern,
+}
+
+impl Held {
+    /// Number of coordinates without motion.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        self.parameters.len() + self.starts.len()
+    }
 }
 
 /// What a scene declares as a function of parameters alone, by the index of a component of the start `(q, v)` or of a contact.

@@ -4,11 +4,11 @@ use super::{Given, Model};
 
 /// Number of coordinates that move: all but those that stand for parameters.
 pub(crate) fn moving(model: &dyn Model) -> usize {
-    let held = model.held().map_or(0, |held| held.parameters.len());
+    let held = model.held().map_or(0, |held| held.count());
     model.declaration().coordinates.len() - held
 }
 
-/// Whether a component of `(q, v)` stands for a parameter.
+/// Whether a component of `(q, v)` stands for a parameter or for what is remembered of the start.
 pub(crate) fn is_held(model: &dyn Model, k: usize) -> bool {
     let n = model.declaration().coordinates.len();
     k % n >= moving(model)
@@ -48,7 +48,7 @@ pub(crate) fn with_laws(model: &dyn Model, q: &[f64]) -> Option<Box<dyn Model>> 
     let held = model.held()?;
     let is_law = |given: &Given| matches!(given, Given::Restitution(_) | Given::Friction(_));
     let first = moving(model);
-    if !held.given.iter().any(is_law) || q.len() != first + held.parameters.len() {
+    if !held.given.iter().any(is_law) || q.len() != first + held.count() {
         return None;
     }
     let mut own = model.boxed();

@@ -300,12 +300,24 @@ pub trait Model: Send + Sync {
 
     /// The scene with some of its parameters (indices, increasing) as coordinates without motion behind all others, at their
     /// present values, so that every function is differentiated by them twice: `p'' = 0`, and no contact acts on them. Those
-    /// that are free are free at the start, within their ranges. None where it would have to be compiled.
+    /// that are free are free at the start, within their ranges. What is [`remembered`](Self::remembered) of the start stands
+    /// behind them. None where it would have to be compiled.
     ///
     /// # Errors
     /// Why the scene cannot be so, in one line.
     fn with_held(&self, _parameters: &[usize]) -> Option<Result<Box<dyn Model>, String>> {
         None
+    }
+
+    /// The velocities `v`, states of first order among them, right after the function of a contact with
+    /// [`Switching::Resets`] has come to be positive at `x`.
+    fn reset(&self, _contact: usize, _x: &[f64], _v: &mut [f64]) {}
+
+    /// Components of the start `(q, v)` (indices, increasing) that optimal control is to find and that its functions read, as
+    /// `start(...)`; the functions of this scene read the declared start there, and those of [`with_held`](Self::with_held) the one
+    /// that is found.
+    fn remembered(&self) -> &'static [usize] {
+        &[]
     }
 
     /// The parameters that are coordinates without motion in this scene, see [`with_held`](Self::with_held).

@@ -115,8 +115,8 @@ impl Problem {
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
         InitialValueProblem::check_at_once(model, "optimal control")?;
-        let remedy = "write a smooth function in its place, as `tanh(c/width)` for `sign(c)` and `sqrt(c^2 + width^2)` for `|c|`";
-        InitialValueProblem::check_switches(model, "optimal control", remedy)?;
+        let remedy = "simulate it under given controls, or write what happens there as phases of several scenes";
+        InitialValueProblem::check_resets(model, "optimal control", remedy)?;
         let (lower, upper) = bounds(model);
         let declaration = model.declaration();
         let bounded = declaration

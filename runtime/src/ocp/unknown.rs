@@ -41,24 +41,21 @@ pub(in crate::ocp) fn with_unknowns<'a>(
     indices.sort_unstable();
     indices.dedup();
     let names = scene.declaration().parameters;
-    let Some(first) = indices.first().and_then(|&first| names.get(first)) else {
-        return Ok(None);
-    };
-    let what = if free.is_empty() {
-        format!("the derivative of an optimum by `{}`", first.name)
-    } else {
-        format!("the free parameter `{}`", first.name)
+    let first = indices.first().and_then(|&first| names.get(first));
+    let what = match first {
+        Some(first) if free.is_empty() => {
+            format!("the derivative of an optimum by `{}`", first.name)
+        }
+        Some(first) => format!("the free parameter `{}`", first.name),
+        None if !scene.remembered().is_empty() => {
+            "`start(...)` of what is free at the start,".to_owned()
+        }
+        None => return Ok(None),
     };
     if matches!(settings.formulation, Formulation::TimeFreezing(_)) {
         return Err(refusal::unsupported(
             format!("{what} in the time-freezing formulation"),
             "solve in phases, the default",
-        ));
-    }
-    if !scene.declaration().states.is_empty() {
-        return Err(refusal::unsupported(
-            format!("{what} of a scene with states of first order"),
-            "give the parameter a value by `--set` and compare, or state the quantity as a coordinate",
         ));
     }
     let model = match scene.with_held(&indices) {
@@ -161,7 +158,9 @@ fn extended(
 ) -> Problem {
     let mut problem = problem.clone();
     let values = parameters.iter().map(|&index| scene.parameter(index));
-    problem.q.extend(values);
+    let start = problem.start();
+    let remembered = scene.remembered().iter().map(|&k| start[k]);
+    problem.q.extend(values.chain(remembered));
     problem.v.resize(problem.q.len(), 0.0);
     if let Horizon::Fixed(horizon) = problem.horizon
         && held::place(model, Given::Horizon).is_some()

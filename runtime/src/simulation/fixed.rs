@@ -123,6 +123,7 @@ impl Simulator for FixedStep {
         let closed = Closed::of(model, problem)?;
         let (model, problem) = closed.scene();
         InitialValueProblem::check_inelastic(model, self.name())?;
+        InitialValueProblem::check_resets(model, "fixed steps", super::joints::LOCATED)?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
         let others = OtherGrid::of_steps(self.steps, |steps| Self {

@@ -2,7 +2,7 @@
 
 use crate::InputError;
 use crate::model::rounding::{ROUNDINGS, rounding_error_at_start};
-use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point};
+use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, Switching, contact_point};
 use crate::refusal;
 
 /// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface"; so do those above minus [`ROUNDINGS`]
@@ -357,6 +357,23 @@ impl InitialValueProblem {
                     contact.name
                 ),
                 "simulate by finite elements or from event to event, or leave `in sequence` out",
+            )),
+        }
+    }
+
+    /// Refuses a scene in which something is set where a condition comes true, for methods that do not locate that.
+    pub(crate) fn check_resets(
+        model: &dyn Model,
+        what: &str,
+        remedy: &str,
+    ) -> Result<(), InputError> {
+        let contacts = model.declaration().contacts;
+        let resets = |known: &&ContactDeclaration| known.switch == Some(Switching::Resets);
+        match contacts.iter().find(resets) {
+            None => Ok(()),
+            Some(contact) => Err(refusal::unsupported(
+                format!("`when {}`, by {what}", contact.name),
+                remedy,
             )),
         }
     }

@@ -423,6 +423,8 @@ pub enum EventKind {
     Slide,
     /// The motion passes the zero of a switch, or leaves it.
     Switch,
+    /// The condition of a `when` comes true, and states or velocities are set.
+    When,
 }
 
 impl EventKind {
@@ -437,11 +439,12 @@ impl EventKind {
             Self::Slip => "slip",
             Self::Slide => "slide",
             Self::Switch => "switch",
+            Self::When => "when",
         }
     }
 
     /// The kind of a change of friction that is one of the contact `declared`.
-    pub(super) fn of(self, declared: &ContactDeclaration) -> Self {
+    pub(crate) fn of(self, declared: &ContactDeclaration) -> Self {
         match (self, declared.switch) {
             (Self::Stick, Some(_)) => Self::Slide,
             (Self::Slip, Some(_)) => Self::Switch,

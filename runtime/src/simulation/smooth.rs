@@ -115,6 +115,7 @@ impl Simulator for Smooth {
         problem.check(model)?;
         InitialValueProblem::check_inelastic(model, self.name())?;
         InitialValueProblem::check_at_once(model, "smoothed steps")?;
+        InitialValueProblem::check_resets(model, "smoothed steps", joints::LOCATED)?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
         let other = OtherGrid {

@@ -66,7 +66,18 @@ pub(super) struct Checker<'a> {
 pub(super) struct Laws {
     pub(super) impacts: Vec<CheckedLaw>,
     pub(super) dry: Vec<DryFriction>,
+    pub(super) resets: Vec<Reset>,
     pub(super) joints: Vec<scene::Joint>,
+}
+
+/// What is set where a condition comes true.
+pub(super) struct Reset {
+    pub(super) documentation: Documentation,
+    pub(super) name: Name,
+    /// Positive where the condition holds, in SI units.
+    pub(super) function: Sym,
+    /// States and velocities, by their places among the velocities of all coordinates, with their values in declared units.
+    pub(super) values: Vec<(usize, Sym)>,
 }
 
 /// Dry friction without a surface.
@@ -108,8 +119,9 @@ pub(super) struct CheckedFriction {
 #[derive(Default)]
 pub(super) struct Task {
     pub(super) cost: Option<Cost>,
-    pub(super) constraints: Vec<scene::Condition>,
-    pub(super) goals: Vec<scene::Condition>,
+    /// As declared, each one condition for every piece.
+    pub(super) constraints: Vec<Vec<scene::Condition>>,
+    pub(super) goals: Vec<Vec<scene::Condition>>,
     pub(super) free: Vec<Free>,
 }
 
@@ -158,6 +170,25 @@ impl Checker<'_> {
             Variable::Switch(_) => "a switch".to_owned(),
             _ => "a parameter".to_owned(),
         }
+    }
+
+    /// A component of the start `(q, v)` as it is written, where states have their coordinates.
+    pub(super) fn component(&self, k: usize) -> String {
+        let n = self.coordinates.len();
+        match k.checked_sub(n) {
+            None => self.coordinates[k].name.text.clone(),
+            Some(k) => match k.checked_sub(n - self.states.len()) {
+                None => format!("dot({})", self.coordinates[k].name.text),
+                Some(state) => self.states[state].name.text.clone(),
+            },
+        }
+    }
+
+    /// Whether a condition sets a state, so that it needs no rate.
+    pub(super) fn is_set(&self, state: usize) -> bool {
+        let index = self.coordinates.len() + state;
+        let mut values = self.laws.resets.iter().flat_map(|reset| &reset.values);
+        values.any(|&(known, _)| known == index)
     }
 
     /// A name whose declaration failed: uses of it are not reported as undeclared, as the stand-in is

@@ -100,6 +100,7 @@ pub(super) fn append(
     let costs = costs.flat_map(|cost| cost.running.iter_mut().chain(&mut cost.terminal));
     costs.for_each(&place);
     let conditions = task.constraints.iter_mut().chain(&mut task.goals);
+    let conditions = conditions.flatten();
     conditions.for_each(|condition| place(&mut condition.function));
     for dry in std::mem::take(&mut checker.laws.dry) {
         contacts.push(Contact {

@@ -396,6 +396,7 @@ pub(super) fn contacts(
             friction,
             bound: None,
             switch: None,
+            reset: Vec::new(),
         });
     }
     if failed { Err(Reported) } else { Ok(contacts) }

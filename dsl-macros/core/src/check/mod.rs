@@ -14,6 +14,8 @@ mod outputs;
 mod picture;
 mod pieces;
 mod reach;
+mod remembered;
+mod resets;
 mod rules;
 mod start;
 mod states;
@@ -110,6 +112,10 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             left,
             right,
         } => joint::joint(checker, (documentation, name), left, right),
+        Statement::When {
+            condition,
+            assignments,
+        } => resets::when(checker, condition, assignments),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
         Statement::Minimize { value, .. } if measured::is_misfit(checker, value) => Ok(()),
@@ -285,9 +291,11 @@ fn finish(
     let mut forces = total_forces(&checker);
     states::append(&mut checker, &mut forces);
     switches::append(&mut checker, &mut forces, &mut contacts)?;
+    resets::append(&mut checker, &mut contacts);
     joint::finish(&mut checker, &units.gaps, &contacts);
     let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
-    let optimal_control = optimal_control::optimal_control(&mut checker, units);
+    let mut optimal_control = optimal_control::optimal_control(&mut checker, units);
+    let remembered = remembered::starts(&mut checker, optimal_control.as_mut(), &start);
     dynamics.extend(optimal_control.iter().flat_map(along_the_way));
     moves?;
     let given = [&dynamics[..], &forces, &start.0, &start.1].concat();
@@ -319,6 +327,8 @@ fn finish(
         free_parameters: checker.free_parameters,
         experiments,
         held: Vec::new(),
+        remembered,
+        remembers: false,
     })
 }
 
@@ -363,7 +373,8 @@ fn dynamics(
         dynamics.extend(contact.bound);
         dynamics.extend(contact.along.iter().flatten());
         dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
-        dynamics.extend(contact.switch.iter().flatten());
+        dynamics.extend(contact.switch.iter().flat_map(|action| &action.force));
+        dynamics.extend(contact.reset.iter().map(|&(_, value)| value));
     }
     dynamics.extend(joints.iter().flat_map(|joint| &joint.rows));
     dynamics

@@ -55,6 +55,7 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
             declare(checker, quantities, state);
         }
     }
+    checker.scope.state_size = (checker.coordinates.len() + checker.states.len()) as u16;
 }
 
 fn declare(

@@ -2,7 +2,7 @@
 
 use super::checker::{Checker, Cost, Free, Task};
 use super::rules::smooth;
-use super::{states, units, values};
+use super::{pieces, states, units, values};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::expression;
@@ -204,14 +204,16 @@ fn in_role<T>(checker: &mut Checker<'_>, role: Role, run: impl FnOnce(&mut Check
 pub(super) fn finally(checker: &mut Checker<'_>, goals: &[Condition]) -> Checked<()> {
     let before = checker.diagnostics.mistakes();
     for goal in goals {
+        checker.scope.takes_apart = goal.relation != Relation::Equal;
         let left = at_the_end(checker, &goal.left, "a terminal condition");
         let right = at_the_end(checker, &goal.right, "a terminal condition");
+        checker.scope.takes_apart = false;
         let (Ok(left), Ok(right)) = (left, right) else {
             continue;
         };
-        let name = shown(goal);
-        if let Ok(goal) = checked_condition(checker, goal, name, left, right) {
-            checker.task.goals.push(goal);
+        let name = goal.to_string();
+        if let Ok(pieces) = checked_condition(checker, goal, name, left, right) {
+            checker.task.goals.push(pieces);
         }
     }
     if checker.diagnostics.mistakes() > before {
@@ -225,29 +227,33 @@ pub(super) fn constraint(
     name: &Name,
     condition: &Condition,
 ) -> Checked<()> {
-    if checker
-        .task
-        .constraints
-        .iter()
-        .any(|known| known.name == name.text)
-    {
+    if checker.task.constraints.iter().any(|known| {
+        known
+            .iter()
+            .any(|piece| piece.name == name.text || piece.name == format!("{}.1", name.text))
+    }) {
         return Err(checker.diagnostics.report(
             "E19",
             name.place(),
             format!("constraint `{}` is declared twice; rename one", name.text),
         ));
     }
-    let mut side = |expr: &Expr| {
+    let side = |checker: &mut Checker<'_>, expr: &Expr| {
         in_role(checker, Role::Constraint, |checker| {
             let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
             smooth(value, expr, checker)?;
             Ok(value)
         })
     };
-    let (left, right) = (side(&condition.left), side(&condition.right));
+    checker.scope.takes_apart = condition.relation != Relation::Equal;
+    let (left, right) = (
+        side(checker, &condition.left),
+        side(checker, &condition.right),
+    );
+    checker.scope.takes_apart = false;
     let (left, right) = (left?, right?);
     let constraint = checked_condition(checker, condition, name.text.clone(), left, right)?;
-    if is_at_impacts(&constraint) {
+    if constraint.iter().any(is_at_impacts) {
         for (value, expr) in [(left, &condition.left), (right, &condition.right)] {
             at_impacts(value, expr, checker.diagnostics)?;
         }
@@ -261,36 +267,52 @@ fn is_at_impacts(constraint: &scene::Condition) -> bool {
     graph::depends_on(constraint.function, Variable::is_impulse)
 }
 
-/// A condition with its sides evaluated.
+/// A condition with its sides evaluated: one for each piece, where it has edges.
 fn checked_condition(
     checker: &mut Checker<'_>,
     condition: &Condition,
     name: String,
     left: Sym,
     right: Sym,
-) -> Checked<scene::Condition> {
+) -> Checked<Vec<scene::Condition>> {
     let function = match condition.relation {
         Relation::AtMost => right - left,
         Relation::AtLeast | Relation::Equal => left - right,
     };
-    if !moves(checker, function) {
+    let mut pieces = pieces::all_hold(function, (&condition.left, &condition.right), checker)?;
+    if pieces.len() > 1 {
+        // What always holds, as `0 <= 1` of `max(x, 0) <= 1`, is no condition.
+        pieces.retain(|&piece| moves(checker, piece) || !holds_always(checker, piece));
+    }
+    if pieces.is_empty() || pieces.iter().any(|&piece| !moves(checker, piece)) {
         return Err(meaningless(
             checker,
             condition.left.place.to(condition.right.place),
             format!(
                 "`{}` is the same for every motion, so it is no condition; use coordinates, \
                  velocities or the time",
-                shown(condition)
+                condition
             ),
         ));
     }
-    Ok(scene::Condition {
-        name,
+    let several = pieces.len() > 1;
+    let conditions = pieces.into_iter().enumerate();
+    let conditions = conditions.map(|(k, function)| scene::Condition {
+        name: match several {
+            true => format!("{name}.{}", k + 1),
+            false => name.clone(),
+        },
         documentation: condition.documentation.clone(),
         function,
         equality: condition.relation == Relation::Equal,
         unit: None,
-    })
+    });
+    Ok(conditions.collect())
+}
+
+/// Whether a value that does not move is not negative for the defaults of the parameters.
+fn holds_always(checker: &Checker<'_>, value: Sym) -> bool {
+    checker.at_default(value).is_some_and(|value| value >= 0.0)
 }
 
 pub(super) fn free(checker: &mut Checker<'_>, values: &[FreeStart]) -> Checked<()> {
@@ -357,12 +379,16 @@ pub(super) fn optimal_control(
     if cost.is_none() && constraints.is_empty() && goals.is_empty() && free.is_empty() {
         return None;
     }
-    for (condition, unit) in constraints.iter_mut().zip(&units.constraints) {
-        condition.unit = *unit;
+    for (conditions, units) in [
+        (&mut constraints, &units.constraints),
+        (&mut goals, &units.goals),
+    ] {
+        for (pieces, unit) in conditions.iter_mut().zip(units) {
+            pieces.iter_mut().for_each(|piece| piece.unit = *unit);
+        }
     }
-    for (condition, unit) in goals.iter_mut().zip(&units.goals) {
-        condition.unit = *unit;
-    }
+    let goals = goals.into_iter().flatten().collect();
+    let mut constraints: Vec<scene::Condition> = constraints.into_iter().flatten().collect();
     constraints.extend(states::constraints(checker));
     free.sort_by_key(|free| free.index);
     let cost = cost.unwrap_or_default();
@@ -386,16 +412,6 @@ pub(super) fn optimal_control(
 fn moves(checker: &Checker<'_>, value: Sym) -> bool {
     let of_motion = |variable| !matches!(variable, Variable::Parameter(_));
     graph::depends_on(value, of_motion) || checker.free_parameter_in(value).is_some()
-}
-
-/// A condition as written.
-fn shown(condition: &Condition) -> String {
-    let relation = match condition.relation {
-        Relation::Equal => "==",
-        Relation::AtLeast => ">=",
-        Relation::AtMost => "<=",
-    };
-    format!("{} {relation} {}", condition.left, condition.right)
 }
 
 /// Whether a product holds one integral, which does not divide.

@@ -64,6 +64,33 @@ pub(super) fn groups(
     Err(Reported)
 }
 
+/// The functions that are not negative where this one is not, as a condition without edges for each of them.
+pub(super) fn all_hold(
+    function: Sym,
+    (left, right): (&Expr, &Expr),
+    checker: &mut Checker<'_>,
+) -> Checked<Vec<Sym>> {
+    let kinks = std::mem::take(&mut checker.scope.kinks);
+    let message = match taken_apart(function, &kinks) {
+        Ok(groups) if groups.iter().all(|group| group.len() == 1) => {
+            let mut seen = HashSet::new();
+            let all = groups.into_iter().flatten();
+            return Ok(all.filter(|piece| seen.insert(*piece)).collect());
+        }
+        Ok(_) => {
+            "a condition that holds where one of several does is none of a smooth problem; state the one that is meant, or \
+             declare a `surface`, which the motion may pass on either side"
+        }
+        Err(Refusal::Factor) => {
+            "`max`, `min` and `|x|` can be taken apart in sums and with numbers as factors only, as the sign of another factor is \
+             not known; write it inside, as in `|slope*y|`"
+        }
+        Err(_) => "the condition has too many pieces; write several conditions",
+    };
+    let place = left.place.to(right.place);
+    Err(checker.diagnostics.report("E12", place, message))
+}
+
 fn taken_apart(gap: Sym, kinks: &[Kink]) -> Result<Vec<Vec<Sym>>, Refusal> {
     let variables = graph::variables(&[gap]);
     // What contains others was made after them.

@@ -84,7 +84,7 @@ pub(super) fn without_rate(checker: &mut Checker<'_>) {
     for state in 0..checker.states.len() {
         let name = checker.states[state].name.clone();
         let known = checker.rates.iter().any(|&(known, _)| known == state);
-        if known || checker.diagnostics.mistakes() > 0 {
+        if known || checker.is_set(state) || checker.diagnostics.mistakes() > 0 {
             continue;
         }
         let message = format!(

@@ -15,7 +15,7 @@ use crate::derive::simplify;
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::Switch;
 use crate::graph::{self, Compose, Function, Sym, Variable};
-use crate::scene::Contact;
+use crate::scene::{Action, Contact};
 
 /// Takes the switches out of the forces, and puts a contact for each that is needed behind the others.
 pub(super) fn append(
@@ -54,6 +54,10 @@ pub(super) fn append(
         if switch.kink {
             action.iter_mut().for_each(|a| *a *= switch.function);
         }
+        let action = Action {
+            usual: graph::substitute(&action, |variable| usual(checker, variable)),
+            force: action,
+        };
         contacts.push(contact(switch, action));
     }
     shown(checker, &switches, &acting, first);
@@ -101,7 +105,21 @@ fn depends(slopes: &[Sym], switch: &Switch) -> bool {
         .any(|&slope| graph::depends_on(simplify(slope), |variable| variable == switch.variable))
 }
 
-fn contact(switch: &Switch, action: Vec<Sym>) -> Contact {
+/// A control as large as it is usually: the root mean square of its bounds, or 1 in its unit.
+fn usual(checker: &Checker<'_>, variable: Variable) -> Option<Sym> {
+    let Variable::Control(i) = variable else {
+        return None;
+    };
+    let bounds = checker.controls.get(usize::from(i))?.bounds;
+    let size = bounds.map(|(low, high)| (low * low + high * high).scaled(0.5).power(1));
+    let is_size = |size: &Sym| {
+        let value = checker.at_default(*size);
+        value.is_some_and(|value| value.is_finite() && value > 0.0)
+    };
+    Some(size.filter(is_size).unwrap_or(Sym::ONE))
+}
+
+fn contact(switch: &Switch, action: Action) -> Contact {
     let mut name = crate::ast::Name {
         text: switch.shown.clone(),
         ident: proc_macro2::Ident::new("switch", switch.place.start),

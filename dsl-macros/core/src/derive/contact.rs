@@ -17,7 +17,7 @@ use super::residual::{self, Bordered, Elimination};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{Contact, Friction};
+use crate::scene::{Action, Contact, Friction};
 
 /// Square of an acceleration that is none.
 const NOTHING: f64 = 1e-200;
@@ -398,20 +398,20 @@ impl Mechanism<'_> {
 
     /// A switch: the friction direction is `M^-1 a / D` for what it acts by, `a`, and the given normal acceleration `D`, about what
     /// the switch changes the rate of its function by. Where it does not change that, the function is only passed, and `D` is 1.
-    fn switch(&self, action: &[Sym], friction: &Friction) -> ContactEquations {
+    fn switch(&self, action: &Action, friction: &Friction) -> ContactEquations {
         let slip = slip(friction, (self.momenta.len(), self.moving));
-        let passes = !self.couples(&slip.2, action);
+        let passes = !self.couples(&slip.2, &action.force);
         let scale = if passes {
             Sym::ONE
         } else {
-            let size = simplify(self.size_of_force(&slip.2) * self.size_of_force(action));
+            let size = simplify(self.size_of_force(&slip.2) * self.size_of_force(&action.usual));
             // Where nothing acts the direction is none instead of not a number.
             match size.as_number() {
                 Some(size) => Sym::number(size.sqrt()),
                 None => (size + Sym::number(NOTHING)).kept().power(1),
             }
         };
-        let mut equations = self.given(slip, action, scale, scale);
+        let mut equations = self.given(slip, &action.force, scale, scale);
         equations.passes = passes;
         equations
     }

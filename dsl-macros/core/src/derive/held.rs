@@ -1,4 +1,5 @@
-//! Parameters as coordinates without motion, so that everything is differentiated by them twice.
+//! Parameters as coordinates without motion, so that everything is differentiated by them twice, and what functions of optimal control
+//! remember of a free start, which is a parameter that decides it.
 //!
 //! A parameter `p` stands behind all coordinates, with `p'' = 0`: mass matrix `diag(M, 1)`, no force, no component of any normal
 //! or tangent. What no function of the motion is, a start, a horizon or a coefficient of a law, keeps the value of the
@@ -6,9 +7,11 @@
 
 use super::explicit::Explicit;
 use super::simplify::simplify;
+use crate::ast::WrittenUnit;
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{CheckedScene, Condition, Coordinate, OptimalControl};
+use crate::scene::{CheckedScene, Condition, Contact, Coordinate, OptimalControl};
+use hangtime_units::Unit;
 
 /// What a function of parameters gives, by the index of a component of the start `(q, v)` or of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,53 +26,57 @@ pub enum Given {
     Friction(usize),
 }
 
-/// The scene with those parameters (indices) as coordinates without motion; free ones among them have their ranges, and are to
-/// be found at the start.
+/// Puts the declared start in the place of what functions of optimal control read of it: guesses of what is to be found there.
+pub(crate) fn at_declared_start(scene: &mut CheckedScene) {
+    let Some(mut task) = scene.optimal_control.take() else {
+        return;
+    };
+    if !scene.remembered.is_empty() {
+        task.map_functions(|value| {
+            graph::substitute(&[value], |variable| match variable {
+                Variable::Start(k) => Some(scene.start_component(usize::from(k))),
+                _ => None,
+            })[0]
+        });
+    }
+    scene.optimal_control = Some(task);
+}
+
+/// The scene with those parameters (indices) as coordinates without motion, and with what is remembered of its start; free ones among
+/// them have their ranges, and are to be found at the start.
 pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     let mut scene = scene;
     let n = scene.coordinates.len();
-    let place = |variable: Variable| match variable {
-        Variable::Parameter(i) => {
-            let k = chosen.iter().position(|&known| known == i)?;
-            Some(Sym::variable(Variable::Coordinate((n + k) as u16)))
-        }
-        _ => None,
+    let remembered = scene.remembered.clone();
+    let held = chosen.len() + remembered.len();
+    let place = |variable: Variable| {
+        let k = match variable {
+            Variable::Parameter(i) => chosen.iter().position(|&known| known == i)?,
+            Variable::Start(k) => {
+                let known = |&known: &usize| known == usize::from(k);
+                chosen.len() + remembered.iter().position(known)?
+            }
+            _ => return None,
+        };
+        Some(Sym::variable(Variable::Coordinate((n + k) as u16)))
     };
     let one = |value: Sym| graph::substitute(&[value], place)[0];
-    for &index in chosen {
-        let known = &scene.parameters[usize::from(index)];
-        scene.coordinates.push(Coordinate {
-            name: known.name.clone(),
-            unit: known.unit.clone(),
-            documentation: known.documentation.clone(),
-            // What does not move is bounded at the start.
-            bounds: None,
-        });
-        scene
-            .start
-            .0
-            .push(Sym::variable(Variable::Parameter(index)));
-        scene.start.1.push(Sym::ZERO);
-        scene.forces.push(Sym::ZERO);
+    add_coordinates(&mut scene, chosen);
+    scene.lagrangian = one(scene.lagrangian);
+    if scene.states.is_empty() {
+        let rates = (0..held).map(|k| Sym::variable(Variable::Velocity((n + k) as u16)));
+        let inertia: Sym = rates.map(|rate| (rate * rate).scaled(0.5)).sum();
+        scene.lagrangian += inertia;
+    } else {
+        // Behind states stand states, of the rate 0.
+        let rates = scene.coordinates[n..].iter().map(rate);
+        scene.states.extend(rates);
     }
-    let rates = (0..chosen.len()).map(|k| Sym::variable(Variable::Velocity((n + k) as u16)));
-    let inertia: Sym = rates.map(|rate| (rate * rate).scaled(0.5)).sum();
-    scene.lagrangian = one(scene.lagrangian) + inertia;
     for force in &mut scene.forces {
         *force = one(*force);
     }
     for contact in &mut scene.contacts {
-        contact.gap = one(contact.gap);
-        contact.bound = contact.bound.map(one);
-        if let Some(along) = &mut contact.along {
-            along
-                .iter_mut()
-                .for_each(|component| *component = one(*component));
-            along.resize(n + chosen.len(), Sym::ZERO);
-        }
-        if let Some(friction) = &mut contact.friction {
-            friction.sliding = one(friction.sliding);
-        }
+        replace_in(contact, n + held, &one);
     }
     for output in &mut scene.outputs {
         output.value = one(output.value);
@@ -87,11 +94,104 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
             Some((n + k, Some(bounds)))
         })
         .collect();
-    scene.optimal_control = scene
-        .optimal_control
-        .map(|task| task_with(task, (n, chosen.len()), free, &one));
+    scene.optimal_control = scene.optimal_control.map(|task| {
+        let of_start = |&(k, bounds): &(usize, _)| {
+            let known = remembered.iter().position(|&known| known == k)?;
+            Some((n + chosen.len() + known, bounds))
+        };
+        let (mut free, mut task) = (free, task);
+        free.extend(task.free_start.iter().filter_map(of_start));
+        // What is remembered decides them.
+        task.free_start.retain(|free| !remembered.contains(&free.0));
+        task_with(task, (n, held), free, &one)
+    });
     scene.held = chosen.to_vec();
+    scene.remembers = !remembered.is_empty();
     scene
+}
+
+/// Puts parameters and what is remembered behind the coordinates, with their values at the start.
+fn add_coordinates(scene: &mut CheckedScene, chosen: &[u16]) {
+    let n = scene.coordinates.len();
+    let remembered = scene.remembered.clone();
+    for &index in chosen {
+        let known = &scene.parameters[usize::from(index)];
+        scene.coordinates.push(Coordinate {
+            name: known.name.clone(),
+            unit: known.unit.clone(),
+            documentation: known.documentation.clone(),
+            // What does not move is bounded at the start.
+            bounds: None,
+        });
+    }
+    let values = remembered.iter().map(|&k| scene.start_component(k));
+    let values: Vec<Sym> = values.collect();
+    for &k in &remembered {
+        let component = component(scene, n, k);
+        scene.coordinates.push(component);
+    }
+    let parameters = chosen.iter().copied().map(Variable::Parameter);
+    let parameters = parameters.map(Sym::variable);
+    scene.start.0.extend(parameters.chain(values));
+    scene.start.1.resize(scene.coordinates.len(), Sym::ZERO);
+    scene.forces.resize(scene.coordinates.len(), Sym::ZERO);
+}
+
+/// Replaces the functions of a contact, which acts on none of the coordinates behind those that it knew.
+fn replace_in(contact: &mut Contact, coordinates: usize, one: &impl Fn(Sym) -> Sym) {
+    contact.gap = one(contact.gap);
+    contact.bound = contact.bound.map(one);
+    let action = contact.switch.iter_mut();
+    let lists = action.flat_map(|action| [&mut action.force, &mut action.usual]);
+    for components in lists.chain(&mut contact.along) {
+        let all = components.iter_mut();
+        all.for_each(|component| *component = one(*component));
+        components.resize(coordinates, Sym::ZERO);
+    }
+    if let Some(friction) = &mut contact.friction {
+        friction.sliding = one(friction.sliding);
+    }
+}
+
+/// What is remembered of a component of the start `(q, v)`, as a coordinate.
+fn component(scene: &CheckedScene, n: usize, k: usize) -> Coordinate {
+    let own = &scene.coordinates[k % n];
+    let (mut name, mut unit) = (own.name.clone(), own.unit.clone());
+    let state = k.checked_sub(n + n - scene.states.len());
+    if let Some(state) = state {
+        name = scene.states[state].name.clone();
+        unit = scene.states[state].unit.clone();
+    } else if k >= n {
+        name.text = format!("dot({})", name.text);
+        unit = unit.as_ref().map(per_second);
+    }
+    name.text = format!("start({})", name.text);
+    Coordinate {
+        name,
+        unit,
+        documentation: own.documentation.clone(),
+        bounds: None,
+    }
+}
+
+/// The velocity of a coordinate without motion, as a state.
+fn rate(held: &Coordinate) -> Coordinate {
+    let mut name = held.name.clone();
+    name.text = format!("dot({})", name.text);
+    Coordinate {
+        name,
+        unit: held.unit.as_ref().map(per_second),
+        documentation: held.documentation.clone(),
+        bounds: None,
+    }
+}
+
+/// The unit of the rate of what has this one.
+fn per_second(unit: &WrittenUnit) -> WrittenUnit {
+    WrittenUnit {
+        text: format!("{}/s", unit.text),
+        unit: unit.unit * Unit::mechanical(0, 0, -1),
+    }
 }
 
 /// The task with its functions replaced; conditions that read nothing but what has no motion hold at the end alone.
@@ -135,7 +235,12 @@ fn task_with(
 
 /// Number of coordinates that move; those behind them are held.
 pub(super) fn moving(scene: &CheckedScene) -> usize {
-    scene.coordinates.len() - scene.held.len()
+    let remembered = if scene.remembers {
+        scene.remembered.len()
+    } else {
+        0
+    };
+    scene.coordinates.len() - scene.held.len() - remembered
 }
 
 /// What a variable becomes along the motion: coordinates from `moving` on do not change.
@@ -150,9 +255,14 @@ pub(super) fn along_motion(moving: usize) -> impl Fn(Variable) -> Sym + Copy {
 pub(crate) fn given(scene: &CheckedScene, inputs: &[Variable]) -> (Vec<Given>, Explicit) {
     let (n, moving) = (scene.coordinates.len(), moving(scene));
     let mut known: Vec<(Given, Sym)> = Vec::new();
+    let value = |k: usize, value: Sym| {
+        let found = scene.remembered.iter().position(|&known| known == k);
+        let place = found.map(|place| (moving + scene.held.len() + place) as u16);
+        place.map_or(value, |i| Sym::variable(Variable::Coordinate(i)))
+    };
     for k in 0..moving {
-        known.push((Given::Start(k), scene.start.0[k]));
-        known.push((Given::Start(n + k), scene.start.1[k]));
+        known.push((Given::Start(k), value(k, scene.start.0[k])));
+        known.push((Given::Start(n + k), value(moving + k, scene.start.1[k])));
     }
     known.sort_by_key(|&(given, _)| matches!(given, Given::Start(k) if k >= n));
     known.extend(scene.horizon.map(|horizon| (Given::Horizon, horizon)));
@@ -172,6 +282,7 @@ pub(crate) fn given(scene: &CheckedScene, inputs: &[Variable]) -> (Vec<Given>, E
     };
     let held = |variable: Variable| match variable {
         Variable::Parameter(i) => scene.held.contains(&i),
+        Variable::Coordinate(_) => true,
         _ => false,
     };
     known.retain(|&(given, value)| !is_free(given) && graph::depends_on(value, held));

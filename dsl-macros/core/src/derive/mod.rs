@@ -28,7 +28,7 @@ pub(crate) use control::ControlEquations;
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
 pub use held::Given;
-pub(crate) use held::{given, with_held};
+pub(crate) use held::{at_declared_start, given, with_held};
 pub(crate) use implicit::{Implicit, WRITTEN_OUT};
 pub(crate) use joint::JointEquations;
 pub(crate) use simplify::simplify;

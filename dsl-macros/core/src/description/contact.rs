@@ -3,9 +3,10 @@
 use super::builder::{Builder, Pattern};
 use super::declared::{inferred, text};
 use crate::derive::{ContactEquations, Explicit, FrictionEquations, Implicit, InverseInertia};
-use crate::graph::Sym;
+use crate::graph::{Sym, Variable};
 use crate::scene;
 
+// Many fields: what a declaration says of a contact, and a kernel each of what is derived.
 /// A contact: what is declared of it, and its kernels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
@@ -27,6 +28,8 @@ pub struct Contact {
     pub dry: bool,
     /// Of a switch, which is a dry friction: whether its function is only passed, as it does not change the rate of that.
     pub switch: Option<bool>,
+    /// Of a switch that nothing acts by: kernel of the velocities after its function has come to be positive.
+    pub reset: Option<usize>,
     /// Kernel of the gap.
     pub gap: usize,
     /// Kernel of what is known at a point, as far as it is formulas.
@@ -113,6 +116,7 @@ pub(super) fn contact(
         alternatives: declared.alternatives.clone(),
         dry,
         switch: declared.switch.as_ref().map(|_| contact.passes),
+        reset: reset(builder, name, declared),
         gap,
         point,
         inertia_from_motion: solves && solved.is_none(),
@@ -126,6 +130,19 @@ pub(super) fn contact(
             .zip(contact.friction.as_ref())
             .map(|(declared, derived)| friction(builder, name, declared.coefficient, derived)),
     }
+}
+
+fn reset(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Option<usize> {
+    if declared.reset.is_empty() {
+        return None;
+    }
+    let n = builder.scene.coordinates.len();
+    let velocities = (0..n).map(|i| Sym::variable(Variable::Velocity(i as u16)));
+    let mut velocities: Vec<Sym> = velocities.collect();
+    for &(index, value) in &declared.reset {
+        velocities[index] = value;
+    }
+    Some(builder.kernel(&format!("reset_{name}"), &velocities))
 }
 
 fn friction(

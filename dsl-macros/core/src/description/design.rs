@@ -19,6 +19,8 @@ pub struct FreeParameters {
 pub struct Held {
     /// Their indices among the parameters, in the order of these coordinates.
     pub parameters: Vec<usize>,
+    /// Components of the start `(q, v)` of the scene that the coordinates behind those are, and decide.
+    pub starts: Vec<usize>,
     /// What of start, horizon and laws depends on them.
     pub given: Vec<Given>,
     /// The values of that as functions of the input vector, which read these coordinates alone.
@@ -43,12 +45,13 @@ pub(super) fn free(builder: &mut Builder<'_>) -> Option<FreeParameters> {
 
 pub(super) fn held(builder: &mut Builder<'_>, equations: &Equations) -> Option<Held> {
     let scene = builder.scene;
-    if scene.held.is_empty() {
+    if scene.held.is_empty() && !scene.remembers {
         return None;
     }
     let (given, derived) = given(scene, &equations.inputs);
     Some(Held {
         parameters: scene.held.iter().copied().map(usize::from).collect(),
+        starts: scene.remembered.clone(),
         given,
         functions: functions(builder, "given", &derived),
     })

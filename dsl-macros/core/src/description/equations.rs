@@ -126,6 +126,19 @@ impl List<'_> {
     fn contact(&mut self, contact: &Contact, derived: &ContactEquations) {
         let name = &contact.name.text;
         if let (Some(bound), Some(derived)) = (contact.bound, &derived.friction) {
+            if !contact.reset.is_empty() {
+                self.add(format!("when({name})"), simplify(-derived.rows.values[0]));
+                let names = self.names.clone();
+                for &(index, value) in &contact.reset {
+                    let state = index.checked_sub(self.scene.mechanical());
+                    let set = match state.and_then(|state| self.scene.states.get(state)) {
+                        Some(state) => state.name.text.clone(),
+                        None => format!("{}'", names[index]),
+                    };
+                    self.add(format!("{set} after {name}"), value);
+                }
+                return;
+            }
             if contact.switch.is_some() {
                 self.add(format!("switch({name})"), simplify(-derived.rows.values[0]));
                 let law = "-1..=1, the sign of its function where that is not 0".to_owned();

@@ -171,6 +171,7 @@ fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operatio
         Variable::Multiplier(i)
         | Variable::Unknown(i)
         | Variable::Argument(i)
-        | Variable::Switch(i) => Operation::Weight(u32::from(i)),
+        | Variable::Switch(i)
+        | Variable::Start(i) => Operation::Weight(u32::from(i)),
     }
 }

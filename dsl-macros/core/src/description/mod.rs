@@ -83,6 +83,8 @@ pub struct Description {
     pub free_parameters: Option<FreeParameters>,
     /// Measured motions that the objective compares with.
     pub experiments: Vec<Experiment>,
+    /// Components of the start `(q, v)` that are to be found and that functions of optimal control read, increasing.
+    pub remembered: Vec<usize>,
     /// The parameters that are coordinates without motion; none unless they were asked for.
     pub held: Option<Held>,
     /// All straight-line functions.
@@ -190,6 +192,7 @@ impl Description {
             sensitivity,
             free_parameters,
             experiments,
+            remembered: scene.remembered.clone(),
             held,
             kernels: builder.kernels,
             systems: builder.systems,

@@ -291,6 +291,7 @@ impl Printer<'_> {
             Variable::JointForce(i) => self.joint("force", i),
             Variable::JointHeld(i) => self.joint("held", i),
             Variable::Switch(i) => format!("s{i}"),
+            Variable::Start(i) => format!("start{i}"),
             Variable::Multiplier(i) => format!("lambda{i}"),
             Variable::Unknown(i) => format!("a{i}"),
             Variable::Argument(i) => {

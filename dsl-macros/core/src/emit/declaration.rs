@@ -167,6 +167,9 @@ fn contacts(contacts: &[Contact], code: &mut String) {
             },
             contact.dry,
             match contact.switch {
+                _ if contact.reset.is_some() => {
+                    "__Option::Some(::hangtime::model::Switching::Resets)"
+                }
                 None => "__Option::None",
                 Some(true) => "__Option::Some(::hangtime::model::Switching::Passes)",
                 Some(false) => "__Option::Some(::hangtime::model::Switching::Slides)",

@@ -143,6 +143,16 @@ fn laws(derived: &Description) -> String {
     };
     let value = |kernel| methods::coefficient(derived, kernel);
     let mut written = String::new();
+    let resets = arms(&|contact| {
+        let kernel = contact.reset?;
+        Some(methods::of_inputs(derived, kernel, "v"))
+    });
+    if !resets.is_empty() {
+        let _ = write!(
+            written,
+            "fn reset(&self, contact: __usize, x: &[__f64], v: &mut [__f64]) {{ match contact {{ {resets} _ => {{}} }} }}"
+        );
+    }
     let restitution = arms(&|contact| contact.restitution.map(value));
     if !restitution.is_empty() {
         let _ = write!(
@@ -198,18 +208,28 @@ fn shown(derived: &Description) -> String {
     written
 }
 
-/// The methods for parameters that are to be found, if there are any.
+/// The methods for parameters that are to be found, and for what is remembered of the start, if there is any.
 fn free_parameters(derived: &Description) -> String {
+    let mut written = String::new();
+    if !derived.remembered.is_empty() {
+        let remembered = &derived.remembered;
+        let _ = write!(
+            written,
+            "fn remembered(&self) -> &'static [__usize] {{ &{remembered:?} }}"
+        );
+    }
     let Some(free) = &derived.free_parameters else {
-        return String::new();
+        return written;
     };
-    format!(
+    let _ = write!(
+        written,
         "fn free_parameters(&self) -> &'static [__usize] {{ &{:?} }}
         fn free_parameter_bounds(&self, lower: &mut [__f64], upper: &mut [__f64]) {{ {}; {} }}",
         free.parameters,
         methods::of_parameters(derived, free.bounds[0], "lower"),
         methods::of_parameters(derived, free.bounds[1], "upper")
-    )
+    );
+    written
 }
 
 /// The method for measured motions, if the scene compares with any. Their start values are no part of what is compiled.

@@ -273,6 +273,9 @@ fn optimal_control(scene: &CheckedScene, task: &OptimalControl) -> String {
 
 /// The law of a contact in words.
 fn law(scene: &CheckedScene, contact: &Contact) -> String {
+    if !contact.reset.is_empty() {
+        return "sets velocities or states where it comes true".to_owned();
+    }
     if contact.switch.is_some() {
         return "a switch of what acts".to_owned();
     }

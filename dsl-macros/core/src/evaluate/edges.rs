@@ -9,8 +9,8 @@ use crate::graph::{self, Compose, Function, Node, Sym, Variable};
 use crate::words;
 
 /// Whether `max`, `min` and `|x|` may stand there.
-pub(super) fn admitted(role: Role) -> bool {
-    matches!(role, Role::Surface | Role::Record | Role::Draw)
+pub(super) fn admitted(scope: &Scope) -> bool {
+    scope.takes_apart || matches!(scope.role, Role::Surface | Role::Record | Role::Draw)
 }
 
 /// Whether a function with a kink or a jump may stand here, with so many arguments; E12 otherwise.
@@ -21,7 +21,7 @@ pub(super) fn admit(
     diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
     let known = words::EDGES.contains(&text);
-    if !known || !admitted(scope.role) {
+    if !known || !admitted(scope) {
         let message = format!(
             "`{text}` has a kink or a jump, {}",
             remedy(scope.role, known)
@@ -112,9 +112,9 @@ pub(super) fn refuse_sign(
     Err(diagnostics.report("E12", whole.place, message))
 }
 
-/// What `max`, `min` or `abs` of some parts is: in a surface a variable, the same one for the same parts.
+/// What `max`, `min` or `abs` of some parts is: in a surface or a condition a variable, the same one for the same parts.
 pub(super) fn call(scope: &mut Scope, text: &str, mut parts: Vec<Sym>) -> Value {
-    if scope.role != Role::Surface {
+    if scope.role != Role::Surface && !scope.takes_apart {
         return Value::Scalar(computed(text, &parts));
     }
     if let ("abs", [part]) = (text, &parts[..]) {

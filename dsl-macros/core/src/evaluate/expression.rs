@@ -6,6 +6,7 @@ use super::functions::{elementary, velocity_direction};
 use super::matrix;
 use super::named;
 use super::recorded;
+use super::remembered;
 use super::scope::{Meaning, Role, Scope};
 use super::switch;
 use super::value::Value;
@@ -306,9 +307,7 @@ fn norm(
 ) -> Checked<Value> {
     match value(scope, inner, diagnostics)? {
         Value::Scalar(part) if scope.may_switch() => switch::size(scope, whole, part, diagnostics),
-        Value::Scalar(part) if edges::admitted(scope.role) => {
-            Ok(edges::call(scope, "abs", vec![part]))
-        }
+        Value::Scalar(part) if edges::admitted(scope) => Ok(edges::call(scope, "abs", vec![part])),
         Value::Scalar(part) => Err(edges::refuse_size(scope, inner, part, diagnostics)),
         Value::Vector(components) => {
             let square: Sym = components.iter().map(|component| component.square()).sum();
@@ -405,11 +404,10 @@ fn call(
         return matrix::call(function, &values, diagnostics);
     }
     if text == words::SUM && !diagnostics.is_poisoned(text) {
-        let argument = recorded::summand(scope, whole, arguments, diagnostics)?;
-        scope.role = Role::Impact;
-        let summed = scalar(scope, argument, diagnostics);
-        scope.role = Role::End;
-        return recorded::sum(scope, argument, summed?, diagnostics);
+        return sum(scope, whole, arguments, diagnostics);
+    }
+    if text == words::START {
+        return at_start(scope, whole, arguments, diagnostics);
     }
     if words::CONTACT_FUNCTIONS.contains(&text) {
         return recorded::of_contact(scope, whole, text, arguments, diagnostics);
@@ -433,6 +431,32 @@ fn call(
         return Err(diagnostics.report("E02", whole.place, message));
     }
     known_function(scope, whole, text, arguments, diagnostics)
+}
+
+/// `sum(expression)`, over all impacts.
+fn sum(
+    scope: &mut Scope,
+    whole: &Expr,
+    arguments: &[Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let argument = recorded::summand(scope, whole, arguments, diagnostics)?;
+    scope.role = Role::Impact;
+    let summed = scalar(scope, argument, diagnostics);
+    scope.role = Role::End;
+    recorded::sum(scope, argument, summed?, diagnostics)
+}
+
+/// `start(expression)`.
+fn at_start(
+    scope: &mut Scope,
+    whole: &Expr,
+    arguments: &[Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let argument = remembered::argument(scope, whole, arguments, diagnostics)?;
+    let known = value(scope, argument, diagnostics)?;
+    remembered::at_start(scope, (whole, argument), &known, diagnostics)
 }
 
 /// A switch of these arguments.

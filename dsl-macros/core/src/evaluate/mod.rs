@@ -8,6 +8,7 @@ mod kink;
 mod matrix;
 mod named;
 mod recorded;
+mod remembered;
 mod scope;
 mod switch;
 mod value;

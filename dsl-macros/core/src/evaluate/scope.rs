@@ -65,8 +65,12 @@ pub(crate) struct Scope {
     pub(crate) role: Role,
     /// Number of the first velocity that is a state.
     pub(crate) first_state: u16,
+    /// Number of coordinates and states, which is where velocities begin in `(q, v)`.
+    pub(crate) state_size: u16,
     /// Whether a force is evaluated.
     pub(crate) acts: bool,
+    /// Whether a condition is evaluated, which is taken apart into smooth ones.
+    pub(crate) takes_apart: bool,
     /// Whether what is evaluated is given a name, for whatever may use it.
     pub(crate) defers: bool,
     /// Switches of what acts.
@@ -87,6 +91,8 @@ pub(crate) struct Scope {
     pub(crate) rubbing: Vec<(usize, String, Place)>,
     /// What the outputs declared so far contain.
     pub(crate) recorded: BTreeMap<String, Contents>,
+    /// Components of the start `(q, v)` that are read by `start(...)`, as written there.
+    pub(crate) starts: Vec<(u16, String, Place)>,
     /// What is added up over all impacts.
     pub(crate) sums: Vec<Sym>,
     /// Arguments of the functions being evaluated, innermost last.

@@ -50,6 +50,8 @@ pub(crate) enum Variable {
     JointForce(u16),
     /// 1 for an equation of a joint that is held, 0 for one that follows from others.
     JointHeld(u16),
+    /// Component of the start `(q, v)` of the motion, in declared units; none is left in what is derived.
+    Start(u16),
     /// Sign of a function that switches what acts, or its size; none is left in what is derived.
     Switch(u16),
     /// Stands for the argument of a function while it is differentiated.

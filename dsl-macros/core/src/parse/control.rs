@@ -4,8 +4,10 @@ use super::cursor::{Cursor, unexpected};
 use super::documentation::documentation;
 use super::expression::{compared, expression};
 use super::pieces::{block, entries, name, range, target};
-use crate::ast::{Condition, Documentation, FreeStart, Name, Quantity, Relation, Statement};
-use crate::diagnostics::{Checked, Diagnostics};
+use crate::ast::{
+    Assignment, Condition, Documentation, FreeStart, Name, Quantity, Relation, Statement,
+};
+use crate::diagnostics::{Checked, Diagnostics, Reported};
 
 /// `finally { condition, ... }`.
 pub(super) fn finally(
@@ -38,6 +40,53 @@ pub(super) fn constraint(
     };
     let condition = condition(cursor, documentation, diagnostics)?;
     Ok(Statement::Constraint { name, condition })
+}
+
+/// `when condition { state = value, dot(q) = value }`.
+pub(super) fn when(
+    cursor: &mut Cursor,
+    word: &Name,
+    documentation: Documentation,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    let place = cursor.place();
+    let condition = condition(cursor, documentation, diagnostics)?;
+    if condition.relation == Relation::Equal {
+        let message = format!(
+            "`when` waits for a side to be passed; write `when {0} >= {1} {{ ... }}`, or `<=`",
+            condition.left, condition.right
+        );
+        return Err(diagnostics.syntax(place, message));
+    }
+    let inner = block(cursor, word, diagnostics)?;
+    let before = diagnostics.mistakes();
+    let assignments = entries(inner, diagnostics, |cursor, diagnostics| {
+        let (target, velocity) = target(cursor, diagnostics)?;
+        if !cursor.eat_symbol("=") {
+            let name = match velocity {
+                true => format!("dot({})", target.text),
+                false => target.text,
+            };
+            return Err(unexpected(
+                cursor,
+                diagnostics,
+                &format!("`=`, as in `{name} = 1`"),
+            ));
+        }
+        let value = expression(cursor, diagnostics)?;
+        Ok(Assignment {
+            target,
+            velocity,
+            value,
+        })
+    });
+    if assignments.is_empty() && diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(Statement::When {
+        condition,
+        assignments,
+    })
 }
 
 /// `left >= right`, `left <= right` or `left == right`.

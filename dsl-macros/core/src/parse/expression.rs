@@ -365,7 +365,7 @@ impl Parser<'_> {
         }
         if cursor.ident().is_some_and(|ident| {
             let text = ident.to_string();
-            !words::is_keyword(&text)
+            !words::is_keyword(&text) || is_value_at_start(cursor)
         }) && let Some(name) = cursor.eat_name()
         {
             return self.name(cursor, name);
@@ -645,4 +645,11 @@ fn stacked_power(exponent: &Expr) -> bool {
             Kind::Power { .. } => true,
             _ => false,
         }
+}
+
+/// Whether `start(...)` is there, the value of a quantity at the start of the motion, and no statement.
+pub(super) fn is_value_at_start(cursor: &Cursor) -> bool {
+    cursor.at_word(words::START)
+        && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
+            if group.delimiter() == Delimiter::Parenthesis)
 }

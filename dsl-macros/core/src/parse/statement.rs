@@ -115,6 +115,7 @@ fn statement(
         "impact" => law::impact(cursor, diagnostics),
         "dry" => law::dry_friction(cursor, documentation, diagnostics),
         "joint" => joint::joint(cursor, documentation, diagnostics),
+        "when" => control::when(cursor, &word, documentation, diagnostics),
         "start" => Ok(Statement::Start(assignments(cursor, &word, diagnostics)?)),
         "horizon" => {
             let value = expression(cursor, diagnostics)?;

@@ -11,6 +11,7 @@ macro_rules! texts {
 }
 
 mod advice;
+mod conditions;
 mod design;
 mod format;
 mod fuzz;

@@ -271,10 +271,16 @@ texts! {
         "E12: `abs` has a kink or a jump, which an objective must not have; for the size of a control declare two that are at least 0, and add up their sum, or square it";
     size_of_a_control_in_bars: cart "minimize integral(|u|)" =>
         "E12: `|u|` of a number has a kink at 0, which an objective must not have; for the size of a control declare two that are at least 0, and add up their sum, or square it";
-    larger_of_two_at_the_end: cart "minimize integral(u^2) finally { max(y, 2*y) <= 1 [m] }" =>
-        "E12: `max` has a kink or a jump, which objectives, constraints and goals must not have; write a condition for each side, as `x <= c` and `x >= -c`, or square it";
-    size_in_a_constraint: cart "minimize integral(u^2) constraint slow: |dot(y)| <= 1 [m/s]" =>
-        "E12: `|dot(y)|` of a number has a kink at 0, which objectives, constraints and goals must not have; write a condition for each side, as `x <= c` and `x >= -c`, or square it";
+    larger_of_two_at_the_end: cart "minimize integral(u^2) finally { max(y, 2*y) <= 1 [m] }" => "accepted";
+    size_in_a_constraint: cart "minimize integral(u^2) constraint slow: |dot(y)| <= 1 [m/s]" => "accepted";
+    one_of_two_in_a_constraint: cart "minimize integral(u^2) constraint fast: |dot(y)| >= 1 [m/s]" =>
+        "E12: a condition that holds where one of several does is none of a smooth problem; state the one that is meant, or declare a `surface`, which the motion may pass on either side";
+    product_of_a_size_in_a_constraint: cart "minimize integral(u^2) constraint slow: y*|dot(y)| <= 1 [m^2/s]" =>
+        "E12: `max`, `min` and `|x|` can be taken apart in sums and with numbers as factors only, as the sign of another factor is not known; write it inside, as in `|slope*y|`";
+    size_in_an_equation: cart "minimize integral(u^2) finally { |y| == 1 [m] }" =>
+        "E12: `|y|` of a number has a kink at 0, which objectives, constraints and goals must not have; write a condition for each side, as `x <= c` and `x >= -c`, or square it";
+    size_that_is_always_small: cart "minimize integral(u^2) finally { max(0*y, 0 [m]) <= 1 [m] }" =>
+        "E15: `max(0*y, 0 [m]) <= 1 [m]` is the same for every motion, so it is no condition; use coordinates, velocities or the time";
     constraint_without_a_name: cart "minimize integral(u^2) constraint dot(y) <= 1 [m/s]" =>
         "a constraint has a name, as in `constraint speed: dot(y) <= 3 [m/s]`";
     constraint_without_a_name_from_a_number_on: cart "minimize integral(u^2) constraint -1 [m/s] <= dot(y)" =>

@@ -97,12 +97,12 @@ fn slipping(
     Some(force)
 }
 
-/// Adds the effect of the tangential force at `(q, u)`: `coefficient e_k s` for each (row, k, coefficient).
+/// Adds the effect of the tangential force at `(q, v, u)`: `coefficient e_k s` for each (row, k, coefficient).
 pub(in crate::ocp) fn push(
     tangential: &Tangential,
     program: &mut Program,
     model: &dyn Model,
-    [q, u]: [&[usize]; 2],
+    [q, v, u]: [&[usize]; 3],
     uses: &[(usize, usize, f64)],
 ) {
     let (force, ratio) = match (tangential.force.or(tangential.slipping), tangential.mode) {
@@ -115,7 +115,20 @@ pub(in crate::ocp) fn push(
     };
     let uses = uses.iter().map(|&(row, k, c)| (row, k, ratio * c));
     let kernel = Kernel::Friction(vec![tangential.contact]);
-    program.block(&kernel, [q, &[], u, &[force]], None, uses.collect());
+    let v = direction_reads(model, tangential.contact, v);
+    program.block(&kernel, [q, v, u, &[force]], None, uses.collect());
+}
+
+/// The velocities that the direction of a tangential force reads: those of switches alone.
+pub(in crate::ocp) fn direction_reads<'v>(
+    model: &dyn Model,
+    contact: usize,
+    v: &'v [usize],
+) -> &'v [usize] {
+    match model.declaration().contacts[contact].switch {
+        Some(_) => v,
+        None => &[],
+    }
 }
 
 /// Adds the conditions at a stage or after an impact, at `(q, v, u)`; `turns` are those at the end of the

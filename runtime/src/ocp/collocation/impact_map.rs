@@ -121,7 +121,7 @@ pub(super) fn close(builder: &mut Builder, instant: &Instant, label: &str, time:
         let program = &mut builder.program;
         if let Some(mut tangential) = friction_rows::tangential(program, model, &normal, &at) {
             let (turns, last) = (&Turns::default(), false);
-            friction_rows::push(&tangential, program, model, [q, &drive], &uses(&rows));
+            friction_rows::push(&tangential, program, model, [q, &[], &drive], &uses(&rows));
             let inputs = [q, v, &drive];
             friction_rows::constrain(&mut tangential, program, model, inputs, turns, last, &at);
             builder.impacts.push((instant.index, tangential));

@@ -44,7 +44,7 @@ mod cut_rows;
 mod dense_motion;
 pub(in crate::ocp) mod discretization;
 mod friction_cuts;
-mod friction_rows;
+pub(in crate::ocp) mod friction_rows;
 mod impact_map;
 mod interval;
 mod interval_bounds;

@@ -267,7 +267,7 @@ fn stage_rows(
     if !phase.closed.is_empty() {
         let at = format!("at stage {stage} of {}", element.label());
         for tangential in &mut tangentials {
-            friction_rows::push(tangential, program, model, [q, &u], &pushes);
+            friction_rows::push(tangential, program, model, [q, v, &u], &pushes);
             let turns = element.turns;
             friction_rows::constrain(tangential, program, model, [q, v, &u], turns, last, &at);
         }

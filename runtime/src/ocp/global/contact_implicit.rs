@@ -31,10 +31,11 @@
 use crate::model::Model;
 use crate::model::held::{is_held, moving};
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::collocation::friction_rows::direction_reads;
 use crate::ocp::collocation::layout::FREE;
 use crate::ocp::collocation::provided::read;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
-use crate::ocp::motion::mode::{is_frictional, sliding_velocity};
+use crate::ocp::motion::mode::{is_frictional, is_passed, sliding_velocity};
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::{Frame, Provided, force_name, state_name};
@@ -82,6 +83,8 @@ pub(in crate::ocp) struct ContactImplicit<'a> {
     contacts: Vec<Vec<Contact>>,
     /// Variables `(q, v)` at the start.
     start: Vec<usize>,
+    /// Whether each contact is a switch that is only passed.
+    passed: Vec<bool>,
     /// The other pieces of the edge of each contact.
     edges: Vec<&'static [usize]>,
 }
@@ -115,6 +118,7 @@ impl<'a> ContactImplicit<'a> {
             bounds,
             ..
         } = setting;
+        let known = model.declaration().contacts;
         let n = model.declaration().coordinates.len();
         let mut program = Program::new(model);
         let shape = ControlShape::Constant;
@@ -174,19 +178,15 @@ impl<'a> ContactImplicit<'a> {
             elements,
             contacts: unknowns,
             start: frame.start,
-            edges: model
-                .declaration()
-                .contacts
-                .iter()
-                .map(|c| c.alternatives)
-                .collect(),
+            passed: (0..known.len()).map(|i| is_passed(model, i)).collect(),
+            edges: known.iter().map(|c| c.alternatives).collect(),
         }
     }
 
     /// What the contacts do in each element at a solver's point: those are closed whose force exceeds the gap, each in
     /// its unit, and those slip whose velocity exceeds what is left of the cone.
     pub(in crate::ocp) fn modes(&self, x: &[f64]) -> Vec<Vec<ContactMode>> {
-        let mode = |contact: &Contact| {
+        let mode = |(index, contact): (usize, &Contact)| {
             if contact.gap.is_some_and(|gap| x[contact.force] <= x[gap]) {
                 return ContactMode::Open;
             }
@@ -194,13 +194,17 @@ impl<'a> ContactImplicit<'a> {
                 return ContactMode::Frictionless;
             };
             let mut both = Direction::BOTH.into_iter().zip(sliding);
+            if self.passed[index] {
+                let [forward, backward] = sliding.map(|side| x[side.reserve]);
+                return ContactMode::Slip(Direction::of(backward - forward));
+            }
             both.find(|(_, side)| x[side.velocity] > x[side.reserve])
                 .map_or(ContactMode::Stick, |(direction, _)| {
                     ContactMode::Slip(direction)
                 })
         };
         let elements = self.contacts.iter();
-        let modes = elements.map(|contacts| contacts.iter().map(mode).collect());
+        let modes = elements.map(|contacts| contacts.iter().enumerate().map(mode).collect());
         let mut modes: Vec<Vec<ContactMode>> = modes.collect();
         self.part_pieces(&mut modes, x);
         modes
@@ -493,7 +497,8 @@ fn motion(
             let half = 0.5 * direction.sign();
             let uses = uses.iter().map(|&(row, k, c)| (row, k, half * c)).collect();
             let kernel = Kernel::Friction(vec![contact]);
-            let inputs = [forced_at, &[], u, &[side.reserve]];
+            let v = direction_reads(model, contact, v);
+            let inputs = [forced_at, v, u, &[side.reserve]];
             program.block(&kernel, inputs, Some(horizon), uses);
         }
     }

@@ -19,7 +19,7 @@ use crate::ocp::problem::{Horizon, Problem, bounds};
 use crate::ocp::settings::{self, TimeFreezingSettings};
 use crate::refusal;
 use crate::rk::ButcherTableau;
-use crate::simulation::{InputError, SizeGroup};
+use crate::simulation::{InitialValueProblem, InputError, SizeGroup};
 use crate::time_freezing::TimeFreezingSystem;
 
 /// An optimal control problem on a [`Model`] as a mathematical program with complementarity constraints:
@@ -76,6 +76,7 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
+        refuse_switches(model)?;
         let (lower, upper) = bounds(model);
         let bounds = (&lower[..], &upper[..]);
         let guess = guess(model, problem, &settings::Guess::Straight, bounds)?;
@@ -339,6 +340,15 @@ impl Mpcc for TimeFreezing<'_> {
     fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
         self.transcription.neighbour(index, x, vanishes)
     }
+}
+
+/// Refuses switches, which the step form of the time-freezing system does not know.
+///
+/// # Errors
+/// [`InputError`] with the name of the first one.
+pub(in crate::ocp) fn refuse_switches(model: &dyn Model) -> Result<(), InputError> {
+    let what = "optimal control in the time-freezing formulation";
+    InitialValueProblem::check_switches(model, what, "solve in phases, the default")
 }
 
 #[cfg(test)]

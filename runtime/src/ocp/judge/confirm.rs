@@ -8,6 +8,7 @@ use super::gradient::gradient;
 use super::margins::margins;
 use super::objective::replayed;
 use super::refine_grid::{ROUNDS, refine, refine_all};
+use crate::model::Model;
 use crate::ocp::collocation::between_stages::excess;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
@@ -338,7 +339,7 @@ fn confirm(
             dual: solution.residuals.dual,
             complementarity: complementarity(program, &solution.x),
         },
-        planned_events: planned_events(sequence, interval),
+        planned_events: planned_events(program.model, sequence, interval),
         margins,
         excess: forces::excess(&forces, excess(program, &solution.x, limits)),
         controls: trajectory.controls.values().to_vec(),
@@ -386,7 +387,11 @@ fn status_of(runner: &Runner, agrees: bool, stationarity: Stationarity) -> Statu
     }
 }
 
-fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, usize)> {
+fn planned_events(
+    model: &dyn Model,
+    sequence: &Sequence,
+    interval: f64,
+) -> Vec<(f64, EventKind, usize)> {
     let switches = sequence.switches.iter().enumerate();
     let switches = switches.filter(|(_, switch)| !switch.passes);
     let switches = switches.map(|(index, switch)| {
@@ -397,7 +402,8 @@ fn planned_events(sequence: &Sequence, interval: f64) -> Vec<(f64, EventKind, us
             ContactMode::Stick => EventKind::Stick,
             ContactMode::Slip(_) | ContactMode::Frictionless => EventKind::Slip,
         };
-        (switch.time * interval, kind, switch.contact)
+        let declared = &model.declaration().contacts[switch.contact];
+        (switch.time * interval, kind.of(declared), switch.contact)
     });
     switches.collect()
 }

@@ -1,7 +1,7 @@
 //! What decides the mode of a contact: its friction, and how it slides.
 
 use super::model_input::drive;
-use crate::model::{Model, tangent_point};
+use crate::model::{Model, Switching, tangent_point};
 use crate::simulation::{ContactMode, Direction};
 
 /// Sliding velocities below this share of the largest velocity are zero: a simulation projects them to rounding error.
@@ -16,6 +16,12 @@ pub(in crate::ocp) fn closed_mode(frictional: bool, velocity: f64, zero: f64) ->
     } else {
         ContactMode::Slip(Direction::of(velocity))
     }
+}
+
+/// Whether a contact is a switch that is only passed: nothing holds its function at zero.
+pub(in crate::ocp) fn is_passed(model: &dyn Model, contact: usize) -> bool {
+    let switch = model.declaration().contacts[contact].switch;
+    switch.is_some_and(Switching::passes)
 }
 
 /// Whether friction acts on a contact.

@@ -103,7 +103,7 @@ impl Replay<'_> {
                 EventKind::Impact => true,
                 EventKind::Stick | EventKind::Slip | EventKind::Slide | EventKind::Switch => slides,
                 EventKind::LiftOff => event.kind == EventKind::Contact,
-                EventKind::Contact => false,
+                EventKind::Contact | EventKind::When => false,
             };
             kind && other.time == event.time && other.contact != contact
         };

@@ -6,17 +6,20 @@
 
 use hangtime_solver::nlp;
 
+use crate::model::Model;
+
 use crate::ocp::collocation::between_stages::between_stages;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
+use crate::ocp::motion::mode::is_passed;
 use crate::ocp::motion::sequence::{Order, Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Ended, Run, Runner};
 use crate::ocp::settings::Settings;
-use crate::simulation::InputError;
+use crate::simulation::{ContactMode, InputError};
 
 /// Barrier parameters that a program is started with, in this order, and most iterations with each: of the first
 /// program, of a neighbour, which starts near its solution, and of a sequence about which nothing is claimed.
@@ -43,6 +46,16 @@ const POLISH_ITERATIONS: usize = 30;
 const SAME: f64 = 1e-7;
 /// Relative decrease of the objective that counts as an improvement.
 const IMPROVEMENT: f64 = 1e-9;
+
+/// Whether a sequence holds the function of a switch at zero that is only passed.
+fn rests_where_none_may(model: &dyn Model, sequence: &Sequence) -> bool {
+    let rests = |(contact, mode): (usize, ContactMode)| {
+        mode == ContactMode::Stick && is_passed(model, contact)
+    };
+    let switches = sequence.switches.iter().map(|s| (s.contact, s.mode));
+    let modes = sequence.initially.iter().copied().enumerate();
+    modes.chain(switches).any(rests)
+}
 
 /// What became of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -190,7 +203,10 @@ impl<'a, 'e> Attempts<'a, 'e> {
         attempt: Attempt,
         start: Option<Start<'a>>,
     ) -> Result<Verdict, InputError> {
-        let verdict = self.compare(runner, attempt, start)?;
+        let verdict = match rests_where_none_may(self.setting.model, attempt.sequence) {
+            true => Verdict::NotBetter(f64::INFINITY),
+            false => self.compare(runner, attempt, start)?,
+        };
         // From now on the best is at least as good as the best is now.
         let known = match (verdict, &self.best) {
             (Verdict::Better, Some(best)) => Verdict::NotBetter(best.solution.objective),

@@ -190,6 +190,7 @@ fn inserted_sliding(pressure: &Pressure) -> Vec<Sequence> {
     let horizon = pressure.program.horizon_at(&x);
     let intervals = pressure.intervals as f64;
     let solved = pressure.program.solved(&pressure.solution.x);
+    let declared = pressure.program.model.declaration().contacts;
     let mut found = Vec::new();
     for (phase, solved) in pressure.program.phases.iter().zip(&solved) {
         let time = |theta: f64| (solved.start + theta * solved.length) / horizon * intervals;
@@ -216,10 +217,10 @@ fn inserted_sliding(pressure: &Pressure) -> Vec<Sequence> {
             // A contact that turns round without a jump of the controls sticks on the way, as friction pushes it the
             // other way then.
             let at_a_jump = (time(*c) - time(*c).round()).abs() < pressure.inserted;
-            for turned in [false, true]
-                .into_iter()
-                .filter(|turned| !turned || at_a_jump)
-            {
+            // What acts on the other side of a switch says nothing of how the motion comes there.
+            let crosses = |contact: usize| declared[contact].switch.is_some();
+            let turns = at_a_jump || pressed.iter().any(|known| crosses(known.0));
+            for turned in [false, true].into_iter().filter(|turned| !turned || turns) {
                 let change = |&(contact, back, direction): &(usize, ContactMode, Direction)| {
                     let to = match back {
                         ContactMode::Stick => ContactMode::Slip(direction),

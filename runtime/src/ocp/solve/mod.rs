@@ -15,6 +15,7 @@ mod undriven;
 mod words;
 
 use self::impossible::Shown;
+use super::global::time_freezing::refuse_switches;
 use super::problem::Problem;
 use super::settings::{Formulation, Guess, Settings};
 use super::solution::{Solution, Status};
@@ -54,6 +55,9 @@ fn solve_given(
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
     problem.check(model)?;
+    if matches!(settings.formulation, Formulation::TimeFreezing(_)) {
+        refuse_switches(model)?;
+    }
     let problem = &problem.on_the_ground(model);
     let search = matches!(settings.formulation, Formulation::Phases)
         && !matches!(settings.guess, Guess::Previous(_));

@@ -11,7 +11,7 @@
 
 use super::one_grid::Known;
 use super::optima::{
-    Found, costs_the_same, ends_at_no_time, is_better, is_same, rank, result, sort,
+    Found, NO_MOTION, costs_the_same, ends_at_no_time, is_better, is_same, rank, result, sort,
 };
 use super::portfolio::{Explored, explore};
 use super::run::{Task, is_as_good, on_grid};
@@ -50,8 +50,6 @@ const UNPOLISHED: f64 = 1e-7;
 /// Relative excess of the objective beyond which a motion does not go on: finer grids seldom make up for more.
 const WORTH: f64 = 0.5;
 
-/// Distance of a plan from its re-simulation beyond which it is no motion \[m or rad, in scenes of the order of these\].
-const NO_MOTION: f64 = 1e-2;
 /// Factor by which the elements of a phase become more where most plans are no motions, and the most that this comes to.
 const FINER: usize = 2;
 const FINEST: usize = 4;

@@ -14,6 +14,8 @@ const SAME: f64 = 1e-6;
 /// The same within which one of them does not cost less: what refining their elements by different paths changes.
 const COSTS_THE_SAME: f64 = 1e-7;
 
+/// Distance of a plan from its re-simulation beyond which it is no motion \[m or rad, in scenes of the order of these\].
+pub(super) const NO_MOTION: f64 = 1e-2;
 /// Relative difference of the objective from the final time within which it is that.
 const SAME_TIME: f64 = 1e-9;
 /// Share of the longest final time that was looked at below which one is as good as none: two moves of the range end there.
@@ -99,8 +101,16 @@ pub(super) fn result(found: Vec<Found>, seen: Vec<Found>, stopped: bool) -> Solu
         counts.add(&run.solution.counts);
         seconds += run.solution.seconds;
     }
-    let Some(best) = found.into_iter().next() else {
-        return Solution::without_motion(Status::Interrupted, Vec::new(), counts);
+    // A plan that its re-simulation contradicts is no motion that a run which was stopped has come to.
+    let contradicted = |Found { solution, .. }: &Found| {
+        stopped && solution.motion.is_some() && solution.departure > NO_MOTION
+    };
+    let best = found.into_iter().next();
+    let Some(best) = best.filter(|best| !contradicted(best)) else {
+        return Solution {
+            seconds,
+            ..Solution::without_motion(Status::Interrupted, Vec::new(), counts)
+        };
     };
     let improvements = improvements(&seen);
     let starts = seen.iter().filter_map(|run| match run.source {

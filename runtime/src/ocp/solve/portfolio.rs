@@ -255,7 +255,8 @@ fn looks_near_the_best(start: usize) -> bool {
 
 /// Whether the program of the time-freezing system differs from a program without contacts.
 fn can_freeze(model: &dyn Model) -> bool {
-    !model.declaration().contacts.is_empty()
+    let contacts = model.declaration().contacts;
+    !contacts.is_empty() && contacts.iter().all(|known| known.switch.is_none())
 }
 
 /// Whether there is anything to be struck.

@@ -1,7 +1,7 @@
 //! The order of contact modes of a motion.
 
 use crate::model::{Model, Pieces};
-use crate::ocp::motion::mode::{closed_mode, is_frictional};
+use crate::ocp::motion::mode::{closed_mode, is_frictional, is_passed};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::simulation::ContactMode;
 
@@ -151,9 +151,14 @@ pub(super) fn closed_modes(model: &dyn Model, contact: usize) -> Vec<ContactMode
     if !frictional {
         return vec![ContactMode::Frictionless];
     }
-    [0.0, 1.0, -1.0]
-        .map(|velocity| closed_mode(true, velocity, 0.5))
-        .to_vec()
+    let velocities: &[f64] = match is_passed(model, contact) {
+        true => &[1.0, -1.0],
+        false => &[0.0, 1.0, -1.0],
+    };
+    let velocities = velocities.iter();
+    velocities
+        .map(|&velocity| closed_mode(true, velocity, 0.5))
+        .collect()
 }
 
 /// What switches between two phases with these modes: closings as parts of one impact, or openings by themselves and changes of sliding

@@ -2,6 +2,7 @@
 
 use super::contact_state::ContactState;
 use super::dynamics::Dynamics;
+use crate::model::Switching;
 use crate::simulation::{Event, EventKind};
 
 /// An instant at which the contact mode changes.
@@ -16,15 +17,21 @@ pub(super) struct Instant<'i, 'a> {
 }
 
 impl Instant<'_, '_> {
-    /// What happened to each contact, impacts first; contacts that are closed at the start of the motion are no events.
-    pub(super) fn events(&self, struck: &[usize], at_start: bool) -> Vec<Event> {
+    /// What happened to each contact, conditions that came true and impacts first; contacts that are closed at the start of the motion
+    /// are no events.
+    pub(super) fn events(&self, (struck, set): (&[usize], &[usize]), at_start: bool) -> Vec<Event> {
+        let set = set.iter().map(|&i| self.event(EventKind::When, i));
+        let declared = self.dynamics.model.declaration().contacts;
         let impacts = struck.iter().map(|&i| self.event(EventKind::Impact, i));
         let changes = self.mode.iter().enumerate().filter_map(|(i, was)| {
             let lands = was.is_open() && (at_start || struck.contains(&i));
             let kind = was.event(self.dynamics.state(i)).filter(|_| !lands)?;
+            if declared[i].switch == Some(Switching::Resets) {
+                return None;
+            }
             Some(self.event(kind, i))
         });
-        impacts.chain(changes).collect()
+        set.chain(impacts).chain(changes).collect()
     }
 
     fn event(&self, kind: EventKind, contact: usize) -> Event {

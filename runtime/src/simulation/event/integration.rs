@@ -16,6 +16,7 @@ use super::forces::Forces;
 use super::impact::{Impact, LowestBounce};
 use super::instant::Instant;
 use super::remarks::Remarks;
+use super::resets;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
@@ -490,7 +491,22 @@ impl<'a> Integration<'a> {
         let vanished = self.pass_edge(vanished);
         self.dynamics
             .observe_rounding(self.t, &self.y, self.h, at_start);
+        let mut set = resets::set(
+            &mut self.dynamics,
+            (self.t, &mut self.y),
+            vanished,
+            &previously,
+        );
+        let vanished = vanished.filter(|_| set.is_empty());
         let impact = self.impact(vanished)?;
+        if !impact.struck.is_empty() {
+            set.extend(resets::set(
+                &mut self.dynamics,
+                (self.t, &mut self.y),
+                None,
+                &previously,
+            ));
+        }
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
             self.y[n..2 * n].copy_from_slice(&before);
@@ -523,7 +539,7 @@ impl<'a> Integration<'a> {
             velocities: &before,
             mode: &previously,
         };
-        let events = instant.events(&impact.struck, at_start);
+        let events = instant.events((&impact.struck, &set), at_start);
         self.result.events.extend(events);
         let last = self.result.events.last().map(|event| event.contact);
         self.log.tidy(&mut self.result.events);

@@ -25,6 +25,7 @@ mod integration;
 mod locate;
 mod many_contacts;
 mod remarks;
+mod resets;
 mod search;
 mod settings;
 mod small_system;

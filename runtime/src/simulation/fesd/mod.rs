@@ -41,6 +41,7 @@ mod location;
 mod mode_change;
 mod present;
 mod program;
+mod resets;
 mod settings;
 mod size;
 mod stepping;

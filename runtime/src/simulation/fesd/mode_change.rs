@@ -2,7 +2,7 @@
 
 use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
-use super::{bounces, edge, impacts};
+use super::{bounces, edge, impacts, resets};
 use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::{contact_mode, impact};
@@ -30,7 +30,8 @@ pub(super) fn carry_out(driver: &mut Driver<'_>, switch: Switch) -> Result<(), M
         settle(driver, &[])?;
     } else {
         let contact = largest_from_here(driver, switch);
-        settle(driver, &[contact])?;
+        let located = (switch.kind == SwitchKind::Stopping).then_some(contact);
+        settle_after(driver, &[contact], located)?;
     }
     driver.record_state();
     Ok(())
@@ -79,15 +80,28 @@ fn touching(driver: &Driver<'_>, switched: &[usize]) -> Vec<usize> {
 /// Impact of everything that touches and closes, then the contact mode; records the events. The
 /// contacts that `switched` touch whatever the discretization error of their gaps.
 pub(super) fn settle(driver: &mut Driver<'_>, switched: &[usize]) -> Result<(), ModeError> {
+    settle_after(driver, switched, None)
+}
+
+/// The same where the function of a condition may just have been `located`.
+fn settle_after(
+    driver: &mut Driver<'_>,
+    switched: &[usize],
+    located: Option<usize>,
+) -> Result<(), ModeError> {
+    let v_before = driver.now.state.v.clone();
+    let mut set = resets::set(driver, located);
     let contacts = driver.setup.contacts();
     driver.now.evaluate_contacts(contacts);
     driver.now.contacts.remember_sizes(&driver.now.x);
     let touching = touching(driver, switched);
-    let v_before = driver.now.state.v.clone();
     // Dry friction has no impulses, and it acts always.
     let dry = touching.iter().position(|&i| driver.now.contacts.is_dry(i));
     let (surfaces, dry) = touching.split_at(dry.unwrap_or(touching.len()));
     let impact = edge::carry_out(driver, surfaces)?;
+    if !impact.struck.is_empty() {
+        set.extend(resets::set(driver, None));
+    }
     let previous = driver.now.active.clone();
     let now = &mut driver.now;
     let surfaces = impact.cluster.as_deref().unwrap_or(surfaces);
@@ -108,18 +122,21 @@ pub(super) fn settle(driver: &mut Driver<'_>, switched: &[usize]) -> Result<(), 
         let now = &mut driver.now;
         impact::hold(&now.contacts, &now.active, &mut now.state.v)?;
     }
-    record_events(driver, &impact.struck, &previous, &v_before);
+    record_events(driver, (&impact.struck, &set), &previous, &v_before);
     driver.element.set_mode(&driver.now.active);
     driver.evaluate_state()
 }
 
-/// Records the impacts of the contacts that were `struck`, and what has changed since the contacts of `previous` were held.
+/// Records the conditions that came true and were `set`, the impacts of the contacts that were `struck`, and what has changed since the contacts of `previous` were held.
 fn record_events(
     driver: &mut Driver<'_>,
-    struck: &[usize],
+    (struck, set): (&[usize], &[usize]),
     previous: &[ActiveContact],
     v_before: &[f64],
 ) {
+    for &i in set {
+        driver.record_event(EventKind::When, i, v_before.to_vec());
+    }
     // A contact that already carried a force takes part in the impact without one of its own.
     for &i in struck {
         driver.record_event(EventKind::Impact, i, v_before.to_vec());
@@ -130,6 +147,7 @@ fn record_events(
             (None, Some(_)) if !struck.contains(&i) && driver.now.state.time > 0.0 => {
                 Some(EventKind::Contact)
             }
+            (Some(_), Some(_)) if resets::is_condition(driver, i) => None,
             (Some(before), Some(after)) => sliding_event(before, after),
             _ => None,
         };

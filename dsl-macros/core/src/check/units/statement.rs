@@ -107,6 +107,13 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         }
         // Outputs that are measured may stand below.
         Statement::Measured(_) => Ok(()),
+        Statement::When {
+            condition,
+            assignments,
+        } => {
+            let _: Checked<Dimension> = comparison(walk, condition, "both sides of a condition");
+            each(walk, assignments, reset)
+        }
         Statement::Start(assignments) => starts(walk, assignments),
         Statement::Horizon { value, .. } => horizon(walk, value),
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
@@ -270,6 +277,17 @@ fn rate(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
         "the rate of `{}` is the unit of the state over s",
         assignment.target.text
     );
+    walk.expect(&assignment.value, &own, &wanted, &reason)
+}
+
+/// What a state or a velocity is set to.
+fn reset(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
+    if is_bare(&assignment.value) {
+        return Ok(());
+    }
+    let own = walk.scalar(&assignment.value)?;
+    let (wanted, shown) = of_target(walk, &assignment.target, assignment.velocity);
+    let reason = format!("`{shown}` is set to it");
     walk.expect(&assignment.value, &own, &wanted, &reason)
 }
 

@@ -343,7 +343,8 @@ impl<'a> Dynamics<'a> {
 
     /// Whether a contact is a switch whose function is only passed.
     pub(in crate::simulation) fn passes(&self, contact: usize) -> bool {
-        self.model.declaration().contacts[contact].switch == Some(Switching::Passes)
+        let switch = self.model.declaration().contacts[contact].switch;
+        switch.is_some_and(Switching::passes)
     }
 
     /// The sliding contact with the smallest [`gain`](Self::gain), and that.

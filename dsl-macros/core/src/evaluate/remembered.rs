@@ -1,0 +1,64 @@
+//! `start(...)`: what a quantity is at the start of the motion, in what is judged of it.
+
+use super::scope::{Role, Scope};
+use super::value::Value;
+use crate::ast::Expr;
+use crate::diagnostics::{Checked, Diagnostics};
+use crate::graph::{self, Sym, Variable};
+
+/// What `start(...)` is asked of, where that has a meaning.
+pub(super) fn argument<'e>(
+    scope: &Scope,
+    whole: &Expr,
+    arguments: &'e [Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<&'e Expr> {
+    if !matches!(scope.role, Role::Running | Role::Constraint | Role::End) {
+        let message = format!(
+            "`{whole}` is known to `minimize`, `constraint` and `finally` only, which judge a motion as a whole; elsewhere a \
+             parameter that `start` names says the same"
+        );
+        return Err(diagnostics.report("E15", whole.place, message));
+    }
+    let [argument] = arguments else {
+        let message = format!("`start` takes 1 argument, found {}", arguments.len());
+        return Err(diagnostics.report("E02", whole.place, message));
+    };
+    Ok(argument)
+}
+
+/// The value of the argument with the start of the motion in the place of its coordinates and velocities.
+pub(super) fn at_start(
+    scope: &mut Scope,
+    (whole, argument): (&Expr, &Expr),
+    known: &Value,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    for variable in graph::variables(known.components()) {
+        let what = match variable {
+            Variable::Coordinate(_) | Variable::Velocity(_) | Variable::Parameter(_) => continue,
+            Variable::Start(_) => "a value at the start already",
+            Variable::Control(_) => "a control, which acts over a time",
+            Variable::Time => "the time, which begins at 0 there",
+            _ => "what contacts do, which begins with the motion",
+        };
+        let message = format!(
+            "`{whole}` contains {what}; `start` takes coordinates, velocities, states and what follows from them"
+        );
+        return Err(diagnostics.report("E15", argument.place, message));
+    }
+    let size = scope.state_size;
+    let place = |variable| match variable {
+        Variable::Coordinate(i) => Some(i),
+        Variable::Velocity(i) => Some(size + i),
+        _ => None,
+    };
+    let read = graph::variables(known.components());
+    let read = read.into_iter().filter_map(place);
+    let read = read.map(|k| (k, whole.to_string(), whole.place));
+    scope.starts.extend(read);
+    let components = graph::substitute(known.components(), |variable| {
+        place(variable).map(|k| Sym::variable(Variable::Start(k)))
+    });
+    Ok(known.with_components(components))
+}

@@ -1,0 +1,131 @@
+//! `when condition { ... }` and `start(...)`: what is accepted, and what each mistake says.
+
+use hangtime_dsl::{describe_held, describe_text, format_text};
+
+/// Messages for the statements beside a mass on a line and a state, or "accepted".
+fn messages(statements: &str) -> Vec<String> {
+    let source = format!(
+        "S {{ coordinates {{ x: m }} controls {{ u: N }} states {{ on }} lagrangian dot(x)^2/2*1 [kg]
+         forces {{ x: u + on*1 [N] }} {statements} }}"
+    );
+    let mistakes = hangtime_dsl::mistakes(source.parse().expect("tokens"));
+    match mistakes.is_empty() {
+        true => vec!["accepted".to_owned()],
+        false => mistakes.iter().map(hangtime_dsl::Mistake::text).collect(),
+    }
+}
+
+/// The same with a rate.
+fn with_rate(statements: &str) -> Vec<String> {
+    messages(&format!("rates {{ on: 0 }} {statements}"))
+}
+
+/// The same of optimal control with a free place.
+fn solved(statements: &str) -> Vec<String> {
+    with_rate(&format!(
+        "minimize integral(u^2) free {{ x }} horizon 1 [s] {statements}"
+    ))
+}
+
+texts! {
+    discrete_state_needs_no_rate: messages "when x >= 1 [m] { on = 1, dot(x) = -dot(x)/2 }" => "accepted";
+    condition_that_is_an_equation: with_rate "when x == 1 [m] { on = 1 }" =>
+        "`when` waits for a side to be passed; write `when x >= 1 [m] { ... }`, or `<=`";
+    condition_that_stays: with_rate "when 2 >= 1 { on = 1 }" =>
+        "E07: `2 >= 1` depends on nothing that changes, so that it never comes true; use coordinates, velocities, states or the time";
+    condition_in_two_units: with_rate "when x >= 1 [s] { on = 1 }" =>
+        "E03: units differ: `x` is in m, `1 [s]` is in s; both sides of a condition must agree";
+    condition_on_a_control: with_rate "when u >= 1 [N] { on = 1 }" =>
+        "E07: `u` depends on the control `u`, which may jump where the condition comes true; use what moves and the time";
+    coordinate_that_is_set: with_rate "when x >= 1 [m] { x = 0 [m] }" =>
+        "E04: `x` is a coordinate, and bodies do not jump; set its velocity, `dot(x) = ...`, or a state";
+    velocity_in_another_unit: with_rate "when x >= 1 [m] { dot(x) = 1 [m] }" =>
+        "E03: units differ: `1 [m]` is in m, where m/s is needed (`dot(x)` is set to it)";
+    state_that_is_set_twice: with_rate "when x >= 1 [m] { on = 1, on = 0 }" => "`on` is set twice at once; keep one";
+    condition_that_sets_nothing: with_rate "when x >= 1 [m] { }" =>
+        "`when x >= 1 [m]` sets nothing; write what it sets, as in `{ on = 1 }`";
+    what_is_set_is_written_with_an_equals_sign: with_rate "when x >= 1 [m] { on: 1 }" =>
+        "expected `=`, as in `on = 1`, found `:`";
+
+    start_in_objective_and_conditions: solved
+        "constraint far: x - start(x) <= 3 [m] finally { dot(x) == -start(dot(x)) + 1 [m/s], 2*x == start(2*x) } free { dot(x), on }" =>
+        "accepted";
+    start_in_a_force: with_rate "forces { x: start(x)*1 [N/m] }" =>
+        "E15: `start(x)` is known to `minimize`, `constraint` and `finally` only, which judge a motion as a whole; elsewhere a parameter \
+         that `start` names says the same";
+    start_of_a_control: solved "finally { x == start(u)*1 [m/N] }" =>
+        "E15: `start(u)` contains a control, which acts over a time; `start` takes coordinates, velocities, states and what follows from \
+         them";
+    start_of_a_start: solved "finally { x == start(start(x)) }" =>
+        "E15: `start(start(x))` contains a value at the start already; `start` takes coordinates, velocities, states and what follows \
+         from them";
+    start_of_two: solved "finally { x == start(x, x) }" => "E02: `start` takes 1 argument, found 2";
+    start_in_another_unit: solved "finally { x == start(dot(x)) } free { dot(x) }" =>
+        "E03: units differ: `x` is in m, `start(dot(x))` is in m/s; both sides of a terminal condition must agree";
+    start_that_nobody_freed: solved "finally { dot(x) == start(dot(x)) }" =>
+        "E15: `start(dot(x))` is the value that `start` gives, as `dot(x)` is not free there; write `free { dot(x) }` if it is to be \
+         found, or the value itself";
+    start_of_a_state_that_nobody_freed: solved "finally { on == start(on) + 1 }" =>
+        "E15: `start(on)` is the value that `start` gives, as `on` is not free there; write `free { on }` if it is to be found, or the \
+         value itself";
+    conditions_on_a_given_start: solved "finally { start(dot(x)) == 1 [m/s] }" =>
+        "E15: `start(dot(x))` is the value that `start` gives, as `dot(x)` is not free there; write `free { dot(x) }` if it is to be \
+         found, or the value itself",
+        "E15: `start(dot(x)) == 1 [m/s]` is the same for every motion, as nothing in it is free at the start; list what is to be found \
+         in `free { ... }`";
+}
+
+#[test]
+fn start_that_is_free_is_a_coordinate_that_decides_it_and_nothing_where_it_is_not_read() {
+    let text = |goal: &str| {
+        format!(
+            "coordinates {{ x: cm, y: m }} states {{ a: A }} controls {{ u: N }} lagrangian (dot(x)^2 + dot(y)^2)/2*1 [kg]
+             forces {{ x: u }} rates {{ a: dot(y)*1 [A/m] }} free {{ x in 0..=5, dot(x), a in 1..=2 }} start {{ x: 3, a: 1 }}
+             minimize integral(u^2) finally {{ {goal} }} horizon 1 [s]"
+        )
+    };
+    let read = text("dot(x) == start(dot(x)), a == start(a)");
+    let (plain, _) = describe_text(&read, "s").expect("no mistakes");
+    // (q, v) with a place for the integral of the state: dot(x) is 3, the state 5.
+    assert_eq!(
+        (&plain.remembered[..], plain.coordinates.len()),
+        (&[3, 5][..], 3)
+    );
+    let (held, _) = describe_held(&read, "s", &[]).expect("no mistakes");
+    let known = held.held.as_ref().expect("held");
+    assert_eq!(known.starts, [3, 5]);
+    let names: Vec<&str> = held.coordinates[3..]
+        .iter()
+        .map(|c| c.name.as_str())
+        .collect();
+    assert_eq!(names, ["start(dot(x))", "start(a)"]);
+    let units: Vec<&str> = held.coordinates[3..]
+        .iter()
+        .map(|c| c.unit.as_str())
+        .collect();
+    assert_eq!(units, ["cm/s", "A"]);
+    use hangtime_dsl::description::GivenBy;
+    // Among (q, v) with five coordinates.
+    assert_eq!(known.given, [GivenBy::Start(5), GivenBy::Start(7)]);
+    assert_eq!(known.functions.jacobian.entries, [(0, 3), (1, 4)]);
+    let task = held.optimal_control.as_ref().expect("declared");
+    assert_eq!(task.free_start, [0, 3, 4]);
+    let (unread, _) = describe_text(&text("dot(x) == 0 [m/s]"), "s").expect("no mistakes");
+    assert!(unread.remembered.is_empty());
+    let (unheld, _) = describe_held(&text("dot(x) == 0 [m/s]"), "s", &[]).expect("no mistakes");
+    assert!(unheld.held.is_none() && unheld == unread);
+}
+
+#[test]
+fn conditions_are_formatted_like_the_statements_around_them() {
+    let text = "states{x,on}\nrates{x:1 [1/s]+on / 3 [s]}\nwhen  x>=1{on=1}// once\nwhen x<=0 { on=0,x=  x+1}\n";
+    assert_eq!(
+        format_text(text, "s").expect("no mistakes"),
+        "states { x, on }\nrates { x: 1 [1/s] + on/3[s] }\nwhen x >= 1 { on = 1 } // once\nwhen x <= 0 { on = 0, x = x + 1 }\n"
+    );
+    let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nfree { x }\nminimize (x -start( x ) )^2\nfinally { x==-start(x) + 1 [m] }\n";
+    assert_eq!(
+        format_text(text, "s").expect("no mistakes"),
+        "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nfree { x }\nminimize (x - start(x))^2\nfinally { x == -start(x) + 1 [m] }\n"
+    );
+}

@@ -1,0 +1,41 @@
+//! Conditions that come true: what they set.
+
+use super::contact_state::{ContactState, Direction};
+use super::dynamics::{Dynamics, Switch};
+use crate::model::Switching;
+
+/// Sets what conditions ask for that come true at a time and a state `y = (q, v, ..)`: the one whose function has `vanished`, those that
+/// what was set or an impact has made true since the mode `previously`, each once. Returns them.
+pub(super) fn set(
+    dynamics: &mut Dynamics<'_>,
+    (t, y): (f64, &mut [f64]),
+    vanished: Option<Switch>,
+    previously: &[ContactState],
+) -> Vec<usize> {
+    let (n, model) = (dynamics.n, dynamics.model);
+    let declared = model.declaration().contacts.iter().enumerate();
+    // Friction against minus the function: before the condition is true, it slips forward.
+    let below = ContactState::Slip(Direction::Forward);
+    let waiting: Vec<usize> = declared
+        .filter(|&(i, known)| known.switch == Some(Switching::Resets) && previously[i] == below)
+        .map(|(i, _)| i)
+        .collect();
+    let mut set: Vec<usize> = Vec::new();
+    if waiting.is_empty() {
+        return set;
+    }
+    loop {
+        dynamics.load(t, y);
+        let next = waiting.iter().copied().find(|&i| {
+            dynamics.evaluate_tangent(i);
+            let holds = dynamics.sliding_velocity(i) < -dynamics.zero_sliding_velocity(i);
+            let located = vanished == Some(Switch::SlidingVelocity(i, Direction::Forward));
+            !set.contains(&i) && (located || holds)
+        });
+        let Some(i) = next else { return set };
+        let mut velocities = y[n..2 * n].to_vec();
+        model.reset(i, dynamics.input(), &mut velocities);
+        y[n..2 * n].copy_from_slice(&velocities);
+        set.push(i);
+    }
+}
