@@ -98,8 +98,10 @@ pub(crate) fn shard(text: &str) -> Result<(usize, usize), String> {
 
 /// Points of a chain of a sweep, each of which starts from the one before it.
 pub(crate) fn chain(text: &str) -> Result<usize, String> {
-    let points = text.parse().ok().filter(|&points| points > 0);
-    points.ok_or_else(|| "give a whole number of points, at least 1".to_owned())
+    let points = text.parse().ok().filter(|&points| points > 1);
+    points.ok_or_else(|| {
+        "give a whole number of points, at least 2: one alone hands nothing on".to_owned()
+    })
 }
 
 /// A finite number above zero.
@@ -153,6 +155,14 @@ mod tests {
         }
         let message = elements("1001").unwrap_err();
         assert!(message.starts_with("give at most 1000: "), "{message}");
+    }
+
+    #[test]
+    fn chain_has_points_that_hand_something_on() {
+        assert_eq!(chain("2"), Ok(2));
+        for text in ["1", "0", "-3", "2.5", "many"] {
+            assert!(chain(text).is_err(), "{text}");
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from html import escape
-from typing import Any, Dict, Iterator, List, Optional, Type, TypeVar
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Type, TypeVar
 
 import numpy as np
 
@@ -107,6 +107,14 @@ class Run:
         kept = {"_scene": self._scene, "_command": self._command, "_words": self._words, "_json": self.json}
         # A solve takes long: its pages go along; those of a simulation are made again.
         return {**kept, "_native": None, "_arrays": {}, "_pages": self.files if self._command == "solve" else None}
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """A field of the document that has no attribute of its own, as it stands there."""
+            if name.startswith("_") or name not in self.document:
+                raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+            return self.document[name]
 
     @property
     def json(self) -> str:

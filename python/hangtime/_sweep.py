@@ -257,8 +257,8 @@ def _chain(warm: Any) -> int:
         return int(_core.WARM_CHAIN)
     if warm is False or warm is None:
         return 1
-    if not isinstance(warm, (int, np.integer)) or not 1 <= warm <= 2**31:
-        raise Mistake(f"error: `warm`: found {warm!r}; give True, or the points of a chain, a whole number from 1")
+    if not isinstance(warm, (int, np.integer)) or not 2 <= warm <= 2**31:
+        raise Mistake(f"error: `warm`: found {warm!r}; give True, or the points of a chain, a whole number from 2")
     return int(warm)
 
 

@@ -139,6 +139,14 @@ def test_arrays_are_made_without_text():
     assert run["z"].base is not None and not run["z"].flags.writeable
 
 
+def test_fields_without_an_attribute_of_their_own_are_reached_and_others_are_not():
+    run = ht.scene(BALL, "ball").simulate()
+    run.document["measured"] = {"rows": 3}
+    assert run.measured == {"rows": 3}
+    for name in ("no_such_field", "_private", "__array_interface__"):
+        assert not hasattr(run, name)
+
+
 def test_solve_starts_from_another_plan():
     cart = ht.scene(CART, "cart")
     first = cart.solve(intervals=8)

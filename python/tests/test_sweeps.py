@@ -129,7 +129,7 @@ def test_warm_table_is_that_of_the_command_line_however_it_is_computed(command, 
     m, d = table["m"], table["d"]
     # The tolerance of the solver is 1e-8, and the plan is polished.
     np.testing.assert_allclose(table["objective"], 2 * np.sqrt(m * d), rtol=1e-7)
-    for warm in (0, -1, 2.5, "3", [2]):
+    for warm in (0, 1, -1, 2.5, "3", [2]):
         with pytest.raises(ht.Mistake, match="warm"):
             ht.sweep(cart, over, executor=object(), **{**more, "warm": warm})
     with pytest.raises(ht.Mistake, match="what solve"):

@@ -216,7 +216,7 @@ fn warm_sweep_is_refused_where_nothing_is_handed_on() {
     let refusal =
         |more: &[&str]| refused(&words(more).iter().map(String::as_str).collect::<Vec<_>>());
     assert!(refusal(&["--warm"]).contains("--what solve"));
-    assert!(refusal(&["--warm=0"]).contains("at least 1"));
+    assert!(refusal(&["--warm=1"]).contains("at least 2"));
     let out = format!("{}/u.csv", scratch.text());
     // The last parameter chooses a form of the scene.
     let choice = refused(&[
