@@ -124,7 +124,12 @@ fn contact(contact: &Contact) -> ContactDeclaration {
     let [jacobian, hessian] = patterns(&contact.rows);
     let friction = contact.friction.as_ref().map(|friction| {
         let [jacobian, hessian] = patterns(&friction.rows);
-        FrictionDeclaration { jacobian, hessian }
+        FrictionDeclaration {
+            jacobian,
+            hessian,
+            kinetic: friction.kinetic.is_some(),
+            share: friction.share.is_some(),
+        }
     });
     ContactDeclaration {
         name: text(&contact.name),
@@ -135,6 +140,7 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         },
         friction,
         dry: contact.dry,
+        loads: list(contact.loads.iter().flat_map(|(surfaces, _)| surfaces.iter().copied())),
         switch: contact.switch.map(|passes| match passes {
             true => Switching::Passes,
             false => Switching::Slides,

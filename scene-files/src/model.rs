@@ -149,6 +149,22 @@ impl Model for TextScene {
             .map_or(0.0, |friction| self.value(friction.coefficient, &[]))
     }
 
+    fn kinetic_friction(&self, contact: usize) -> f64 {
+        let kinetic = self.friction_of(contact).and_then(|known| known.kinetic);
+        kinetic.map_or_else(|| self.friction(contact), |kernel| self.value(kernel, &[]))
+    }
+
+    fn friction_share(&self, contact: usize, x: &[f64]) -> f64 {
+        let share = self.friction_of(contact).and_then(|known| known.share);
+        share.map_or(1.0, |kernel| self.value(kernel, x))
+    }
+
+    fn loads(&self, contact: usize, x: &[f64], loads: &mut [f64]) {
+        if let Some((_, kernel)) = self.contact_of(contact).and_then(|known| known.loads.as_ref()) {
+            self.evaluate(*kernel, x, &[], loads);
+        }
+    }
+
     fn tangent(&self, contact: usize, x: &[f64], point: &mut [f64]) {
         match self.friction_of(contact) {
             Some(friction) => self.point(friction.tangent, &friction.rows, x, point),

@@ -295,6 +295,10 @@ pub(crate) const INTEGRAL: &str = "integral";
 /// What adds a function of impulses up over all impacts; its name may be taken by declarations.
 pub(crate) const SUM: &str = "sum";
 
+/// The size of the sliding velocity in a coefficient of friction and in the bound of dry friction; its name may be taken by
+/// declarations.
+pub(crate) const SPEED: &str = "speed";
+
 /// The final time in an objective or a terminal condition.
 pub(crate) const FINAL_TIME: &str = "time";
 

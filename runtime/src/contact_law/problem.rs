@@ -5,6 +5,8 @@
 pub(crate) struct Cone {
     pub(crate) normal: usize,
     pub(crate) friction: f64,
+    /// The coefficient of sliding, below that of rest where there are two.
+    pub(crate) kinetic: f64,
 }
 
 /// What a contact does.

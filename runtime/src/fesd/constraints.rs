@@ -3,7 +3,9 @@
 use super::active_contact::{ActiveContact, force_count};
 use super::contacts::sum_of_sizes;
 use crate::joints::{JointError, Joints};
-use crate::model::{Model, contact_point, friction_coefficients, surfaces, tangent_point};
+use crate::model::{
+    Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces, tangent_point,
+};
 
 /// The constraints of a contact mode at one point: first the normals of the active contacts, those of dry friction last,
 /// then the tangents of those that stick, then the rows of joints that are held. Owns the memory for them.
@@ -18,6 +20,10 @@ pub(super) struct Constraints<'a> {
     n: usize,
     active: Vec<ActiveContact>,
     friction: Vec<f64>,
+    /// The same of contacts that slide.
+    kinetic: Vec<f64>,
+    /// What given forces follow of those of surfaces: both constraints, and the factor.
+    pub(super) loads: Vec<(usize, usize, f64)>,
     /// Number of contacts of the scene that are surfaces, and of those that are active.
     surfaces: usize,
     normals: usize,
@@ -54,6 +60,8 @@ impl<'a> Constraints<'a> {
             n,
             active: Vec::new(),
             friction: friction_coefficients(model),
+            kinetic: kinetic_coefficients(model),
+            loads: Vec::new(),
             surfaces: surfaces(model),
             normals: 0,
             joints: Joints::of(model),
@@ -156,7 +164,26 @@ impl<'a> Constraints<'a> {
 
     /// Ratio `s / r` of an active contact.
     fn slope(&self, held: ActiveContact) -> f64 {
-        held.tangential.share() * self.friction[held.contact]
+        let coefficient = match held.tangential.sense() {
+            0.0 => self.friction[held.contact],
+            _ => self.kinetic[held.contact],
+        };
+        held.tangential.share() * coefficient
+    }
+
+    /// What the given force of an active contact follows, where it follows any.
+    fn evaluate_loads(&mut self, place: usize, x: &[f64]) {
+        let contact = self.active[place].contact;
+        let followed = self.model.declaration().contacts[contact].loads;
+        if followed.is_empty() {
+            return;
+        }
+        let mut factors = vec![0.0; followed.len()];
+        self.model.loads(contact, x, &mut factors);
+        for (surface, factor) in followed.iter().zip(factors) {
+            let on = self.active.iter().position(|held| held.contact == *surface);
+            self.loads.extend(on.map(|on| (place, on, factor)));
+        }
     }
 
     /// Evaluates gaps, velocities, gradients and directions at the input vector `x`.
@@ -164,6 +191,10 @@ impl<'a> Constraints<'a> {
         let n = self.n;
         let mut stuck = self.active.len();
         self.gap_rounding = 0.0;
+        self.loads.clear();
+        for i in self.normals..self.active.len() {
+            self.evaluate_loads(i, x);
+        }
         for (i, &held) in self.active.iter().enumerate() {
             self.model.contact(held.contact, x, &mut self.point);
             let given = self.is_given(i);
@@ -246,7 +277,7 @@ impl<'a> Constraints<'a> {
             for (&(row, column), value) in entries.iter().zip(&*values) {
                 let (row, column) = (row as usize, column as usize);
                 if column >= n {
-                    if row == 1 && column < 2 * n && declaration.switch.is_some() {
+                    if row == 1 && column < 2 * n && declaration.dry {
                         self.gradients[i * n + column - n] = *value;
                     }
                     continue;
@@ -263,13 +294,14 @@ impl<'a> Constraints<'a> {
             let Some(friction) = &declaration.friction else {
                 continue;
             };
+            let slope = self.slope(held);
             let entries = friction.jacobian.entries;
             let values = &mut self.tangent_jacobian[..entries.len()];
             self.model.tangent_jacobian(held.contact, x, values);
             let s = if held.sticks() {
                 forces[stuck]
             } else {
-                held.tangential.share() * self.friction[held.contact] * r
+                slope * r
             };
             for (&(row, column), value) in entries.iter().zip(&*values) {
                 let (row, column) = (row as usize, column as usize);

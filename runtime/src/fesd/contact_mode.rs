@@ -203,14 +203,19 @@ impl Solved {
         let friction = self.forces[tangent];
         let zero = BIACTIVE * contacts.tangential_scale(contact);
         let margin = contacts.friction(contact) * self.forces[k] - friction.abs();
-        let margin = if margin > zero { margin } else { 0.0 };
+        let slip = self.accelerations[tangent];
+        let at_rest = margin > zero;
+        // Where sliding has a lower coefficient of its own, a force that is no longer held jumps.
+        let jumps = contacts.kinetic(contact) < contacts.friction(contact);
+        let margin = if at_rest && !(jumps && slip.abs() > zero) { margin } else { 0.0 };
         sorted.shares.push(Share {
             contact,
             friction,
             margin,
         });
-        let slip = self.accelerations[tangent];
-        if margin == 0.0 && slip.abs() <= zero {
+        if margin == 0.0 && jumps {
+            Tangential::slip(-friction)
+        } else if margin == 0.0 && slip.abs() <= zero {
             let sense = -friction.signum();
             sorted.undecided.push(Undecided::Edge { contact, sense });
             Tangential::slip(sense)
@@ -392,11 +397,11 @@ fn undecided_lines(contacts: &Contacts<'_>, undecided: &[Undecided]) -> (Vec<Lin
                         contact,
                         sense: 1.0,
                     });
-                    cones.push(Cone { normal, friction });
+                    cones.push(contacts.cone(contact, normal));
                 }
                 Line::Normal {
                     contact,
-                    slope: -friction * sense.unwrap_or(0.0),
+                    slope: -contacts.kinetic(contact) * sense.unwrap_or(0.0),
                 }
             }
         });

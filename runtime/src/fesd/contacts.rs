@@ -6,11 +6,12 @@
 
 use super::active_contact::{ActiveContact, Tangential};
 use super::contact_size::ContactSize;
+use super::coulomb::Cone;
 use crate::linalg::{dense, lcp};
 use crate::model::rounding::rounding_error_at_start;
 use crate::model::{
-    Model, Pieces, Switching, contact_point, contains_ground, friction_coefficients, surfaces,
-    switching_terms, tangent_point,
+    Model, Pieces, Switching, contact_point, contains_ground, friction_coefficients, kinetic_coefficients,
+    surfaces, switching_terms, tangent_point,
 };
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
@@ -70,6 +71,10 @@ pub(crate) struct Contacts<'a> {
     pub(crate) pieces: Pieces,
     /// Coefficients of friction, 0 for contacts without friction.
     friction: Vec<f64>,
+    /// The same of contacts that slide.
+    kinetic: Vec<f64>,
+    /// What dry frictions follow of the forces of surfaces: friction, surface and factor of the last evaluation.
+    loads: Vec<(usize, usize, f64)>,
     /// Number of contacts that are surfaces.
     pub(crate) surfaces: usize,
     /// Which side of each switch that is only passed acts: the sign of minus its function, 0 for all others.
@@ -111,6 +116,8 @@ impl<'a> Contacts<'a> {
             n,
             pieces: Pieces::default(),
             friction,
+            kinetic: kinetic_coefficients(model),
+            loads: Vec::new(),
             surfaces: surfaces(model),
             sides: vec![0.0; contacts],
             acceleration: vec![0.0; n],
@@ -128,6 +135,11 @@ impl<'a> Contacts<'a> {
             control_slopes: Vec::new(),
             evaluations: 0,
         }
+    }
+
+    /// The scene.
+    pub(crate) fn model(&self) -> &'a dyn Model {
+        self.model
     }
 
     /// Rates of the controls from now on; empty where they are constant.
@@ -159,6 +171,20 @@ impl<'a> Contacts<'a> {
     /// Coefficient of friction, 0 for a contact without friction.
     pub(crate) fn friction(&self, contact: usize) -> f64 {
         self.friction[contact]
+    }
+
+    /// Coefficient of friction of a contact while it slides.
+    pub(crate) fn kinetic(&self, contact: usize) -> f64 {
+        self.kinetic[contact]
+    }
+
+    /// The law of a contact whose normal is the line `normal`.
+    pub(super) fn cone(&self, contact: usize, normal: usize) -> Cone {
+        Cone {
+            normal,
+            friction: self.friction[contact],
+            kinetic: self.kinetic[contact],
+        }
     }
 
     /// Whether a contact is dry friction without a surface, whose normal force is given.
@@ -233,6 +259,14 @@ impl<'a> Contacts<'a> {
             if self.friction[i] > 0.0 {
                 let tangent = &mut self.tangents[i * tangent_length..(i + 1) * tangent_length];
                 self.model.tangent(i, x, tangent);
+            }
+            let followed = self.model.declaration().contacts[i].loads;
+            if !followed.is_empty() {
+                self.loads.retain(|&(friction, ..)| friction != i);
+                let mut factors = vec![0.0; followed.len()];
+                self.model.loads(i, x, &mut factors);
+                let factors = followed.iter().zip(factors);
+                self.loads.extend(factors.map(|(&surface, factor)| (i, surface, factor)));
             }
         }
         self.evaluations += 1;
@@ -426,11 +460,13 @@ impl<'a> Contacts<'a> {
             Line::Tangent { sense, .. } => sense,
         };
         if let (Line::Normal { contact, .. }, Line::Normal { contact: other, .. }) = (row, column)
-            && contact == other
             && self.is_dry(contact)
         {
-            // Its normal acceleration is its force less the given one.
-            return 1.0;
+            // Its normal acceleration is its force less the given one, and less what it follows of others.
+            let own = if contact == other { 1.0 } else { 0.0 };
+            let loads = self.loads.iter();
+            let load = loads.filter(|load| (load.0, load.1) == (contact, other));
+            return load.fold(own, |coupling, load| coupling - load.2);
         }
         let (gradient, _) = self.row(row);
         let along = match column {
@@ -488,7 +524,11 @@ impl<'a> Contacts<'a> {
 
     /// Ratio `s / r` of a contact in the given tangential state; 0 where it sticks.
     fn slope(&self, active: ActiveContact) -> f64 {
-        active.tangential.share() * self.friction[active.contact]
+        let coefficient = match active.tangential.sense() {
+            0.0 => self.friction[active.contact],
+            _ => self.kinetic[active.contact],
+        };
+        active.tangential.share() * coefficient
     }
 
     /// The lines that the `active` contacts hold: their normals, then the tangents of those that stick.
@@ -554,7 +594,7 @@ impl<'a> Contacts<'a> {
 
     /// Normal acceleration for a unit force of a contact that slides in the given sense.
     pub(crate) fn lift_in_slip(&self, contact: usize, sense: f64) -> f64 {
-        self.lift(contact, -sense * self.friction[contact])
+        self.lift(contact, -sense * self.kinetic[contact])
     }
 
     /// Acceleration with the `forces` of the `active` contacts at the last evaluation.

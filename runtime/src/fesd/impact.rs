@@ -19,9 +19,9 @@ pub(super) fn coulomb_lines(
         if friction > 0.0 && in_cone(contact) {
             let sense = 1.0;
             tangents.push(Line::Tangent { contact, sense });
-            cones.push(Cone { normal, friction });
+            cones.push(contacts.cone(contact, normal));
         } else if friction > 0.0 {
-            slope = -friction * contacts.side(contact).signum();
+            slope = -contacts.kinetic(contact) * contacts.side(contact).signum();
         }
         lines.push(Line::Normal { contact, slope });
     }

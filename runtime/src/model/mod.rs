@@ -160,9 +160,26 @@ pub trait Model: Send + Sync {
         0.0
     }
 
-    /// Coefficient of friction `mu` of one contact, at least 0; 0 for one without friction.
+    /// Coefficient of friction `mu` of one contact, at least 0; 0 for one without friction. Where sliding has another one, it is
+    /// that at rest.
     fn friction(&self, _contact: usize) -> f64 {
         0.0
+    }
+
+    /// Coefficient of friction of one contact while it slides, at most that at rest.
+    fn kinetic_friction(&self, contact: usize) -> f64 {
+        self.friction(contact)
+    }
+
+    /// What a unit of the normal acceleration `r` of each surface in [`ContactDeclaration::loads`] of a dry friction adds to its given
+    /// one: `r_dry = D f + sum_i load_i r_i`, which is the bound `f + sum_i c_i lambda_i`, `load_i = c_i D / D_i`.
+    fn loads(&self, _contact: usize, _x: &[f64], _loads: &mut [f64]) {}
+
+    /// The factor that the friction direction of one contact carries at `x`, by which friction changes with the sliding velocity
+    /// and the place: the tangential force is this times `s / D`. 1 for most contacts. An impact has that of the velocities
+    /// before it.
+    fn friction_share(&self, _contact: usize, _x: &[f64]) -> f64 {
+        1.0
     }
 
     /// The tangential side of a contact with friction, length [`tangent_point::length`]: see
@@ -329,6 +346,22 @@ pub(crate) fn friction_coefficients(model: &dyn Model) -> Vec<f64> {
     (0..contacts.len())
         .map(|i| contacts[i].friction.map_or(0.0, |_| model.friction(i)))
         .collect()
+}
+
+/// Coefficient of friction of each contact while it slides, 0 where none is declared.
+pub(crate) fn kinetic_coefficients(model: &dyn Model) -> Vec<f64> {
+    let contacts = model.declaration().contacts;
+    (0..contacts.len())
+        .map(|i| contacts[i].friction.map_or(0.0, |_| model.kinetic_friction(i)))
+        .collect()
+}
+
+/// The factor of the friction direction of one contact at `x`, see [`Model::friction_share`].
+pub(crate) fn friction_share(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
+    match model.declaration().contacts[contact].friction {
+        Some(friction) if friction.share => model.friction_share(contact, x),
+        _ => 1.0,
+    }
 }
 
 /// Layout of the output of [`Model::contact`].

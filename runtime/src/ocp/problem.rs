@@ -117,6 +117,8 @@ impl Problem {
         InitialValueProblem::check_at_once(model, "optimal control")?;
         let remedy = "write a smooth function in its place, as `tanh(c/width)` for `sign(c)` and `sqrt(c^2 + width^2)` for `|c|`";
         InitialValueProblem::check_switches(model, "optimal control", remedy)?;
+        let remedy = "give the contact one coefficient, as in `friction mu`, and dry friction a bound of positions and time";
+        InitialValueProblem::check_friction(model, "optimal control", remedy)?;
         let (lower, upper) = bounds(model);
         let declaration = model.declaration();
         let bounded = declaration

@@ -15,7 +15,7 @@ use super::recorder::Impulses;
 use super::{ContactMode, Event, EventKind, Simulation, Trajectory};
 use crate::fesd::contacts::{Contacts, Line};
 use crate::linalg::dense;
-use crate::model::Model;
+use crate::model::{Model, friction_share};
 
 /// Sliding velocity after an impact, as a share of the velocities of its contact before, that counts as none.
 const STICKS: f64 = 1e-8;
@@ -140,21 +140,28 @@ fn of_impact(
     let mut jump = Jump {
         tangential: vec![0.0; count],
         normal: vec![0.0; count],
+        shares: vec![(1.0, 1.0); count],
         contacts,
         together,
     };
     for (velocities, sign) in [(&event.v_before, -1.0), (&event.v_after, 1.0)] {
         input[n..2 * n].copy_from_slice(velocities);
         jump.add_velocities(&input, sign);
+        for (contact, shares) in jump.shares.iter_mut().enumerate() {
+            let share = friction_share(model, contact, &input);
+            *shares = (shares.1, share);
+        }
     }
     let found = jump.impulses(false).or_else(|| jump.impulses(true));
     for (line, impulse) in found.unwrap_or_else(|| jump.unknown()) {
         match line {
             Line::Normal { contact, slope } => {
                 impulses[contact] += impulse;
-                impulses[count + contact] += slope * impulse;
+                impulses[count + contact] += slope * impulse * jump.shares[contact].1;
             }
-            Line::Tangent { contact, .. } => impulses[count + contact] += impulse,
+            Line::Tangent { contact, .. } => {
+                impulses[count + contact] += impulse * jump.shares[contact].1;
+            }
         }
     }
     impulses
@@ -168,6 +175,8 @@ struct Jump<'a> {
     /// Jump of the normal and of the sliding velocity of each contact.
     normal: Vec<f64>,
     tangential: Vec<f64>,
+    /// What the friction directions carry before the impact, which its law reads, and after it, where they are evaluated.
+    shares: Vec<(f64, f64)>,
 }
 
 impl Jump<'_> {
@@ -199,7 +208,8 @@ impl Jump<'_> {
             let slope = if sticks || friction == 0.0 {
                 0.0
             } else {
-                -friction * after.signum()
+                let (before, now) = self.shares[contact];
+                -contacts.kinetic(contact) * (before / now) * after.signum()
             };
             lines.push((Line::Normal { contact, slope }, 1.0));
             if sticks && load > UNLOADED {

@@ -14,7 +14,7 @@ use super::{
     SimulationStatus, Simulator,
 };
 use crate::Observer;
-use crate::model::{Model, contact_point};
+use crate::model::{Model, contact_point, friction_share};
 
 /// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
 /// rate at which forces change, so more than ten mean that the step is too long.
@@ -272,7 +272,7 @@ impl<'a> TimeStepping<'a> {
         }
         let law = |&i: &usize| match self.dynamics.laws.friction[i] {
             0.0 => TangentialLaw::None,
-            mu => TangentialLaw::Coulomb(mu),
+            mu => TangentialLaw::of_rest(mu, self.dynamics.laws.kinetic[i]),
         };
         let laws: Vec<TangentialLaw> = closed.iter().map(law).collect();
         let problem = ContactProblem {
@@ -304,7 +304,8 @@ impl<'a> TimeStepping<'a> {
         for (slot, &i) in closed.iter().enumerate() {
             let inertia = self.dynamics.point(i)[contact_point::INVERSE_INERTIA];
             self.forces[i] = impulses.p[slot] / (h * inertia);
-            self.friction_forces[i] = impulses.s[slot] / (h * inertia);
+            let share = friction_share(self.dynamics.model, i, self.dynamics.input());
+            self.friction_forces[i] = share * impulses.s[slot] / (h * inertia);
         }
         let surfaces = closed.iter().filter(|&&i| !self.dynamics.is_dry(i));
         let jumps = largest(&impulses.p[..surfaces.count()]);

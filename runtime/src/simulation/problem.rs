@@ -2,7 +2,9 @@
 
 use crate::InputError;
 use crate::model::rounding::{ROUNDINGS, rounding_error_at_start};
-use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point};
+use crate::model::{
+    ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point, friction_share,
+};
 use crate::refusal;
 
 /// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface"; so do those above minus [`ROUNDINGS`]
@@ -330,8 +332,9 @@ impl InitialValueProblem {
                     "at least 0",
                 ));
             }
+            check_coefficients(model, i, x)?;
         }
-        Ok(())
+        Self::check_breaking(model)
     }
 
     /// Refuses a scene with a surface that bounces or rubs, for methods that treat neither.
@@ -373,6 +376,46 @@ impl InitialValueProblem {
             Some(contact) => Err(refusal::unsupported(
                 format!("the switch `{}`, by {what}", contact.name),
                 remedy,
+            )),
+        }
+    }
+
+    /// Refuses friction that rests and slides with coefficients of its own, and dry friction that follows the forces of surfaces, for
+    /// what knows one coefficient a contact and given bounds only; `what` is refused with a `remedy`.
+    pub(crate) fn check_friction(
+        model: &dyn Model,
+        what: &str,
+        remedy: &str,
+    ) -> Result<(), InputError> {
+        let contacts = model.declaration().contacts.iter();
+        for contact in contacts {
+            let asked = if contact.friction.is_some_and(|friction| friction.kinetic) {
+                "friction with coefficients of its own at rest and in sliding"
+            } else if !contact.loads.is_empty() {
+                "a bound that follows forces of surfaces"
+            } else {
+                continue;
+            };
+            let asked = format!("{asked}, of `{}`, by {what}", contact.name);
+            return Err(refusal::unsupported(asked, remedy));
+        }
+        Ok(())
+    }
+
+    /// Refuses more contacts that rest and slide with coefficients of their own than states are tried for.
+    fn check_breaking(model: &dyn Model) -> Result<(), InputError> {
+        const MOST: usize = 6;
+        let contacts = model.declaration().contacts.iter();
+        let mut breaking = contacts.filter(|known| known.friction.is_some_and(|known| known.kinetic));
+        match breaking.nth(MOST) {
+            None => Ok(()),
+            Some(contact) => Err(refusal::unsupported(
+                format!(
+                    "`{}`, the contact number {} with coefficients of its own at rest and in sliding,",
+                    contact.name,
+                    MOST + 1
+                ),
+                "give some contacts one coefficient, as in `friction mu`",
             )),
         }
     }
@@ -511,6 +554,30 @@ fn length(what: &str, found: usize, expected: usize) -> Result<(), InputError> {
     } else {
         Err(refusal::wrong_length(what, found, expected))
     }
+}
+
+/// Refuses friction of a contact that brakes more in sliding than at rest, or that does not brake at the start `x`.
+fn check_coefficients(model: &dyn Model, contact: usize, x: &[f64]) -> Result<(), InputError> {
+    let name = model.declaration().contacts[contact].name;
+    let (rest, sliding) = (model.friction(contact), model.kinetic_friction(contact));
+    if !(0.0..=rest).contains(&sliding) {
+        return Err(refusal::out_of_range(
+            format!("coefficient of friction of `{name}` in sliding (E10)"),
+            sliding,
+            "",
+            format!("in 0..={rest}, at most that at rest"),
+        ));
+    }
+    let share = friction_share(model, contact, x);
+    if !(0.0..f64::INFINITY).contains(&share) {
+        return Err(refusal::out_of_range(
+            format!("coefficient of friction of `{name}` at the start (E10)"),
+            share,
+            "",
+            "at least 0",
+        ));
+    }
+    Ok(())
 }
 
 /// Cholesky test of the mass matrix; on failure the eigenvector of the smallest eigenvalue in words.

@@ -1,6 +1,7 @@
 //! Impact laws: what their parts may be, and which surface has which.
 
 use super::checker::{CheckedFriction, CheckedLaw, Checker, Surface};
+use super::friction;
 use super::rules::is_velocity;
 use crate::ast::{Expr, Kind, Law, Name};
 use crate::derive::simplify;
@@ -28,7 +29,7 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
     let friction = law
         .friction
         .as_ref()
-        .map(|expr| coefficient(checker, expr, "friction", f64::INFINITY));
+        .map(|expr| friction::coefficients(checker, expr, law.at_rest.as_ref()));
     let sliding = law.sliding.as_ref().map(|expr| {
         let velocities = velocities(expr).iter();
         velocities
@@ -70,8 +71,9 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
             restitution,
             friction: friction
                 .as_ref()
-                .map(|&(coefficient, expr)| CheckedFriction {
+                .map(|&((coefficient, at_rest), expr)| CheckedFriction {
                     coefficient,
+                    at_rest,
                     sliding: sliding.clone(),
                     place: expr.place,
                 }),
@@ -86,31 +88,11 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
     Ok(())
 }
 
-/// E10: a coefficient between 0 and a bound, for the defaults of the parameters.
+/// E10: a coefficient of parameters between 0 and a bound, for their defaults.
 fn coefficient(checker: &mut Checker<'_>, expr: &Expr, of: &str, most: f64) -> Checked<Sym> {
     let sym = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     let sym = checker.constant(sym, expr, &format!("the coefficient of {of}"))?;
-    let Some(value) = checker.at_default(sym) else {
-        return Ok(sym);
-    };
-    if (0.0..=most).contains(&value) {
-        return Ok(sym);
-    }
-    let shown = match expr.to_string() {
-        text if text == value.to_string() => text,
-        text => format!("{text} = {value}"),
-    };
-    let message = if most.is_finite() {
-        format!(
-            "coefficient of {of} {shown} is outside [0, 1]: 0 keeps no normal velocity, 1 all of it"
-        )
-    } else {
-        format!(
-            "coefficient of {of} {shown} is below 0: the force would drive the sliding instead of \
-             braking it; change its sign"
-        )
-    };
-    Err(checker.diagnostics.report("E10", expr.place, message))
+    checker.coefficient(sym, expr, of, most)
 }
 
 /// The sliding velocities of a law: one, or one for each piece of a surface with edges.
@@ -395,6 +377,7 @@ pub(super) fn contacts(
             restitution: law.restitution,
             friction,
             bound: None,
+            loads: Vec::new(),
             switch: None,
         });
     }
@@ -455,10 +438,7 @@ fn complete(
             return Err(checker.diagnostics.report("E20", friction.place, message));
         }
     };
-    Ok(Friction {
-        coefficient: friction.coefficient,
-        sliding,
-    })
+    friction::completed(&friction, sliding, checker)
 }
 
 /// Whether a surface is in space: its gap is of a body with the three places `x`, `y` and `z`, in one unit, so that it

@@ -5,6 +5,7 @@ mod chosen;
 mod dependence;
 mod design;
 mod dry;
+mod friction;
 mod joint;
 mod law;
 mod names;
@@ -332,8 +333,11 @@ fn dynamics(
     for contact in contacts {
         dynamics.push(contact.gap);
         dynamics.extend(contact.bound);
+        dynamics.extend(contact.loads.iter().map(|(_, factor)| *factor));
         dynamics.extend(contact.along.iter().flatten());
-        dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
+        let friction = contact.friction.iter();
+        dynamics.extend(friction.clone().map(|friction| friction.sliding));
+        dynamics.extend(friction.filter_map(|friction| friction.share));
         dynamics.extend(contact.switch.iter().flatten());
     }
     dynamics.extend(joints.iter().flat_map(|joint| &joint.rows));

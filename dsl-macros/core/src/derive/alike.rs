@@ -55,6 +55,7 @@ impl Renaming<'_> {
     pub(super) fn contact(&self, contact: &ContactEquations) -> ContactEquations {
         let friction = contact.friction.as_ref();
         ContactEquations {
+            loads: self.formulas(&contact.loads, 0),
             rows: self.rows(&contact.rows, 2),
             curvature: self.formulas(&[contact.curvature], 0)[0],
             normal: self.vector(&contact.normal),

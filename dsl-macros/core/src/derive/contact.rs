@@ -130,7 +130,15 @@ impl Mechanism<'_> {
         let mut contacts: Vec<ContactEquations> = Vec::with_capacity(declared.len());
         let mut alike = Alike::default();
         for contact in declared {
-            let derived = self.contact(contact, &contacts, &mut alike)?;
+            let mut derived = self.contact(contact, &contacts, &mut alike)?;
+            for &(surface, factor) in &contact.loads {
+                // A force `r / D` of the surface adds its share to the bound, which is measured by `D` of the friction.
+                let surface = usize::from(surface);
+                let inertia = self.inverse_inertia(&declared[surface], &contacts[surface])?;
+                let own = self.inverse_inertia(contact, &derived)?;
+                let load = simplify(factor * own * inertia.power(-2));
+                derived.loads.push(load);
+            }
             contacts.push(derived);
         }
         Ok(contacts)
@@ -168,6 +176,7 @@ impl Mechanism<'_> {
         let mut formulas = vec![contact.gap, number(part.len())];
         let friction = contact.friction.as_ref();
         formulas.extend(friction.map(|friction| friction.sliding));
+        formulas.extend(friction.and_then(|friction| friction.share));
         formulas.push(number(usize::from(friction.is_some())));
         let held = contact.held.iter();
         formulas.extend(held.filter_map(|i| part.binary_search(i).ok().map(number)));
@@ -315,6 +324,7 @@ impl Mechanism<'_> {
             normal,
             direction,
             friction,
+            loads: Vec::new(),
             passes: false,
         })
     }
@@ -328,7 +338,10 @@ impl Mechanism<'_> {
         (formulas, factors): (Option<&Inertia>, Option<&Factorization>),
     ) -> FrictionEquations {
         let (sliding, curvature, tangent) = slip(law, (self.all, self.moving));
-        let own = self.own(&tangent);
+        let mut own = self.own(&tangent);
+        if let Some(share) = law.share {
+            own.iter_mut().for_each(|component| *component = simplify(share * *component));
+        }
         let formula = formulas.map(|formulas| {
             let divisor = inner(normal, &formulas.solve(normal));
             over(&formulas.solve(&own), divisor)
@@ -470,6 +483,7 @@ impl Mechanism<'_> {
             inverse_inertia: InverseInertia::Formula(scale),
             direction: None,
             friction: Some(friction),
+            loads: Vec::new(),
             passes: false,
         }
     }

@@ -61,6 +61,7 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     for contact in &mut scene.contacts {
         contact.gap = one(contact.gap);
         contact.bound = contact.bound.map(one);
+        contact.loads.iter_mut().for_each(|(_, factor)| *factor = one(*factor));
         if let Some(along) = &mut contact.along {
             along
                 .iter_mut()
@@ -69,6 +70,7 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         }
         if let Some(friction) = &mut contact.friction {
             friction.sliding = one(friction.sliding);
+            friction.share = friction.share.map(one);
         }
     }
     for output in &mut scene.outputs {

@@ -25,6 +25,9 @@ pub struct Contact {
     pub alternatives: Vec<usize>,
     /// Whether it is dry friction without a surface.
     pub dry: bool,
+    /// Of dry friction: the surfaces whose forces are added to its bound, and the kernel of what a unit of each adds to the given
+    /// normal acceleration.
+    pub loads: Option<(Vec<usize>, usize)>,
     /// Of a switch, which is a dry friction: whether its function is only passed, as it does not change the rate of that.
     pub switch: Option<bool>,
     /// Kernel of the gap.
@@ -45,8 +48,12 @@ pub struct Contact {
 /// The kernels of the friction of a contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Friction {
-    /// Kernel of the coefficient.
+    /// Kernel of the coefficient, of that at rest where there are two.
     pub coefficient: usize,
+    /// Kernel of the coefficient of sliding, if it is another one.
+    pub kinetic: Option<usize>,
+    /// Kernel of the factor that the direction carries, if it carries one.
+    pub share: Option<usize>,
     /// Kernel of what is known at a point, as far as it is formulas.
     pub tangent: usize,
     /// The rows sliding velocity and direction, with their derivatives.
@@ -112,6 +119,11 @@ pub(super) fn contact(
         sequence: declared.sequence,
         alternatives: declared.alternatives.clone(),
         dry,
+        loads: (!declared.loads.is_empty()).then(|| {
+            let surfaces = declared.loads.iter().map(|&(i, _)| usize::from(i));
+            let kernel = builder.kernel(&format!("loads_{name}"), &contact.loads);
+            (surfaces.collect(), kernel)
+        }),
         switch: declared.switch.as_ref().map(|_| contact.passes),
         gap,
         point,
@@ -124,14 +136,14 @@ pub(super) fn contact(
             .friction
             .as_ref()
             .zip(contact.friction.as_ref())
-            .map(|(declared, derived)| friction(builder, name, declared.coefficient, derived)),
+            .map(|(declared, derived)| friction(builder, name, declared, derived)),
     }
 }
 
 fn friction(
     builder: &mut Builder<'_>,
     name: &str,
-    coefficient: Sym,
+    declared: &scene::Friction,
     friction: &FrictionEquations,
 ) -> Friction {
     let rows = &friction.rows;
@@ -144,7 +156,13 @@ fn friction(
     let solved = solved.map(|solved| (format!("friction_direction_{name}"), solved));
     let rows = all_rows(builder, &kernel, rows, solved);
     Friction {
-        coefficient: builder.unlisted(&format!("friction_{name}"), &[coefficient]),
+        coefficient: builder.unlisted(&format!("friction_{name}"), &[declared.coefficient]),
+        kinetic: declared
+            .kinetic
+            .map(|value| builder.unlisted(&format!("kinetic_friction_{name}"), &[value])),
+        share: declared
+            .share
+            .map(|value| builder.kernel(&format!("friction_share_{name}"), &[value])),
         tangent,
         rows,
     }

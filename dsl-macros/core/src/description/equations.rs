@@ -125,7 +125,7 @@ impl List<'_> {
 
     fn contact(&mut self, contact: &Contact, derived: &ContactEquations) {
         let name = &contact.name.text;
-        if let (Some(bound), Some(derived)) = (contact.bound, &derived.friction) {
+        if let (Some(bound), Some(derived)) = (contact.whole_bound(), &derived.friction) {
             if contact.switch.is_some() {
                 self.add(format!("switch({name})"), simplify(-derived.rows.values[0]));
                 let law = "-1..=1, the sign of its function where that is not 0".to_owned();
@@ -157,7 +157,20 @@ impl List<'_> {
             self.add(format!("restitution({name})"), coefficient);
         }
         if let (Some(friction), Some(derived)) = (&contact.friction, &derived.friction) {
-            self.add(format!("friction({name})"), friction.coefficient);
+            match friction.share {
+                Some(share) => self.add(format!("friction({name})"), share),
+                None => {
+                    let coefficient = friction.kinetic.unwrap_or(friction.coefficient);
+                    self.add(format!("friction({name})"), coefficient);
+                }
+            }
+            if friction.kinetic.is_some() {
+                let at_rest = match friction.share {
+                    Some(_) => "friction at rest over friction",
+                    None => "friction at rest",
+                };
+                self.add(format!("{at_rest}({name})"), friction.coefficient);
+            }
             self.add(format!("slip({name})"), derived.rows.values[0]);
             self.direction(
                 "e",
@@ -258,7 +271,7 @@ impl List<'_> {
                 let tangential =
                     Some(self.components(&tangent.rows.values[1..])).filter(|e| !e.is_empty());
                 for (region, sign, shown) in [("slip > 0", -1.0, '-'), ("slip < 0", 1.0, '+')] {
-                    let mu = friction.coefficient.scaled(sign);
+                    let mu = friction.kinetic.unwrap_or(friction.coefficient).scaled(sign);
                     let direction: Option<Vec<Sym>> = normal.zip(tangential).map(|(d, e)| {
                         let pairs = d.iter().zip(e);
                         pairs.map(|(&d, &e)| simplify(d + mu * e)).collect()

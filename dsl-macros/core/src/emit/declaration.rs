@@ -111,15 +111,17 @@ fn contacts(contacts: &[Contact], code: &mut String) {
         let friction = match &contact.friction {
             None => "__Option::None".to_owned(),
             Some(friction) => format!(
-                "__Option::Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {} }})",
+                "__Option::Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {}, kinetic: {}, share: {} }})",
                 pattern(&friction.rows.jacobian),
-                pattern(&friction.rows.hessian)
+                pattern(&friction.rows.hessian),
+                friction.kinetic.is_some(),
+                friction.share.is_some()
             ),
         };
         let _ = write!(
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
-             ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, switch: {}, custom_direction: {}, held: &{:?}, \
+             ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, loads: &{:?}, switch: {}, custom_direction: {}, held: &{:?}, \
              sequence: {}, alternatives: &{:?}, jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name,
             contact.unit,
@@ -129,6 +131,7 @@ fn contacts(contacts: &[Contact], code: &mut String) {
                 "Inelastic"
             },
             contact.dry,
+            contact.loads.as_ref().map_or(&[][..], |(surfaces, _)| surfaces),
             match contact.switch {
                 None => "__Option::None",
                 Some(true) => "__Option::Some(::hangtime::model::Switching::Passes)",

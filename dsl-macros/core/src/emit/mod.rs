@@ -167,6 +167,34 @@ fn laws(derived: &Description) -> String {
             rows(&methods::rows_hessian),
         );
     }
+    let kinetic = arms(&|contact| contact.friction.as_ref()?.kinetic.map(value));
+    if !kinetic.is_empty() {
+        let _ = write!(
+            written,
+            "fn kinetic_friction(&self, contact: __usize) -> __f64 {{ match contact {{ {kinetic} _ => self.friction(contact) }} }}"
+        );
+    }
+    let loads = arms(&|contact| {
+        let (_, kernel) = contact.loads.as_ref()?;
+        Some(methods::of_inputs(derived, *kernel, "loads"))
+    });
+    if !loads.is_empty() {
+        let _ = write!(
+            written,
+            "fn loads(&self, contact: __usize, x: &[__f64], loads: &mut [__f64]) {{ match contact {{ {loads} _ => {{}} }} }}"
+        );
+    }
+    let share = arms(&|contact| {
+        let share = contact.friction.as_ref()?.share?;
+        let call = methods::of_inputs(derived, share, "&mut value");
+        Some(format!("let mut value = [0.0]; {call}; value[0]"))
+    });
+    if !share.is_empty() {
+        let _ = write!(
+            written,
+            "fn friction_share(&self, contact: __usize, x: &[__f64]) -> __f64 {{ match contact {{ {share} _ => 1.0 }} }}"
+        );
+    }
     written
 }
 

@@ -267,6 +267,9 @@ fn evaluate_residual(element: &mut FiniteElement<'_>) -> Result<(), ElementError
                 element.constraints.velocities[i] / h
             };
         }
+        for &(given, surface, factor) in &element.constraints.loads {
+            residual[n + given] -= factor * unknown[n + surface];
+        }
         for (target, gap) in residual[n + forces..]
             .iter_mut()
             .zip(&element.constraints.gaps)

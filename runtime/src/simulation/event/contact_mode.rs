@@ -294,7 +294,7 @@ fn candidates(
         let (acceleration, tangential_terms) = dynamics.free_sliding_acceleration(i);
         tangential.push(acceleration);
         scales.push((terms, tangential_terms));
-        let mu = dynamics.laws.friction[i];
+        let (mu, kinetic) = dynamics.laws.frictions(i);
         let velocity = dynamics.sliding_velocity(i);
         let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i);
         let rests = stops || velocity.abs() <= dynamics.zero_sliding_velocity(i);
@@ -304,9 +304,9 @@ fn candidates(
                 side(dynamics, i, (t, y, moment), acceleration, vanished),
             )
         } else if stops || velocity.abs() <= dynamics.zero_sliding_velocity(i) {
-            TangentialLaw::Coulomb(mu)
+            TangentialLaw::of_rest(mu, kinetic)
         } else {
-            TangentialLaw::Sliding(mu, Direction::of(velocity))
+            TangentialLaw::Sliding(kinetic, Direction::of(velocity))
         });
     }
     switching::set_force_floors(dynamics, resting);
@@ -384,7 +384,7 @@ fn candidate(
     use ContactState::{Frictionless, Open, Slip, Stick};
     let (r, s) = (solution.p[slot], solution.s[slot]);
     let (w_n, w_t) = (solution.normal[slot], solution.tangential[slot]);
-    let stops = matches!(law, TangentialLaw::Coulomb(_));
+    let stops = law.may_stick();
     let decided = |state| Candidate {
         contact,
         states: vec![state],
@@ -401,7 +401,7 @@ fn candidate(
             states: match law {
                 TangentialLaw::None => vec![Frictionless, Open],
                 TangentialLaw::Sliding(_, direction) => vec![Slip(direction), Open],
-                TangentialLaw::Coulomb(_) => vec![
+                TangentialLaw::Coulomb(_) | TangentialLaw::Breaking { .. } => vec![
                     Stick,
                     Slip(Direction::Forward),
                     Slip(Direction::Backward),
@@ -415,7 +415,7 @@ fn candidate(
     let mu = match law {
         TangentialLaw::None => return decided(Frictionless),
         TangentialLaw::Sliding(_, direction) => return decided(Slip(direction)),
-        TangentialLaw::Coulomb(mu) => mu,
+        TangentialLaw::Coulomb(mu) | TangentialLaw::Breaking { rest: mu, .. } => mu,
     };
     let reserve = mu * r - s.abs();
     let begins = matches!(vanished, Some(Switch::FrictionLimit(other, _)) if other == contact);
@@ -426,6 +426,10 @@ fn candidate(
         (Slip(direction), _) => direction,
         _ => Direction::of(-s),
     };
+    if matches!(law, TangentialLaw::Breaking { .. }) {
+        // What is no longer held jumps to the lower force of sliding.
+        return decided(Slip(direction));
+    }
     Candidate {
         contact,
         states: vec![Stick, Slip(direction)],

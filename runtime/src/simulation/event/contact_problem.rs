@@ -62,6 +62,11 @@ impl ContactProblem<'_> {
             * largest(&reference)
                 .max(largest(self.normal))
                 .max(largest(self.tangential));
+        // Where sliding has a lower coefficient of its own, what may rest does, and comes first.
+        let unique = |law: &TangentialLaw| !matches!(law, TangentialLaw::Breaking { .. });
+        if !self.laws.iter().all(unique) {
+            return Ok(solution);
+        }
         for other in found.others(&solution) {
             let apart = self
                 .change(dynamics, &other)
@@ -138,7 +143,7 @@ impl ContactProblem<'_> {
         let declared = dynamics.model.declaration().contacts;
         let mut contacts = self.contacts.iter().zip(self.laws);
         contacts.find_map(|(&i, law)| {
-            let slides = declared[i].switch.is_some() && matches!(law, TangentialLaw::Coulomb(_));
+            let slides = declared[i].switch.is_some() && law.may_stick();
             let gains = slides && dot(dynamics.tangent(i), dynamics.friction_direction(i)) <= 0.0;
             gains.then(|| not_unique(declared[i].name))
         })
@@ -149,7 +154,7 @@ impl ContactProblem<'_> {
         self.contacts.iter().zip(self.laws).find_map(|(&i, &law)| {
             let gain = match law {
                 TangentialLaw::None => return None,
-                TangentialLaw::Coulomb(mu) => dynamics.gain(i, mu).min(dynamics.gain(i, -mu)),
+                TangentialLaw::Coulomb(mu) | TangentialLaw::Breaking { rest: mu, .. } => dynamics.gain(i, mu).min(dynamics.gain(i, -mu)),
                 TangentialLaw::Sliding(mu, direction) => dynamics.gain(i, -direction.sign() * mu),
             };
             (gain <= 0.0).then(|| jammed(dynamics, i, gain))

@@ -112,7 +112,7 @@ pub(super) fn strike(
             }
             let velocity = dynamics.sliding_velocity(i);
             let slides = velocity.abs() > dynamics.zero_sliding_velocity(i);
-            let law = TangentialLaw::Coulomb(dynamics.laws.friction[i]);
+            let law = TangentialLaw::of_rest(dynamics.laws.friction[i], dynamics.laws.kinetic[i]);
             (law, if slides { velocity } else { 0.0 })
         })
         .unzip();

@@ -4,7 +4,7 @@ use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
 use crate::fesd::contact_size::ContactSize;
 use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::State;
-use crate::model::{ControlPiece, Model, Pieces};
+use crate::model::{ControlPiece, Model, Pieces, friction_share};
 use crate::simulation::{
     ContactMode, ControlSignal, Direction, InitialValueProblem, Residuals, Trajectory,
 };
@@ -192,7 +192,8 @@ impl<'a> Present<'a> {
             row.fill(0.0);
             let frictions = self.contacts.frictions(&self.active, forces);
             for (held, s) in self.active.iter().zip(frictions) {
-                row[held.contact] = self.contacts.force(held.contact, s);
+                row[held.contact] = self.contacts.force(held.contact, s)
+                    * friction_share(self.contacts.model(), held.contact, &self.x);
             }
             trajectory.friction_force.push(row);
         }

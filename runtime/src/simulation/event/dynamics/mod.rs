@@ -18,7 +18,7 @@ use super::contact_state::{ContactState, Direction};
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, Pieces, Switching, contact_point, contains_ground, surfaces,
+    ControlPiece, Model, Pieces, Switching, contact_point, contains_ground, friction_share, surfaces,
     switching_terms, tangent_point,
 };
 use crate::simulation::{
@@ -125,6 +125,8 @@ struct Evaluated {
     points: Vec<f64>,
     /// Their tangential sides, each laid out as in [`tangent_point`].
     tangents: Vec<f64>,
+    /// What dry frictions follow of the forces of surfaces: friction, surface and factor.
+    loads: Vec<(usize, usize, f64)>,
     /// Mass matrix, row-major.
     mass: Vec<f64>,
 }
@@ -170,6 +172,7 @@ impl<'a> Dynamics<'a> {
                 acceleration: vec![0.0; n],
                 points: vec![0.0; contacts * contact_point::length(n)],
                 tangents: vec![0.0; contacts * tangent_point::length(n)],
+                loads: Vec::new(),
                 mass: vec![0.0; n * n],
             },
             equations: Equations {
@@ -282,6 +285,17 @@ impl<'a> Dynamics<'a> {
         if self.has_friction(contact) {
             self.evaluate_tangent(contact);
         }
+        let followed = self.model.declaration().contacts[contact].loads;
+        if !followed.is_empty() {
+            let known = &mut self.evaluated;
+            known.loads.retain(|&(friction, ..)| friction != contact);
+            let mut factors = vec![0.0; followed.len()];
+            self.model.loads(contact, &known.x, &mut factors);
+            let factors = followed.iter().zip(factors);
+            known
+                .loads
+                .extend(factors.map(|(&surface, factor)| (contact, surface, factor)));
+        }
     }
 
     /// The tangential side as last evaluated, laid out as in [`tangent_point`].
@@ -327,10 +341,13 @@ impl<'a> Dynamics<'a> {
     }
 
     /// Normal acceleration of a contact for one unit of the force along the direction of another, as last evaluated. That
-    /// of dry friction is its force less the given one.
+    /// of dry friction is its force less the given one, and less what it follows of others.
     pub(in crate::simulation) fn coupling(&self, contact: usize, other: usize) -> f64 {
-        if contact == other && self.is_dry(contact) {
-            1.0
+        if self.is_dry(contact) {
+            let own = if contact == other { 1.0 } else { 0.0 };
+            let loads = self.evaluated.loads.iter();
+            let load = loads.filter(|load| (load.0, load.1) == (contact, other));
+            load.fold(own, |coupling, load| coupling - load.2)
         } else {
             dot(self.normal(contact), self.direction(other))
         }
@@ -355,7 +372,7 @@ impl<'a> Dynamics<'a> {
             .map(|&i| {
                 (
                     i,
-                    self.gain(i, self.mode.states[i].force_ratio(self.laws.friction[i])),
+                    self.gain(i, self.mode.states[i].force_ratio(self.laws.frictions(i))),
                 )
             })
             .min_by(|(_, a), (_, b)| a.total_cmp(b))
@@ -583,6 +600,9 @@ impl<'a> Dynamics<'a> {
     /// Tangential contact forces at the last evaluation, `s_i / D_i`, 0 for open contacts.
     pub(in crate::simulation) fn friction_forces(&self, out: &mut [f64]) {
         self.divide_by_inertia(&self.equations.s, out);
+        for (i, force) in out.iter_mut().enumerate() {
+            *force *= friction_share(self.model, i, &self.evaluated.x);
+        }
     }
 
     fn divide_by_inertia(&self, accelerations: &[f64], out: &mut [f64]) {

@@ -35,20 +35,26 @@ pub(super) fn force_direction<'a>(
     }
 }
 
+/// What the unknown of a column adds to a row.
+fn entry(dynamics: &Dynamics<'_>, (row, column): (usize, usize), slipping: bool) -> f64 {
+    let active = &dynamics.mode.active;
+    if is_given(dynamics, row) {
+        let other = active.get(column);
+        return other.map_or(0.0, |&other| dynamics.coupling(active[row], other));
+    }
+    dot(
+        constraint(dynamics, row),
+        force_direction(dynamics, column, slipping),
+    )
+}
+
 /// Solves for the unknowns of the first `rows` rows. Returns the sign of the determinant, `None` if they are
 /// dependent.
 pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
     for row in 0..rows {
         for column in 0..rows {
             dynamics.equations.matrix[row * rows + column] =
-                if row == column && is_given(dynamics, row) {
-                    1.0
-                } else {
-                    dot(
-                        constraint(dynamics, row),
-                        force_direction(dynamics, column, slipping),
-                    )
-                };
+                entry(dynamics, (row, column), slipping);
         }
     }
     small_system::solve(
@@ -80,7 +86,7 @@ pub(super) fn evaluate_rows(dynamics: &mut Dynamics<'_>) -> usize {
             &dynamics.evaluated.points[i * contact_point::length(n)..]
                 [contact_point::direction(n)..][..n],
         );
-        let ratio = dynamics.mode.states[i].force_ratio(dynamics.laws.friction[i]);
+        let ratio = dynamics.mode.states[i].force_ratio(dynamics.laws.frictions(i));
         if ratio != 0.0 {
             let e = &dynamics.evaluated.tangents[i * tangent_point::length(n)..]
                 [tangent_point::direction(n)..][..n];
@@ -103,7 +109,7 @@ pub(super) fn store_forces(dynamics: &mut Dynamics<'_>, rows: usize) {
     for slot in 0..normals {
         let i = dynamics.mode.active[slot];
         dynamics.equations.r[i] = dynamics.equations.right[slot];
-        dynamics.equations.s[i] = dynamics.mode.states[i].force_ratio(dynamics.laws.friction[i])
+        dynamics.equations.s[i] = dynamics.mode.states[i].force_ratio(dynamics.laws.frictions(i))
             * dynamics.equations.right[slot];
     }
     for slot in normals..rows {
@@ -144,10 +150,7 @@ pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64
     (0..rows)
         .filter(|&other| other != row)
         .fold(free, |sum, other| {
-            let coupling = dot(
-                constraint(dynamics, row),
-                force_direction(dynamics, other, true),
-            );
+            let coupling = entry(dynamics, (row, other), true);
             sum + (coupling * dynamics.equations.right[other]).abs()
         })
 }
