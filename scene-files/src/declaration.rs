@@ -129,6 +129,7 @@ fn contact(contact: &Contact) -> ContactDeclaration {
             hessian,
             kinetic: friction.kinetic.is_some(),
             share: friction.share.is_some(),
+            across: friction.across.as_ref().map(|(_, rows)| pattern(&rows.jacobian)),
         }
     });
     ContactDeclaration {

@@ -219,6 +219,7 @@ impl Contact {
                 kinetic: None,
                 share: None,
                 sliding,
+                across: None,
             }),
             bound: Some(bound),
             loads: Vec::new(),
@@ -251,6 +252,8 @@ pub(crate) struct Friction {
     pub(crate) share: Option<Sym>,
     /// Sliding velocity, linear in the velocities, in SI units.
     pub(crate) sliding: Sym,
+    /// In space the second one, perpendicular to that.
+    pub(crate) across: Option<Sym>,
 }
 
 /// How many SI units one declared unit is.

@@ -52,12 +52,20 @@ pub(crate) fn select(
         active.clear();
         return Ok(());
     }
+    for &i in &touching {
+        contacts.measure_sliding(i, time);
+        contacts.align_with_sliding(i);
+    }
     let solved = Solved::sided(contacts, x, &touching, time)?;
     let Sorted {
         mut strict,
         mut undecided,
         shares,
+        slips,
     } = solved.sort(contacts);
+    for (contact, slip) in slips {
+        contacts.align(contact, slip);
+    }
     switch::is_unique(contacts, &strict)?;
     sharing::share_friction(contacts, &mut strict, &shares)?;
     drop_held(contacts, &mut strict, &mut undecided)?;
@@ -87,13 +95,15 @@ struct Sorted {
     undecided: Vec<Undecided>,
     /// Friction of those in a cone.
     shares: Vec<Share>,
+    /// Contacts in space that begin to slip, with the direction in their frames.
+    slips: Vec<(usize, (f64, f64))>,
 }
 
 impl Solved {
     fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
         let at_rest = |i: usize| {
             contacts.switch(i) != Some(Switching::Passes)
-                && contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest()
+                && contacts.sliding_speed(i) <= contacts.rest_speed(i, time)
         };
         let (lines, cones) = impact::coulomb_lines(contacts, &touching, at_rest);
         let free: Vec<f64> = lines
@@ -161,6 +171,12 @@ impl Solved {
         cone.map(|cone| self.touching.len() + cone)
     }
 
+    /// The components of `values` along both tangents of a cone; the second is 0 in the plane.
+    fn both(&self, tangent: usize, values: &[f64]) -> (f64, f64) {
+        let cone = &self.cones[tangent - self.touching.len()];
+        (values[tangent], cone.across.map_or(0.0, |across| values[across]))
+    }
+
     /// Sorts the contacts by what their forces and accelerations say.
     fn sort(&self, contacts: &Contacts<'_>) -> Sorted {
         let mut sorted = Sorted::default();
@@ -180,9 +196,9 @@ impl Solved {
                 let sense = match tangent {
                     None => Some(sliding_state(contacts, contact).sense()),
                     Some(tangent) => {
-                        let slip = self.accelerations[tangent];
-                        let moves = slip.abs() > BIACTIVE * contacts.tangential_scale(contact);
-                        moves.then_some(slip.signum())
+                        let slip = self.both(tangent, &self.accelerations);
+                        let moves = pair_size(slip) > BIACTIVE * contacts.tangential_scale(contact);
+                        moves.then(|| self.begin_slip(contacts, contact, slip, &mut sorted))
                     }
                 };
                 sorted.undecided.push(Undecided::Normal { contact, sense });
@@ -200,10 +216,14 @@ impl Solved {
         sorted: &mut Sorted,
     ) -> Tangential {
         let contact = self.touching[k];
-        let friction = self.forces[tangent];
+        let both = self.both(tangent, &self.forces);
+        let slips = self.both(tangent, &self.accelerations);
         let zero = BIACTIVE * contacts.tangential_scale(contact);
-        let margin = contacts.friction(contact) * self.forces[k] - friction.abs();
-        let slip = self.accelerations[tangent];
+        let margin = contacts.friction(contact) * self.forces[k] - pair_size(both);
+        if contacts.is_in_space(contact) {
+            return self.in_space(contacts, (contact, margin, zero), (both, slips), sorted);
+        }
+        let (friction, slip) = (both.0, slips.0);
         let at_rest = margin > zero;
         // Where sliding has a lower coefficient of its own, a force that is no longer held jumps.
         let jumps = contacts.kinetic(contact) < contacts.friction(contact);
@@ -225,6 +245,55 @@ impl Solved {
             Tangential::slip(slip)
         }
     }
+}
+
+impl Solved {
+    /// The sense in which a contact begins to slip; in space its frame is to point there.
+    fn begin_slip(
+        &self,
+        contacts: &Contacts<'_>,
+        contact: usize,
+        slip: (f64, f64),
+        sorted: &mut Sorted,
+    ) -> f64 {
+        if !contacts.is_in_space(contact) {
+            return slip.0.signum();
+        }
+        sorted.slips.push((contact, slip));
+        1.0
+    }
+
+    /// What a contact in space does that carries a force and does not slide, by its `margin` to the cone, its friction and its
+    /// acceleration.
+    fn in_space(
+        &self,
+        contacts: &Contacts<'_>,
+        (contact, margin, zero): (usize, f64, f64),
+        (friction, slip): ((f64, f64), (f64, f64)),
+        sorted: &mut Sorted,
+    ) -> Tangential {
+        let margin = if margin > zero { margin } else { 0.0 };
+        sorted.shares.push(Share {
+            contact,
+            friction: pair_size(friction),
+            margin,
+        });
+        if margin > 0.0 {
+            return Tangential::StickingInSpace;
+        }
+        let slips = pair_size(slip) > zero;
+        let direction = if slips { slip } else { (-friction.0, -friction.1) };
+        let sense = self.begin_slip(contacts, contact, direction, sorted);
+        if !slips {
+            sorted.undecided.push(Undecided::Edge { contact, sense });
+        }
+        Tangential::slip(sense)
+    }
+}
+
+/// Size of a pair, exactly that of its first number where the second is 0.
+fn pair_size((first, second): (f64, f64)) -> f64 {
+    if second == 0.0 { first.abs() } else { first.hypot(second) }
 }
 
 /// Conditions on velocities that the strictly active contacts hold need no decision: a contact on the edge
@@ -315,8 +384,9 @@ fn select_by_jerk(
                 let slips = Tangential::slip(sense);
                 let slip = rates[k] <= zero(k)
                     && (total(k) > zero(k) || find(previous, contact) == Some(slips));
+                let sticks = sticking(contacts, contact);
                 for held in strict.iter_mut().filter(|held| held.contact == contact) {
-                    held.tangential = if slip { slips } else { Tangential::Sticking };
+                    held.tangential = if slip { slips } else { sticks };
                 }
             }
             Undecided::Normal { contact, sense } => {
@@ -331,10 +401,22 @@ fn select_by_jerk(
                     }
                     None => Tangential::Idle,
                     Some(tangent) => {
-                        let margin = contacts.friction(contact) * rates[k] - rates[tangent].abs();
-                        let zero = zero(tangent);
-                        let decided = from_rest(margin, total(tangent), zero);
-                        decided.or(before).unwrap_or(Tangential::Sticking)
+                        let across = cones[tangent - undecided.len()].across;
+                        let both = (rates[tangent], across.map_or(0.0, |line| rates[line]));
+                        let margin = contacts.friction(contact) * rates[k] - pair_size(both);
+                        let slip = (total(tangent), across.map_or(0.0, total));
+                        let sticks = sticking(contacts, contact);
+                        let decided = if across.is_none() {
+                            from_rest(margin, slip.0, zero(tangent))
+                        } else if margin > zero(tangent) {
+                            Some(sticks)
+                        } else if pair_size(slip) > zero(tangent) {
+                            contacts.align(contact, slip);
+                            Some(Tangential::Forward)
+                        } else {
+                            None
+                        };
+                        decided.or(before).unwrap_or(sticks)
                     }
                 };
                 strict.push(ActiveContact {
@@ -345,6 +427,14 @@ fn select_by_jerk(
         }
     }
     Ok(())
+}
+
+/// The state of a contact that sticks.
+fn sticking(contacts: &Contacts<'_>, contact: usize) -> Tangential {
+    match contacts.is_in_space(contact) {
+        true => Tangential::StickingInSpace,
+        false => Tangential::Sticking,
+    }
 }
 
 /// What a contact at rest begins to do, by the distance of its force from the cone and its slip, if they say so.
@@ -387,6 +477,7 @@ fn difference_step(
 /// One line for each undecided condition, in its order, then the tangents of the cones.
 fn undecided_lines(contacts: &Contacts<'_>, undecided: &[Undecided]) -> (Vec<Line>, Vec<Cone>) {
     let (mut lines, mut tangents, mut cones) = (Vec::new(), Vec::new(), Vec::new());
+    let mut acrosses = Vec::new();
     for (normal, &condition) in undecided.iter().enumerate() {
         lines.push(match condition {
             Undecided::Edge { contact, sense } => Line::Tangent { contact, sense },
@@ -397,6 +488,9 @@ fn undecided_lines(contacts: &Contacts<'_>, undecided: &[Undecided]) -> (Vec<Lin
                         contact,
                         sense: 1.0,
                     });
+                    if contacts.is_in_space(contact) {
+                        acrosses.push((cones.len(), Line::Across { contact }));
+                    }
                     cones.push(contacts.cone(contact, normal));
                 }
                 Line::Normal {
@@ -407,6 +501,7 @@ fn undecided_lines(contacts: &Contacts<'_>, undecided: &[Undecided]) -> (Vec<Lin
         });
     }
     lines.extend(tangents);
+    impact::add_acrosses(&mut lines, &mut cones, acrosses);
     (lines, cones)
 }
 

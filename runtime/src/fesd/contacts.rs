@@ -4,7 +4,11 @@
 //! contact, which acts along `d_i`, or along `d_i -+ mu_i e_i` while it slips; and `v_t' = 0` for the
 //! friction `s_i` of a sticking contact, which acts along `e_i`.
 
-use super::active_contact::{ActiveContact, Tangential};
+mod loads;
+mod space;
+
+use self::space::Space;
+use super::active_contact::ActiveContact;
 use super::contact_size::ContactSize;
 use super::coulomb::Cone;
 use crate::linalg::{dense, lcp};
@@ -52,12 +56,16 @@ pub(crate) enum Line {
     Normal { contact: usize, slope: f64 },
     /// The sliding velocity times `sense`, by a force along `sense e`.
     Tangent { contact: usize, sense: f64 },
+    /// The second sliding velocity of a contact in space.
+    Across { contact: usize },
 }
 
 impl Line {
     pub(crate) fn contact(self) -> usize {
         match self {
-            Self::Normal { contact, .. } | Self::Tangent { contact, .. } => contact,
+            Self::Normal { contact, .. }
+            | Self::Tangent { contact, .. }
+            | Self::Across { contact } => contact,
         }
     }
 }
@@ -83,6 +91,8 @@ pub(crate) struct Contacts<'a> {
     points: Vec<f64>,
     /// Tangential sides; empty if no contact has friction.
     tangents: Vec<f64>,
+    /// Contacts in space: which, in which frames, the second tangential sides, and the directions along which they slide.
+    space: Option<Space>,
     /// Largest sum of terms of each normal acceleration of the motion so far: the scale of its rounding error. At
     /// one instant the terms may cancel inside the model.
     scales: Vec<f64>,
@@ -123,6 +133,7 @@ impl<'a> Contacts<'a> {
             acceleration: vec![0.0; n],
             points: vec![0.0; contacts * contact_point::length(n)],
             tangents: vec![0.0; tangents * tangent_point::length(n)],
+            space: Space::of(model).filter(|_| rough),
             scales: vec![0.0; contacts],
             tangent_scales: vec![0.0; tangents],
             sizes: vec![ContactSize::default(); contacts],
@@ -184,6 +195,7 @@ impl<'a> Contacts<'a> {
             normal,
             friction: self.friction[contact],
             kinetic: self.kinetic[contact],
+            across: None,
         }
     }
 
@@ -259,15 +271,14 @@ impl<'a> Contacts<'a> {
             if self.friction[i] > 0.0 {
                 let tangent = &mut self.tangents[i * tangent_length..(i + 1) * tangent_length];
                 self.model.tangent(i, x, tangent);
+                if let Some(space) = self.space.as_mut().filter(|space| space.is_in[i]) {
+                    let own = i * tangent_length..(i + 1) * tangent_length;
+                    self.model.across(i, x, &mut space.across[own]);
+                    let frame = space.frames[i];
+                    self.turn(i, frame);
+                }
             }
-            let followed = self.model.declaration().contacts[i].loads;
-            if !followed.is_empty() {
-                self.loads.retain(|&(friction, ..)| friction != i);
-                let mut factors = vec![0.0; followed.len()];
-                self.model.loads(i, x, &mut factors);
-                let factors = followed.iter().zip(factors);
-                self.loads.extend(factors.map(|(&surface, factor)| (i, surface, factor)));
-            }
+            self.evaluate_loads(i, x);
         }
         self.evaluations += 1;
     }
@@ -290,7 +301,14 @@ impl<'a> Contacts<'a> {
             let tangent = self.tangent(contact);
             let along = &tangent[tangent_point::TANGENT..][..self.n];
             let terms = sum_of_sizes(along, v).max(tangent[tangent_point::SLIDING_VELOCITY].abs());
-            terms.max(switching_terms(self.model, contact, x))
+            let across = match self.is_in_space(contact) {
+                true => {
+                    let across = &self.across(contact)[tangent_point::TANGENT..][..self.n];
+                    sum_of_sizes(across, v)
+                }
+                false => 0.0,
+            };
+            terms.max(across).max(switching_terms(self.model, contact, x))
         } else {
             0.0
         };
@@ -380,6 +398,13 @@ impl<'a> Contacts<'a> {
                     tangent[tangent_point::CURVATURE],
                 )
             }
+            Line::Across { contact } => {
+                let across = self.across(contact);
+                (
+                    &across[tangent_point::TANGENT..][..self.n],
+                    across[tangent_point::CURVATURE],
+                )
+            }
         }
     }
 
@@ -399,6 +424,7 @@ impl<'a> Contacts<'a> {
         match line {
             Line::Normal { contact, .. } => self.normal_velocity(contact),
             Line::Tangent { contact, sense } => sense * self.sliding_velocity(contact),
+            Line::Across { contact } => self.sliding(contact).1,
         }
     }
 
@@ -406,7 +432,7 @@ impl<'a> Contacts<'a> {
     pub(super) fn free_line_acceleration(&self, line: Line) -> f64 {
         let (row, curvature) = self.row(line);
         let sign = match line {
-            Line::Normal { .. } => 1.0,
+            Line::Normal { .. } | Line::Across { .. } => 1.0,
             Line::Tangent { sense, .. } => sense,
         };
         sign * (dot(row, &self.acceleration) + curvature)
@@ -441,7 +467,9 @@ impl<'a> Contacts<'a> {
     pub(super) fn scale(&self, line: Line) -> f64 {
         match line {
             Line::Normal { contact, .. } => self.phi_scale(contact),
-            Line::Tangent { contact, .. } => self.tangential_scale(contact),
+            Line::Tangent { contact, .. } | Line::Across { contact } => {
+                self.tangential_scale(contact)
+            }
         }
     }
 
@@ -456,17 +484,13 @@ impl<'a> Contacts<'a> {
     /// Acceleration of line `row` for a unit force on line `column`.
     pub(crate) fn coupling(&self, row: Line, column: Line) -> f64 {
         let sign = match row {
-            Line::Normal { .. } => 1.0,
+            Line::Normal { .. } | Line::Across { .. } => 1.0,
             Line::Tangent { sense, .. } => sense,
         };
         if let (Line::Normal { contact, .. }, Line::Normal { contact: other, .. }) = (row, column)
             && self.is_dry(contact)
         {
-            // Its normal acceleration is its force less the given one, and less what it follows of others.
-            let own = if contact == other { 1.0 } else { 0.0 };
-            let loads = self.loads.iter();
-            let load = loads.filter(|load| (load.0, load.1) == (contact, other));
-            return load.fold(own, |coupling, load| coupling - load.2);
+            return self.coupling_of_given(contact, other);
         }
         let (gradient, _) = self.row(row);
         let along = match column {
@@ -476,10 +500,13 @@ impl<'a> Contacts<'a> {
             } => dot(gradient, self.direction(contact)),
             Line::Normal { contact, slope } => {
                 dot(gradient, self.direction(contact))
-                    + slope * dot(gradient, self.friction_direction(contact))
+                    + slope * dot(gradient, self.slip_direction(contact))
             }
             Line::Tangent { contact, sense } => {
                 sense * dot(gradient, self.friction_direction(contact))
+            }
+            Line::Across { contact } => {
+                dot(gradient, &self.across(contact)[tangent_point::direction(self.n)..])
             }
         };
         sign * along
@@ -509,7 +536,7 @@ impl<'a> Contacts<'a> {
                 if slope != 0.0 {
                     add(
                         acceleration,
-                        self.friction_direction(contact),
+                        self.slip_direction(contact),
                         slope * value,
                     );
                 }
@@ -518,6 +545,11 @@ impl<'a> Contacts<'a> {
                 acceleration,
                 self.friction_direction(contact),
                 sense * value,
+            ),
+            Line::Across { contact } => add(
+                acceleration,
+                &self.across(contact)[tangent_point::direction(self.n)..],
+                value,
             ),
         }
     }
@@ -589,7 +621,7 @@ impl<'a> Contacts<'a> {
     /// contact direction.
     fn lift(&self, contact: usize, slope: f64) -> f64 {
         let (normal, _) = self.row(Line::Normal { contact, slope });
-        1.0 + slope * dot(normal, self.friction_direction(contact))
+        1.0 + slope * dot(normal, self.slip_direction(contact))
     }
 
     /// Normal acceleration for a unit force of a contact that slides in the given sense.
@@ -621,11 +653,12 @@ impl<'a> Contacts<'a> {
     ) -> impl Iterator<Item = f64> {
         let mut stuck = active.len();
         active.iter().zip(forces).map(move |(&held, &r)| {
-            if held.tangential == Tangential::Sticking {
-                stuck += 1;
-                forces[stuck - 1]
-            } else {
-                self.slope(held) * r
+            stuck += held.stuck();
+            match held.stuck() {
+                0 => self.slope(held) * r,
+                1 => forces[stuck - 1],
+                // Of a contact in space the size.
+                _ => forces[stuck - 2].hypot(forces[stuck - 1]),
             }
         })
     }
@@ -634,9 +667,14 @@ impl<'a> Contacts<'a> {
 /// Tangents of the contacts that stick.
 fn tangents(active: &[ActiveContact]) -> impl Iterator<Item = Line> {
     let sticking = active.iter().filter(|held| held.sticks());
-    sticking.map(|held| Line::Tangent {
-        contact: held.contact,
-        sense: 1.0,
+    sticking.flat_map(|held| {
+        let contact = held.contact;
+        let along = Line::Tangent {
+            contact,
+            sense: 1.0,
+        };
+        let across = (held.stuck() > 1).then_some(Line::Across { contact });
+        std::iter::once(along).chain(across)
     })
 }
 

@@ -10,7 +10,7 @@
 //! complementarity problem. Contacts that are not coupled are solved apart; of few that are the choices are tried one after
 //! the other, many are solved by [`contact_law`].
 
-use crate::contact_law::{self, solve_polyhedral};
+use crate::contact_law::{self, is_in_space, solve_in_space, solve_polyhedral};
 use crate::linalg::{dense, lcp};
 
 pub(super) use crate::contact_law::Cone;
@@ -50,6 +50,12 @@ pub(super) fn solve(
     }
     if couplings.iter().chain(offsets).any(|v| !v.is_finite()) {
         return Err(lcp::LcpError::NotFinite);
+    }
+    if is_in_space(cones) {
+        return match solve_in_space(couplings, offsets, cones, forces) {
+            true => Ok(()),
+            false => Err(lcp::LcpError::Ray),
+        };
     }
     let (lines, normals) = (offsets.len(), offsets.len() - cones.len());
     let contact = |line: usize| line.checked_sub(normals).map_or(line, |k| cones[k].normal);
@@ -295,6 +301,7 @@ mod tests {
             normal: 0,
             friction: mu,
             kinetic: mu,
+            across: None,
         };
         let mut forces = [0.0; 2];
         solve(&coupling, &offsets, &[cone], &mut forces).expect("solvable");
@@ -352,8 +359,8 @@ mod tests {
                 })
                 .collect();
             let cones = [
-                Cone { normal: 0, friction: mu.0, kinetic: mu.0 },
-                Cone { normal: 1, friction: mu.1, kinetic: mu.1 },
+                Cone { normal: 0, friction: mu.0, kinetic: mu.0, across: None },
+                Cone { normal: 1, friction: mu.1, kinetic: mu.1, across: None },
             ];
             let problem = Problem { couplings: &m, offsets: &q, cones: &cones, normals: 2 };
             let mut f = [0.0; 4];

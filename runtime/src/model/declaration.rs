@@ -225,7 +225,7 @@ pub enum Switching {
     Passes,
 }
 
-/// Coulomb friction of a contact in the plane.
+/// Coulomb friction of a contact, in the plane or in space.
 #[derive(Debug, Clone, Copy)]
 pub struct FrictionDeclaration {
     /// Pattern of the Jacobian of `(v_t, e)`: `1 + n_q` rows.
@@ -237,6 +237,10 @@ pub struct FrictionDeclaration {
     /// Whether the friction direction carries a factor that changes with the sliding velocity or the place,
     /// [`Model::friction_share`](super::Model::friction_share).
     pub share: bool,
+    /// In space, where a contact slides along two directions: the pattern of the Jacobian of the second one, as
+    /// [`jacobian`](Self::jacobian) is of the first. The sliding velocities are perpendicular to each other, and Coulomb's law is
+    /// that of the cone `|(s_1, s_2)| <= mu r`.
+    pub across: Option<SparsityPattern>,
 }
 
 /// Objective, path constraints, terminal conditions and free initial values.

@@ -171,6 +171,13 @@ pub trait Model: Send + Sync {
         self.friction(contact)
     }
 
+    /// The tangential side of a contact in space along its second sliding velocity, laid out as [`tangent_point`].
+    fn across(&self, _contact: usize, _x: &[f64], _point: &mut [f64]) {}
+
+    /// Jacobian with respect to `x` of the rows `(v_t, e_1..e_nq)` of [`across`](Self::across): the values of
+    /// [`FrictionDeclaration::across`], in its order.
+    fn across_jacobian(&self, _contact: usize, _x: &[f64], _values: &mut [f64]) {}
+
     /// What a unit of the normal acceleration `r` of each surface in [`ContactDeclaration::loads`] of a dry friction adds to its given
     /// one: `r_dry = D f + sum_i load_i r_i`, which is the bound `f + sum_i c_i lambda_i`, `load_i = c_i D / D_i`.
     fn loads(&self, _contact: usize, _x: &[f64], _loads: &mut [f64]) {}
@@ -354,6 +361,12 @@ pub(crate) fn kinetic_coefficients(model: &dyn Model) -> Vec<f64> {
     (0..contacts.len())
         .map(|i| contacts[i].friction.map_or(0.0, |_| model.kinetic_friction(i)))
         .collect()
+}
+
+/// A contact in space, with two sliding velocities, if there is one.
+pub(crate) fn contact_in_space(model: &dyn Model) -> Option<&'static ContactDeclaration> {
+    let mut contacts = model.declaration().contacts.iter();
+    contacts.find(|known| known.friction.is_some_and(|known| known.across.is_some()))
 }
 
 /// The factor of the friction direction of one contact at `x`, see [`Model::friction_share`].

@@ -3,7 +3,8 @@
 use crate::InputError;
 use crate::model::rounding::{ROUNDINGS, rounding_error_at_start};
 use crate::model::{
-    ContactDeclaration, ControlPiece, ImpactLaw, Model, contact_point, friction_share,
+    ContactDeclaration, ControlPiece, ImpactLaw, Model, SparsityPattern, contact_point,
+    friction_share,
 };
 use crate::refusal;
 
@@ -380,8 +381,8 @@ impl InitialValueProblem {
         }
     }
 
-    /// Refuses friction that rests and slides with coefficients of its own, and dry friction that follows the forces of surfaces, for
-    /// what knows one coefficient a contact and given bounds only; `what` is refused with a `remedy`.
+    /// Refuses friction in space, friction that changes with the speed or at rest, and dry friction that follows velocities or forces,
+    /// for what knows one coefficient a contact and bounds of positions only; `what` is refused with a `remedy`.
     pub(crate) fn check_friction(
         model: &dyn Model,
         what: &str,
@@ -391,6 +392,12 @@ impl InitialValueProblem {
         for contact in contacts {
             let asked = if contact.friction.is_some_and(|friction| friction.kinetic) {
                 "friction with coefficients of its own at rest and in sliding"
+            } else if contact.friction.is_some_and(|friction| friction.across.is_some()) {
+                "friction in space, with two sliding velocities"
+            } else if contact.friction.is_some_and(|friction| friction.share && reads_velocities(model, &friction.jacobian, 1)) {
+                "friction that changes with the speed of sliding"
+            } else if contact.dry && contact.switch.is_none() && reads_velocities(model, &contact.jacobian, 1) {
+                "a bound that changes with velocities"
             } else if !contact.loads.is_empty() {
                 "a bound that follows forces of surfaces"
             } else {
@@ -554,6 +561,13 @@ fn length(what: &str, found: usize, expected: usize) -> Result<(), InputError> {
     } else {
         Err(refusal::wrong_length(what, found, expected))
     }
+}
+
+/// Whether a row from `first` on depends on a velocity.
+fn reads_velocities(model: &dyn Model, pattern: &SparsityPattern, first: usize) -> bool {
+    let n = model.declaration().coordinates.len();
+    let mut entries = pattern.entries.iter();
+    entries.any(|&(row, column)| row as usize >= first && (n..2 * n).contains(&(column as usize)))
 }
 
 /// Refuses friction of a contact that brakes more in sliding than at rest, or that does not brake at the start `x`.

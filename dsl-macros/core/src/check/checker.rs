@@ -104,8 +104,8 @@ pub(super) struct CheckedFriction {
     pub(super) coefficient: Sym,
     /// At rest, if that is another one.
     pub(super) at_rest: Option<Sym>,
-    /// Sliding velocities, one for each piece of the surface.
-    pub(super) sliding: Option<Vec<Sym>>,
+    /// Sliding velocities, one for each piece of the surface, or two where it is in space.
+    pub(super) sliding: Option<Vec<Vec<Sym>>>,
     pub(super) place: Place,
 }
 

@@ -3,7 +3,7 @@
 //! A coefficient that changes, `mu(|v_t|, q, t)`, is a factor of the direction in which friction acts, `e = mu M^-1 b / D`, so that
 //! the law itself keeps a coefficient that is a number: 1, or the ratio of that at rest to that of sliding.
 
-use super::checker::{CheckedFriction, Checker};
+use super::checker::{CheckedFriction, Checker, Surface};
 use crate::ast::Expr;
 use crate::derive::simplify;
 use crate::diagnostics::Checked;
@@ -102,12 +102,14 @@ pub(super) fn completed(
                 kinetic: None,
                 share: None,
                 sliding,
+                across: None,
             },
             Some(at_rest) => Friction {
                 coefficient: at_rest,
                 kinetic: Some(friction.coefficient),
                 share: None,
                 sliding,
+                across: None,
             },
         });
     }
@@ -124,6 +126,7 @@ pub(super) fn completed(
             kinetic: None,
             share,
             sliding,
+            across: None,
         });
     };
     let ratio = simplify(at_rest * slowly.power(-2));
@@ -137,6 +140,43 @@ pub(super) fn completed(
         kinetic: Some(Sym::ONE),
         share,
         sliding,
+        across: None,
+    })
+}
+
+/// The law of friction in space, with two sliding velocities.
+pub(super) fn in_space(
+    friction: &CheckedFriction,
+    (sliding, across): (Sym, Sym),
+    surface: &Surface,
+    checker: &mut Checker<'_>,
+) -> Checked<Friction> {
+    let name = &surface.name.text;
+    let two = friction.at_rest.is_some();
+    if two || graph::depends_on(friction.coefficient, |variable| variable == SPEED) {
+        let what = if two { "`static` and `kinetic`" } else { "`speed`" };
+        let message = format!(
+            "friction of `{name}` has two sliding velocities, and its coefficient {what}; in space it is the same at rest and at every \
+             speed, as in `friction 0.3`"
+        );
+        return Err(checker.diagnostics.report("E07", friction.place, message));
+    }
+    let n = checker.coordinates.len();
+    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let [first, second] = [sliding, across].map(|one| graph::gradient(one, &velocities));
+    let apart = |i: usize, j: usize| simplify(first[i] * second[j] - first[j] * second[i]);
+    let mut pairs = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
+    if pairs.all(|(i, j)| apart(i, j).is_structural_zero()) {
+        let message = format!(
+            "the two sliding velocities of `{name}` are along one direction; give those of the touching point along two directions of \
+             the surface that are perpendicular to each other, as in `sliding (dot(x), dot(y))`"
+        );
+        return Err(checker.diagnostics.report("E20", friction.place, message));
+    }
+    let completed = completed(friction, sliding, checker)?;
+    Ok(Friction {
+        across: Some(across),
+        ..completed
     })
 }
 

@@ -337,7 +337,8 @@ fn dynamics(
         dynamics.extend(contact.along.iter().flatten());
         let friction = contact.friction.iter();
         dynamics.extend(friction.clone().map(|friction| friction.sliding));
-        dynamics.extend(friction.filter_map(|friction| friction.share));
+        dynamics.extend(friction.clone().filter_map(|friction| friction.share));
+        dynamics.extend(friction.filter_map(|friction| friction.across));
         dynamics.extend(contact.switch.iter().flatten());
     }
     dynamics.extend(joints.iter().flat_map(|joint| &joint.rows));

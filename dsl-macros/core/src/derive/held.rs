@@ -71,6 +71,7 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         if let Some(friction) = &mut contact.friction {
             friction.sliding = one(friction.sliding);
             friction.share = friction.share.map(one);
+            friction.across = friction.across.map(one);
         }
     }
     for output in &mut scene.outputs {

@@ -58,6 +58,8 @@ pub struct Friction {
     pub tangent: usize,
     /// The rows sliding velocity and direction, with their derivatives.
     pub rows: Rows,
+    /// In space the same of the second sliding velocity: kernel of what is known at a point, and rows.
+    pub across: Option<(usize, Rows)>,
 }
 
 /// Derivatives of some rows: those that are formulas, followed by the solution of a linear system if there is one.
@@ -136,25 +138,21 @@ pub(super) fn contact(
             .friction
             .as_ref()
             .zip(contact.friction.as_ref())
-            .map(|(declared, derived)| friction(builder, name, declared, derived)),
+            .map(|(declared, derived)| {
+                let across = contact.across.as_ref();
+                let across = across.map(|across| side(builder, name, "across", across));
+                friction(builder, name, (declared, across), derived)
+            }),
     }
 }
 
 fn friction(
     builder: &mut Builder<'_>,
     name: &str,
-    declared: &scene::Friction,
+    (declared, across): (&scene::Friction, Option<(usize, Rows)>),
     friction: &FrictionEquations,
 ) -> Friction {
-    let rows = &friction.rows;
-    let mut point = vec![rows.values[0], friction.curvature];
-    point.extend(&friction.tangent);
-    point.extend(&rows.values[1..]);
-    let tangent = builder.kernel(&format!("tangent_{name}"), &point);
-    let kernel = format!("tangent_{{}}_{name}");
-    let solved = friction.direction.as_ref();
-    let solved = solved.map(|solved| (format!("friction_direction_{name}"), solved));
-    let rows = all_rows(builder, &kernel, rows, solved);
+    let (tangent, rows) = side(builder, name, "tangent", friction);
     Friction {
         coefficient: builder.unlisted(&format!("friction_{name}"), &[declared.coefficient]),
         kinetic: declared
@@ -165,7 +163,30 @@ fn friction(
             .map(|value| builder.kernel(&format!("friction_share_{name}"), &[value])),
         tangent,
         rows,
+        across,
     }
+}
+
+/// The kernels of a tangential side, which are called `what`: what is known at a point, and the rows.
+fn side(
+    builder: &mut Builder<'_>,
+    name: &str,
+    what: &str,
+    friction: &FrictionEquations,
+) -> (usize, Rows) {
+    let rows = &friction.rows;
+    let mut point = vec![rows.values[0], friction.curvature];
+    point.extend(&friction.tangent);
+    point.extend(&rows.values[1..]);
+    let tangent = builder.kernel(&format!("{what}_{name}"), &point);
+    let kernel = format!("{what}_{{}}_{name}");
+    let direction = match what {
+        "tangent" => "friction_direction",
+        _ => "across_direction",
+    };
+    let solved = friction.direction.as_ref();
+    let solved = solved.map(|solved| (format!("{direction}_{name}"), solved));
+    (tangent, all_rows(builder, &kernel, rows, solved))
 }
 
 /// Rows that are formulas, followed by the solution of a linear system with this name if there is one. `kernel` is the

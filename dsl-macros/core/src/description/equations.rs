@@ -172,6 +172,11 @@ impl List<'_> {
                 self.add(format!("{at_rest}({name})"), friction.coefficient);
             }
             self.add(format!("slip({name})"), derived.rows.values[0]);
+            if let Some(across) = friction.across {
+                self.add(format!("slip across({name})"), simplify(across));
+                let law = format!("|force along both| <= friction({name})*force({name}), against the velocity where that is not 0");
+                self.all.push((format!("cone({name})"), law));
+            }
             self.direction(
                 "e",
                 "b = d slip/dv",

@@ -111,11 +111,15 @@ fn contacts(contacts: &[Contact], code: &mut String) {
         let friction = match &contact.friction {
             None => "__Option::None".to_owned(),
             Some(friction) => format!(
-                "__Option::Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {}, kinetic: {}, share: {} }})",
+                "__Option::Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {}, kinetic: {}, share: {}, across: {} }})",
                 pattern(&friction.rows.jacobian),
                 pattern(&friction.rows.hessian),
                 friction.kinetic.is_some(),
-                friction.share.is_some()
+                friction.share.is_some(),
+                match &friction.across {
+                    None => "__Option::None".to_owned(),
+                    Some((_, rows)) => format!("__Option::Some({})", pattern(&rows.jacobian)),
+                }
             ),
         };
         let _ = write!(

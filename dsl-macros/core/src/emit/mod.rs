@@ -174,6 +174,23 @@ fn laws(derived: &Description) -> String {
             "fn kinetic_friction(&self, contact: __usize) -> __f64 {{ match contact {{ {kinetic} _ => self.friction(contact) }} }}"
         );
     }
+    let across = |body: &dyn Fn(usize, &Rows) -> String| {
+        arms(&|contact| {
+            let (kernel, rows) = contact.friction.as_ref()?.across.as_ref()?;
+            Some(body(*kernel, rows))
+        })
+    };
+    let points = across(&|kernel, rows| methods::tangent_point(derived, kernel, rows));
+    if !points.is_empty() {
+        let _ = write!(
+            written,
+            "fn across(&self, contact: __usize, x: &[__f64], point: &mut [__f64]) {{ match contact {{ {points} _ => \
+             point.fill(__f64::NAN) }} }}
+            fn across_jacobian(&self, contact: __usize, x: &[__f64], values: &mut [__f64]) {{ match contact {{ {} _ => \
+             values.fill(__f64::NAN) }} }}",
+            across(&|_, rows| methods::rows_jacobian(derived, rows))
+        );
+    }
     let loads = arms(&|contact| {
         let (_, kernel) = contact.loads.as_ref()?;
         Some(methods::of_inputs(derived, *kernel, "loads"))

@@ -284,6 +284,9 @@ fn law(scene: &CheckedScene, contact: &Contact) -> String {
         Some(coefficient) => format!("restitution {}", formula(scene, coefficient)),
     };
     if let Some(friction) = &contact.friction {
+        if friction.across.is_some() {
+            text.push_str(", in space");
+        }
         let sliding = friction.share.or(friction.kinetic);
         let sliding = formula(scene, sliding.unwrap_or(friction.coefficient));
         let _ = match (friction.kinetic, friction.share) {

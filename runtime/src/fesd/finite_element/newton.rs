@@ -121,6 +121,7 @@ fn evaluate_start(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
             .model
             .free_acceleration(&first, &mut element.acceleration);
     }
+    element.constraints.align(&first);
     element.constraints.evaluate(&first);
     let frozen = element.constraints.freeze_joints(&first);
     element.first = first;

@@ -5,7 +5,7 @@ use super::contact_problem::ContactProblem;
 use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::{Dop853, System};
-use super::dynamics::{Dynamics, Switch, motion, switching};
+use super::dynamics::{Dynamics, Switch, motion, pair_size, switching};
 use super::impact::Undetermined;
 use crate::simulation::problem::negative_bound;
 
@@ -274,9 +274,14 @@ fn candidates(
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
     let (mut normal, mut tangential, mut laws) = (Vec::new(), Vec::new(), Vec::new());
+    let mut across = vec![0.0; resting.len()];
     let mut scales = Vec::new();
-    for &i in resting {
+    for (slot, &i) in resting.iter().enumerate() {
         dynamics.evaluate_sides(i);
+        dynamics.align_with_sliding(i);
+        if dynamics.is_in_space(i) {
+            across[slot] = dynamics.across_acceleration(i, dynamics.free_acceleration());
+        }
         let (acceleration, terms) = dynamics.free_normal_acceleration(i);
         // Where it vanishes and goes on falling, its force was about to change its sign.
         let released = vanished == Some(Switch::NormalForce(i));
@@ -296,14 +301,16 @@ fn candidates(
         scales.push((terms, tangential_terms));
         let (mu, kinetic) = dynamics.laws.frictions(i);
         let velocity = dynamics.sliding_velocity(i);
-        let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i);
-        let rests = stops || velocity.abs() <= dynamics.zero_sliding_velocity(i);
+        // In space a direction may vanish while the contact slides on across it.
+        let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i)
+            && !dynamics.is_in_space(i);
+        let rests = stops || dynamics.sliding_speed(i) <= dynamics.zero_speed(i);
         laws.push(if rests && dynamics.passes(i) {
             TangentialLaw::Sliding(
                 mu,
                 side(dynamics, i, (t, y, moment), acceleration, vanished),
             )
-        } else if stops || velocity.abs() <= dynamics.zero_sliding_velocity(i) {
+        } else if rests {
             TangentialLaw::of_rest(mu, kinetic)
         } else {
             TangentialLaw::Sliding(kinetic, Direction::of(velocity))
@@ -315,9 +322,11 @@ fn candidates(
         contacts: resting,
         normal: &normal,
         tangential: &tangential,
+        across: &across,
         laws: &laws,
     }
     .solve(dynamics)?;
+    let solution = in_frames(dynamics, resting, &laws, solution);
     Ok(resting
         .iter()
         .enumerate()
@@ -329,6 +338,10 @@ fn candidates(
                 BIACTIVE * tangential.max(floor),
             );
             let mut candidate = candidate(contact, laws[slot], &solution, slot, zeros, vanished);
+            if dynamics.is_in_space(contact) {
+                // It slips along the direction of its frame.
+                candidate.states.retain(|state| *state != ContactState::Slip(Direction::Backward));
+            }
             if dynamics.is_dry(contact) {
                 // It acts always, if only with a force of zero.
                 candidate.states.retain(|state| !state.is_open());
@@ -336,6 +349,29 @@ fn candidates(
             candidate
         })
         .collect())
+}
+
+/// The solution in the frames of contacts in space, which point to where these would slip: along their acceleration, or against
+/// their friction where there is none. In it their friction is backward, and of its whole size, as is their acceleration.
+fn in_frames(
+    dynamics: &mut Dynamics<'_>,
+    resting: &[usize],
+    laws: &[TangentialLaw],
+    mut solution: CoulombSolution,
+) -> CoulombSolution {
+    for (slot, &i) in resting.iter().enumerate() {
+        if !dynamics.is_in_space(i) || !laws[slot].may_stick() {
+            continue;
+        }
+        let (s, w) = (solution.s[slot], solution.tangential[slot]);
+        let (s_across, w_across) = solution.across(slot);
+        let slips = pair_size((w, w_across)) > BIACTIVE * dynamics.sliding_acceleration_scale(i);
+        let to = if slips { (w, w_across) } else { (-s, -s_across) };
+        dynamics.align(i, to);
+        solution.s[slot] = -pair_size((s, s_across));
+        solution.tangential[slot] = pair_size((w, w_across));
+    }
+    solution
 }
 
 /// The side of a switch that is only passed, where its function vanishes: the other one of a side that has ended, else that of its
@@ -482,7 +518,8 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
         let (_, acceleration) = dynamics.contact_accelerations(i, &slope[n..2 * n]);
         let rests = dynamics.sliding_velocity(i).abs() <= dynamics.zero_sliding_velocity(i)
             && acceleration.abs() <= BIACTIVE * dynamics.sliding_acceleration_scale(i);
-        if rests && !dynamics.passes(i) && motion::holds(dynamics, i) {
+        let may_be_held = !dynamics.passes(i) && !dynamics.is_in_space(i);
+        if rests && may_be_held && motion::holds(dynamics, i) {
             *state = ContactState::Held(Some(direction));
         }
     }

@@ -4,6 +4,7 @@
 use super::coulomb::{CoulombProblem, CoulombSolution, TangentialLaw};
 use super::dynamics::{Dynamics, dot, largest};
 use super::many_contacts::Blocks;
+use super::space_problem;
 use crate::model::contact_point;
 use crate::simulation::problem::not_unique;
 
@@ -21,6 +22,8 @@ pub(in crate::simulation) struct ContactProblem<'a> {
     pub(in crate::simulation) normal: &'a [f64],
     /// `q_t`, one a contact; not read for contacts without friction.
     pub(in crate::simulation) tangential: &'a [f64],
+    /// The same along the second sliding velocities of contacts in space.
+    pub(in crate::simulation) across: &'a [f64],
     /// Tangential law, one a contact.
     pub(in crate::simulation) laws: &'a [TangentialLaw],
 }
@@ -32,6 +35,9 @@ impl ContactProblem<'_> {
         &self,
         dynamics: &Dynamics<'_>,
     ) -> Result<CoulombSolution, String> {
+        if self.contacts.iter().any(|&i| dynamics.is_in_space(i)) {
+            return space_problem::solve(self, dynamics);
+        }
         let matrix = self.matrix(dynamics);
         let surfaces = self.contacts.iter().filter(|&&i| !dynamics.is_dry(i));
         let problem = CoulombProblem {
@@ -128,11 +134,21 @@ impl ContactProblem<'_> {
             for (change, d) in change.iter_mut().zip(dynamics.direction(i)) {
                 *change += d * solution.p[slot];
             }
-            if solution.s[slot] == 0.0 {
+            if solution.s[slot] == 0.0 && solution.across.is_empty() {
+                continue;
+            }
+            if !dynamics.has_friction(i) {
                 continue;
             }
             for (change, e) in change.iter_mut().zip(dynamics.friction_direction(i)) {
                 *change += e * solution.s[slot];
+            }
+            if let Some(&(force, _)) = solution.across.get(slot)
+                && dynamics.is_in_space(i)
+            {
+                for (change, e) in change.iter_mut().zip(dynamics.across(i).1) {
+                    *change += e * force;
+                }
             }
         }
         change
@@ -150,7 +166,7 @@ impl ContactProblem<'_> {
     }
 
     /// Says which contact friction pushes into the ground, if there is one.
-    fn jamming(&self, dynamics: &Dynamics<'_>) -> Option<String> {
+    pub(super) fn jamming(&self, dynamics: &Dynamics<'_>) -> Option<String> {
         self.contacts.iter().zip(self.laws).find_map(|(&i, &law)| {
             let gain = match law {
                 TangentialLaw::None => return None,

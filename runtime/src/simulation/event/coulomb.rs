@@ -100,6 +100,15 @@ pub(in crate::simulation) struct CoulombSolution {
     pub(in crate::simulation) normal: Vec<f64>,
     /// `w_t`, zero where a contact sticks; 0 for contacts without friction.
     pub(in crate::simulation) tangential: Vec<f64>,
+    /// In space `s` and `w_t` along the second sliding velocity; empty without contacts in space.
+    pub(in crate::simulation) across: Vec<(f64, f64)>,
+}
+
+impl CoulombSolution {
+    /// `s` along the second sliding velocity, and that; 0 in the plane.
+    pub(in crate::simulation) fn across(&self, contact: usize) -> (f64, f64) {
+        self.across.get(contact).copied().unwrap_or_default()
+    }
 }
 
 impl CoulombProblem<'_> {
@@ -260,6 +269,7 @@ impl CoulombProblem<'_> {
             s,
             normal,
             tangential,
+            across: Vec::new(),
         })
     }
 }

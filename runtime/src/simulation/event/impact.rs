@@ -104,23 +104,25 @@ pub(super) fn strike(
         .zip(&returned)
         .map(|(velocity, returned)| velocity - returned)
         .collect();
-    let (laws, tangential): (Vec<TangentialLaw>, Vec<f64>) = closed
+    let (laws, sliding): (Vec<TangentialLaw>, Vec<(f64, f64)>) = closed
         .iter()
         .map(|&i| {
             if !dynamics.has_friction(i) {
-                return (TangentialLaw::None, 0.0);
+                return (TangentialLaw::None, (0.0, 0.0));
             }
-            let velocity = dynamics.sliding_velocity(i);
-            let slides = velocity.abs() > dynamics.zero_sliding_velocity(i);
+            let velocity = dynamics.sliding(i);
+            let slides = dynamics.sliding_speed(i) > dynamics.zero_sliding_velocity(i);
             let law = TangentialLaw::of_rest(dynamics.laws.friction[i], dynamics.laws.kinetic[i]);
-            (law, if slides { velocity } else { 0.0 })
+            (law, if slides { velocity } else { (0.0, 0.0) })
         })
         .unzip();
+    let (tangential, across): (Vec<f64>, Vec<f64>) = sliding.into_iter().unzip();
     let problem = ContactProblem {
         what: "impact",
         contacts: closed,
         normal: &normal,
         tangential: &tangential,
+        across: &across,
         laws: &laws,
     };
     let solution = problem.solve(dynamics).map_err(|message| Undetermined {

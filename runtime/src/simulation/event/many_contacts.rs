@@ -94,6 +94,7 @@ impl Blocks {
             s: vec![0.0; contacts],
             normal: vec![0.0; contacts],
             tangential: vec![0.0; contacts],
+            across: Vec::new(),
         };
         for block in &self.blocks {
             if let Some(first) = block.solutions.first() {
@@ -220,7 +221,7 @@ impl Lines {
             .filter_map(|normal| match problem.laws[normal] {
                 TangentialLaw::Coulomb(_) | TangentialLaw::Breaking { .. } => {
                     let (friction, kinetic) = problem.laws[normal].coefficients();
-                    Some(Cone { normal, friction, kinetic })
+                    Some(Cone { normal, friction, kinetic, across: None })
                 }
                 TangentialLaw::None | TangentialLaw::Sliding(..) => None,
             })
@@ -311,6 +312,7 @@ impl Lines {
         });
         CoulombSolution {
             normal: normal.collect(),
+            across: Vec::new(),
             states,
             p,
             s,

@@ -28,6 +28,7 @@ mod remarks;
 mod search;
 mod settings;
 mod small_system;
+mod space_problem;
 mod tableau;
 pub(in crate::simulation) mod velocity_jump;
 

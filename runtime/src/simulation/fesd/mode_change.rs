@@ -110,6 +110,7 @@ pub(super) fn settle(driver: &mut Driver<'_>, switched: &[usize]) -> Result<(), 
     }
     record_events(driver, &impact.struck, &previous, &v_before);
     driver.element.set_mode(&driver.now.active);
+    driver.element.set_frames(driver.now.contacts.frames());
     driver.evaluate_state()
 }
 

@@ -106,6 +106,12 @@ impl<'a> Present<'a> {
         self.contacts.evaluate(&self.x, 0..self.gaps.len());
         self.contacts.remember_sizes(&self.x);
         self.contacts.remember_scales();
+        for k in 0..self.active.len() {
+            let held = self.active[k];
+            if held.tangential.sense() != 0.0 {
+                self.contacts.align_with_sliding(held.contact);
+            }
+        }
         self.contacts.check_bounds()?;
         self.forces.resize(force_count(&self.active), 0.0);
         self.contacts
@@ -192,6 +198,8 @@ impl<'a> Present<'a> {
             row.fill(0.0);
             let frictions = self.contacts.frictions(&self.active, forces);
             for (held, s) in self.active.iter().zip(frictions) {
+                // In space it has a size, and a direction that the velocities tell.
+                let s = if self.contacts.is_in_space(held.contact) { s.abs() } else { s };
                 row[held.contact] = self.contacts.force(held.contact, s)
                     * friction_share(self.contacts.model(), held.contact, &self.x);
             }

@@ -354,7 +354,8 @@ fn recover(
     let mut declared = driver.setup.model.declaration().contacts.iter();
     let beyond = declared.any(|known| {
         let kinetic = known.friction.is_some_and(|friction| friction.kinetic);
-        known.switch.is_some() || kinetic || !known.loads.is_empty()
+        let across = known.friction.is_some_and(|friction| friction.across.is_some());
+        known.switch.is_some() || kinetic || across || !known.loads.is_empty()
     });
     let unknown =
         beyond || edge(driver.setup.model).is_some() || joint_rows(driver.setup.model) > 0;

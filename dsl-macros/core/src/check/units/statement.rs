@@ -358,7 +358,7 @@ fn of_target(walk: &mut Walk<'_>, target: &Name, velocity: bool) -> (Dimension, 
 
 fn impact_law(walk: &mut Walk<'_>, surfaces: &[Name], law: &Law) -> Checked<()> {
     let speed = law.sliding.as_ref().and_then(|expr| velocities(expr).first());
-    let speed = speed.and_then(|expr| walk.scalar(expr).ok());
+    let speed = speed.and_then(|expr| walk.units(expr).ok()?.components().first().cloned());
     let speed = speed.unwrap_or_else(|| {
         let of_surface = |walk: &Walk<'_>| {
             let known = walk.gaps.iter().find(|(name, _)| surfaces[0].text == *name);
@@ -377,8 +377,10 @@ fn impact_law(walk: &mut Walk<'_>, surfaces: &[Name], law: &Law) -> Checked<()> 
         let _: Checked<()> = walk.expect(expr, &own, &Dimension::one(), &reason);
     }
     for expr in law.sliding.as_ref().map_or(&[][..], velocities) {
-        if let Ok(own) = walk.scalar(expr) {
-            walk.sliding.push((surfaces.to_vec(), expr.clone(), own));
+        let Ok(own) = walk.units(expr) else { continue };
+        for own in own.components() {
+            let own = (surfaces.to_vec(), expr.clone(), own.clone());
+            walk.sliding.push(own);
         }
     }
     match &law.along {

@@ -4,21 +4,26 @@
 //! `rows` are the equations for the contact forces, `switching` the values of the switching functions, `motion` the
 //! derivative of the state and the projection.
 
+mod forces;
 mod laws;
 pub(in crate::simulation) mod motion;
 mod rows;
 mod scales;
+mod space;
 mod switch;
 pub(in crate::simulation) mod switching;
 
 pub(in crate::simulation) use laws::Laws;
+pub(in crate::simulation) use space::pair_size;
+use space::Stuck;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
+use crate::fesd::frame::Frame;
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, Pieces, Switching, contact_point, contains_ground, friction_share, surfaces,
+    ControlPiece, Model, Pieces, Switching, contact_in_space, contact_point, contains_ground, surfaces,
     switching_terms, tangent_point,
 };
 use crate::simulation::{
@@ -60,6 +65,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     /// Sign of the determinant of the equations for the contact accelerations at the last evaluation. While it
     /// stays, none of them has passed through infinity.
     pub(in crate::simulation) orientation: f64,
+    /// Frames of contacts in space; empty without any.
+    frames: Vec<Frame>,
     evaluated: Evaluated,
     equations: Equations,
     /// What counts as zero at each contact.
@@ -76,8 +83,8 @@ pub(in crate::simulation) struct Mode {
     states: Vec<ContactState>,
     /// Active contacts, increasing: those that are not open.
     pub(in crate::simulation) active: Vec<usize>,
-    /// Contacts that stick, increasing.
-    sticking: Vec<usize>,
+    /// Sliding velocities of contacts that stick.
+    sticking: Vec<Stuck>,
 }
 
 /// The switching functions: one for each contact, then two for each contact with friction.
@@ -125,6 +132,10 @@ struct Evaluated {
     points: Vec<f64>,
     /// Their tangential sides, each laid out as in [`tangent_point`].
     tangents: Vec<f64>,
+    /// The second tangential sides of contacts in space; empty without any.
+    across: Vec<f64>,
+    /// The directions along which they slip.
+    slipping: Vec<f64>,
     /// What dry frictions follow of the forces of surfaces: friction, surface and factor.
     loads: Vec<(usize, usize, f64)>,
     /// Mass matrix, row-major.
@@ -140,6 +151,8 @@ struct Equations {
     /// Normal and tangential contact accelerations at the last evaluation.
     r: Vec<f64>,
     s: Vec<f64>,
+    /// Along the second sliding velocities.
+    across: Vec<f64>,
 }
 
 impl<'a> Dynamics<'a> {
@@ -149,7 +162,8 @@ impl<'a> Dynamics<'a> {
         let contacts = declaration.contacts.len();
         let laws = Laws::of(model);
         let functions = contacts + 2 * laws.frictional.len();
-        let rows = contacts + laws.frictional.len();
+        let rows = contacts + 2 * laws.frictional.len();
+        let spatial = contact_in_space(model).map_or(0, |_| contacts);
         Self {
             model,
             n,
@@ -172,6 +186,8 @@ impl<'a> Dynamics<'a> {
                 acceleration: vec![0.0; n],
                 points: vec![0.0; contacts * contact_point::length(n)],
                 tangents: vec![0.0; contacts * tangent_point::length(n)],
+                across: vec![0.0; spatial * tangent_point::length(n)],
+                slipping: vec![0.0; spatial * n],
                 loads: Vec::new(),
                 mass: vec![0.0; n * n],
             },
@@ -181,7 +197,9 @@ impl<'a> Dynamics<'a> {
                 right: vec![0.0; rows],
                 r: vec![0.0; contacts],
                 s: vec![0.0; contacts],
+                across: vec![0.0; contacts],
             },
+            frames: vec![Frame::default(); spatial],
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
@@ -277,6 +295,12 @@ impl<'a> Dynamics<'a> {
         let length = tangent_point::length(self.n);
         let point = &mut self.evaluated.tangents[contact * length..(contact + 1) * length];
         self.model.tangent(contact, &self.evaluated.x, point);
+        if self.is_in_space(contact) {
+            let across = &mut self.evaluated.across[contact * length..(contact + 1) * length];
+            self.model.across(contact, &self.evaluated.x, across);
+            let frame = self.frames[contact];
+            self.turn(contact, frame);
+        }
     }
 
     /// Evaluates one contact, and its tangential side if it has friction, at the state loaded.
@@ -285,17 +309,7 @@ impl<'a> Dynamics<'a> {
         if self.has_friction(contact) {
             self.evaluate_tangent(contact);
         }
-        let followed = self.model.declaration().contacts[contact].loads;
-        if !followed.is_empty() {
-            let known = &mut self.evaluated;
-            known.loads.retain(|&(friction, ..)| friction != contact);
-            let mut factors = vec![0.0; followed.len()];
-            self.model.loads(contact, &known.x, &mut factors);
-            let factors = followed.iter().zip(factors);
-            known
-                .loads
-                .extend(factors.map(|(&surface, factor)| (contact, surface, factor)));
-        }
+        self.evaluate_loads(contact);
     }
 
     /// The tangential side as last evaluated, laid out as in [`tangent_point`].
@@ -337,17 +351,14 @@ impl<'a> Dynamics<'a> {
     /// tangential force is `ratio` times as large. Not above zero, friction jams the contact.
     pub(in crate::simulation) fn gain(&self, contact: usize, ratio: f64) -> f64 {
         let normal = self.normal(contact);
-        self.coupling(contact, contact) + ratio * dot(normal, self.friction_direction(contact))
+        self.coupling(contact, contact) + ratio * dot(normal, self.slip_direction(contact))
     }
 
     /// Normal acceleration of a contact for one unit of the force along the direction of another, as last evaluated. That
     /// of dry friction is its force less the given one, and less what it follows of others.
     pub(in crate::simulation) fn coupling(&self, contact: usize, other: usize) -> f64 {
         if self.is_dry(contact) {
-            let own = if contact == other { 1.0 } else { 0.0 };
-            let loads = self.evaluated.loads.iter();
-            let load = loads.filter(|load| (load.0, load.1) == (contact, other));
-            load.fold(own, |coupling, load| coupling - load.2)
+            self.coupling_of_given(contact, other)
         } else {
             dot(self.normal(contact), self.direction(other))
         }
@@ -403,7 +414,11 @@ impl<'a> Dynamics<'a> {
                 self.mode.active.push(i);
             }
             if *state == ContactState::Stick {
-                self.mode.sticking.push(i);
+                let stuck = |across| Stuck { contact: i, across };
+                self.mode.sticking.push(stuck(false));
+                if self.is_in_space(i) {
+                    self.mode.sticking.push(stuck(true));
+                }
             }
         }
     }
@@ -525,6 +540,7 @@ impl<'a> Dynamics<'a> {
             self.scales[i].observe(point, friction, instant.at(time));
             let terms = switching_terms(self.model, i, &self.evaluated.x);
             self.scales[i].observe_switch(terms);
+            self.observe_sliding(i);
         }
     }
 
@@ -592,36 +608,6 @@ impl<'a> Dynamics<'a> {
         self.mode.active.contains(&contact)
     }
 
-    /// Normal contact forces at the last evaluation, `lambda_i = r_i / D_i`, 0 for open contacts.
-    pub(in crate::simulation) fn forces(&self, out: &mut [f64]) {
-        self.divide_by_inertia(&self.equations.r, out);
-    }
-
-    /// Tangential contact forces at the last evaluation, `s_i / D_i`, 0 for open contacts.
-    pub(in crate::simulation) fn friction_forces(&self, out: &mut [f64]) {
-        self.divide_by_inertia(&self.equations.s, out);
-        for (i, force) in out.iter_mut().enumerate() {
-            *force *= friction_share(self.model, i, &self.evaluated.x);
-        }
-    }
-
-    fn divide_by_inertia(&self, accelerations: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        for &i in &self.mode.active {
-            out[i] = accelerations[i] / self.point(i)[contact_point::INVERSE_INERTIA];
-        }
-    }
-
-    /// Normal contact acceleration of an active contact at the last evaluation.
-    pub(in crate::simulation) fn normal_force(&self, contact: usize) -> f64 {
-        self.equations.r[contact]
-    }
-
-    /// What a contact that sticks at the last evaluation has left before it slips, `mu r - |s|`.
-    pub(in crate::simulation) fn friction_reserve(&self, contact: usize) -> f64 {
-        self.laws.friction[contact] * self.equations.r[contact] - self.equations.s[contact].abs()
-    }
-
     /// What a switching function is in the present mode.
     pub(in crate::simulation) fn switch(&self, function: usize) -> Switch {
         if function < self.contacts {
@@ -634,6 +620,7 @@ impl<'a> Dynamics<'a> {
         let index = function - self.contacts;
         let contact = self.laws.frictional[index / 2];
         match (self.mode.states[contact], index % 2) {
+            (ContactState::Stick, 1) if self.is_in_space(contact) => Switch::Constant(contact),
             (ContactState::Stick, 0) => Switch::FrictionLimit(contact, Direction::Forward),
             (ContactState::Stick, _) => Switch::FrictionLimit(contact, Direction::Backward),
             (ContactState::Slip(direction), 0) => Switch::SlidingVelocity(contact, direction),

@@ -9,7 +9,7 @@ use crate::simulation::event::small_system;
 pub(super) fn constraint<'a>(dynamics: &'a Dynamics<'_>, row: usize) -> &'a [f64] {
     match dynamics.mode.active.get(row) {
         Some(&i) => dynamics.normal(i),
-        None => dynamics.tangent(dynamics.mode.sticking[row - dynamics.mode.active.len()]),
+        None => dynamics.stuck(dynamics.mode.sticking[row - dynamics.mode.active.len()]).0,
     }
 }
 
@@ -29,9 +29,7 @@ pub(super) fn force_direction<'a>(
     match dynamics.mode.active.get(row) {
         Some(&i) if slipping => &dynamics.equations.columns[i * dynamics.n..(i + 1) * dynamics.n],
         Some(&i) => dynamics.direction(i),
-        None => {
-            dynamics.friction_direction(dynamics.mode.sticking[row - dynamics.mode.active.len()])
-        }
+        None => dynamics.stuck(dynamics.mode.sticking[row - dynamics.mode.active.len()]).1,
     }
 }
 
@@ -88,17 +86,24 @@ pub(super) fn evaluate_rows(dynamics: &mut Dynamics<'_>) -> usize {
         );
         let ratio = dynamics.mode.states[i].force_ratio(dynamics.laws.frictions(i));
         if ratio != 0.0 {
-            let e = &dynamics.evaluated.tangents[i * tangent_point::length(n)..]
-                [tangent_point::direction(n)..][..n];
+            let e = match dynamics.is_in_space(i) {
+                true => &dynamics.evaluated.slipping[i * n..],
+                false => {
+                    &dynamics.evaluated.tangents[i * tangent_point::length(n)..]
+                        [tangent_point::direction(n)..]
+                }
+            };
             for (d, e) in dynamics.equations.columns[column].iter_mut().zip(e) {
                 *d += ratio * e;
             }
         }
     }
     for slot in 0..dynamics.mode.sticking.len() {
-        dynamics.equations.right[normals + slot] = -dynamics
-            .free_sliding_acceleration(dynamics.mode.sticking[slot])
-            .0;
+        let held = dynamics.mode.sticking[slot];
+        dynamics.equations.right[normals + slot] = match held.across {
+            true => -dynamics.across_acceleration(held.contact, dynamics.free_acceleration()),
+            false => -dynamics.free_sliding_acceleration(held.contact).0,
+        };
     }
     normals + dynamics.mode.sticking.len()
 }
@@ -111,10 +116,15 @@ pub(super) fn store_forces(dynamics: &mut Dynamics<'_>, rows: usize) {
         dynamics.equations.r[i] = dynamics.equations.right[slot];
         dynamics.equations.s[i] = dynamics.mode.states[i].force_ratio(dynamics.laws.frictions(i))
             * dynamics.equations.right[slot];
+        dynamics.equations.across[i] = 0.0;
     }
     for slot in normals..rows {
-        dynamics.equations.s[dynamics.mode.sticking[slot - normals]] =
-            dynamics.equations.right[slot];
+        let held = dynamics.mode.sticking[slot - normals];
+        let force = dynamics.equations.right[slot];
+        match held.across {
+            true => dynamics.equations.across[held.contact] = force,
+            false => dynamics.equations.s[held.contact] = force,
+        }
     }
 }
 
@@ -132,8 +142,8 @@ pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
         };
     }
     for slot in normals..rows {
-        let contact = dynamics.mode.sticking[slot - normals];
-        dynamics.equations.right[slot] = -dynamics.contact_accelerations(contact, a).1;
+        let held = dynamics.mode.sticking[slot - normals];
+        dynamics.equations.right[slot] = -dynamics.stuck_acceleration(held, a);
     }
     if solve_rows(dynamics, rows, true).is_some() {
         add_columns(dynamics, rows, true, a);
@@ -144,8 +154,10 @@ pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
 pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64 {
     let (_, free) = match dynamics.mode.active.get(row) {
         Some(&i) => dynamics.free_normal_acceleration(i),
-        None => dynamics
-            .free_sliding_acceleration(dynamics.mode.sticking[row - dynamics.mode.active.len()]),
+        None => {
+            let held = dynamics.mode.sticking[row - dynamics.mode.active.len()];
+            dynamics.free_sliding_acceleration(held.contact)
+        }
     };
     (0..rows)
         .filter(|&other| other != row)

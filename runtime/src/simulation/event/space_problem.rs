@@ -1,0 +1,154 @@
+//! The complementarity problem of closed contacts some of which are in space, by the method for cones.
+
+use super::contact_problem::ContactProblem;
+use super::contact_state::{ContactState, Direction};
+use super::coulomb::{CoulombSolution, TangentialLaw};
+use super::dynamics::{Dynamics, dot, pair_size};
+use crate::contact_law::{Cone, solve_in_space};
+
+/// Share of its bound within which a friction is at it, and motions are none beside the largest offset.
+const AT_BOUND: f64 = 1e-10;
+
+/// One line of the problem: a covector, and a direction of the force.
+struct Line<'d> {
+    covector: &'d [f64],
+    direction: Vec<f64>,
+    offset: f64,
+}
+
+/// Solves the problem; what has no solution is said in words.
+pub(super) fn solve(
+    problem: &ContactProblem<'_>,
+    dynamics: &Dynamics<'_>,
+) -> Result<CoulombSolution, String> {
+    let m = problem.contacts.len();
+    let (lines, cones) = lines(problem, dynamics);
+    let couplings = lines.iter().enumerate().flat_map(|(row, own)| {
+        let columns = lines.iter().enumerate();
+        columns.map(move |(column, other)| match (row < m, column < m) {
+            (true, true) if dynamics.is_dry(problem.contacts[row]) => {
+                dynamics.coupling(problem.contacts[row], problem.contacts[column])
+            }
+            _ => dot(own.covector, &other.direction),
+        })
+    });
+    let matrix: Vec<f64> = couplings.collect();
+    let offsets: Vec<f64> = lines.iter().map(|line| line.offset).collect();
+    let mut forces = vec![0.0; lines.len()];
+    if !solve_in_space(&matrix, &offsets, &cones, &mut forces) {
+        return Err(format!(
+            "the {} has no solution that the cones of friction allow: {}",
+            problem.what,
+            problem.jamming(dynamics).unwrap_or_else(|| {
+                "the forces of the contacts that touch push each other into the ground; look at their surfaces and impact laws"
+                    .into()
+            })
+        ));
+    }
+    let rows = matrix.chunks_exact(lines.len()).zip(&offsets);
+    let motions: Vec<f64> = rows.map(|(row, offset)| offset + dot(row, &forces)).collect();
+    Ok(told(problem, dynamics, &cones, (&forces, &motions)))
+}
+
+/// Normals, then first tangents, then second ones, and the cones.
+fn lines<'d>(
+    problem: &ContactProblem<'_>,
+    dynamics: &'d Dynamics<'_>,
+) -> (Vec<Line<'d>>, Vec<Cone>) {
+    let (mut normals, mut firsts, mut seconds, mut cones) = (vec![], vec![], vec![], vec![]);
+    for (slot, (&i, &law)) in problem.contacts.iter().zip(problem.laws).enumerate() {
+        let mut direction = dynamics.direction(i).to_vec();
+        if let TangentialLaw::Sliding(mu, sense) = law {
+            for (d, e) in direction.iter_mut().zip(dynamics.slip_direction(i)) {
+                *d -= sense.sign() * mu * e;
+            }
+        }
+        normals.push(Line {
+            covector: dynamics.normal(i),
+            direction,
+            offset: problem.normal[slot],
+        });
+        if !law.may_stick() {
+            continue;
+        }
+        let (friction, kinetic) = law.coefficients();
+        firsts.push(Line {
+            covector: dynamics.tangent(i),
+            direction: dynamics.friction_direction(i).to_vec(),
+            offset: problem.tangential[slot],
+        });
+        let across = dynamics.is_in_space(i).then(|| {
+            let (covector, direction) = dynamics.across(i);
+            seconds.push(Line {
+                covector,
+                direction: direction.to_vec(),
+                offset: problem.across[slot],
+            });
+            seconds.len() - 1
+        });
+        cones.push(Cone {
+            normal: slot,
+            friction,
+            kinetic,
+            across,
+        });
+    }
+    for cone in &mut cones {
+        cone.across = cone.across.map(|k| normals.len() + firsts.len() + k);
+    }
+    normals.append(&mut firsts);
+    normals.append(&mut seconds);
+    (normals, cones)
+}
+
+/// The solution in the words of the enumeration.
+fn told(
+    problem: &ContactProblem<'_>,
+    dynamics: &Dynamics<'_>,
+    cones: &[Cone],
+    (forces, motions): (&[f64], &[f64]),
+) -> CoulombSolution {
+    let m = problem.contacts.len();
+    let mut solution = CoulombSolution {
+        states: vec![ContactState::Open; m],
+        p: forces[..m].iter().map(|p| p.max(0.0)).collect(),
+        s: vec![0.0; m],
+        normal: vec![0.0; m],
+        tangential: vec![0.0; m],
+        across: vec![(0.0, 0.0); m],
+    };
+    for slot in 0..m {
+        let p = solution.p[slot];
+        let opens = p == 0.0 && !dynamics.is_dry(problem.contacts[slot]);
+        if opens {
+            solution.normal[slot] = motions[slot];
+        }
+        solution.states[slot] = match problem.laws[slot] {
+            _ if opens => ContactState::Open,
+            TangentialLaw::None => ContactState::Frictionless,
+            TangentialLaw::Sliding(mu, sense) => {
+                solution.s[slot] = -sense.sign() * mu * p;
+                ContactState::Slip(sense)
+            }
+            TangentialLaw::Coulomb(_) | TangentialLaw::Breaking { .. } => ContactState::Stick,
+        };
+    }
+    for (k, cone) in cones.iter().enumerate() {
+        let (slot, line) = (cone.normal, m + k);
+        let second = |values: &[f64]| cone.across.map_or(0.0, |line| values[line]);
+        let friction = (forces[line], second(forces));
+        let motion = (motions[line], second(motions));
+        let bound = cone.friction * solution.p[slot];
+        (solution.s[slot], solution.across[slot].0) = friction;
+        if pair_size(friction) < (1.0 - AT_BOUND) * bound {
+            continue;
+        }
+        (solution.tangential[slot], solution.across[slot].1) = motion;
+        if solution.states[slot] == ContactState::Stick {
+            let forward = cone.across.is_some() || motion.0 >= 0.0;
+            let direction = if forward { Direction::Forward } else { Direction::Backward };
+            solution.states[slot] = ContactState::Slip(direction);
+        }
+    }
+    solution
+}
