@@ -2,10 +2,9 @@
 
 use super::active_contact::{ActiveContact, force_count};
 use super::contacts::sum_of_sizes;
-use super::frame::Frame;
 use crate::joints::{JointError, Joints};
 use crate::model::{
-    Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces, tangent_point,
+    Frame, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces, tangent_point,
 };
 
 /// The constraints of a contact mode at one point: first the normals of the active contacts, those of dry friction last,

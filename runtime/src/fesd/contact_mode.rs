@@ -12,7 +12,7 @@ use super::coulomb::{self, Cone};
 use super::impact;
 use super::sharing::{self, Share};
 use super::switch;
-use crate::model::Switching;
+use crate::model::{Switching, pair_size};
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
 const BIACTIVE: f64 = 1e-8;
@@ -54,7 +54,7 @@ pub(crate) fn select(
     }
     for &i in &touching {
         contacts.measure_sliding(i, time);
-        contacts.align_with_sliding(i);
+        contacts.align(i, None);
     }
     let solved = Solved::sided(contacts, x, &touching, time)?;
     let Sorted {
@@ -64,7 +64,7 @@ pub(crate) fn select(
         slips,
     } = solved.sort(contacts);
     for (contact, slip) in slips {
-        contacts.align(contact, slip);
+        contacts.align(contact, Some(slip));
     }
     switch::is_unique(contacts, &strict)?;
     sharing::share_friction(contacts, &mut strict, &shares)?;
@@ -103,7 +103,7 @@ impl Solved {
     fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
         let at_rest = |i: usize| {
             contacts.switch(i) != Some(Switching::Passes)
-                && contacts.sliding_speed(i) <= contacts.rest_speed(i, time)
+                && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
         };
         let (lines, cones) = impact::coulomb_lines(contacts, &touching, at_rest);
         let free: Vec<f64> = lines
@@ -291,11 +291,6 @@ impl Solved {
     }
 }
 
-/// Size of a pair, exactly that of its first number where the second is 0.
-fn pair_size((first, second): (f64, f64)) -> f64 {
-    if second == 0.0 { first.abs() } else { first.hypot(second) }
-}
-
 /// Conditions on velocities that the strictly active contacts hold need no decision: a contact on the edge
 /// of its cone stays there, one without a force needs none.
 fn drop_held(
@@ -360,16 +355,7 @@ fn select_by_jerk(
     let mut jerk = vec![0.0; lines.len()];
     let mut behind = vec![0.0; lines.len()];
     separation(contacts, x, &motion, step, strict, &held, &lines, &mut jerk)?;
-    separation(
-        contacts,
-        x,
-        &motion,
-        -step,
-        strict,
-        &held,
-        &lines,
-        &mut behind,
-    )?;
+    separation(contacts, x, &motion, -step, strict, &held, &lines, &mut behind)?;
     for (ahead, behind) in jerk.iter_mut().zip(&behind) {
         *ahead = (*ahead - behind) / (2.0 * step);
     }
@@ -405,18 +391,8 @@ fn select_by_jerk(
                         let both = (rates[tangent], across.map_or(0.0, |line| rates[line]));
                         let margin = contacts.friction(contact) * rates[k] - pair_size(both);
                         let slip = (total(tangent), across.map_or(0.0, total));
-                        let sticks = sticking(contacts, contact);
-                        let decided = if across.is_none() {
-                            from_rest(margin, slip.0, zero(tangent))
-                        } else if margin > zero(tangent) {
-                            Some(sticks)
-                        } else if pair_size(slip) > zero(tangent) {
-                            contacts.align(contact, slip);
-                            Some(Tangential::Forward)
-                        } else {
-                            None
-                        };
-                        decided.or(before).unwrap_or(sticks)
+                        let decided = from_rest(contacts, contact, (margin, slip), zero(tangent));
+                        decided.or(before).unwrap_or(sticking(contacts, contact))
                     }
                 };
                 strict.push(ActiveContact {
@@ -437,13 +413,25 @@ fn sticking(contacts: &Contacts<'_>, contact: usize) -> Tangential {
     }
 }
 
-/// What a contact at rest begins to do, by the distance of its force from the cone and its slip, if they say so.
-fn from_rest(margin: f64, slip: f64, zero: f64) -> Option<Tangential> {
+/// What a contact at rest begins to do, by the distance of its force from the cone and its slip, if they say so; in space its frame
+/// points along the slip.
+fn from_rest(
+    contacts: &mut Contacts<'_>,
+    contact: usize,
+    (margin, slip): (f64, (f64, f64)),
+    zero: f64,
+) -> Option<Tangential> {
     if margin > zero {
-        Some(Tangential::Sticking)
-    } else {
-        (slip.abs() > zero).then(|| Tangential::slip(slip))
+        return Some(sticking(contacts, contact));
     }
+    if pair_size(slip) <= zero {
+        return None;
+    }
+    if contacts.is_in_space(contact) {
+        contacts.align(contact, Some(slip));
+        return Some(Tangential::Forward);
+    }
+    Some(Tangential::slip(slip.0))
 }
 
 /// Step of a central difference along the motion with the acceleration `motion`, beside accelerations of the size `scale`,

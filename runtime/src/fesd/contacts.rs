@@ -4,18 +4,14 @@
 //! contact, which acts along `d_i`, or along `d_i -+ mu_i e_i` while it slips; and `v_t' = 0` for the
 //! friction `s_i` of a sticking contact, which acts along `e_i`.
 
-mod loads;
-mod space;
-
-use self::space::Space;
 use super::active_contact::ActiveContact;
 use super::contact_size::ContactSize;
 use super::coulomb::Cone;
 use crate::linalg::{dense, lcp};
 use crate::model::rounding::rounding_error_at_start;
 use crate::model::{
-    Model, Pieces, Switching, contact_point, contains_ground, friction_coefficients, kinetic_coefficients,
-    surfaces, switching_terms, tangent_point,
+    Frame, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground, friction_coefficients,
+    kinetic_coefficients, surfaces, switching_terms, tangent_point,
 };
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
@@ -81,8 +77,8 @@ pub(crate) struct Contacts<'a> {
     friction: Vec<f64>,
     /// The same of contacts that slide.
     kinetic: Vec<f64>,
-    /// What dry frictions follow of the forces of surfaces: friction, surface and factor of the last evaluation.
-    loads: Vec<(usize, usize, f64)>,
+    /// What dry frictions follow of the forces of surfaces at the last evaluation.
+    loads: Loads,
     /// Number of contacts that are surfaces.
     pub(crate) surfaces: usize,
     /// Which side of each switch that is only passed acts: the sign of minus its function, 0 for all others.
@@ -127,13 +123,13 @@ impl<'a> Contacts<'a> {
             pieces: Pieces::default(),
             friction,
             kinetic: kinetic_coefficients(model),
-            loads: Vec::new(),
+            loads: Loads::default(),
             surfaces: surfaces(model),
             sides: vec![0.0; contacts],
             acceleration: vec![0.0; n],
             points: vec![0.0; contacts * contact_point::length(n)],
             tangents: vec![0.0; tangents * tangent_point::length(n)],
-            space: Space::of(model).filter(|_| rough),
+            space: Space::of(model),
             scales: vec![0.0; contacts],
             tangent_scales: vec![0.0; tangents],
             sizes: vec![ContactSize::default(); contacts],
@@ -177,6 +173,74 @@ impl<'a> Contacts<'a> {
     /// Friction direction `e_i` of the last evaluation.
     fn friction_direction(&self, contact: usize) -> &[f64] {
         &self.tangent(contact)[tangent_point::direction(self.n)..]
+    }
+
+    /// Contacts in space, if this is one.
+    fn space(&self, contact: usize) -> Option<&Space> {
+        let space = self.space.as_ref();
+        space.filter(|space| space.contains(contact))
+    }
+
+    /// Whether a contact slides along two directions.
+    pub(crate) fn is_in_space(&self, contact: usize) -> bool {
+        self.space(contact).is_some()
+    }
+
+    /// The frames in which contacts in space slide; none without any.
+    pub(crate) fn frames(&self) -> &[Frame] {
+        self.space.as_ref().map_or(&[], Space::frames)
+    }
+
+    /// The second tangential side of a contact in space at the last evaluation.
+    fn across(&self, contact: usize) -> &[f64] {
+        self.space(contact).map_or(&[], |space| space.across(contact))
+    }
+
+    /// Both sliding velocities of a contact at the last evaluation; the second is 0 in the plane.
+    pub(crate) fn sliding(&self, contact: usize) -> (f64, f64) {
+        let across = self.space(contact).map(|space| space.across(contact));
+        let across = across.map_or(0.0, |across| across[tangent_point::SLIDING_VELOCITY]);
+        (self.sliding_velocity(contact), across)
+    }
+
+    /// The direction in which friction of a contact acts that slides.
+    fn slip_direction(&self, contact: usize) -> &[f64] {
+        match self.space(contact) {
+            Some(space) => space.slipping(contact),
+            None => self.friction_direction(contact),
+        }
+    }
+
+    /// Turns the frame of a contact in space so that it points along what is `to` in it, or along its sliding velocity where that
+    /// has a direction.
+    pub(crate) fn align(&mut self, contact: usize, to: Option<(f64, f64)>) {
+        let length = tangent_point::length(self.n);
+        let Some(space) = self.space.as_mut().filter(|space| space.contains(contact)) else {
+            return;
+        };
+        let tangent = &mut self.tangents[contact * length..(contact + 1) * length];
+        match to {
+            Some(to) => space.align(contact, to, tangent),
+            None => space.align_with_sliding(contact, tangent),
+        }
+    }
+
+    /// Takes note of the speed below which the sliding of a contact in space has no direction, at `time`.
+    pub(crate) fn measure_sliding(&mut self, contact: usize, time: f64) {
+        let rest = self.size(contact, time).at_rest();
+        let largest = self.sizes[contact].sliding;
+        if let Some(space) = &mut self.space {
+            space.measure(contact, largest, rest);
+        }
+    }
+
+    /// Speed up to which a contact is at rest along the ground.
+    pub(crate) fn rest_speed(&self, contact: usize, time: f64) -> f64 {
+        let rest = self.size(contact, time).at_rest();
+        match self.space(contact) {
+            Some(space) => rest.max(space.frames()[contact].soft),
+            None => rest,
+        }
     }
 
     /// Coefficient of friction, 0 for a contact without friction.
@@ -271,14 +335,11 @@ impl<'a> Contacts<'a> {
             if self.friction[i] > 0.0 {
                 let tangent = &mut self.tangents[i * tangent_length..(i + 1) * tangent_length];
                 self.model.tangent(i, x, tangent);
-                if let Some(space) = self.space.as_mut().filter(|space| space.is_in[i]) {
-                    let own = i * tangent_length..(i + 1) * tangent_length;
-                    self.model.across(i, x, &mut space.across[own]);
-                    let frame = space.frames[i];
-                    self.turn(i, frame);
+                if let Some(space) = self.space.as_mut().filter(|space| space.contains(i)) {
+                    space.evaluate(self.model, i, x, tangent);
                 }
             }
-            self.evaluate_loads(i, x);
+            self.loads.evaluate(self.model, i, x);
         }
         self.evaluations += 1;
     }
@@ -490,7 +551,7 @@ impl<'a> Contacts<'a> {
         if let (Line::Normal { contact, .. }, Line::Normal { contact: other, .. }) = (row, column)
             && self.is_dry(contact)
         {
-            return self.coupling_of_given(contact, other);
+            return self.loads.coupling(contact, other);
         }
         let (gradient, _) = self.row(row);
         let along = match column {

@@ -16,7 +16,6 @@ pub(crate) mod contact_size;
 pub(crate) mod contacts;
 mod coulomb;
 pub(crate) mod finite_element;
-pub(crate) mod frame;
 pub(crate) mod impact;
 pub(crate) mod sharing;
 mod switch;

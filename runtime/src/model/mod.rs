@@ -49,16 +49,22 @@
 
 mod control_piece;
 mod declaration;
+mod frame;
 mod given;
 pub(crate) mod held;
+mod loads;
 mod parameter_derivatives;
 mod picture;
 mod pieces;
 pub(crate) mod rounding;
+mod space;
 mod switching;
 
 pub(crate) use control_piece::ControlPiece;
+pub(crate) use frame::{Frame, pair_size};
+pub(crate) use loads::Loads;
 pub(crate) use pieces::{Pieces, edge};
+pub(crate) use space::Space;
 pub(crate) use switching::terms as switching_terms;
 
 pub use declaration::{
@@ -361,12 +367,6 @@ pub(crate) fn kinetic_coefficients(model: &dyn Model) -> Vec<f64> {
     (0..contacts.len())
         .map(|i| contacts[i].friction.map_or(0.0, |_| model.kinetic_friction(i)))
         .collect()
-}
-
-/// A contact in space, with two sliding velocities, if there is one.
-pub(crate) fn contact_in_space(model: &dyn Model) -> Option<&'static ContactDeclaration> {
-    let mut contacts = model.declaration().contacts.iter();
-    contacts.find(|known| known.friction.is_some_and(|known| known.across.is_some()))
 }
 
 /// The factor of the friction direction of one contact at `x`, see [`Model::friction_share`].

@@ -211,7 +211,7 @@ impl Jump<'_> {
                     (along * jump.0 + across * jump.1) / size,
                     (along * jump.1 - across * jump.0) / size,
                 );
-                self.contacts.align(i, (along, across));
+                self.contacts.align(i, Some((along, across)));
             }
         }
     }

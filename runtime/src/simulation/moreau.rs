@@ -4,7 +4,7 @@ use hangtime_solver::clock::ThreadTime;
 
 use super::event::contact_problem::ContactProblem;
 use super::event::coulomb::{CoulombSolution, TangentialLaw};
-use super::event::dynamics::{Dynamics, dot, pair_size, largest, motion};
+use super::event::dynamics::{Dynamics, dot, largest, motion};
 use super::fixed::check_gaps;
 use super::joints::Closed;
 use super::other_grid::{self, Judge, OtherGrid};
@@ -14,7 +14,7 @@ use super::{
     SimulationStatus, Simulator,
 };
 use crate::Observer;
-use crate::model::{Model, contact_point, friction_share};
+use crate::model::{Model, contact_point, friction_share, pair_size};
 
 /// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
 /// rate at which forces change, so more than ten mean that the step is too long.

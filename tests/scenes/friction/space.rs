@@ -2,6 +2,7 @@
 
 use super::{ends, events, motions, refusal, scene};
 use hangtime::prelude::*;
+use hangtime::simulation::StepFormulation;
 
 /// A body without rotation above a floor, with sliding velocities of its choice.
 fn stone(sliding: &str, law: &str, start: &str) -> String {

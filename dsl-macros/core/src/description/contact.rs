@@ -6,6 +6,7 @@ use crate::derive::{ContactEquations, Explicit, FrictionEquations, Implicit, Inv
 use crate::graph::Sym;
 use crate::scene;
 
+// Many fields: what is declared of a contact, and its kernels.
 /// A contact: what is declared of it, and its kernels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {

@@ -167,6 +167,18 @@ fn laws(derived: &Description) -> String {
             rows(&methods::rows_hessian),
         );
     }
+    written.push_str(&laws_beyond_one_coefficient(derived, &arms));
+    written
+}
+
+/// The methods for friction in space, of speed, of rest and of load, as far as the scene declares them; `arms` writes those of a match
+/// over contacts.
+fn laws_beyond_one_coefficient(
+    derived: &Description,
+    arms: &dyn Fn(&dyn Fn(&Contact) -> Option<String>) -> String,
+) -> String {
+    let value = |kernel| methods::coefficient(derived, kernel);
+    let mut written = String::new();
     let kinetic = arms(&|contact| contact.friction.as_ref()?.kinetic.map(value));
     if !kinetic.is_empty() {
         let _ = write!(

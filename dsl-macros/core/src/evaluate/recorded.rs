@@ -45,7 +45,7 @@ fn admit(role: Role, whole: &Expr, text: &str, diagnostics: &mut Diagnostics) ->
         ),
         (Role::Motion | Role::Surface | Role::Draw, _) => format!(
             "`{text}` of a contact follows from the motion; it can be used in `outputs`, `minimize`, \
-             `constraint` and `finally` only, and `force` in the bound of a dry friction"
+             `constraint` and `finally` only"
         ),
     };
     Err(diagnostics.report("E24", whole.place, message))

@@ -46,8 +46,7 @@ pub(crate) use size::groups;
 
 use super::active_contact::ActiveContact;
 use super::constraints::Constraints;
-use super::frame::Frame;
-use crate::model::{ControlPiece, Model};
+use crate::model::{ControlPiece, Frame, Model};
 use crate::rk::ButcherTableau;
 use crate::time_freezing::clock;
 use stage_clock::StageClock;

@@ -5,7 +5,8 @@ use super::contact_problem::ContactProblem;
 use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::{Dop853, System};
-use super::dynamics::{Dynamics, Switch, motion, pair_size, switching};
+use super::dynamics::{Dynamics, Switch, motion, rows, switching};
+use crate::model::pair_size;
 use super::impact::Undetermined;
 use crate::simulation::problem::negative_bound;
 
@@ -278,9 +279,9 @@ fn candidates(
     let mut scales = Vec::new();
     for (slot, &i) in resting.iter().enumerate() {
         dynamics.evaluate_sides(i);
-        dynamics.align_with_sliding(i);
+        dynamics.align(i, None);
         if dynamics.is_in_space(i) {
-            across[slot] = dynamics.across_acceleration(i, dynamics.free_acceleration());
+            across[slot] = rows::across_acceleration(dynamics, i, dynamics.free_acceleration());
         }
         let (acceleration, terms) = dynamics.free_normal_acceleration(i);
         // Where it vanishes and goes on falling, its force was about to change its sign.
@@ -299,22 +300,7 @@ fn candidates(
         let (acceleration, tangential_terms) = dynamics.free_sliding_acceleration(i);
         tangential.push(acceleration);
         scales.push((terms, tangential_terms));
-        let (mu, kinetic) = dynamics.laws.frictions(i);
-        let velocity = dynamics.sliding_velocity(i);
-        // In space a direction may vanish while the contact slides on across it.
-        let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i)
-            && !dynamics.is_in_space(i);
-        let rests = stops || dynamics.sliding_speed(i) <= dynamics.zero_speed(i);
-        laws.push(if rests && dynamics.passes(i) {
-            TangentialLaw::Sliding(
-                mu,
-                side(dynamics, i, (t, y, moment), acceleration, vanished),
-            )
-        } else if rests {
-            TangentialLaw::of_rest(mu, kinetic)
-        } else {
-            TangentialLaw::Sliding(kinetic, Direction::of(velocity))
-        });
+        laws.push(tangential_law(dynamics, i, (t, y, moment), acceleration, vanished));
     }
     switching::set_force_floors(dynamics, resting);
     let solution = ContactProblem {
@@ -351,6 +337,29 @@ fn candidates(
         .collect())
 }
 
+/// The law of an evaluated contact with friction along its tangent, whose sliding velocity has this `acceleration` without forces.
+fn tangential_law(
+    dynamics: &mut Dynamics<'_>,
+    contact: usize,
+    at: (f64, &[f64], f64),
+    acceleration: f64,
+    vanished: Option<Switch>,
+) -> TangentialLaw {
+    let (mu, kinetic) = dynamics.laws.frictions(contact);
+    // In space a direction may vanish while the contact slides on across it.
+    let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == contact)
+        && !dynamics.is_in_space(contact);
+    let rests = stops || pair_size(dynamics.sliding(contact)) <= dynamics.zero_speed(contact);
+    if rests && dynamics.passes(contact) {
+        TangentialLaw::Sliding(mu, side(dynamics, contact, at, acceleration, vanished))
+    } else if rests {
+        TangentialLaw::of_rest(mu, kinetic)
+    } else {
+        let velocity = dynamics.sliding_velocity(contact);
+        TangentialLaw::Sliding(kinetic, Direction::of(velocity))
+    }
+}
+
 /// The solution in the frames of contacts in space, which point to where these would slip: along their acceleration, or against
 /// their friction where there is none. In it their friction is backward, and of its whole size, as is their acceleration.
 fn in_frames(
@@ -367,7 +376,7 @@ fn in_frames(
         let (s_across, w_across) = solution.across(slot);
         let slips = pair_size((w, w_across)) > BIACTIVE * dynamics.sliding_acceleration_scale(i);
         let to = if slips { (w, w_across) } else { (-s, -s_across) };
-        dynamics.align(i, to);
+        dynamics.align(i, Some(to));
         solution.s[slot] = -pair_size((s, s_across));
         solution.tangential[slot] = pair_size((w, w_across));
     }

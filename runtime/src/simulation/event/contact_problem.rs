@@ -4,7 +4,7 @@
 use super::coulomb::{CoulombProblem, CoulombSolution, TangentialLaw};
 use super::dynamics::{Dynamics, dot, largest};
 use super::many_contacts::Blocks;
-use super::space_problem;
+use super::space_problem::{self, SpaceProblem};
 use crate::model::contact_point;
 use crate::simulation::problem::not_unique;
 
@@ -36,7 +36,7 @@ impl ContactProblem<'_> {
         dynamics: &Dynamics<'_>,
     ) -> Result<CoulombSolution, String> {
         if self.contacts.iter().any(|&i| dynamics.is_in_space(i)) {
-            return space_problem::solve(self, dynamics);
+            return self.solve_in_space(dynamics);
         }
         let matrix = self.matrix(dynamics);
         let surfaces = self.contacts.iter().filter(|&&i| !dynamics.is_dry(i));
@@ -52,15 +52,7 @@ impl ContactProblem<'_> {
             .map(|point| 1.0 / point[contact_point::INVERSE_INERTIA])
             .collect();
         let Some(found) = Blocks::solved(&problem, &inertia) else {
-            return Err(format!(
-                "the {} has no solution: {}",
-                self.what,
-                self.jamming(dynamics).unwrap_or_else(|| {
-                    "the forces of the contacts that touch push each other into the ground; look at their \
-                     surfaces and impact laws"
-                        .into()
-                })
-            ));
+            return Err(self.without_solution(dynamics));
         };
         let solution = found.first(self.contacts.len());
         let reference = self.change(dynamics, &solution);
@@ -95,6 +87,31 @@ impl ContactProblem<'_> {
             }
         }
         Ok(solution)
+    }
+
+    /// The same where some contacts are in space, by the method for cones.
+    fn solve_in_space(&self, dynamics: &Dynamics<'_>) -> Result<CoulombSolution, String> {
+        let problem = SpaceProblem {
+            contacts: self.contacts,
+            normal: self.normal,
+            tangential: self.tangential,
+            across: self.across,
+            laws: self.laws,
+        };
+        let solution = space_problem::solve(&problem, dynamics);
+        solution.ok_or_else(|| self.without_solution(dynamics))
+    }
+
+    fn without_solution(&self, dynamics: &Dynamics<'_>) -> String {
+        format!(
+            "the {} has no solution: {}",
+            self.what,
+            self.jamming(dynamics).unwrap_or_else(|| {
+                "the forces of the contacts that touch push each other into the ground; look at their \
+                 surfaces and impact laws"
+                    .into()
+            })
+        )
     }
 
     /// `A = (n, b)' (d, e)`, row-major; entries of contacts without friction are 0.
@@ -166,7 +183,7 @@ impl ContactProblem<'_> {
     }
 
     /// Says which contact friction pushes into the ground, if there is one.
-    pub(super) fn jamming(&self, dynamics: &Dynamics<'_>) -> Option<String> {
+    fn jamming(&self, dynamics: &Dynamics<'_>) -> Option<String> {
         self.contacts.iter().zip(self.laws).find_map(|(&i, &law)| {
             let gain = match law {
                 TangentialLaw::None => return None,

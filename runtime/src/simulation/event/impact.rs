@@ -4,7 +4,7 @@ use super::contact_problem::ContactProblem;
 use super::coulomb::TangentialLaw;
 use super::dop853::System;
 use super::dynamics::{Dynamics, dot, largest};
-use crate::model::contact_point;
+use crate::model::{contact_point, pair_size};
 
 /// Bounces lower than this share of the range of a gap are left out, and those lower than ten times a closed gap.
 const LOWEST_BOUNCE: f64 = 1e-11;
@@ -111,7 +111,7 @@ pub(super) fn strike(
                 return (TangentialLaw::None, (0.0, 0.0));
             }
             let velocity = dynamics.sliding(i);
-            let slides = dynamics.sliding_speed(i) > dynamics.zero_sliding_velocity(i);
+            let slides = pair_size(velocity) > dynamics.zero_sliding_velocity(i);
             let law = TangentialLaw::of_rest(dynamics.laws.friction[i], dynamics.laws.kinetic[i]);
             (law, if slides { velocity } else { (0.0, 0.0) })
         })

@@ -1,10 +1,10 @@
 //! The complementarity problem of closed contacts some of which are in space, by the method for cones.
 
-use super::contact_problem::ContactProblem;
 use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombSolution, TangentialLaw};
-use super::dynamics::{Dynamics, dot, pair_size};
+use super::dynamics::{Dynamics, dot};
 use crate::contact_law::{Cone, solve_in_space};
+use crate::model::pair_size;
 
 /// Share of its bound within which a friction is at it, and motions are none beside the largest offset.
 const AT_BOUND: f64 = 1e-10;
@@ -16,43 +16,46 @@ struct Line<'d> {
     offset: f64,
 }
 
-/// Solves the problem; what has no solution is said in words.
+/// Closed contacts, as last evaluated, with what their velocities (or accelerations) are without contact forces, one a contact.
+pub(super) struct SpaceProblem<'a> {
+    pub(super) contacts: &'a [usize],
+    pub(super) normal: &'a [f64],
+    pub(super) tangential: &'a [f64],
+    pub(super) across: &'a [f64],
+    pub(super) laws: &'a [TangentialLaw],
+}
+
+/// Solves the problem; `None` where no solution is found.
 pub(super) fn solve(
-    problem: &ContactProblem<'_>,
+    problem: &SpaceProblem<'_>,
     dynamics: &Dynamics<'_>,
-) -> Result<CoulombSolution, String> {
+) -> Option<CoulombSolution> {
     let m = problem.contacts.len();
     let (lines, cones) = lines(problem, dynamics);
-    let couplings = lines.iter().enumerate().flat_map(|(row, own)| {
-        let columns = lines.iter().enumerate();
-        columns.map(move |(column, other)| match (row < m, column < m) {
-            (true, true) if dynamics.is_dry(problem.contacts[row]) => {
+    let mut matrix = Vec::with_capacity(lines.len() * lines.len());
+    for (row, own) in lines.iter().enumerate() {
+        let dry = row < m && dynamics.is_dry(problem.contacts[row]);
+        for (column, other) in lines.iter().enumerate() {
+            matrix.push(if dry && column < m {
                 dynamics.coupling(problem.contacts[row], problem.contacts[column])
-            }
-            _ => dot(own.covector, &other.direction),
-        })
-    });
-    let matrix: Vec<f64> = couplings.collect();
+            } else {
+                dot(own.covector, &other.direction)
+            });
+        }
+    }
     let offsets: Vec<f64> = lines.iter().map(|line| line.offset).collect();
     let mut forces = vec![0.0; lines.len()];
     if !solve_in_space(&matrix, &offsets, &cones, &mut forces) {
-        return Err(format!(
-            "the {} has no solution that the cones of friction allow: {}",
-            problem.what,
-            problem.jamming(dynamics).unwrap_or_else(|| {
-                "the forces of the contacts that touch push each other into the ground; look at their surfaces and impact laws"
-                    .into()
-            })
-        ));
+        return None;
     }
     let rows = matrix.chunks_exact(lines.len()).zip(&offsets);
     let motions: Vec<f64> = rows.map(|(row, offset)| offset + dot(row, &forces)).collect();
-    Ok(told(problem, dynamics, &cones, (&forces, &motions)))
+    Some(told(problem, dynamics, &cones, (&forces, &motions)))
 }
 
 /// Normals, then first tangents, then second ones, and the cones.
 fn lines<'d>(
-    problem: &ContactProblem<'_>,
+    problem: &SpaceProblem<'_>,
     dynamics: &'d Dynamics<'_>,
 ) -> (Vec<Line<'d>>, Vec<Cone>) {
     let (mut normals, mut firsts, mut seconds, mut cones) = (vec![], vec![], vec![], vec![]);
@@ -103,7 +106,7 @@ fn lines<'d>(
 
 /// The solution in the words of the enumeration.
 fn told(
-    problem: &ContactProblem<'_>,
+    problem: &SpaceProblem<'_>,
     dynamics: &Dynamics<'_>,
     cones: &[Cone],
     (forces, motions): (&[f64], &[f64]),

@@ -109,7 +109,7 @@ impl<'a> Present<'a> {
         for k in 0..self.active.len() {
             let held = self.active[k];
             if held.tangential.sense() != 0.0 {
-                self.contacts.align_with_sliding(held.contact);
+                self.contacts.align(held.contact, None);
             }
         }
         self.contacts.check_bounds()?;

@@ -4,26 +4,22 @@
 //! `rows` are the equations for the contact forces, `switching` the values of the switching functions, `motion` the
 //! derivative of the state and the projection.
 
-mod forces;
 mod laws;
 pub(in crate::simulation) mod motion;
-mod rows;
+pub(in crate::simulation) mod rows;
 mod scales;
-mod space;
 mod switch;
 pub(in crate::simulation) mod switching;
 
 pub(in crate::simulation) use laws::Laws;
-pub(in crate::simulation) use space::pair_size;
-use space::Stuck;
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
-use crate::fesd::frame::Frame;
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, Pieces, Switching, contact_in_space, contact_point, contains_ground, surfaces,
+    ControlPiece, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground, friction_share,
+    pair_size, surfaces,
     switching_terms, tangent_point,
 };
 use crate::simulation::{
@@ -65,8 +61,6 @@ pub(in crate::simulation) struct Dynamics<'a> {
     /// Sign of the determinant of the equations for the contact accelerations at the last evaluation. While it
     /// stays, none of them has passed through infinity.
     pub(in crate::simulation) orientation: f64,
-    /// Frames of contacts in space; empty without any.
-    frames: Vec<Frame>,
     evaluated: Evaluated,
     equations: Equations,
     /// What counts as zero at each contact.
@@ -85,6 +79,14 @@ pub(in crate::simulation) struct Mode {
     pub(in crate::simulation) active: Vec<usize>,
     /// Sliding velocities of contacts that stick.
     sticking: Vec<Stuck>,
+}
+
+/// A sliding velocity that is held: in space each contact has two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Stuck {
+    contact: usize,
+    /// Whether it is the second one.
+    across: bool,
 }
 
 /// The switching functions: one for each contact, then two for each contact with friction.
@@ -132,12 +134,10 @@ struct Evaluated {
     points: Vec<f64>,
     /// Their tangential sides, each laid out as in [`tangent_point`].
     tangents: Vec<f64>,
-    /// The second tangential sides of contacts in space; empty without any.
-    across: Vec<f64>,
-    /// The directions along which they slip.
-    slipping: Vec<f64>,
-    /// What dry frictions follow of the forces of surfaces: friction, surface and factor.
-    loads: Vec<(usize, usize, f64)>,
+    /// What contacts in space have besides.
+    space: Option<Space>,
+    /// What dry frictions follow of the forces of surfaces.
+    loads: Loads,
     /// Mass matrix, row-major.
     mass: Vec<f64>,
 }
@@ -163,7 +163,6 @@ impl<'a> Dynamics<'a> {
         let laws = Laws::of(model);
         let functions = contacts + 2 * laws.frictional.len();
         let rows = contacts + 2 * laws.frictional.len();
-        let spatial = contact_in_space(model).map_or(0, |_| contacts);
         Self {
             model,
             n,
@@ -186,9 +185,8 @@ impl<'a> Dynamics<'a> {
                 acceleration: vec![0.0; n],
                 points: vec![0.0; contacts * contact_point::length(n)],
                 tangents: vec![0.0; contacts * tangent_point::length(n)],
-                across: vec![0.0; spatial * tangent_point::length(n)],
-                slipping: vec![0.0; spatial * n],
-                loads: Vec::new(),
+                space: Space::of(model),
+                loads: Loads::default(),
                 mass: vec![0.0; n * n],
             },
             equations: Equations {
@@ -199,7 +197,6 @@ impl<'a> Dynamics<'a> {
                 s: vec![0.0; contacts],
                 across: vec![0.0; contacts],
             },
-            frames: vec![Frame::default(); spatial],
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
@@ -295,12 +292,71 @@ impl<'a> Dynamics<'a> {
         let length = tangent_point::length(self.n);
         let point = &mut self.evaluated.tangents[contact * length..(contact + 1) * length];
         self.model.tangent(contact, &self.evaluated.x, point);
-        if self.is_in_space(contact) {
-            let across = &mut self.evaluated.across[contact * length..(contact + 1) * length];
-            self.model.across(contact, &self.evaluated.x, across);
-            let frame = self.frames[contact];
-            self.turn(contact, frame);
+        if let Some(space) = self.evaluated.space.as_mut().filter(|space| space.contains(contact)) {
+            space.evaluate(self.model, contact, &self.evaluated.x, point);
         }
+    }
+
+    /// Contacts in space, if this is one.
+    pub(in crate::simulation) fn space(&self, contact: usize) -> Option<&Space> {
+        let space = self.evaluated.space.as_ref();
+        space.filter(|space| space.contains(contact))
+    }
+
+    /// Whether a contact slides along two directions.
+    pub(in crate::simulation) fn is_in_space(&self, contact: usize) -> bool {
+        self.space(contact).is_some()
+    }
+
+    /// Turns the frame of a contact in space so that it points along what is `to` in it, or along its sliding velocity where that
+    /// has a direction.
+    pub(in crate::simulation) fn align(&mut self, contact: usize, to: Option<(f64, f64)>) {
+        let length = tangent_point::length(self.n);
+        let known = &mut self.evaluated;
+        let Some(space) = known.space.as_mut().filter(|space| space.contains(contact)) else {
+            return;
+        };
+        let tangent = &mut known.tangents[contact * length..(contact + 1) * length];
+        match to {
+            Some(to) => space.align(contact, to, tangent),
+            None => space.align_with_sliding(contact, tangent),
+        }
+    }
+
+    /// Both sliding velocities as last evaluated; the second is 0 in the plane.
+    pub(in crate::simulation) fn sliding(&self, contact: usize) -> (f64, f64) {
+        let across = self.space(contact).map(|space| space.across(contact));
+        let across = across.map_or(0.0, |across| across[tangent_point::SLIDING_VELOCITY]);
+        (self.sliding_velocity(contact), across)
+    }
+
+    /// The second tangent of a contact in space, and the direction of its force, as last evaluated; none in the plane.
+    pub(in crate::simulation) fn across(&self, contact: usize) -> (&[f64], &[f64]) {
+        let across = self.space(contact).map(|space| space.across(contact));
+        across.map_or((&[], &[]), |across| {
+            let (tangent, direction) = across[tangent_point::TANGENT..].split_at(self.n);
+            (tangent, &direction[..self.n])
+        })
+    }
+
+    /// The direction in which friction of a contact acts that slips.
+    pub(in crate::simulation) fn slip_direction(&self, contact: usize) -> &[f64] {
+        match self.space(contact) {
+            Some(space) => space.slipping(contact),
+            None => self.friction_direction(contact),
+        }
+    }
+
+    /// Below this speed a contact does not slide.
+    pub(in crate::simulation) fn zero_speed(&self, contact: usize) -> f64 {
+        let zero = self.zero_sliding_velocity(contact);
+        let space = self.space(contact);
+        space.map_or(zero, |space| zero.max(space.frames()[contact].soft))
+    }
+
+    /// Size of the tangential acceleration that a contact provides at the last evaluation.
+    pub(in crate::simulation) fn friction_size(&self, contact: usize) -> f64 {
+        pair_size((self.equations.s[contact], self.equations.across[contact]))
     }
 
     /// Evaluates one contact, and its tangential side if it has friction, at the state loaded.
@@ -309,7 +365,7 @@ impl<'a> Dynamics<'a> {
         if self.has_friction(contact) {
             self.evaluate_tangent(contact);
         }
-        self.evaluate_loads(contact);
+        self.evaluated.loads.evaluate(self.model, contact, &self.evaluated.x);
     }
 
     /// The tangential side as last evaluated, laid out as in [`tangent_point`].
@@ -358,7 +414,7 @@ impl<'a> Dynamics<'a> {
     /// of dry friction is its force less the given one, and less what it follows of others.
     pub(in crate::simulation) fn coupling(&self, contact: usize, other: usize) -> f64 {
         if self.is_dry(contact) {
-            self.coupling_of_given(contact, other)
+            self.evaluated.loads.coupling(contact, other)
         } else {
             dot(self.normal(contact), self.direction(other))
         }
@@ -540,7 +596,18 @@ impl<'a> Dynamics<'a> {
             self.scales[i].observe(point, friction, instant.at(time));
             let terms = switching_terms(self.model, i, &self.evaluated.x);
             self.scales[i].observe_switch(terms);
-            self.observe_sliding(i);
+            if self.is_in_space(i) {
+                let speed = pair_size(self.sliding(i));
+                let scale = &mut self.scales[i];
+                scale.observe_switch(speed);
+                let zero = scale.zero_sliding_velocity();
+                if let Some(space) = &mut self.evaluated.space {
+                    space.measure(i, scale.sliding_velocity(), zero);
+                }
+                if matches!(self.mode.states[i], ContactState::Slip(_)) {
+                    self.align(i, None);
+                }
+            }
         }
     }
 
@@ -606,6 +673,40 @@ impl<'a> Dynamics<'a> {
     /// Whether a contact belongs to the present mode.
     pub(in crate::simulation) fn is_active(&self, contact: usize) -> bool {
         self.mode.active.contains(&contact)
+    }
+
+    /// Normal contact forces at the last evaluation, `lambda_i = r_i / D_i`, 0 for open contacts.
+    pub(in crate::simulation) fn forces(&self, out: &mut [f64]) {
+        self.divide_by_inertia(&self.equations.r, out);
+    }
+
+    /// Tangential contact forces at the last evaluation, `s_i / D_i`, 0 for open contacts.
+    pub(in crate::simulation) fn friction_forces(&self, out: &mut [f64]) {
+        self.divide_by_inertia(&self.equations.s, out);
+        for &i in self.mode.active.iter().filter(|&&i| self.is_in_space(i)) {
+            // In space it has a size, and a direction that the velocities tell.
+            out[i] = self.friction_size(i) / self.point(i)[contact_point::INVERSE_INERTIA];
+        }
+        for (i, force) in out.iter_mut().enumerate() {
+            *force *= friction_share(self.model, i, &self.evaluated.x);
+        }
+    }
+
+    fn divide_by_inertia(&self, accelerations: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for &i in &self.mode.active {
+            out[i] = accelerations[i] / self.point(i)[contact_point::INVERSE_INERTIA];
+        }
+    }
+
+    /// Normal contact acceleration of an active contact at the last evaluation.
+    pub(in crate::simulation) fn normal_force(&self, contact: usize) -> f64 {
+        self.equations.r[contact]
+    }
+
+    /// What a contact that sticks at the last evaluation has left before it slips, `mu r - |s|`.
+    pub(in crate::simulation) fn friction_reserve(&self, contact: usize) -> f64 {
+        self.laws.friction[contact] * self.equations.r[contact] - self.friction_size(contact)
     }
 
     /// What a switching function is in the present mode.

@@ -1,6 +1,6 @@
 //! The linear system of a contact mode for the contact accelerations.
 
-use super::{Dynamics, dot};
+use super::{Dynamics, Stuck, dot};
 use crate::model::{contact_point, tangent_point};
 use crate::simulation::event::small_system;
 
@@ -9,8 +9,31 @@ use crate::simulation::event::small_system;
 pub(super) fn constraint<'a>(dynamics: &'a Dynamics<'_>, row: usize) -> &'a [f64] {
     match dynamics.mode.active.get(row) {
         Some(&i) => dynamics.normal(i),
-        None => dynamics.stuck(dynamics.mode.sticking[row - dynamics.mode.active.len()]).0,
+        None => stuck(dynamics, dynamics.mode.sticking[row - dynamics.mode.active.len()]).0,
     }
+}
+
+/// Tangent and direction of the force of a sliding velocity that is held.
+fn stuck<'a>(dynamics: &'a Dynamics<'_>, held: Stuck) -> (&'a [f64], &'a [f64]) {
+    match held.across {
+        true => dynamics.across(held.contact),
+        false => (
+            dynamics.tangent(held.contact),
+            dynamics.friction_direction(held.contact),
+        ),
+    }
+}
+
+/// Rate of the second sliding velocity of a contact in space under the acceleration `a`; 0 in the plane.
+pub(in crate::simulation) fn across_acceleration(
+    dynamics: &Dynamics<'_>,
+    contact: usize,
+    a: &[f64],
+) -> f64 {
+    dynamics.space(contact).map_or(0.0, |space| {
+        let curvature = space.across(contact)[tangent_point::CURVATURE];
+        curvature + dot(dynamics.across(contact).0, a)
+    })
 }
 
 /// Whether the unknown of a row is the given normal force of dry friction.
@@ -29,7 +52,7 @@ pub(super) fn force_direction<'a>(
     match dynamics.mode.active.get(row) {
         Some(&i) if slipping => &dynamics.equations.columns[i * dynamics.n..(i + 1) * dynamics.n],
         Some(&i) => dynamics.direction(i),
-        None => dynamics.stuck(dynamics.mode.sticking[row - dynamics.mode.active.len()]).1,
+        None => stuck(dynamics, dynamics.mode.sticking[row - dynamics.mode.active.len()]).1,
     }
 }
 
@@ -86,11 +109,11 @@ pub(super) fn evaluate_rows(dynamics: &mut Dynamics<'_>) -> usize {
         );
         let ratio = dynamics.mode.states[i].force_ratio(dynamics.laws.frictions(i));
         if ratio != 0.0 {
-            let e = match dynamics.is_in_space(i) {
-                true => &dynamics.evaluated.slipping[i * n..],
-                false => {
+            let e = match dynamics.evaluated.space.as_ref() {
+                Some(space) if space.contains(i) => space.slipping(i),
+                _ => {
                     &dynamics.evaluated.tangents[i * tangent_point::length(n)..]
-                        [tangent_point::direction(n)..]
+                        [tangent_point::direction(n)..][..n]
                 }
             };
             for (d, e) in dynamics.equations.columns[column].iter_mut().zip(e) {
@@ -101,7 +124,7 @@ pub(super) fn evaluate_rows(dynamics: &mut Dynamics<'_>) -> usize {
     for slot in 0..dynamics.mode.sticking.len() {
         let held = dynamics.mode.sticking[slot];
         dynamics.equations.right[normals + slot] = match held.across {
-            true => -dynamics.across_acceleration(held.contact, dynamics.free_acceleration()),
+            true => -across_acceleration(dynamics, held.contact, dynamics.free_acceleration()),
             false => -dynamics.free_sliding_acceleration(held.contact).0,
         };
     }
@@ -143,7 +166,10 @@ pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
     }
     for slot in normals..rows {
         let held = dynamics.mode.sticking[slot - normals];
-        dynamics.equations.right[slot] = -dynamics.stuck_acceleration(held, a);
+        dynamics.equations.right[slot] = -match held.across {
+            true => across_acceleration(dynamics, held.contact, a),
+            false => dynamics.contact_accelerations(held.contact, a).1,
+        };
     }
     if solve_rows(dynamics, rows, true).is_some() {
         add_columns(dynamics, rows, true, a);

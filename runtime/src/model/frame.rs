@@ -104,6 +104,15 @@ impl Frame {
     }
 }
 
+/// Size of a pair, exactly that of its first number where the second is 0.
+pub(crate) fn pair_size((first, second): (f64, f64)) -> f64 {
+    if second == 0.0 {
+        first.abs()
+    } else {
+        first.hypot(second)
+    }
+}
+
 /// The direction of a slide in its frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slide {
