@@ -129,7 +129,10 @@ fn contact(contact: &Contact) -> ContactDeclaration {
             hessian,
             kinetic: friction.kinetic.is_some(),
             share: friction.share.is_some(),
-            across: friction.across.as_ref().map(|(_, rows)| pattern(&rows.jacobian)),
+            across: friction
+                .across
+                .as_ref()
+                .map(|(_, rows)| pattern(&rows.jacobian)),
         }
     });
     ContactDeclaration {
@@ -141,7 +144,12 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         },
         friction,
         dry: contact.dry,
-        loads: list(contact.loads.iter().flat_map(|(surfaces, _)| surfaces.iter().copied())),
+        loads: list(
+            contact
+                .loads
+                .iter()
+                .flat_map(|(surfaces, _)| surfaces.iter().copied()),
+        ),
         switch: contact.switch.map(|passes| match passes {
             true => Switching::Passes,
             false => Switching::Slides,

@@ -160,21 +160,30 @@ impl Model for TextScene {
     }
 
     fn across(&self, contact: usize, x: &[f64], point: &mut [f64]) {
-        match self.friction_of(contact).and_then(|known| known.across.as_ref()) {
+        match self
+            .friction_of(contact)
+            .and_then(|known| known.across.as_ref())
+        {
             Some((kernel, rows)) => self.point(*kernel, rows, x, point),
             None => point.fill(f64::NAN),
         }
     }
 
     fn across_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {
-        match self.friction_of(contact).and_then(|known| known.across.as_ref()) {
+        match self
+            .friction_of(contact)
+            .and_then(|known| known.across.as_ref())
+        {
             Some((_, rows)) => self.rows_jacobian(rows, x, values),
             None => values.fill(f64::NAN),
         }
     }
 
     fn loads(&self, contact: usize, x: &[f64], loads: &mut [f64]) {
-        if let Some((_, kernel)) = self.contact_of(contact).and_then(|known| known.loads.as_ref()) {
+        if let Some((_, kernel)) = self
+            .contact_of(contact)
+            .and_then(|known| known.loads.as_ref())
+        {
             self.evaluate(*kernel, x, &[], loads);
         }
     }

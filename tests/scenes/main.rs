@@ -7,6 +7,7 @@ mod charts;
 mod closed_forms;
 mod convergence_order;
 mod design;
+mod friction;
 mod gradient;
 mod joints;
 mod many_contacts;

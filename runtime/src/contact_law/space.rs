@@ -125,7 +125,13 @@ impl<'a> Problem<'a> {
         let nearest = self.projected(&self.proposed(forces));
         let residual: Vec<f64> = forces.iter().zip(nearest).map(|(f, p)| f - p).collect();
         let asked = self.offsets.iter().zip(&self.rho).map(|(q, rho)| q * rho);
-        let largest = |most: f64, value: f64| if value.abs() <= most { most } else { value.abs() };
+        let largest = |most: f64, value: f64| {
+            if value.abs() <= most {
+                most
+            } else {
+                value.abs()
+            }
+        };
         let scale = forces.iter().copied().chain(asked).fold(0.0, largest);
         let size = residual.iter().copied().fold(0.0, largest);
         let relative = if size == 0.0 { 0.0 } else { size / scale };
@@ -189,7 +195,10 @@ impl<'a> Problem<'a> {
         let mut matrix = vec![0.0; lines * lines];
         let mut set = |row: usize, weights: &[(usize, f64)]| {
             for column in 0..lines {
-                let projected: f64 = weights.iter().map(|&(line, w)| w * rate(line, column)).sum();
+                let projected: f64 = weights
+                    .iter()
+                    .map(|&(line, w)| w * rate(line, column))
+                    .sum();
                 let own = f64::from(u8::from(row == column));
                 matrix[row * lines + column] = own - projected;
             }

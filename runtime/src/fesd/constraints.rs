@@ -4,7 +4,8 @@ use super::active_contact::{ActiveContact, force_count};
 use super::contacts::sum_of_sizes;
 use crate::joints::{JointError, Joints};
 use crate::model::{
-    Frame, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces, tangent_point,
+    Frame, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces,
+    tangent_point,
 };
 
 /// The constraints of a contact mode at one point: first the normals of the active contacts, those of dry friction last,
@@ -359,7 +360,12 @@ impl<'a> Constraints<'a> {
                 continue;
             };
             if self.is_in_space(held.contact) {
-                self.differentiate_in_space(x, (held, stuck), (r, forces), (&mut *by_q, &mut *by_v));
+                self.differentiate_in_space(
+                    x,
+                    (held, stuck),
+                    (r, forces),
+                    (&mut *by_q, &mut *by_v),
+                );
                 stuck += held.stuck();
                 continue;
             }
@@ -446,12 +452,16 @@ impl<'a> Constraints<'a> {
             return;
         }
         // The force turns with the velocity.
-        let directions = [&self.tangent, &self.across].map(|side| &side[tangent_point::direction(n)..]);
-        let gradients = [&self.tangent, &self.across].map(|side| &side[tangent_point::TANGENT..][..n]);
+        let directions =
+            [&self.tangent, &self.across].map(|side| &side[tangent_point::direction(n)..]);
+        let gradients =
+            [&self.tangent, &self.across].map(|side| &side[tangent_point::TANGENT..][..n]);
         let turning = [first, second];
         for row in 0..n {
             for k in 0..2 {
-                let turned: f64 = (0..2).map(|side| slip * directions[side][row] * slide.by[side][k]).sum();
+                let turned: f64 = (0..2)
+                    .map(|side| slip * directions[side][row] * slide.by[side][k])
+                    .sum();
                 for column in 0..n {
                     by_q[row * n + column] += turned * turning[k][column];
                     by_v[row * n + column] += turned * gradients[k][column];

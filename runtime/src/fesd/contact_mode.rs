@@ -174,7 +174,10 @@ impl Solved {
     /// The components of `values` along both tangents of a cone; the second is 0 in the plane.
     fn both(&self, tangent: usize, values: &[f64]) -> (f64, f64) {
         let cone = &self.cones[tangent - self.touching.len()];
-        (values[tangent], cone.across.map_or(0.0, |across| values[across]))
+        (
+            values[tangent],
+            cone.across.map_or(0.0, |across| values[across]),
+        )
     }
 
     /// Sorts the contacts by what their forces and accelerations say.
@@ -227,7 +230,11 @@ impl Solved {
         let at_rest = margin > zero;
         // Where sliding has a lower coefficient of its own, a force that is no longer held jumps.
         let jumps = contacts.kinetic(contact) < contacts.friction(contact);
-        let margin = if at_rest && !(jumps && slip.abs() > zero) { margin } else { 0.0 };
+        let margin = if at_rest && !(jumps && slip.abs() > zero) {
+            margin
+        } else {
+            0.0
+        };
         sorted.shares.push(Share {
             contact,
             friction,
@@ -282,7 +289,11 @@ impl Solved {
             return Tangential::StickingInSpace;
         }
         let slips = pair_size(slip) > zero;
-        let direction = if slips { slip } else { (-friction.0, -friction.1) };
+        let direction = if slips {
+            slip
+        } else {
+            (-friction.0, -friction.1)
+        };
         let sense = self.begin_slip(contacts, contact, direction, sorted);
         if !slips {
             sorted.undecided.push(Undecided::Edge { contact, sense });
@@ -355,7 +366,16 @@ fn select_by_jerk(
     let mut jerk = vec![0.0; lines.len()];
     let mut behind = vec![0.0; lines.len()];
     separation(contacts, x, &motion, step, strict, &held, &lines, &mut jerk)?;
-    separation(contacts, x, &motion, -step, strict, &held, &lines, &mut behind)?;
+    separation(
+        contacts,
+        x,
+        &motion,
+        -step,
+        strict,
+        &held,
+        &lines,
+        &mut behind,
+    )?;
     for (ahead, behind) in jerk.iter_mut().zip(&behind) {
         *ahead = (*ahead - behind) / (2.0 * step);
     }

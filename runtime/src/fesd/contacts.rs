@@ -4,14 +4,18 @@
 //! contact, which acts along `d_i`, or along `d_i -+ mu_i e_i` while it slips; and `v_t' = 0` for the
 //! friction `s_i` of a sticking contact, which acts along `e_i`.
 
+pub(crate) use super::line::Line;
+pub(super) use super::line::{tangents, unbiased_lines};
+pub(crate) use super::mode_error::ModeError;
+
 use super::active_contact::ActiveContact;
 use super::contact_size::ContactSize;
 use super::coulomb::Cone;
-use crate::linalg::{dense, lcp};
+use crate::linalg::dense;
 use crate::model::rounding::rounding_error_at_start;
 use crate::model::{
-    Frame, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground, friction_coefficients,
-    kinetic_coefficients, surfaces, switching_terms, tangent_point,
+    Frame, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground,
+    friction_coefficients, kinetic_coefficients, surfaces, switching_terms, tangent_point,
 };
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
@@ -20,51 +24,6 @@ const JAMMED: f64 = 1e-10;
 
 /// Bound of dry friction below zero, as a share of its largest, that is no rounding error.
 const NEGATIVE: f64 = 1e-9;
-
-/// Why a contact mode could not be determined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ModeError {
-    /// The complementarity problem of impulses or accelerations has no solution: jamming.
-    Jammed,
-    /// The normals of the active contacts are dependent.
-    Dependent,
-    /// A model value is infinite or not a number.
-    NotFinite,
-    /// The bound of this dry friction is negative.
-    NegativeBound(usize),
-    /// Both sides of this switch push away from the zero of its function, on which the motion is.
-    NotUnique(usize),
-}
-
-impl From<lcp::LcpError> for ModeError {
-    fn from(error: lcp::LcpError) -> Self {
-        match error {
-            lcp::LcpError::Ray => Self::Jammed,
-            lcp::LcpError::NotFinite => Self::NotFinite,
-        }
-    }
-}
-
-/// One velocity that is held, and the direction of the force that holds it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Line {
-    /// The normal velocity, by a force along `d + slope e`.
-    Normal { contact: usize, slope: f64 },
-    /// The sliding velocity times `sense`, by a force along `sense e`.
-    Tangent { contact: usize, sense: f64 },
-    /// The second sliding velocity of a contact in space.
-    Across { contact: usize },
-}
-
-impl Line {
-    pub(crate) fn contact(self) -> usize {
-        match self {
-            Self::Normal { contact, .. }
-            | Self::Tangent { contact, .. }
-            | Self::Across { contact } => contact,
-        }
-    }
-}
 
 /// Evaluates contacts and their forces at a point; owns the memory for it.
 // Many fields: the memory of an evaluation, and the sizes that the motion has had.
@@ -193,7 +152,8 @@ impl<'a> Contacts<'a> {
 
     /// The second tangential side of a contact in space at the last evaluation.
     fn across(&self, contact: usize) -> &[f64] {
-        self.space(contact).map_or(&[], |space| space.across(contact))
+        self.space(contact)
+            .map_or(&[], |space| space.across(contact))
     }
 
     /// Both sliding velocities of a contact at the last evaluation; the second is 0 in the plane.
@@ -369,7 +329,9 @@ impl<'a> Contacts<'a> {
                 }
                 false => 0.0,
             };
-            terms.max(across).max(switching_terms(self.model, contact, x))
+            terms
+                .max(across)
+                .max(switching_terms(self.model, contact, x))
         } else {
             0.0
         };
@@ -492,11 +454,7 @@ impl<'a> Contacts<'a> {
     /// Acceleration of a line without contact forces at the last evaluation.
     pub(super) fn free_line_acceleration(&self, line: Line) -> f64 {
         let (row, curvature) = self.row(line);
-        let sign = match line {
-            Line::Normal { .. } | Line::Across { .. } => 1.0,
-            Line::Tangent { sense, .. } => sense,
-        };
-        sign * (dot(row, &self.acceleration) + curvature)
+        line.sense() * (dot(row, &self.acceleration) + curvature)
     }
 
     /// Normal acceleration of a contact without contact forces at the last evaluation, `phi_i`.
@@ -544,10 +502,7 @@ impl<'a> Contacts<'a> {
 
     /// Acceleration of line `row` for a unit force on line `column`.
     pub(crate) fn coupling(&self, row: Line, column: Line) -> f64 {
-        let sign = match row {
-            Line::Normal { .. } | Line::Across { .. } => 1.0,
-            Line::Tangent { sense, .. } => sense,
-        };
+        let sign = row.sense();
         if let (Line::Normal { contact, .. }, Line::Normal { contact: other, .. }) = (row, column)
             && self.is_dry(contact)
         {
@@ -566,9 +521,10 @@ impl<'a> Contacts<'a> {
             Line::Tangent { contact, sense } => {
                 sense * dot(gradient, self.friction_direction(contact))
             }
-            Line::Across { contact } => {
-                dot(gradient, &self.across(contact)[tangent_point::direction(self.n)..])
-            }
+            Line::Across { contact } => dot(
+                gradient,
+                &self.across(contact)[tangent_point::direction(self.n)..],
+            ),
         };
         sign * along
     }
@@ -595,11 +551,7 @@ impl<'a> Contacts<'a> {
             Line::Normal { contact, slope } => {
                 add(acceleration, self.direction(contact), value);
                 if slope != 0.0 {
-                    add(
-                        acceleration,
-                        self.slip_direction(contact),
-                        slope * value,
-                    );
+                    add(acceleration, self.slip_direction(contact), slope * value);
                 }
             }
             Line::Tangent { contact, sense } => add(
@@ -723,29 +675,6 @@ impl<'a> Contacts<'a> {
             }
         })
     }
-}
-
-/// Tangents of the contacts that stick.
-fn tangents(active: &[ActiveContact]) -> impl Iterator<Item = Line> {
-    let sticking = active.iter().filter(|held| held.sticks());
-    sticking.flat_map(|held| {
-        let contact = held.contact;
-        let along = Line::Tangent {
-            contact,
-            sense: 1.0,
-        };
-        let across = (held.stuck() > 1).then_some(Line::Across { contact });
-        std::iter::once(along).chain(across)
-    })
-}
-
-/// The lines that the `active` contacts hold, for forces along the contact directions themselves.
-pub(super) fn unbiased_lines(active: &[ActiveContact]) -> Vec<Line> {
-    let normals = active.iter().map(|held| Line::Normal {
-        contact: held.contact,
-        slope: 0.0,
-    });
-    normals.chain(tangents(active)).collect()
 }
 
 /// Sum of the sizes of the terms of a scalar product.

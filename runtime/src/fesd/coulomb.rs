@@ -129,7 +129,11 @@ fn solve_block(
         return Ok(());
     }
     if two {
-        let least = if violation <= ILL_CONDITIONED { Ok(()) } else { Err(lcp::LcpError::Ray) };
+        let least = if violation <= ILL_CONDITIONED {
+            Ok(())
+        } else {
+            Err(lcp::LcpError::Ray)
+        };
         return least;
     }
     let mut pivoted = vec![0.0; offsets.len()];

@@ -35,7 +35,11 @@ pub(super) fn coulomb_lines(
 }
 
 /// Adds the lines of the second tangents of some cones.
-pub(super) fn add_acrosses(lines: &mut Vec<Line>, cones: &mut [Cone], acrosses: Vec<(usize, Line)>) {
+pub(super) fn add_acrosses(
+    lines: &mut Vec<Line>,
+    cones: &mut [Cone],
+    acrosses: Vec<(usize, Line)>,
+) {
     for (cone, line) in acrosses {
         cones[cone].across = Some(lines.len());
         lines.push(line);

@@ -40,10 +40,7 @@ impl Frame {
     /// Takes a pair of numbers, or of vectors, into the frame.
     pub(crate) fn turn(&self, first: &mut [f64], second: &mut [f64]) {
         for (a, b) in first.iter_mut().zip(second) {
-            (*a, *b) = (
-                self.cos * *a + self.sin * *b,
-                self.cos * *b - self.sin * *a,
-            );
+            (*a, *b) = (self.cos * *a + self.sin * *b, self.cos * *b - self.sin * *a);
         }
     }
 
@@ -71,7 +68,7 @@ impl Frame {
 
     /// The direction in the frame of what slides with this velocity in it, and its derivatives by both velocities.
     pub(crate) fn direction(&self, (first, second): (f64, f64)) -> Slide {
-        if second.abs() > first.abs() {
+        if second.abs() > first.abs() && first.hypot(second) > self.soft {
             // Far from the direction of the frame there is no end of a slide.
             let size = first.hypot(second);
             let (a, b) = (first / size, second / size);

@@ -365,7 +365,11 @@ pub(crate) fn friction_coefficients(model: &dyn Model) -> Vec<f64> {
 pub(crate) fn kinetic_coefficients(model: &dyn Model) -> Vec<f64> {
     let contacts = model.declaration().contacts;
     (0..contacts.len())
-        .map(|i| contacts[i].friction.map_or(0.0, |_| model.kinetic_friction(i)))
+        .map(|i| {
+            contacts[i]
+                .friction
+                .map_or(0.0, |_| model.kinetic_friction(i))
+        })
         .collect()
 }
 

@@ -219,7 +219,11 @@ impl Jump<'_> {
     /// Size of the jump of the sliding velocity of a contact.
     fn sliding_jump(&self, contact: usize) -> f64 {
         let (along, across) = self.tangential[contact];
-        if across == 0.0 { along.abs() } else { along.hypot(across) }
+        if across == 0.0 {
+            along.abs()
+        } else {
+            along.hypot(across)
+        }
     }
 
     /// The lines of the impulses, and the weights of their sizes: one of a contact that slides afterwards, unless it
@@ -311,7 +315,11 @@ impl Jump<'_> {
             let sense = 1.0;
             let along = Line::Tangent { contact, sense };
             let rows = [along, Line::Across { contact }];
-            let count = if self.contacts.is_in_space(contact) { 2 } else { 1 };
+            let count = if self.contacts.is_in_space(contact) {
+                2
+            } else {
+                1
+            };
             let size = self.sliding_jump(contact) + self.normal[contact].abs();
             let jumps = [self.tangential[contact].0, self.tangential[contact].1];
             rows[..count].iter().zip(jumps).all(|(&row, jump)| {

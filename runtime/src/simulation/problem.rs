@@ -392,11 +392,19 @@ impl InitialValueProblem {
         for contact in contacts {
             let asked = if contact.friction.is_some_and(|friction| friction.kinetic) {
                 "friction with coefficients of its own at rest and in sliding"
-            } else if contact.friction.is_some_and(|friction| friction.across.is_some()) {
+            } else if contact
+                .friction
+                .is_some_and(|friction| friction.across.is_some())
+            {
                 "friction in space, with two sliding velocities"
-            } else if contact.friction.is_some_and(|friction| friction.share && reads_velocities(model, &friction.jacobian, 1)) {
+            } else if contact.friction.is_some_and(|friction| {
+                friction.share && reads_velocities(model, &friction.jacobian, 1)
+            }) {
                 "friction that changes with the speed of sliding"
-            } else if contact.dry && contact.switch.is_none() && reads_velocities(model, &contact.jacobian, 1) {
+            } else if contact.dry
+                && contact.switch.is_none()
+                && reads_velocities(model, &contact.jacobian, 1)
+            {
                 "a bound that changes with velocities"
             } else if !contact.loads.is_empty() {
                 "a bound that follows forces of surfaces"
@@ -413,7 +421,8 @@ impl InitialValueProblem {
     fn check_breaking(model: &dyn Model) -> Result<(), InputError> {
         const MOST: usize = 6;
         let contacts = model.declaration().contacts.iter();
-        let mut breaking = contacts.filter(|known| known.friction.is_some_and(|known| known.kinetic));
+        let mut breaking =
+            contacts.filter(|known| known.friction.is_some_and(|known| known.kinetic));
         match breaking.nth(MOST) {
             None => Ok(()),
             Some(contact) => Err(refusal::unsupported(

@@ -21,7 +21,11 @@ fn clutch_engages_when_its_control_has_taken_the_difference_of_speeds() {
         let heat = 5000.0 - motion.at(15.0).expect("the end")["energy"];
         // j1 j2/(j1 + j2)/2 100^2, of an energy of 5000 J.
         assert!((heat - 1e4 / 3.0).abs() < 1e-5, "{heat}");
-        ends(&motion, &[("dot(a)", 100.0 / 3.0), ("dot(b)", 100.0 / 3.0)], 1e-7);
+        ends(
+            &motion,
+            &[("dot(a)", 100.0 / 3.0), ("dot(b)", 100.0 / 3.0)],
+            1e-7,
+        );
     }
 }
 
@@ -38,7 +42,11 @@ fn clutch_slips_again_where_its_control_falls() {
     for motion in motions(text, None, &controls) {
         events(&motion, &[(EventKind::Slip, 1.0)], 1e-12);
         // Then a'' = 3 - 1.5 and b'' = 0.75.
-        ends(&motion, &[("dot(a)", 1.0 + 4.5), ("dot(b)", 1.0 + 2.25)], 1e-9);
+        ends(
+            &motion,
+            &[("dot(a)", 1.0 + 4.5), ("dot(b)", 1.0 + 2.25)],
+            1e-9,
+        );
     }
 }
 
@@ -66,10 +74,21 @@ fn wheel_stops_when_pads_that_are_pressed_have_taken_its_momentum() {
         let bound = 0.08 * (31.62 + 6.0 * 3.0_f64.sin());
         ends(&motion, &[("dot(w)", 0.0), ("force(brake)", bound)], 1e-8);
     }
-    let moreau = Moreau { steps: 3000, ..Moreau::default() };
-    let motion = simulate(&super::scene(BRAKE)).method(moreau).run().expect("a scene");
+    let moreau = Moreau {
+        steps: 3000,
+        ..Moreau::default()
+    };
+    let motion = simulate(&super::scene(BRAKE))
+        .method(moreau)
+        .run()
+        .expect("a scene");
     // First order: a step of 1 ms beside a second.
-    let stopped = motion.trajectory.v.iter().position(|v| v[1] == 0.0).expect("it stops");
+    let stopped = motion
+        .trajectory
+        .v
+        .iter()
+        .position(|v| v[1] == 0.0)
+        .expect("it stops");
     assert!((motion.trajectory.time[stopped] - stops()).abs() < 3e-3);
 }
 
@@ -85,7 +104,14 @@ fn pads_that_lift_off_brake_no_longer() {
         values: vec![vec![0.0], vec![30.0]],
     };
     for motion in motions(text, None, &controls) {
-        ends(&motion, &[("dot(w)", 30.0 - 0.8 * 19.62), ("friction_force(brake)", 0.0)], 1e-9);
+        ends(
+            &motion,
+            &[
+                ("dot(w)", 30.0 - 0.8 * 19.62),
+                ("friction_force(brake)", 0.0),
+            ],
+            1e-9,
+        );
     }
 }
 

@@ -33,13 +33,25 @@ fn stone_thrown_obliquely_slides_straight_on_and_stops() {
     let wanted = [(EventKind::Impact, lands), (EventKind::Stick, stops)];
     for motion in motions(&text, None, &ControlSignal::Zero) {
         events(&motion, &wanted, 1e-9);
-        let end = [("x", 0.6 * way), ("y", 0.8 * way), ("z", 0.0), ("dot(x)", 0.0), ("dot(y)", 0.0)];
+        let end = [
+            ("x", 0.6 * way),
+            ("y", 0.8 * way),
+            ("z", 0.0),
+            ("dot(x)", 0.0),
+            ("dot(y)", 0.0),
+        ];
         ends(&motion, &end, 1e-9);
         let impulse = motion.events[0].friction_impulse[0];
         assert!((impulse - 0.7 * 0.35 * fall).abs() < 1e-9, "{impulse}");
     }
-    let moreau = Moreau { steps: 3000, ..Moreau::default() };
-    let motion = simulate(&scene(&text)).method(moreau).run().expect("a scene");
+    let moreau = Moreau {
+        steps: 3000,
+        ..Moreau::default()
+    };
+    let motion = simulate(&scene(&text))
+        .method(moreau)
+        .run()
+        .expect("a scene");
     // First order: steps of 1 ms at 5 m/s.
     ends(&motion, &[("x", 0.6 * way), ("y", 0.8 * way)], 1e-2);
 }
@@ -51,12 +63,20 @@ fn impact_on_a_rough_floor_stops_inside_of_the_cone_and_slips_outside() {
         let text = stone(
             "(dot(x), dot(y))",
             &format!("restitution {e}"),
-            &format!("z: 0.5, dot(x): {}, dot(y): {}, dot(z): -4", -0.28 * sliding, 0.96 * sliding),
+            &format!(
+                "z: 0.5, dot(x): {}, dot(y): {}, dot(z): -4",
+                -0.28 * sliding,
+                0.96 * sliding
+            ),
         )
         .replace("= 9.81", "= 0");
         let left = f64::max(sliding - 0.35 * (1.0 + e) * 4.0, 0.0);
         for motion in motions(&text, None, &ControlSignal::Zero) {
-            let end = [("dot(x)", -0.28 * left), ("dot(y)", 0.96 * left), ("dot(z)", 4.0 * e)];
+            let end = [
+                ("dot(x)", -0.28 * left),
+                ("dot(y)", 0.96 * left),
+                ("dot(z)", 4.0 * e),
+            ];
             ends(&motion, &end, 1e-12);
         }
     }
@@ -66,7 +86,8 @@ fn impact_on_a_rough_floor_stops_inside_of_the_cone_and_slips_outside() {
 fn sideways_slide_on_a_slope_turns_downhill_and_stops_when_the_closed_form_says() {
     // With the pull f along the slope, friction c f and the angle th between them: d/dt v (c + cos th) = f (1 - c^2).
     let (pull, ratio) = (0.2 * 9.81, 0.35 / 0.2);
-    let text = stone("(dot(x), dot(y))", "inelastic", "dot(x): 1, dot(y): 2").replace("tilt = 0", "tilt = 0.2");
+    let text = stone("(dot(x), dot(y))", "inelastic", "dot(x): 1, dot(y): 2")
+        .replace("tilt = 0", "tilt = 0.2");
     let speed = 5.0_f64.sqrt();
     let stops = speed * (ratio - 1.0 / speed) / (pull * (ratio * ratio - 1.0));
     for motion in motions(&text, None, &ControlSignal::Zero) {
@@ -93,7 +114,8 @@ fn independent(time: f64) -> [f64; 2] {
         let second = slope(s + 0.5 * h, at(first, 0.5 * h));
         let third = slope(s + 0.5 * h, at(second, 0.5 * h));
         let last = slope(s + h, at(third, h));
-        y = [0, 1, 2, 3].map(|i| y[i] + h / 6.0 * (first[i] + 2.0 * (second[i] + third[i]) + last[i]));
+        y = [0, 1, 2, 3]
+            .map(|i| y[i] + h / 6.0 * (first[i] + 2.0 * (second[i] + third[i]) + last[i]));
     }
     [y[0], y[1]]
 }
@@ -115,44 +137,55 @@ fn ball_slides_first_and_rolls_with_five_sevenths_of_its_speed() {
     let rolls = 2.0 * 5.0 / (7.0 * 0.3 * 9.81);
     for motion in motions(&ball("dot(x): 3, dot(y): 4"), None, &ControlSignal::Zero) {
         events(&motion, &[(EventKind::Stick, rolls)], 1e-9);
-        ends(&motion, &[("dot(x)", 15.0 / 7.0), ("dot(y)", 20.0 / 7.0)], 1e-9);
+        ends(
+            &motion,
+            &[("dot(x)", 15.0 / 7.0), ("dot(y)", 20.0 / 7.0)],
+            1e-9,
+        );
     }
 }
 
 #[test]
 fn spinning_ball_flies_a_parabola_on_the_ground_until_it_rolls() {
     // The point of contact slides along (1.2, -0.5) all the time, so that friction is constant.
-    let spin = ["dot(x): 2, dot(y): 1", "dot(a): 0.8/0.11 [rad/s], dot(b): 1.5/0.11 [rad/s]"].join(", ");
+    let spin = "dot(x): 2, dot(y): 1, dot(a): 0.8 [m/s]/r, dot(b): 1.5 [m/s]/r";
     let rolls = 2.0 * 1.3 / (7.0 * 0.3 * 9.81);
     let lost = 2.0 / 7.0;
     let (v_x, v_y) = (2.0 - lost * 1.2, 1.0 + lost * 0.5);
     // The mean velocity until it rolls, and the velocity of rolling from then on.
     let x = 0.5 * (2.0 + v_x) * rolls + v_x * (2.0 - rolls);
     let y = 0.5 * (1.0 + v_y) * rolls + v_y * (2.0 - rolls);
-    for motion in motions(&ball(&spin), None, &ControlSignal::Zero) {
+    for motion in motions(&ball(spin), None, &ControlSignal::Zero) {
         events(&motion, &[(EventKind::Stick, rolls)], 1e-9);
-        ends(&motion, &[("x", x), ("y", y), ("dot(x)", v_x), ("dot(y)", v_y)], 1e-8);
+        ends(
+            &motion,
+            &[("x", x), ("y", y), ("dot(x)", v_x), ("dot(y)", v_y)],
+            1e-8,
+        );
     }
 }
 
 #[test]
 fn turned_sliding_velocities_give_the_same_motion() {
     let start = "z: 0.4, dot(x): 1, dot(y): 2";
-    let end = |sliding: &str| {
-        let text = stone(sliding, "restitution 0.3", start).replace("tilt = 0", "tilt = 0.1");
+    let end = |sliding: &str, tilt: &str| {
+        let text = stone(sliding, "restitution 0.3", start).replace("tilt = 0", tilt);
         motions(&text, None, &ControlSignal::Zero).map(|motion| {
             let times: Vec<f64> = motion.events.iter().map(|event| event.time).collect();
             let end = motion.trajectory.q.last().expect("a motion").clone();
             (times, end)
         })
     };
-    let declared = end("(dot(x), dot(y))");
-    let turned = end("(c*dot(x) + s*dot(y), c*dot(y) - s*dot(x))");
-    for ((times, place), (its, other)) in declared.iter().zip(&turned) {
-        assert_eq!(times.len(), its.len());
-        for (a, b) in times.iter().zip(its).chain(place.iter().zip(other)) {
-            // Rounding error of some hundred steps.
-            assert!((a - b).abs() < 1e-11, "{a} and {b}");
+    // Rounding error of some hundred steps where it slides straight on; what a direction is, near the end of a slide that
+    // turns, is told by 1e-8 of a speed whose terms depend on the axes.
+    for (tilt, accuracy) in [("tilt = 0", 1e-11), ("tilt = 0.1", 1e-8)] {
+        let declared = end("(dot(x), dot(y))", tilt);
+        let turned = end("(c*dot(x) + s*dot(y), c*dot(y) - s*dot(x))", tilt);
+        for ((times, place), (its, other)) in declared.iter().zip(&turned) {
+            assert_eq!(times.len(), its.len());
+            for (a, b) in times.iter().zip(its).chain(place.iter().zip(other)) {
+                assert!((a - b).abs() < accuracy, "{a} and {b}");
+            }
         }
     }
 }
@@ -187,7 +220,10 @@ fn what_does_not_know_friction_in_space_says_so_with_what_to_write() {
         ..Fesd::default()
     });
     let message = refused.run().expect_err("a refusal").to_string();
-    assert!(message.contains("friction in space") && message.contains("`ground`"), "{message}");
+    assert!(
+        message.contains("friction in space") && message.contains("`ground`"),
+        "{message}"
+    );
     for (sliding, law, words) in [
         ("(dot(x), 2*dot(x))", "inelastic", "along one direction"),
         ("(dot(x), dot(y), dot(z))", "inelastic", "two in space"),

@@ -63,7 +63,11 @@ fn oscillator_of_popp_with_stribeck_friction_has_the_events_of_an_independent_in
         (place, time) = (next, time + took);
         wanted.push((EventKind::Stick, time));
     }
-    for motion in motions(&popp("0.1 + 0.2*exp(-speed/vs)"), Some(1e-11), &ControlSignal::Zero) {
+    for motion in motions(
+        &popp("0.1 + 0.2*exp(-speed/vs)"),
+        Some(1e-11),
+        &ControlSignal::Zero,
+    ) {
         let mut motion = motion;
         motion.events.truncate(wanted.len());
         events(&motion, &wanted, 1e-8);
@@ -78,13 +82,24 @@ fn block_on_a_belt_breaks_loose_at_the_friction_of_rest_and_slides_with_that_of_
     let amplitude = rest - middle;
     let slides = 2.0 / omega * (std::f64::consts::PI - (amplitude * omega / 0.4).atan());
     let sticks = 2.0 * amplitude / 0.4;
-    for motion in motions(&popp("static 0.3, kinetic 0.2"), Some(1e-11), &ControlSignal::Zero) {
-        let first = motion.events.iter().position(|event| event.kind == EventKind::Slip);
+    for motion in motions(
+        &popp("static 0.3, kinetic 0.2"),
+        Some(1e-11),
+        &ControlSignal::Zero,
+    ) {
+        let first = motion
+            .events
+            .iter()
+            .position(|event| event.kind == EventKind::Slip);
         let periods = &motion.events[first.expect("it slips")..];
         assert!(periods.len() >= 4);
         for pair in periods.windows(2) {
             let took = pair[1].time - pair[0].time;
-            let wanted = if pair[0].kind == EventKind::Slip { slides } else { sticks };
+            let wanted = if pair[0].kind == EventKind::Slip {
+                slides
+            } else {
+                sticks
+            };
             // Of ten promises of 1e-11 and two locations.
             assert!((took - wanted).abs() < 1e-9, "{took} for {wanted}");
         }
@@ -100,12 +115,15 @@ fn block_on_a_belt_breaks_loose_at_the_friction_of_rest_and_slides_with_that_of_
 fn both_coefficients_may_stand_beside_a_function_of_the_speed() {
     // At rest 1.5 times the friction of a slow slide.
     let [default, event_driven] = motions(
-        &popp("static 0.45, kinetic 0.1 + 0.2*exp(-speed/vs)"),
+        &popp("static 0.45, kinetic 0.1 + 0.2*exp(-speed/vs)").replace("horizon 20", "horizon 40"),
         Some(1e-10),
         &ControlSignal::Zero,
     );
     let slips = |motion: &Simulation| -> Vec<(f64, f64)> {
-        let slips = motion.events.iter().filter(|event| event.kind == EventKind::Slip);
+        let slips = motion
+            .events
+            .iter()
+            .filter(|event| event.kind == EventKind::Slip);
         slips.map(|event| (event.time, event.q[0])).collect()
     };
     let (one, other) = (slips(&default), slips(&event_driven));
@@ -136,7 +154,11 @@ fn impact_takes_the_coefficient_of_the_speed_before_it() {
         start { z: 1, dot(x): 2, dot(z): -1 } outputs { given: N s = friction_impulse(wall) } horizon 2 [s]";
     let mu = 0.1 + 0.4 / 3.0;
     for motion in motions(text, None, &ControlSignal::Zero) {
-        super::ends(&motion, &[("dot(x)", 2.0 - 1.5 * mu), ("given", -3.0 * mu)], 1e-9);
+        super::ends(
+            &motion,
+            &[("dot(x)", 2.0 - 1.5 * mu), ("given", -3.0 * mu)],
+            1e-9,
+        );
     }
 }
 
@@ -149,7 +171,11 @@ fn coefficients_that_make_no_sense_are_refused_with_what_to_write() {
         ("0.3*dot(x)/belt", "E07", "`speed`"),
         ("tanh(speed/vs)", "E10", "vanishes at rest"),
         ("0.3*speed", "E03", "ratio"),
-        ("static 0.5, kinetic 0.2 + 0.1*sin(x/1 [m])", "E07", "the same at all places"),
+        (
+            "static 0.5, kinetic 0.2 + 0.1*sin(x/1 [m])",
+            "E07",
+            "the same at all places",
+        ),
     ] {
         let message = refusal(&popp(friction));
         let message = message.split_whitespace().collect::<Vec<_>>().join(" ");

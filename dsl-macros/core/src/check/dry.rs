@@ -71,7 +71,10 @@ fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
     checker.scope.role = Role::Motion;
     let bound = bound?;
     let is_force = |variable| matches!(variable, Variable::ContactForce(_));
-    for force in graph::variables(&[bound]).into_iter().filter(|&v| is_force(v)) {
+    for force in graph::variables(&[bound])
+        .into_iter()
+        .filter(|&v| is_force(v))
+    {
         let factor = simplify(graph::partial(&[bound], force)[0]);
         if graph::depends_on(factor, is_force) {
             let message = format!(
@@ -81,7 +84,10 @@ fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
             );
             return Err(checker.diagnostics.report("E07", expr.place, message));
         }
-        if checker.at_default(factor).is_some_and(|factor| factor < 0.0) {
+        if checker
+            .at_default(factor)
+            .is_some_and(|factor| factor < 0.0)
+        {
             let message = format!(
                 "the bound of dry friction `{}` falls where a surface is pressed, and may fall below 0; change the sign in front \
                  of `force`",

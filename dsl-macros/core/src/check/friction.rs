@@ -72,10 +72,7 @@ pub(super) fn coefficients(
     let rest = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     let rest = checker.constant(rest, expr, "the coefficient of friction at rest")?;
     checker.coefficient(rest, expr, "friction", f64::INFINITY)?;
-    let values = (
-        checker.at_default(rest),
-        checker.at_default(still(value)),
-    );
+    let values = (checker.at_default(rest), checker.at_default(still(value)));
     if let (Some(rest), Some(slides)) = values
         && rest < slides
     {
@@ -154,7 +151,11 @@ pub(super) fn in_space(
     let name = &surface.name.text;
     let two = friction.at_rest.is_some();
     if two || graph::depends_on(friction.coefficient, |variable| variable == SPEED) {
-        let what = if two { "`static` and `kinetic`" } else { "`speed`" };
+        let what = if two {
+            "`static` and `kinetic`"
+        } else {
+            "`speed`"
+        };
         let message = format!(
             "friction of `{name}` has two sliding velocities, and its coefficient {what}; in space it is the same at rest and at every \
              speed, as in `friction 0.3`"

@@ -315,7 +315,9 @@ fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diag
         .and_then(|friction| friction.sliding.as_ref());
     let given = sliding.map_or(surface.pieces, Vec::len);
     let in_space = |list: &Vec<Vec<Sym>>| list.iter().any(|velocities| velocities.len() > 1);
-    let message = if surface.pieces == 1 && (given > 2 || given == 2 && sliding.is_some_and(in_space)) {
+    let message = if surface.pieces == 1
+        && (given > 2 || given == 2 && sliding.is_some_and(in_space))
+    {
         Some(format!(
             "surface `{name}` has no edges, and `sliding` gives {given} velocities; give one in the plane, as in `sliding dot(y)`, \
              or two in space, as in `sliding (dot(x), dot(y))`, in an `impact` of its own where another surface takes several"

@@ -198,7 +198,10 @@ impl Mechanism<'_> {
         }
         let mut moved: Vec<bool> = normal.iter().map(|n| !n.is_structural_zero()).collect();
         if let Some(friction) = &contact.friction {
-            for sliding in [Some(friction.sliding), friction.across].into_iter().flatten() {
+            for sliding in [Some(friction.sliding), friction.across]
+                .into_iter()
+                .flatten()
+            {
                 let (_, _, tangent) = slip(sliding, (n, self.moving));
                 for (moved, component) in moved.iter_mut().zip(tangent) {
                     *moved |= !component.is_structural_zero();
@@ -303,7 +306,12 @@ impl Mechanism<'_> {
         };
         let friction = contact.friction.as_ref();
         let along = |law: &Friction, sliding: Sym| {
-            self.friction((sliding, law.share), &inertia, &own_normal, (formulas, factors))
+            self.friction(
+                (sliding, law.share),
+                &inertia,
+                &own_normal,
+                (formulas, factors),
+            )
         };
         let across = friction.and_then(|law| law.across.map(|across| along(law, across)));
         let friction = friction.map(|law| along(law, law.sliding));
@@ -347,7 +355,8 @@ impl Mechanism<'_> {
         let (sliding, curvature, tangent) = slip(sliding, (self.all, self.moving));
         let mut own = self.own(&tangent);
         if let Some(share) = share {
-            own.iter_mut().for_each(|component| *component = simplify(share * *component));
+            own.iter_mut()
+                .for_each(|component| *component = simplify(share * *component));
         }
         let formula = formulas.map(|formulas| {
             let divisor = inner(normal, &formulas.solve(normal));

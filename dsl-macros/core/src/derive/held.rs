@@ -61,7 +61,10 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     for contact in &mut scene.contacts {
         contact.gap = one(contact.gap);
         contact.bound = contact.bound.map(one);
-        contact.loads.iter_mut().for_each(|(_, factor)| *factor = one(*factor));
+        contact
+            .loads
+            .iter_mut()
+            .for_each(|(_, factor)| *factor = one(*factor));
         if let Some(along) = &mut contact.along {
             along
                 .iter_mut()

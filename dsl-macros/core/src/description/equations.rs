@@ -174,7 +174,9 @@ impl List<'_> {
             self.add(format!("slip({name})"), derived.rows.values[0]);
             if let Some(across) = friction.across {
                 self.add(format!("slip across({name})"), simplify(across));
-                let law = format!("|force along both| <= friction({name})*force({name}), against the velocity where that is not 0");
+                let law = format!(
+                    "|force along both| <= friction({name})*force({name}), against the velocity where that is not 0"
+                );
                 self.all.push((format!("cone({name})"), law));
             }
             self.direction(
@@ -276,7 +278,10 @@ impl List<'_> {
                 let tangential =
                     Some(self.components(&tangent.rows.values[1..])).filter(|e| !e.is_empty());
                 for (region, sign, shown) in [("slip > 0", -1.0, '-'), ("slip < 0", 1.0, '+')] {
-                    let mu = friction.kinetic.unwrap_or(friction.coefficient).scaled(sign);
+                    let mu = friction
+                        .kinetic
+                        .unwrap_or(friction.coefficient)
+                        .scaled(sign);
                     let direction: Option<Vec<Sym>> = normal.zip(tangential).map(|(d, e)| {
                         let pairs = d.iter().zip(e);
                         pairs.map(|(&d, &e)| simplify(d + mu * e)).collect()

@@ -135,7 +135,10 @@ fn contacts(contacts: &[Contact], code: &mut String) {
                 "Inelastic"
             },
             contact.dry,
-            contact.loads.as_ref().map_or(&[][..], |(surfaces, _)| surfaces),
+            contact
+                .loads
+                .as_ref()
+                .map_or(&[][..], |(surfaces, _)| surfaces),
             match contact.switch {
                 None => "__Option::None",
                 Some(true) => "__Option::Some(::hangtime::model::Switching::Passes)",

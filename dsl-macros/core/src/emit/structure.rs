@@ -297,7 +297,10 @@ fn law(scene: &CheckedScene, contact: &Contact) -> String {
             }
             (Some(_), Some(_)) => {
                 let ratio = formula(scene, friction.coefficient);
-                write!(text, ", friction kinetic {sliding}, at rest {ratio} times that")
+                write!(
+                    text,
+                    ", friction kinetic {sliding}, at rest {ratio} times that"
+                )
             }
         };
     }

@@ -131,9 +131,7 @@ impl Parts {
         diagnostics: &mut Diagnostics,
     ) -> Checked<bool> {
         let mut ahead = cursor.clone();
-        let names_two = ahead.eat_word("static")
-            && !ahead.is_empty()
-            && !ahead.at_any_symbol();
+        let names_two = ahead.eat_word("static") && !ahead.is_empty() && !ahead.at_any_symbol();
         let at_rest = cursor.place();
         if names_two {
             *cursor = ahead;

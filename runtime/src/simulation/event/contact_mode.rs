@@ -6,8 +6,8 @@ use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, rows, switching};
-use crate::model::pair_size;
 use super::impact::Undetermined;
+use crate::model::pair_size;
 use crate::simulation::problem::negative_bound;
 
 /// Accelerations below this share of those they balance are compared by what follows a moment later: event
@@ -300,7 +300,13 @@ fn candidates(
         let (acceleration, tangential_terms) = dynamics.free_sliding_acceleration(i);
         tangential.push(acceleration);
         scales.push((terms, tangential_terms));
-        laws.push(tangential_law(dynamics, i, (t, y, moment), acceleration, vanished));
+        laws.push(tangential_law(
+            dynamics,
+            i,
+            (t, y, moment),
+            acceleration,
+            vanished,
+        ));
     }
     switching::set_force_floors(dynamics, resting);
     let solution = ContactProblem {
@@ -326,7 +332,9 @@ fn candidates(
             let mut candidate = candidate(contact, laws[slot], &solution, slot, zeros, vanished);
             if dynamics.is_in_space(contact) {
                 // It slips along the direction of its frame.
-                candidate.states.retain(|state| *state != ContactState::Slip(Direction::Backward));
+                candidate
+                    .states
+                    .retain(|state| *state != ContactState::Slip(Direction::Backward));
             }
             if dynamics.is_dry(contact) {
                 // It acts always, if only with a force of zero.
@@ -375,7 +383,11 @@ fn in_frames(
         let (s, w) = (solution.s[slot], solution.tangential[slot]);
         let (s_across, w_across) = solution.across(slot);
         let slips = pair_size((w, w_across)) > BIACTIVE * dynamics.sliding_acceleration_scale(i);
-        let to = if slips { (w, w_across) } else { (-s, -s_across) };
+        let to = if slips {
+            (w, w_across)
+        } else {
+            (-s, -s_across)
+        };
         dynamics.align(i, Some(to));
         solution.s[slot] = -pair_size((s, s_across));
         solution.tangential[slot] = pair_size((w, w_across));

@@ -187,7 +187,9 @@ impl ContactProblem<'_> {
         self.contacts.iter().zip(self.laws).find_map(|(&i, &law)| {
             let gain = match law {
                 TangentialLaw::None => return None,
-                TangentialLaw::Coulomb(mu) | TangentialLaw::Breaking { rest: mu, .. } => dynamics.gain(i, mu).min(dynamics.gain(i, -mu)),
+                TangentialLaw::Coulomb(mu) | TangentialLaw::Breaking { rest: mu, .. } => {
+                    dynamics.gain(i, mu).min(dynamics.gain(i, -mu))
+                }
                 TangentialLaw::Sliding(mu, direction) => dynamics.gain(i, -direction.sign() * mu),
             };
             (gain <= 0.0).then(|| jammed(dynamics, i, gain))

@@ -42,7 +42,9 @@ impl TangentialLaw {
         use Direction::{Backward, Forward};
         match self {
             Self::None => &[Open, Frictionless],
-            Self::Coulomb(_) | Self::Breaking { .. } => &[Open, Stick, Slip(Forward), Slip(Backward)],
+            Self::Coulomb(_) | Self::Breaking { .. } => {
+                &[Open, Stick, Slip(Forward), Slip(Backward)]
+            }
             Self::Sliding(_, Forward) => &[Open, Slip(Forward)],
             Self::Sliding(_, Backward) => &[Open, Slip(Backward)],
         }
@@ -195,8 +197,7 @@ impl CoulombProblem<'_> {
             if tangential[i].is_nan() {
                 return None;
             }
-            if let (true, ContactState::Slip(direction)) =
-                (self.laws[i].may_stick(), states[i])
+            if let (true, ContactState::Slip(direction)) = (self.laws[i].may_stick(), states[i])
                 && direction.sign() * tangential[i] < -zero
             {
                 return None;

@@ -221,7 +221,12 @@ impl Lines {
             .filter_map(|normal| match problem.laws[normal] {
                 TangentialLaw::Coulomb(_) | TangentialLaw::Breaking { .. } => {
                     let (friction, kinetic) = problem.laws[normal].coefficients();
-                    Some(Cone { normal, friction, kinetic, across: None })
+                    Some(Cone {
+                        normal,
+                        friction,
+                        kinetic,
+                        across: None,
+                    })
                 }
                 TangentialLaw::None | TangentialLaw::Sliding(..) => None,
             })

@@ -49,15 +49,14 @@ pub(super) fn solve(
         return None;
     }
     let rows = matrix.chunks_exact(lines.len()).zip(&offsets);
-    let motions: Vec<f64> = rows.map(|(row, offset)| offset + dot(row, &forces)).collect();
+    let motions: Vec<f64> = rows
+        .map(|(row, offset)| offset + dot(row, &forces))
+        .collect();
     Some(told(problem, dynamics, &cones, (&forces, &motions)))
 }
 
 /// Normals, then first tangents, then second ones, and the cones.
-fn lines<'d>(
-    problem: &SpaceProblem<'_>,
-    dynamics: &'d Dynamics<'_>,
-) -> (Vec<Line<'d>>, Vec<Cone>) {
+fn lines<'d>(problem: &SpaceProblem<'_>, dynamics: &'d Dynamics<'_>) -> (Vec<Line<'d>>, Vec<Cone>) {
     let (mut normals, mut firsts, mut seconds, mut cones) = (vec![], vec![], vec![], vec![]);
     for (slot, (&i, &law)) in problem.contacts.iter().zip(problem.laws).enumerate() {
         let mut direction = dynamics.direction(i).to_vec();
@@ -149,7 +148,11 @@ fn told(
         (solution.tangential[slot], solution.across[slot].1) = motion;
         if solution.states[slot] == ContactState::Stick {
             let forward = cone.across.is_some() || motion.0 >= 0.0;
-            let direction = if forward { Direction::Forward } else { Direction::Backward };
+            let direction = if forward {
+                Direction::Forward
+            } else {
+                Direction::Backward
+            };
             solution.states[slot] = ContactState::Slip(direction);
         }
     }

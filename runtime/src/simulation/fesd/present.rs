@@ -199,7 +199,11 @@ impl<'a> Present<'a> {
             let frictions = self.contacts.frictions(&self.active, forces);
             for (held, s) in self.active.iter().zip(frictions) {
                 // In space it has a size, and a direction that the velocities tell.
-                let s = if self.contacts.is_in_space(held.contact) { s.abs() } else { s };
+                let s = if self.contacts.is_in_space(held.contact) {
+                    s.abs()
+                } else {
+                    s
+                };
                 row[held.contact] = self.contacts.force(held.contact, s)
                     * friction_share(self.contacts.model(), held.contact, &self.x);
             }

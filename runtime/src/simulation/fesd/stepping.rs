@@ -354,7 +354,9 @@ fn recover(
     let mut declared = driver.setup.model.declaration().contacts.iter();
     let beyond = declared.any(|known| {
         let kinetic = known.friction.is_some_and(|friction| friction.kinetic);
-        let across = known.friction.is_some_and(|friction| friction.across.is_some());
+        let across = known
+            .friction
+            .is_some_and(|friction| friction.across.is_some());
         known.switch.is_some() || kinetic || across || !known.loads.is_empty()
     });
     let unknown =

@@ -357,7 +357,10 @@ fn of_target(walk: &mut Walk<'_>, target: &Name, velocity: bool) -> (Dimension, 
 }
 
 fn impact_law(walk: &mut Walk<'_>, surfaces: &[Name], law: &Law) -> Checked<()> {
-    let speed = law.sliding.as_ref().and_then(|expr| velocities(expr).first());
+    let speed = law
+        .sliding
+        .as_ref()
+        .and_then(|expr| velocities(expr).first());
     let speed = speed.and_then(|expr| walk.units(expr).ok()?.components().first().cloned());
     let speed = speed.unwrap_or_else(|| {
         let of_surface = |walk: &Walk<'_>| {
@@ -372,7 +375,9 @@ fn impact_law(walk: &mut Walk<'_>, surfaces: &[Name], law: &Law) -> Checked<()> 
         (&law.at_rest, "friction"),
     ] {
         let Some(expr) = coefficient else { continue };
-        let Ok(own) = with_speed(walk, &speed, expr) else { continue };
+        let Ok(own) = with_speed(walk, &speed, expr) else {
+            continue;
+        };
         let reason = format!("a coefficient of {of} is a ratio");
         let _: Checked<()> = walk.expect(expr, &own, &Dimension::one(), &reason);
     }

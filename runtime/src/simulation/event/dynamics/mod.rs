@@ -5,6 +5,7 @@
 //! derivative of the state and the projection.
 
 mod laws;
+mod memory;
 pub(in crate::simulation) mod motion;
 pub(in crate::simulation) mod rows;
 mod scales;
@@ -12,21 +13,26 @@ mod switch;
 pub(in crate::simulation) mod switching;
 
 pub(in crate::simulation) use laws::Laws;
+use memory::{Equations, Evaluated, Stuck};
+pub(in crate::simulation) use memory::{Mode, SwitchingFunctions};
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground, friction_share,
-    pair_size, surfaces,
-    switching_terms, tangent_point,
+    ControlPiece, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground,
+    friction_share, pair_size, surfaces, switching_terms, tangent_point,
 };
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
 };
 use scales::{ContactScale, Instant};
+
+/// Speed below which an explicit method does not follow the direction of a slide, as a multiple of that for finite elements: the slower
+/// a slide, the stiffer.
+const EXPLICIT: f64 = 10.0;
 
 /// Dynamics of a model with a set of active contacts `I`, of which `J` stick:
 ///
@@ -69,90 +75,6 @@ pub(in crate::simulation) struct Dynamics<'a> {
     explicit_time: bool,
     /// Joints, if there are any.
     joints: Option<Joints<'a>>,
-}
-
-/// The contact mode.
-pub(in crate::simulation) struct Mode {
-    /// State of each contact.
-    states: Vec<ContactState>,
-    /// Active contacts, increasing: those that are not open.
-    pub(in crate::simulation) active: Vec<usize>,
-    /// Sliding velocities of contacts that stick.
-    sticking: Vec<Stuck>,
-}
-
-/// A sliding velocity that is held: in space each contact has two.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Stuck {
-    contact: usize,
-    /// Whether it is the second one.
-    across: bool,
-}
-
-/// The switching functions: one for each contact, then two for each contact with friction.
-pub(in crate::simulation) struct SwitchingFunctions {
-    /// Their values at the last evaluation.
-    pub(in crate::simulation) values: Vec<f64>,
-    /// Smallest of `values` since [`sample_from`](Dynamics::sample_from).
-    pub(in crate::simulation) lowest: Vec<f64>,
-    /// Largest of `values` since [`sample_from`](Dynamics::sample_from).
-    pub(in crate::simulation) highest: Vec<f64>,
-    /// A contact one of whose functions could not be evaluated since [`sample_from`](Dynamics::sample_from).
-    pub(in crate::simulation) undefined: Option<usize>,
-    /// Sizes of the terms that a switching function balances if it is a force,
-    /// `|curvature| + sum_k |n_k a_k| + sum_j |D_ij r_j|` for a normal one: rounding error is a share of it.
-    force_scale: Vec<f64>,
-    /// Accelerations that are nothing to a contact: `sqrt(D_i a'M a)`, the largest normal acceleration that
-    /// forces of the size of those present could give, at the last change of the mode.
-    force_floor: Vec<f64>,
-    /// Forces that pull no more than this are zero: so much was accepted with the mode.
-    accepted_pull: Vec<f64>,
-}
-
-impl SwitchingFunctions {
-    fn new(count: usize) -> Self {
-        let zeros = || vec![0.0; count];
-        Self {
-            values: zeros(),
-            lowest: zeros(),
-            highest: zeros(),
-            undefined: None,
-            force_scale: zeros(),
-            force_floor: zeros(),
-            accepted_pull: zeros(),
-        }
-    }
-}
-
-/// What the model has given at the state loaded.
-struct Evaluated {
-    /// Input vector of the model, `(q, v, u[, t])`.
-    x: Vec<f64>,
-    /// Acceleration without contact.
-    acceleration: Vec<f64>,
-    /// The contacts, each laid out as in [`contact_point`].
-    points: Vec<f64>,
-    /// Their tangential sides, each laid out as in [`tangent_point`].
-    tangents: Vec<f64>,
-    /// What contacts in space have besides.
-    space: Option<Space>,
-    /// What dry frictions follow of the forces of surfaces.
-    loads: Loads,
-    /// Mass matrix, row-major.
-    mass: Vec<f64>,
-}
-
-/// The equations for the contact accelerations of a mode.
-struct Equations {
-    /// `d_i`, or `d_i - mu e_i` and `d_i + mu e_i` for a contact that slips.
-    columns: Vec<f64>,
-    matrix: Vec<f64>,
-    right: Vec<f64>,
-    /// Normal and tangential contact accelerations at the last evaluation.
-    r: Vec<f64>,
-    s: Vec<f64>,
-    /// Along the second sliding velocities.
-    across: Vec<f64>,
 }
 
 impl<'a> Dynamics<'a> {
@@ -292,15 +214,19 @@ impl<'a> Dynamics<'a> {
         let length = tangent_point::length(self.n);
         let point = &mut self.evaluated.tangents[contact * length..(contact + 1) * length];
         self.model.tangent(contact, &self.evaluated.x, point);
-        if let Some(space) = self.evaluated.space.as_mut().filter(|space| space.contains(contact)) {
+        if let Some(space) = self
+            .evaluated
+            .space
+            .as_mut()
+            .filter(|space| space.contains(contact))
+        {
             space.evaluate(self.model, contact, &self.evaluated.x, point);
         }
     }
 
     /// Contacts in space, if this is one.
     pub(in crate::simulation) fn space(&self, contact: usize) -> Option<&Space> {
-        let space = self.evaluated.space.as_ref();
-        space.filter(|space| space.contains(contact))
+        self.evaluated.space(contact)
     }
 
     /// Whether a contact slides along two directions.
@@ -311,16 +237,7 @@ impl<'a> Dynamics<'a> {
     /// Turns the frame of a contact in space so that it points along what is `to` in it, or along its sliding velocity where that
     /// has a direction.
     pub(in crate::simulation) fn align(&mut self, contact: usize, to: Option<(f64, f64)>) {
-        let length = tangent_point::length(self.n);
-        let known = &mut self.evaluated;
-        let Some(space) = known.space.as_mut().filter(|space| space.contains(contact)) else {
-            return;
-        };
-        let tangent = &mut known.tangents[contact * length..(contact + 1) * length];
-        match to {
-            Some(to) => space.align(contact, to, tangent),
-            None => space.align_with_sliding(contact, tangent),
-        }
+        self.evaluated.align(contact, to);
     }
 
     /// Both sliding velocities as last evaluated; the second is 0 in the plane.
@@ -365,7 +282,9 @@ impl<'a> Dynamics<'a> {
         if self.has_friction(contact) {
             self.evaluate_tangent(contact);
         }
-        self.evaluated.loads.evaluate(self.model, contact, &self.evaluated.x);
+        self.evaluated
+            .loads
+            .evaluate(self.model, contact, &self.evaluated.x);
     }
 
     /// The tangential side as last evaluated, laid out as in [`tangent_point`].
@@ -602,7 +521,7 @@ impl<'a> Dynamics<'a> {
                 scale.observe_switch(speed);
                 let zero = scale.zero_sliding_velocity();
                 if let Some(space) = &mut self.evaluated.space {
-                    space.measure(i, scale.sliding_velocity(), zero);
+                    space.measure(i, EXPLICIT * scale.sliding_velocity(), zero);
                 }
                 if matches!(self.mode.states[i], ContactState::Slip(_)) {
                     self.align(i, None);

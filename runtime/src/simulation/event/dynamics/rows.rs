@@ -9,7 +9,13 @@ use crate::simulation::event::small_system;
 pub(super) fn constraint<'a>(dynamics: &'a Dynamics<'_>, row: usize) -> &'a [f64] {
     match dynamics.mode.active.get(row) {
         Some(&i) => dynamics.normal(i),
-        None => stuck(dynamics, dynamics.mode.sticking[row - dynamics.mode.active.len()]).0,
+        None => {
+            stuck(
+                dynamics,
+                dynamics.mode.sticking[row - dynamics.mode.active.len()],
+            )
+            .0
+        }
     }
 }
 
@@ -52,7 +58,13 @@ pub(super) fn force_direction<'a>(
     match dynamics.mode.active.get(row) {
         Some(&i) if slipping => &dynamics.equations.columns[i * dynamics.n..(i + 1) * dynamics.n],
         Some(&i) => dynamics.direction(i),
-        None => stuck(dynamics, dynamics.mode.sticking[row - dynamics.mode.active.len()]).1,
+        None => {
+            stuck(
+                dynamics,
+                dynamics.mode.sticking[row - dynamics.mode.active.len()],
+            )
+            .1
+        }
     }
 }
 
