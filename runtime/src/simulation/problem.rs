@@ -397,10 +397,8 @@ impl InitialValueProblem {
                 .is_some_and(|friction| friction.across.is_some())
             {
                 "friction in space, with two sliding velocities"
-            } else if contact.friction.is_some_and(|friction| {
-                friction.share && reads_velocities(model, &friction.jacobian, 1)
-            }) {
-                "friction that changes with the speed of sliding"
+            } else if contact.friction.is_some_and(|friction| friction.share) {
+                "friction that changes with the speed of sliding or the place"
             } else if contact.dry
                 && contact.switch.is_none()
                 && reads_velocities(model, &contact.jacobian, 1)
@@ -417,22 +415,32 @@ impl InitialValueProblem {
         Ok(())
     }
 
-    /// Refuses more contacts that rest and slide with coefficients of their own than states are tried for.
+    /// Refuses more contacts that rest and slide with coefficients of their own than states are tried for, and such contacts beside
+    /// one in space, whose cones are solved without trying.
     fn check_breaking(model: &dyn Model) -> Result<(), InputError> {
         const MOST: usize = 6;
-        let contacts = model.declaration().contacts.iter();
-        let mut breaking =
-            contacts.filter(|known| known.friction.is_some_and(|known| known.kinetic));
-        match breaking.nth(MOST) {
-            None => Ok(()),
-            Some(contact) => Err(refusal::unsupported(
+        let contacts = || {
+            let contacts = model.declaration().contacts.iter();
+            contacts.filter_map(|known| Some((known.name, known.friction?)))
+        };
+        let breaking = || contacts().filter(|(_, friction)| friction.kinetic);
+        let spatial = contacts().find(|(_, friction)| friction.across.is_some());
+        let remedy = "give them one coefficient each, as in `friction mu`";
+        match (breaking().next(), breaking().nth(MOST), spatial) {
+            (Some((name, _)), _, Some((other, _))) => Err(refusal::unsupported(
                 format!(
-                    "`{}`, the contact number {} with coefficients of its own at rest and in sliding,",
-                    contact.name,
+                    "`{name}`, with coefficients of its own at rest and in sliding, beside `{other}` in space,"
+                ),
+                remedy,
+            )),
+            (_, Some((name, _)), _) => Err(refusal::unsupported(
+                format!(
+                    "`{name}`, the contact number {} with coefficients of its own at rest and in sliding,",
                     MOST + 1
                 ),
-                "give some contacts one coefficient, as in `friction mu`",
+                remedy,
             )),
+            _ => Ok(()),
         }
     }
 

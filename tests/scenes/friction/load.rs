@@ -132,7 +132,7 @@ fn bounds_that_make_no_sense_are_refused_with_what_to_write() {
         ("mu*r*force(pad)^2/1 [N]", "no sum of forces of surfaces"),
         ("-mu*r*force(pad)", "change the sign"),
         ("mu*r*impulse(pad)/1 [s]", "normal forces of surfaces"),
-        ("mu*force(pad)", "bound of `brake`"),
+        ("0.4*force(pad)", "bound of `brake`"),
     ] {
         let message = refusal(&BRAKE.replace("mu*r*force(pad)", bound));
         let message = message.split_whitespace().collect::<Vec<_>>().join(" ");

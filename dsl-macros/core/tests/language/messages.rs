@@ -264,7 +264,7 @@ texts! {
     friction_that_vanishes_at_rest: beside "surface s: y >= 0 impact s: inelastic, friction tanh(speed/1 [m/s]), sliding dot(z)" =>
         "E10: the coefficient of friction vanishes at rest, so that nothing holds the contact there and its force is smooth; write one that is above 0 at rest";
     friction_in_other_units: beside "surface s: y >= 0 impact s: inelastic, friction 0.3 + speed, sliding dot(z)" =>
-        "E03: units differ: `speed` is in m/s, `0.3` is a pure number; both sides of `+` must agree";
+        "E03: units differ: `0.3` has no unit, `speed` is in m/s; both sides of `+` must agree; a bare number has no unit, write it in brackets, as in `0.3 [m/s]`";
     sliding_velocity_in_other_units: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding (dot(z), m*dot(z))" =>
         "E03: units differ: `m*dot(z)` is in N s, where m/s is needed (the sliding velocity of `s` has the unit of its gap over s)";
     edge_with_one_direction: beside "surface s: |y| <= 1 [m] impact s: inelastic, along (1, 0)" =>
