@@ -16,8 +16,11 @@ const TIGHT: f64 = 1e-12;
 
 /// What became of one scene.
 pub(crate) enum Verdict {
-    /// Both are solved and agree.
-    Agree,
+    /// Both are solved and agree; whether the event-driven method has taken the default one over.
+    Agree {
+        /// The default run is one of the event-driven method.
+        handed_over: bool,
+    },
     /// Both are solved and differ.
     Disagree(Difference),
     /// One of them was not solved: the status of each.
@@ -76,9 +79,13 @@ impl Ended {
 /// [`AGREE`]: nothing excuses more, for a motion that is not determined so well must not be called solved.
 pub(crate) fn judge(model: &dyn Model) -> Verdict {
     let (default, event) = (
-        run(&Fesd::default(), model),
+        run(&by_default(), model),
         run(&event_driven(EventDriven::default().tolerance), model),
     );
+    let handed_over = default.as_ref().is_ok_and(|run| {
+        let mut notes = run.notes.iter();
+        notes.any(|note| note.starts_with("finite elements ended"))
+    });
     let (Ok(default_run), Ok(event_run)) = (&default, &event) else {
         return Verdict::Ended {
             default: ended(&default),
@@ -87,7 +94,7 @@ pub(crate) fn judge(model: &dyn Model) -> Verdict {
     };
     let apart = distance(model, default_run, event_run);
     if apart <= AGREE {
-        return Verdict::Agree;
+        return Verdict::Agree { handed_over };
     }
     let tight = run(&event_driven(TIGHT), model).ok();
     let from_tight = |run| tight.as_ref().map(|tight| distance(model, run, tight));
@@ -96,6 +103,14 @@ pub(crate) fn judge(model: &dyn Model) -> Verdict {
         default: from_tight(default_run),
         event: from_tight(event_run),
     })
+}
+
+/// What a call without any setting does.
+pub(crate) fn by_default() -> Fesd {
+    Fesd {
+        hands_over: true,
+        ..Fesd::default()
+    }
 }
 
 fn event_driven(tolerance: f64) -> EventDriven {

@@ -15,13 +15,14 @@ mod draw;
 mod judge;
 mod scenes;
 mod table;
+mod texts;
 
 use std::process::ExitCode;
 use std::time::Instant;
 
 use hangtime::model::Model;
-use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Simulator};
-use judge::{Verdict, judge};
+use hangtime::simulation::{EventDriven, InitialValueProblem, Simulator};
+use judge::{Verdict, by_default, judge};
 use scenes::Kind;
 use table::Row;
 
@@ -41,7 +42,7 @@ fn number(name: &str, default: u64) -> Result<u64, std::num::ParseIntError> {
 /// One line on a verdict that is no agreement.
 fn words(verdict: &Verdict) -> Option<String> {
     match verdict {
-        Verdict::Agree => None,
+        Verdict::Agree { .. } => None,
         Verdict::Disagree(difference) => Some(difference.to_string()),
         Verdict::Ended { default, event } => Some(format!(
             "default {} {}; event-driven {} {}",
@@ -86,9 +87,10 @@ fn main() -> Result<ExitCode, Box<dyn std::error::Error>> {
         for kind in counts.iter().flat_map(|(kinds, _)| kinds) {
             if kind.name == *only {
                 let model = kind.scene(seed);
+                print!("{}", texts::text(only, &mut draw::Draw::new(only, seed)));
                 println!("{}", parameters(&*model));
                 let problem = InitialValueProblem::of(&*model, None)?;
-                let methods: [&dyn Simulator; 2] = [&Fesd::default(), &EventDriven::default()];
+                let methods: [&dyn Simulator; 2] = [&by_default(), &EventDriven::default()];
                 for method in methods {
                     let run = method.simulate(&*model, &problem, &mut |_| true)?;
                     let estimate = run.error_estimate;

@@ -4,6 +4,7 @@ use hangtime::model::Model;
 use hangtime_models::scenes;
 
 use super::draw::Draw;
+use super::texts;
 
 /// Range of a parameter of a shipped scene around its default: six decades.
 const FACTOR: f64 = 1e3;
@@ -82,8 +83,11 @@ pub(crate) fn random() -> Vec<Kind> {
         ("stacks", |_, draw| Box::new(stack(draw))),
         ("cranes", |_, draw| Box::new(crane(draw))),
     ];
+    let texts = texts::FAMILIES.iter();
+    let texts = texts.map(|(name, _)| (*name, texts::scene as Scene));
     kinds
         .into_iter()
+        .chain(texts)
         .map(|(name, scene)| Kind {
             name: name.to_owned(),
             scene,

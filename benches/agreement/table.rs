@@ -13,6 +13,7 @@ pub(crate) struct Row {
     scenes: usize,
     solved: usize,
     agree: usize,
+    handed_over: usize,
     disagree: usize,
     default_off: usize,
     event_off: usize,
@@ -26,7 +27,8 @@ impl Row {
     pub(crate) fn add(&mut self, number: u64, verdict: &Verdict) {
         self.scenes += 1;
         match verdict {
-            Verdict::Agree => {
+            Verdict::Agree { handed_over } => {
+                self.handed_over += usize::from(*handed_over);
                 self.solved += 1;
                 self.agree += 1;
             }
@@ -62,7 +64,7 @@ impl Row {
 
     /// Titles of the columns.
     pub(crate) fn titles() -> String {
-        "| kind | scenes | solved both | agree | disagree (default off, event-driven off) | worst, seed | default ended otherwise | event-driven ended otherwise |\n|---|---|---|---|---|---|---|---|"
+        "| kind | scenes | solved both | agree | of them handed over | disagree (default off, event-driven off) | worst, seed | default ended otherwise | event-driven ended otherwise |\n|---|---|---|---|---|---|---|---|---|"
             .into()
     }
 
@@ -78,10 +80,11 @@ impl Row {
             .worst
             .map_or_else(String::new, |(worst, seed)| format!("{worst:.1e}, {seed}"));
         format!(
-            "| {name} | {} | {} | {} | {} ({}, {}) | {worst} | {} | {} |",
+            "| {name} | {} | {} | {} | {} | {} ({}, {}) | {worst} | {} | {} |",
             self.scenes,
             self.solved,
             self.agree,
+            self.handed_over,
             self.disagree,
             self.default_off,
             self.event_off,

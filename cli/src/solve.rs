@@ -12,7 +12,7 @@ use crate::bounds::Bounds;
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
-use crate::json::{SolverSettings, struck_after_the_end};
+use crate::json::{SolverSettings, drifting, struck_after_the_end};
 use crate::method::name_of;
 use crate::output::OutputDirectory;
 use crate::progress::SolveProgress;
@@ -148,6 +148,9 @@ fn tables(
     }
     for struck in struck_after_the_end(chosen.model.as_ref(), solution) {
         let _ = writeln!(text, "end           {struck}");
+    }
+    for drifting in drifting(chosen.model.as_ref(), solution) {
+        let _ = writeln!(text, "note          {drifting}");
     }
     text.push('\n');
     text += &gradient(chosen.model.declaration(), solution);

@@ -37,6 +37,14 @@ pub(crate) fn wrong_length(what: impl fmt::Display, found: usize, expected: usiz
     ))
 }
 
+/// There is nothing of that name.
+pub(crate) fn no_such(what: &str, name: &str, names: &[&str]) -> InputError {
+    InputError::new(format!(
+        "`{name}` is no {what}; there are {}",
+        names.join(", ")
+    ))
+}
+
 /// The method cannot treat something that is meaningful otherwise.
 pub(crate) fn unsupported(what: impl fmt::Display, remedy: impl fmt::Display) -> InputError {
     InputError::unsupported(format!("{what} is not supported; {remedy}"))

@@ -34,19 +34,6 @@ pub struct Exhibit {
     pub model: fn() -> Box<dyn Model>,
 }
 
-impl Exhibit {
-    /// Relative excess of an objective over the best value known on a grid with that many intervals; infinite without a
-    /// motion, and `None` on a grid for which none is known.
-    #[must_use]
-    pub fn gap(&self, intervals: usize, objective: f64) -> Option<f64> {
-        let best = known::best(self.name, intervals)?;
-        if objective.is_nan() {
-            return Some(f64::INFINITY);
-        }
-        Some((objective - best) / best.abs().max(f64::MIN_POSITIVE))
-    }
-}
-
 macro_rules! exhibits {
     ($($half:ident $name:literal $scene:path;)*) => {
         &[$(Exhibit {

@@ -15,4 +15,4 @@ mod solution;
 pub(crate) use parts::{SCHEMA, SizeEntry, to_line};
 pub(crate) use program::ProgramDocument;
 pub(crate) use simulation::Document;
-pub(crate) use solution::{SolutionDocument, SolverSettings, struck_after_the_end};
+pub(crate) use solution::{SolutionDocument, SolverSettings, drifting, struck_after_the_end};

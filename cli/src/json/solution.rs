@@ -1,6 +1,6 @@
 //! The JSON document of an optimal control problem.
 
-use hangtime::model::Model;
+use hangtime::model::{Model, contact_point};
 use hangtime::ocp::{
     Excess, Formulation, FoundParameter, Improvement, Margin, Optimum, Settings, Solution, Source,
     TimeFreezingReport,
@@ -103,6 +103,58 @@ pub(crate) fn struck_after_the_end(model: &dyn Model, solution: &Solution) -> Ve
         )
     };
     struck.map(note).collect()
+}
+
+/// Share of its size by which a coordinate that is meant as a parameter moves at least: more than rounding error.
+const DRIFTS: f64 = 1e-9;
+
+/// Says of each coordinate that may be meant as a parameter, and moves, what declares one: its initial value is free, it starts at rest,
+/// and neither a control nor a contact acts on it.
+pub(crate) fn drifting(model: &dyn Model, solution: &Solution) -> Vec<String> {
+    let declaration = model.declaration();
+    let Some((optimal_control, motion)) = declaration.optimal_control.zip(solution.motion.as_ref())
+    else {
+        return Vec::new();
+    };
+    let n = declaration.coordinates.len();
+    let trajectory = &motion.trajectory;
+    let (Some(q), Some(v)) = (trajectory.q.first(), trajectory.v.first()) else {
+        return Vec::new();
+    };
+    let mut x = [&q[..], &v[..]].concat();
+    x.resize(declaration.inputs(), 0.0);
+    let mut point = vec![0.0; contact_point::length(n)];
+    let controls = 2 * n..2 * n + declaration.controls.len();
+    let is_parameter = |k: usize| {
+        let free = optimal_control.free_start;
+        let mut entries = declaration.free_jacobian.entries.iter();
+        let driven = entries.any(|&(i, j)| i as usize == k && controls.contains(&(j as usize)));
+        free.contains(&k) && !free.contains(&(n + k)) && v[k] == 0.0 && !driven
+    };
+    let mut notes = Vec::new();
+    for (k, coordinate) in declaration
+        .coordinates
+        .iter()
+        .enumerate()
+        .take(declaration.mechanical())
+    {
+        let mut touched = || {
+            (0..declaration.contacts.len()).any(|contact| {
+                model.contact(contact, &x, &mut point);
+                point[contact_point::direction(n) + k] != 0.0
+            })
+        };
+        let end = trajectory.q.last().map_or(q[k], |end| end[k]);
+        let drifts = (end - q[k]).abs() > DRIFTS * q[k].abs().max(end.abs());
+        if drifts && is_parameter(k) && !touched() {
+            let (name, unit) = (coordinate.name, coordinate.unit);
+            notes.push(format!(
+                "`{name}` moves from {:.6} to {end:.6} {unit}, though no control acts on it: if it is meant as a parameter, declare `free {name}: {unit} in A..=B = {:.3}` in place of the coordinate",
+                q[k], q[k],
+            ));
+        }
+    }
+    notes
 }
 
 /// The complementarity problem of the time-freezing formulation.
@@ -423,6 +475,7 @@ impl<'a> SolutionDocument<'a> {
             margins: solution.margins.iter().map(MarginEntry::new).collect(),
             notes: (method.finer(solution).into_iter())
                 .chain(struck_after_the_end(chosen.model.as_ref(), solution))
+                .chain(drifting(chosen.model.as_ref(), solution))
                 .chain(note)
                 .chain(at_bounds(solution))
                 .collect(),

@@ -81,6 +81,7 @@ mod previous;
 mod problem;
 mod program;
 mod progress;
+mod rules;
 mod scale;
 mod search;
 mod settings;
@@ -96,6 +97,7 @@ pub use hangtime_solver::mpcc::Stationarity;
 pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
 pub use problem::{Horizon, Problem};
+pub use rules::{RULES, Rule, RulePart};
 pub use settings::{Formulation, Guess, PathPoints, SearchSpace, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{

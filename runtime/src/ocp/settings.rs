@@ -5,6 +5,7 @@ use hangtime_solver::mpcc::RelaxationRule;
 use super::previous::Previous;
 use crate::model::Model;
 use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::rules;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
@@ -222,6 +223,8 @@ pub struct Settings {
     /// The best result is returned, with the distinct local optima; it does not depend
     /// on the number of threads.
     pub starts: Option<usize>,
+    /// Names of [`RULES`](super::RULES) of the search that are left out, to see what they earn; default none.
+    pub without: Vec<String>,
     /// Free parameters (indices) that are not to be found, but keep the values of the model; default none.
     pub given_parameters: Vec<usize>,
     /// Parameters (indices) by which the optimum is differentiated, see [`Solution::gradient`](super::Solution::gradient), none of
@@ -278,6 +281,7 @@ impl Default for Settings {
             controls: ControlShape::default(),
             guess: Guess::default(),
             starts: None,
+            without: Vec::new(),
             given_parameters: Vec::new(),
             gradient: Vec::new(),
             elements: 1,
@@ -311,6 +315,11 @@ impl Settings {
             })
     }
 
+    /// Whether a rule of the search is followed.
+    pub(in crate::ocp) fn uses(&self, rule: &str) -> bool {
+        !self.without.iter().any(|without| without == rule)
+    }
+
     /// Whether words are searched: not where it is said from how many starts on grids, or from which guess.
     #[must_use]
     pub fn searches_words(&self) -> bool {
@@ -342,6 +351,7 @@ impl Settings {
                 ));
             }
         }
+        rules::check(&self.without)?;
         for (what, value) in [
             ("starts", self.starts()),
             ("elements", self.elements),

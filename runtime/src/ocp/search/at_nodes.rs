@@ -12,13 +12,12 @@
 
 use super::pressure::Pressure;
 use crate::ocp::motion::control_grid::ControlShape;
-use crate::ocp::motion::sequence::{Place, Sequence, Signature, Switch};
+use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 
 /// Sequences with one switch, and what accompanies it, moved to the nearest ends of intervals on both sides, and into the middle of the
-/// next intervals, and those with all switches an interval earlier or later, each once.
+/// next intervals, and with a touch and a landing around an end as one landing there.
 pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
-    let mut known: Vec<Signature> = Vec::new();
     let mut found = Vec::new();
     for (index, switch) in pressure.sequence.switches.iter().enumerate() {
         // Controls that do not jump let go of a contact, or let it slip, where its force says so.
@@ -31,16 +30,16 @@ pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
         }
     }
     found.extend(landed(pressure.sequence, pressure.intervals));
-    if pressure.sequence.switches.len() > 1 {
-        found.extend(shifted(pressure.sequence, pressure.intervals));
-    }
-    found.retain(|sequence| {
-        let signature = sequence.signature();
-        let is_new = !known.contains(&signature);
-        known.push(signature);
-        is_new
-    });
     found
+}
+
+/// Sequences with all switches an interval earlier or later, if there are several.
+pub(super) fn all_at_once(pressure: &Pressure) -> Vec<Sequence> {
+    if pressure.sequence.switches.len() > 1 {
+        shifted(pressure.sequence, pressure.intervals)
+    } else {
+        Vec::new()
+    }
 }
 
 /// An interval, the place in it, and the time there, in intervals.

@@ -322,10 +322,12 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Neighbour> {
 }
 
 /// The sequence without its last switch: the motion may end before it.
-pub(in crate::ocp) fn shortened(pressure: &Pressure) -> Option<Sequence> {
+pub(in crate::ocp) fn shortened(pressure: &Pressure) -> Vec<Sequence> {
     let mut sequence = pressure.sequence.clone();
-    while sequence.switches.pop()?.accompanies {}
-    sequence.ordered(pressure.intervals)
+    while sequence.switches.pop().is_some_and(|last| last.accompanies) {}
+    let shorter = sequence.switches.len() < pressure.sequence.switches.len();
+    let ordered = shorter.then(|| sequence.ordered(pressure.intervals));
+    ordered.flatten().into_iter().collect()
 }
 
 /// Sequences with a flight inserted where a contact force is held at 0, and with a contact inserted

@@ -424,7 +424,10 @@ pub(super) fn decided(
     let first = found.first().map(|first| &first.solution);
     let close = first.map_or(f64::NAN, |best| best.objective + best.tolerated(CLOSE));
     for (index, one) in found.into_iter().enumerate() {
-        let next = index == 1 && one.solution.motion.is_some() && one.solution.objective <= close;
+        let next = index == 1
+            && task.settings.uses("second")
+            && one.solution.motion.is_some()
+            && one.solution.objective <= close;
         let enough = |best: &Found| {
             let unproved = best.solution.status == Status::Uncertified;
             is_as_good(&best.solution, &one.solution)

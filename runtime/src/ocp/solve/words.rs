@@ -82,15 +82,19 @@ pub(super) fn solve(
     };
     let best = best.filter(|best| best.solution.motion.is_some());
     if let Some(best) = &best
-        && (stopped || best.solution.status == Status::Solved)
+        && (stopped || best.solution.status == Status::Solved || !settings.uses("grids"))
     {
         return Ok(result(vec![best.clone()], seen, stopped));
     }
-    // What is not proved among words may be on grids.
+    // What is not proved among words may be on grids, from one start; where there is no motion, from many.
+    let on_grids = Settings {
+        starts: settings.starts.or(best.as_ref().map(|_| 1)),
+        ..settings.clone()
+    };
     let other = Found {
         start: 0,
         source: Source::Start(0),
-        solution: nested::solve(model, problem, settings, observer)?,
+        solution: nested::solve(model, problem, &on_grids, observer)?,
     };
     let Some(best) = best else {
         return Ok(with_work(other.solution, &seen));
@@ -166,7 +170,8 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
     let units = declared.clone().driven_within((&range.0, &range.1));
     let setting = setting(&units);
     let (beginnings, library) = beginnings(&mut runner, setting, &range)?;
-    let (words, goals) = Words::new(setting, &coarse, library).run(&mut runner, &beginnings);
+    let (words, goals) =
+        Words::new(setting, (&coarse, settings), library).run(&mut runner, &beginnings);
     let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
     let units: Vec<Units> = words.iter().map(own).collect();
     let elements = vec![settings.elements; problem.intervals];
@@ -269,7 +274,7 @@ fn moved(runner: &mut Runner, placed: Vec<OnGrid>, grids: &[Grid]) -> Vec<OnGrid
     let mut moved: Vec<OnGrid> = Vec::new();
     for (rank, (best, index)) in placed.into_iter().enumerate() {
         let near = !best.reaches() || best.merit <= least + MOVED_WITHIN * least.abs();
-        let best = if rank < MOVED && near {
+        let best = if rank < MOVED && near && runner.settings.uses("through") {
             grids[index].moved(runner, best)
         } else {
             best

@@ -29,6 +29,8 @@ const PHASES: usize = 3;
 const OF_EACH_LENGTH: usize = 2;
 /// Words of steps.
 const STEPS: usize = 8;
+/// The source whose words come from a contact-implicit program.
+const IMPLICIT: &str = "contact-implicit";
 /// Most phases of a word.
 pub(super) const MOST_PHASES: usize = 16;
 
@@ -100,14 +102,17 @@ pub(in crate::ocp) fn beginnings(
             "steps",
         );
     }
+    found.retain(|beginning| runner.settings.uses(beginning.source));
     let mut relaxed = RelaxedMotions::default();
     let mut implicit = CoarseToFine::new(setting, &straight);
     let failure = runner.take_failure();
-    if let Some(candidate) = implicit.next(runner, &mut relaxed)? {
+    if runner.settings.uses(IMPLICIT)
+        && let Some(candidate) = implicit.next(runner, &mut relaxed)?
+    {
         let (draft, motion) = read(setting, candidate);
         library.learn(&draft.word);
         if draft.word.phases() <= MOST_PHASES {
-            add(&mut found, (draft, motion), "contact-implicit");
+            add(&mut found, (draft, motion), IMPLICIT);
         }
     }
     runner.restore_failure(failure, true);

@@ -66,6 +66,17 @@ enum Rounding {
     Over,
 }
 
+impl Rounding {
+    /// The rule of the search that it is; those inside are always tried.
+    fn rule(self) -> Option<&'static str> {
+        match self {
+            Self::Inside => None,
+            Self::AtJumps => Some("at-jumps"),
+            Self::Over => Some("over"),
+        }
+    }
+}
+
 impl Placed {
     /// Whether it reaches the goals.
     pub(in crate::ocp) fn reaches(&self) -> bool {
@@ -103,7 +114,10 @@ impl Grid<'_, '_> {
         let mut best: Option<Placed> = None;
         for rounding in [Rounding::Inside, Rounding::AtJumps, Rounding::Over] {
             let places = in_order(places(self.setting, timed, rounding), intervals);
-            if runner.stopped() || tried.contains(&places) {
+            let left_out = rounding
+                .rule()
+                .is_some_and(|rule| !runner.settings.uses(rule));
+            if runner.stopped() || left_out || tried.contains(&places) {
                 continue;
             }
             tried.push(places.clone());

@@ -1,12 +1,13 @@
 //! Best first: from the words to begin with to better ones by edits, until nothing more is gained.
 
 use super::beginnings::{Beginning, MOST_PHASES};
-use super::edits::{Parent, RULES};
+use super::edits::{Parent, RULES, Rule};
 use super::library::Library;
 use super::off_grid::{Fineness, Goals, Motion, NO_MISS, Timed, solve};
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::program::runner::Runner;
+use crate::ocp::settings::Settings;
 use crate::rk::ButcherTableau;
 
 /// Most programs of a search, and programs without a gain after which it ends.
@@ -75,6 +76,8 @@ pub(in crate::ocp) struct Words<'a, 'r> {
     tableau: &'r ButcherTableau,
     library: Library,
     goals: Goals,
+    /// The rules that make words of others.
+    rules: Vec<&'static Rule>,
     fineness: Fineness,
     seen: Vec<Seen>,
     solved: Vec<Timed>,
@@ -89,7 +92,7 @@ pub(in crate::ocp) struct Words<'a, 'r> {
 impl<'a, 'r> Words<'a, 'r> {
     pub(in crate::ocp) fn new(
         setting: Setting<'a>,
-        tableau: &'r ButcherTableau,
+        (tableau, settings): (&'r ButcherTableau, &Settings),
         (library, goals): (Library, Goals),
     ) -> Self {
         let declared = setting.model.declaration().optimal_control;
@@ -99,6 +102,10 @@ impl<'a, 'r> Words<'a, 'r> {
             tableau,
             library,
             goals,
+            rules: RULES
+                .iter()
+                .filter(|rule| settings.uses(rule.name))
+                .collect(),
             fineness: if efforts { EVEN } else { FREE },
             seen: Vec::new(),
             solved: Vec::new(),
@@ -262,7 +269,8 @@ impl<'a, 'r> Words<'a, 'r> {
         let mut waiting = Vec::new();
         // A phase of no length is not edited further: what it leads to, the word without it does.
         let vanished = parent.has_vanished();
-        let rules = RULES.iter().filter(|rule| !vanished || rule.price == 0.0);
+        let rules = self.rules.iter();
+        let rules = rules.filter(|rule| !vanished || rule.price == 0.0);
         for rule in rules {
             for (rank, draft) in (rule.drafts)(&parent).into_iter().enumerate() {
                 self.order += 1;
@@ -331,7 +339,7 @@ impl<'a, 'r> Words<'a, 'r> {
             let with = (self.tableau, REFINED);
             let draft = timed.draft.clone();
             let from = (&draft, &timed.motion.clone());
-            if runner.stopped() {
+            if runner.stopped() || !runner.settings.uses("refine") {
                 break;
             }
             if let Some(refined) = solve(runner, self.setting, with, from, &mut self.goals)

@@ -66,13 +66,13 @@ const OTHER: Other = Other {
     takes_over: "the event-driven method",
 };
 
-/// Whether a run may have ended for a reason of its elements. A gap that leaps has none of it, but is asked for again as well:
+/// Whether a run may have ended for a reason of its elements, or of the impacts that it joins. A gap that leaps has none of it, but is asked for again as well:
 /// the event-driven method sees it too.
 fn may_be_its_own(status: &SimulationStatus) -> bool {
-    use SimulationStatus::{AmbiguousContact, NotFinite, StepFailed, StepLimit};
+    use SimulationStatus::{AmbiguousContact, Inaccurate, NotFinite, StepFailed, StepLimit};
     matches!(
         status,
-        AmbiguousContact(_) | NotFinite(_) | StepFailed(_) | StepLimit(_)
+        AmbiguousContact(_) | Inaccurate(_) | NotFinite(_) | StepFailed(_) | StepLimit(_)
     )
 }
 
