@@ -363,22 +363,8 @@ fn select_by_jerk(
     let (step, time_scale) = difference_step(contacts, x, (&motion, largest));
     // Far from the origin the step is longer and leaves fewer digits.
     let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
-    let mut jerk = vec![0.0; lines.len()];
-    let mut behind = vec![0.0; lines.len()];
-    separation(contacts, x, &motion, step, strict, &held, &lines, &mut jerk)?;
-    separation(
-        contacts,
-        x,
-        &motion,
-        -step,
-        strict,
-        &held,
-        &lines,
-        &mut behind,
-    )?;
-    for (ahead, behind) in jerk.iter_mut().zip(&behind) {
-        *ahead = (*ahead - behind) / (2.0 * step);
-    }
+    let at = (x, &motion[..], step);
+    let jerk = jerks(contacts, at, strict, (&held, &lines))?;
     let mut rates = vec![0.0; lines.len()];
     coulomb::solve(&matrix, &jerk, &cones, &mut rates)?;
     let size = lines.len();
@@ -423,6 +409,25 @@ fn select_by_jerk(
         }
     }
     Ok(())
+}
+
+/// Rates of the accelerations of `lines` along the motion, while the `active` contacts hold theirs: a central difference over a `step`
+/// at `x` with the acceleration `motion`.
+fn jerks(
+    contacts: &mut Contacts<'_>,
+    (x, motion, step): (&[f64], &[f64], f64),
+    active: &[ActiveContact],
+    (held, lines): (&[Line], &[Line]),
+) -> Result<Vec<f64>, ModeError> {
+    let mut jerk = vec![0.0; lines.len()];
+    let mut behind = vec![0.0; lines.len()];
+    for (step, w) in [(step, &mut jerk), (-step, &mut behind)] {
+        separation(contacts, x, motion, step, active, held, lines, w)?;
+    }
+    for (ahead, behind) in jerk.iter_mut().zip(&behind) {
+        *ahead = (*ahead - behind) / (2.0 * step);
+    }
+    Ok(jerk)
 }
 
 /// The state of a contact that sticks.

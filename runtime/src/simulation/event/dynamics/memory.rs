@@ -1,6 +1,6 @@
 //! What the dynamics remember of an evaluation: mode, switching functions, what the model has given, equations.
 
-use crate::model::{Loads, Space};
+use crate::model::{Loads, Model, Space, contact_point, tangent_point};
 use crate::simulation::event::contact_state::ContactState;
 
 /// The contact mode.
@@ -54,6 +54,13 @@ impl SwitchingFunctions {
             accepted_pull: zeros(),
         }
     }
+
+    /// Makes `values` the first sample of a step.
+    pub(super) fn sample_from(&mut self, values: &[f64]) {
+        self.lowest.copy_from_slice(values);
+        self.highest.copy_from_slice(values);
+        self.undefined = None;
+    }
 }
 
 /// What the model has given at the state loaded.
@@ -75,6 +82,21 @@ pub(super) struct Evaluated {
 }
 
 impl Evaluated {
+    pub(super) fn new(model: &dyn Model) -> Self {
+        let declaration = model.declaration();
+        let n = declaration.coordinates.len();
+        let contacts = declaration.contacts.len();
+        Self {
+            x: vec![0.0; declaration.inputs()],
+            acceleration: vec![0.0; n],
+            points: vec![0.0; contacts * contact_point::length(n)],
+            tangents: vec![0.0; contacts * tangent_point::length(n)],
+            space: Space::of(model),
+            loads: Loads::default(),
+            mass: vec![0.0; n * n],
+        }
+    }
+
     /// Contacts in space, if this is one.
     pub(super) fn space(&self, contact: usize) -> Option<&Space> {
         let space = self.space.as_ref();
@@ -107,4 +129,18 @@ pub(super) struct Equations {
     pub(super) s: Vec<f64>,
     /// Along the second sliding velocities.
     pub(super) across: Vec<f64>,
+}
+
+impl Equations {
+    /// Of that many coordinates, contacts and rows.
+    pub(super) fn new((n, contacts): (usize, usize), rows: usize) -> Self {
+        Self {
+            columns: vec![0.0; contacts * n],
+            matrix: vec![0.0; rows * rows],
+            right: vec![0.0; rows],
+            r: vec![0.0; contacts],
+            s: vec![0.0; contacts],
+            across: vec![0.0; contacts],
+        }
+    }
 }

@@ -21,7 +21,7 @@ use super::contact_state::{ContactState, Direction};
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground,
+    ControlPiece, Model, Pieces, Space, Switching, contact_point, contains_ground,
     friction_share, pair_size, surfaces, switching_terms, tangent_point,
 };
 use crate::simulation::{
@@ -102,23 +102,8 @@ impl<'a> Dynamics<'a> {
             pieces: Pieces::default(),
             evaluations: 0,
             orientation: 1.0,
-            evaluated: Evaluated {
-                x: vec![0.0; declaration.inputs()],
-                acceleration: vec![0.0; n],
-                points: vec![0.0; contacts * contact_point::length(n)],
-                tangents: vec![0.0; contacts * tangent_point::length(n)],
-                space: Space::of(model),
-                loads: Loads::default(),
-                mass: vec![0.0; n * n],
-            },
-            equations: Equations {
-                columns: vec![0.0; contacts * n],
-                matrix: vec![0.0; rows * rows],
-                right: vec![0.0; rows],
-                r: vec![0.0; contacts],
-                s: vec![0.0; contacts],
-                across: vec![0.0; contacts],
-            },
+            evaluated: Evaluated::new(model),
+            equations: Equations::new((n, contacts), rows),
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
@@ -661,9 +646,7 @@ impl<'a> Dynamics<'a> {
 
     /// Makes `values` the first sample of a step.
     pub(in crate::simulation) fn sample_from(&mut self, values: &[f64]) {
-        self.switching.lowest.copy_from_slice(values);
-        self.switching.highest.copy_from_slice(values);
-        self.switching.undefined = None;
+        self.switching.sample_from(values);
     }
 
     /// Below this gap a contact is closed.
