@@ -187,6 +187,9 @@ impl<'a> Contacts<'a> {
 
     /// Takes note of the speed below which the sliding of a contact in space has no direction, at `time`.
     pub(crate) fn measure_sliding(&mut self, contact: usize, time: f64) {
+        if !self.is_in_space(contact) {
+            return;
+        }
         let rest = self.size(contact, time).at_rest();
         let largest = self.sizes[contact].sliding;
         if let Some(space) = &mut self.space {

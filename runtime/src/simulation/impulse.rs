@@ -202,10 +202,14 @@ impl Jump<'_> {
 
     /// Lets the frames of contacts in space point along the sliding after the impact.
     fn align(&mut self) {
-        for &i in &self.together {
+        for k in 0..self.together.len() {
+            let i = self.together[k];
+            if !self.contacts.is_in_space(i) {
+                continue;
+            }
             let (along, across) = self.contacts.sliding(i);
             let size = along.hypot(across);
-            if size > 0.0 && self.contacts.is_in_space(i) {
+            if size > 0.0 {
                 let jump = self.tangential[i];
                 self.tangential[i] = (
                     (along * jump.0 + across * jump.1) / size,

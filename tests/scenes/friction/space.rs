@@ -240,3 +240,15 @@ fn what_does_not_know_friction_in_space_says_so_with_what_to_write() {
     let speed = text.replace("friction mu", "friction mu*exp(-speed/1 [m/s])");
     assert!(refusal(&speed).contains("two sliding velocities"));
 }
+
+#[test]
+fn scenes_without_friction_and_in_the_plane_have_no_part_of_it() {
+    let smooth = "parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { x: m, z: m }
+        lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z surface floor: z >= 0 impact floor: restitution 0.5
+        start { z: 1, dot(x): 2 } horizon 0.8 [s]";
+    let falls = (2.0_f64 / 9.81).sqrt();
+    for motion in motions(smooth, None, &ControlSignal::Zero) {
+        events(&motion, &[(EventKind::Impact, falls)], 1e-9);
+        ends(&motion, &[("x", 1.6), ("dot(x)", 2.0)], 1e-9);
+    }
+}
