@@ -203,8 +203,8 @@ impl<'a> Problem<'a> {
                 matrix[row * lines + column] = own - projected;
             }
         };
-        for line in 0..self.normals {
-            if z[line] > 0.0 {
+        for (line, &proposed) in z[..self.normals].iter().enumerate() {
+            if proposed > 0.0 {
                 set(line, &[(line, 1.0)]);
             } else {
                 set(line, &[]);

@@ -1,5 +1,6 @@
 //! Friction of speed, of rest and of load, and in space: motions against closed forms and independent integration.
 
+mod compiled;
 mod load;
 mod space;
 mod speed;

@@ -128,15 +128,7 @@ fn implementation(scene: &CheckedScene, derived: &Description, text: &str, code:
 
 /// The methods for restitution and friction, as far as the scene declares them.
 fn laws(derived: &Description) -> String {
-    let arms = |body: &dyn Fn(&Contact) -> Option<String>| {
-        let mut arms = String::new();
-        for (i, contact) in derived.contacts.iter().enumerate() {
-            if let Some(body) = body(contact) {
-                let _ = write!(arms, "{i} => {{ {body} }}");
-            }
-        }
-        arms
-    };
+    let arms = |body: &dyn Fn(&Contact) -> Option<String>| arms(derived, body);
     let value = |kernel| methods::coefficient(derived, kernel);
     let mut written = String::new();
     let restitution = arms(&|contact| contact.restitution.map(value));
@@ -167,16 +159,24 @@ fn laws(derived: &Description) -> String {
             rows(&methods::rows_hessian),
         );
     }
-    written.push_str(&laws_beyond_one_coefficient(derived, &arms));
+    written.push_str(&laws_beyond_one_coefficient(derived));
     written
 }
 
-/// The methods for friction in space, of speed, of rest and of load, as far as the scene declares them; `arms` writes those of a match
-/// over contacts.
-fn laws_beyond_one_coefficient(
-    derived: &Description,
-    arms: &dyn Fn(&dyn Fn(&Contact) -> Option<String>) -> String,
-) -> String {
+/// The arms of a match over contacts, for those that have a `body`.
+fn arms(derived: &Description, body: &dyn Fn(&Contact) -> Option<String>) -> String {
+    let mut arms = String::new();
+    for (i, contact) in derived.contacts.iter().enumerate() {
+        if let Some(body) = body(contact) {
+            let _ = write!(arms, "{i} => {{ {body} }}");
+        }
+    }
+    arms
+}
+
+/// The methods for friction in space, of speed, of rest and of load, as far as the scene declares them.
+fn laws_beyond_one_coefficient(derived: &Description) -> String {
+    let arms = |body: &dyn Fn(&Contact) -> Option<String>| arms(derived, body);
     let value = |kernel| methods::coefficient(derived, kernel);
     let mut written = String::new();
     let kinetic = arms(&|contact| contact.friction.as_ref()?.kinetic.map(value));

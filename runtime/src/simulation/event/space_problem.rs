@@ -119,11 +119,11 @@ fn told(
         tangential: vec![0.0; m],
         across: vec![(0.0, 0.0); m],
     };
-    for slot in 0..m {
+    for (slot, &motion) in motions[..m].iter().enumerate() {
         let p = solution.p[slot];
         let opens = p == 0.0 && !dynamics.is_dry(problem.contacts[slot]);
         if opens {
-            solution.normal[slot] = motions[slot];
+            solution.normal[slot] = motion;
         }
         solution.states[slot] = match problem.laws[slot] {
             _ if opens => ContactState::Open,

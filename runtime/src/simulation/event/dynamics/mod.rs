@@ -21,8 +21,8 @@ use super::contact_state::{ContactState, Direction};
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, Pieces, Space, Switching, contact_point, contains_ground,
-    friction_share, pair_size, surfaces, switching_terms, tangent_point,
+    ControlPiece, Model, Pieces, Space, Switching, contact_point, contains_ground, friction_share,
+    pair_size, surfaces, switching_terms, tangent_point,
 };
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
