@@ -331,8 +331,11 @@ fn generalized(model: &dyn Model, x: &[f64], normal: &[f64], tangential: &[f64])
             add(&mut sum, own, &point[contact_point::NORMAL..]);
         }
         if rubs != 0.0 && contact.friction.is_some() {
-            // A switch acts along a direction of its own.
-            let rubs = if contact.switch.is_some() {
+            // A switch acts along a direction of its own, and of friction in space the size is recorded.
+            let in_space = contact
+                .friction
+                .is_some_and(|friction| friction.across.is_some());
+            let rubs = if contact.switch.is_some() || in_space {
                 f64::NAN
             } else {
                 rubs

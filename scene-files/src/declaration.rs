@@ -152,7 +152,16 @@ fn contact(contact: &Contact) -> ContactDeclaration {
     let [jacobian, hessian] = patterns(&contact.rows);
     let friction = contact.friction.as_ref().map(|friction| {
         let [jacobian, hessian] = patterns(&friction.rows);
-        FrictionDeclaration { jacobian, hessian }
+        FrictionDeclaration {
+            jacobian,
+            hessian,
+            kinetic: friction.kinetic.is_some(),
+            share: friction.share.is_some(),
+            across: friction
+                .across
+                .as_ref()
+                .map(|(_, rows)| pattern(&rows.jacobian)),
+        }
     });
     ContactDeclaration {
         name: text(&contact.name),
@@ -163,6 +172,12 @@ fn contact(contact: &Contact) -> ContactDeclaration {
         },
         friction,
         dry: contact.dry,
+        loads: list(
+            contact
+                .loads
+                .iter()
+                .flat_map(|(surfaces, _)| surfaces.iter().copied()),
+        ),
         switch: contact.switch.map(|passes| match passes {
             _ if contact.reset.is_some() => Switching::Resets,
             true => Switching::Passes,

@@ -154,6 +154,45 @@ impl Model for TextScene {
             .map_or(0.0, |friction| self.value(friction.coefficient, &[]))
     }
 
+    fn kinetic_friction(&self, contact: usize) -> f64 {
+        let kinetic = self.friction_of(contact).and_then(|known| known.kinetic);
+        kinetic.map_or_else(|| self.friction(contact), |kernel| self.value(kernel, &[]))
+    }
+
+    fn friction_share(&self, contact: usize, x: &[f64]) -> f64 {
+        let share = self.friction_of(contact).and_then(|known| known.share);
+        share.map_or(1.0, |kernel| self.value(kernel, x))
+    }
+
+    fn across(&self, contact: usize, x: &[f64], point: &mut [f64]) {
+        match self
+            .friction_of(contact)
+            .and_then(|known| known.across.as_ref())
+        {
+            Some((kernel, rows)) => self.point(*kernel, rows, x, point),
+            None => point.fill(f64::NAN),
+        }
+    }
+
+    fn across_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+        match self
+            .friction_of(contact)
+            .and_then(|known| known.across.as_ref())
+        {
+            Some((_, rows)) => self.rows_jacobian(rows, x, values),
+            None => values.fill(f64::NAN),
+        }
+    }
+
+    fn loads(&self, contact: usize, x: &[f64], loads: &mut [f64]) {
+        if let Some((_, kernel)) = self
+            .contact_of(contact)
+            .and_then(|known| known.loads.as_ref())
+        {
+            self.evaluate(*kernel, x, &[], loads);
+        }
+    }
+
     fn tangent(&self, contact: usize, x: &[f64], point: &mut [f64]) {
         match self.friction_of(contact) {
             Some(friction) => self.point(friction.tangent, &friction.rows, x, point),

@@ -8,6 +8,7 @@ mod closed_forms;
 mod convergence_order;
 mod design;
 mod estimation;
+mod friction;
 mod gradient;
 mod joints;
 mod many_contacts;

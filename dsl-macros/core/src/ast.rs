@@ -142,8 +142,10 @@ pub(crate) struct Measured {
 pub(crate) struct Law {
     /// Coefficient of restitution; `None` for an inelastic law.
     pub(crate) restitution: Option<Expr>,
-    /// Coefficient of friction.
+    /// Coefficient of friction; where another one holds at rest, that of sliding.
     pub(crate) friction: Option<Expr>,
+    /// Coefficient of friction at rest, if it is another one.
+    pub(crate) at_rest: Option<Expr>,
     /// Sliding velocity.
     pub(crate) sliding: Option<Expr>,
     /// Direction of the impulse.

@@ -1,7 +1,7 @@
 //! The checked declaration: every expression a node of the graph, in SI units.
 
 use crate::ast::{Documentation, Name, WrittenUnit};
-use crate::graph::Sym;
+use crate::graph::{Sym, Variable};
 use hangtime_units::Unit;
 use proc_macro2::TokenStream;
 
@@ -245,6 +245,8 @@ pub(crate) struct Contact {
     pub(crate) friction: Option<Friction>,
     /// Largest force of dry friction, in SI units; such a contact has no gap, and its coefficient is 1.
     pub(crate) bound: Option<Sym>,
+    /// Surfaces (indices of contacts) whose normal forces are added to that, each times a factor.
+    pub(crate) loads: Vec<(u16, Sym)>,
     /// Of a switch what it acts by: it is dry friction with the bound 1, against minus its function.
     pub(crate) switch: Option<Action>,
     /// Velocities (indices) that are set where the function of a switch that does nothing else comes to be positive, with what they are
@@ -278,20 +280,45 @@ impl Contact {
             restitution: None,
             friction: Some(Friction {
                 coefficient: Sym::ONE,
+                kinetic: None,
+                share: None,
                 sliding,
+                across: None,
             }),
             bound: Some(bound),
+            loads: Vec::new(),
             switch: None,
             reset: Vec::new(),
         }
     }
 }
 
+impl Contact {
+    /// Largest force of dry friction, with the forces that it follows.
+    pub(crate) fn whole_bound(&self) -> Option<Sym> {
+        let force = |i: u16| Sym::variable(Variable::ContactForce(i));
+        let loads = self.loads.iter();
+        let loads: Sym = loads.map(|&(i, factor)| factor * force(i)).sum();
+        self.bound.map(|bound| match self.loads.is_empty() {
+            true => bound,
+            false => bound + loads,
+        })
+    }
+}
+
 /// Coulomb friction of a contact.
+#[derive(Clone, Copy)]
 pub(crate) struct Friction {
+    /// Function of parameters: the coefficient at rest, and of sliding unless that is another one.
     pub(crate) coefficient: Sym,
+    /// That of sliding, if it is another one.
+    pub(crate) kinetic: Option<Sym>,
+    /// What both are multiplied by, if it changes with the sliding velocity or the place.
+    pub(crate) share: Option<Sym>,
     /// Sliding velocity, linear in the velocities, in SI units.
     pub(crate) sliding: Sym,
+    /// In space the second one, perpendicular to that.
+    pub(crate) across: Option<Sym>,
 }
 
 /// How many SI units one declared unit is.

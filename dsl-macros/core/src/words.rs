@@ -304,6 +304,9 @@ pub(crate) const MISFIT: &str = "misfit";
 pub(crate) const HUBER: &str = "huber";
 /// What a quantity is at the start of the motion; its word begins a statement as well, where braces follow.
 pub(crate) const START: &str = "start";
+/// The size of the sliding velocity in a coefficient of friction and in the bound of dry friction; its name may be taken by
+/// declarations.
+pub(crate) const SPEED: &str = "speed";
 
 /// The final time in an objective or a terminal condition.
 pub(crate) const FINAL_TIME: &str = "time";

@@ -260,7 +260,7 @@ mod tests {
             let cones: Vec<Cone> = mu
                 .iter()
                 .enumerate()
-                .map(|(normal, &friction)| Cone { normal, friction })
+                .map(|(normal, &friction)| Cone { normal, friction, kinetic: friction, across: None })
                 .collect();
             let problem = Problem { matrix: &matrix, offsets: &q, cones: &cones };
             let solution = solve(&problem, None);

@@ -27,8 +27,10 @@ mod blocks;
 mod many;
 mod polyhedral;
 mod problem;
+mod space;
 
 pub(crate) use blocks::blocks;
 pub(crate) use many::solve;
 pub(crate) use polyhedral::solve_polyhedral;
 pub(crate) use problem::{Cone, Problem, Solution, State};
+pub(crate) use space::{is_in_space, solve_in_space};

@@ -5,6 +5,10 @@
 pub(crate) struct Cone {
     pub(crate) normal: usize,
     pub(crate) friction: f64,
+    /// The coefficient of sliding, below that of rest where there are two.
+    pub(crate) kinetic: f64,
+    /// In space the line of the second tangent, which stands behind all first ones.
+    pub(crate) across: Option<usize>,
 }
 
 /// What a contact does.

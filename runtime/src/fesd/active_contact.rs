@@ -10,6 +10,8 @@ pub(crate) enum Tangential {
     Idle,
     /// The sliding velocity is held at zero by a force inside the friction cone.
     Sticking,
+    /// Both sliding velocities of a contact in space are.
+    StickingInSpace,
     /// At rest with full friction `s = -mu r`, beside other contacts that stick.
     BoundForward,
     /// At rest with full friction `s = mu r`, beside other contacts that stick.
@@ -53,7 +55,7 @@ impl Tangential {
         match self {
             Self::Forward | Self::BoundForward => -1.0,
             Self::Backward | Self::BoundBackward => 1.0,
-            Self::Idle | Self::Sticking => 0.0,
+            Self::Idle | Self::Sticking | Self::StickingInSpace => 0.0,
         }
     }
 }
@@ -68,13 +70,22 @@ pub(crate) struct ActiveContact {
 impl ActiveContact {
     /// Whether the contact sticks.
     pub(crate) fn sticks(self) -> bool {
-        self.tangential == Tangential::Sticking
+        self.stuck() > 0
+    }
+
+    /// Number of sliding velocities that it holds.
+    pub(crate) fn stuck(self) -> usize {
+        match self.tangential {
+            Tangential::Sticking => 1,
+            Tangential::StickingInSpace => 2,
+            _ => 0,
+        }
     }
 }
 
-/// Number of force unknowns: one a contact, and one more for each that sticks.
+/// Number of force unknowns: one a contact, and one more for each sliding velocity that sticks.
 pub(crate) fn force_count(active: &[ActiveContact]) -> usize {
-    active.len() + active.iter().filter(|contact| contact.sticks()).count()
+    active.len() + active.iter().map(|contact| contact.stuck()).sum::<usize>()
 }
 
 /// The state of `contact` in `active`, if it carries a force.

@@ -3,7 +3,10 @@
 use super::active_contact::{ActiveContact, force_count};
 use super::contacts::sum_of_sizes;
 use crate::joints::{JointError, Joints};
-use crate::model::{Model, contact_point, friction_coefficients, surfaces, tangent_point};
+use crate::model::{
+    Frame, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces,
+    tangent_point,
+};
 
 /// The constraints of a contact mode at one point: first the normals of the active contacts, those of dry friction last,
 /// then the tangents of those that stick, then the rows of joints that are held. Owns the memory for them.
@@ -18,6 +21,10 @@ pub(super) struct Constraints<'a> {
     n: usize,
     active: Vec<ActiveContact>,
     friction: Vec<f64>,
+    /// The same of contacts that slide.
+    kinetic: Vec<f64>,
+    /// What given forces follow of those of surfaces: both constraints, and the factor.
+    pub(super) loads: Vec<(usize, usize, f64)>,
     /// Number of contacts of the scene that are surfaces, and of those that are active.
     surfaces: usize,
     normals: usize,
@@ -38,6 +45,10 @@ pub(super) struct Constraints<'a> {
     pub(super) turning: Vec<f64>,
     point: Vec<f64>,
     tangent: Vec<f64>,
+    /// Frames of contacts in space; empty without any.
+    frames: Vec<Frame>,
+    /// The second tangential side of one of them.
+    across: Vec<f64>,
     contact_jacobian: Vec<f64>,
     tangent_jacobian: Vec<f64>,
 }
@@ -54,6 +65,8 @@ impl<'a> Constraints<'a> {
             n,
             active: Vec::new(),
             friction: friction_coefficients(model),
+            kinetic: kinetic_coefficients(model),
+            loads: Vec::new(),
             surfaces: surfaces(model),
             normals: 0,
             joints: Joints::of(model),
@@ -66,6 +79,8 @@ impl<'a> Constraints<'a> {
             turning: Vec::new(),
             point: vec![0.0; contact_point::length(n)],
             tangent: vec![0.0; tangent_point::length(n)],
+            frames: Vec::new(),
+            across: vec![0.0; tangent_point::length(n)],
             contact_jacobian: vec![0.0; largest(&mut contacts.map(|c| c.jacobian.entries.len()))],
             tangent_jacobian: vec![0.0; largest(&mut tangents.map(|t| t.jacobian.entries.len()))],
         }
@@ -144,6 +159,45 @@ impl<'a> Constraints<'a> {
         self.turning.resize(count * self.n, 0.0);
     }
 
+    /// Sets the frames in which contacts in space slide.
+    pub(super) fn set_frames(&mut self, frames: &[Frame]) {
+        self.frames.clear();
+        self.frames.extend_from_slice(frames);
+    }
+
+    /// Lets the frames of contacts in space that slip point along their sliding velocities at the start `x` of an element.
+    pub(super) fn align(&mut self, x: &[f64]) {
+        for place in 0..self.active.len() {
+            let held = self.active[place];
+            if held.tangential.sense() == 0.0 || !self.is_in_space(held.contact) {
+                continue;
+            }
+            self.evaluate_sides(held.contact, x);
+            let velocity = (
+                self.tangent[tangent_point::SLIDING_VELOCITY],
+                self.across[tangent_point::SLIDING_VELOCITY],
+            );
+            let frame = &mut self.frames[held.contact];
+            if velocity.0.hypot(velocity.1) > frame.soft {
+                frame.align(velocity);
+            }
+        }
+    }
+
+    fn is_in_space(&self, contact: usize) -> bool {
+        let friction = self.model.declaration().contacts[contact].friction;
+        !self.frames.is_empty() && friction.is_some_and(|friction| friction.across.is_some())
+    }
+
+    /// Evaluates the tangential side of a contact, in space both of them in their frame.
+    fn evaluate_sides(&mut self, contact: usize, x: &[f64]) {
+        self.model.tangent(contact, x, &mut self.tangent);
+        if self.is_in_space(contact) {
+            self.model.across(contact, x, &mut self.across);
+            self.frames[contact].turn(&mut self.tangent, &mut self.across);
+        }
+    }
+
     /// Sets the length of the element that holds the constraints.
     pub(super) fn set_length(&mut self, length: f64) {
         self.length = length;
@@ -156,7 +210,26 @@ impl<'a> Constraints<'a> {
 
     /// Ratio `s / r` of an active contact.
     fn slope(&self, held: ActiveContact) -> f64 {
-        held.tangential.share() * self.friction[held.contact]
+        let coefficient = match held.tangential.sense() {
+            0.0 => self.friction[held.contact],
+            _ => self.kinetic[held.contact],
+        };
+        held.tangential.share() * coefficient
+    }
+
+    /// What the given force of an active contact follows, where it follows any.
+    fn evaluate_loads(&mut self, place: usize, x: &[f64]) {
+        let contact = self.active[place].contact;
+        let followed = self.model.declaration().contacts[contact].loads;
+        if followed.is_empty() {
+            return;
+        }
+        let mut factors = vec![0.0; followed.len()];
+        self.model.loads(contact, x, &mut factors);
+        for (surface, factor) in followed.iter().zip(factors) {
+            let on = self.active.iter().position(|held| held.contact == *surface);
+            self.loads.extend(on.map(|on| (place, on, factor)));
+        }
     }
 
     /// Evaluates gaps, velocities, gradients and directions at the input vector `x`.
@@ -164,6 +237,10 @@ impl<'a> Constraints<'a> {
         let n = self.n;
         let mut stuck = self.active.len();
         self.gap_rounding = 0.0;
+        self.loads.clear();
+        for i in self.normals..self.active.len() {
+            self.evaluate_loads(i, x);
+        }
         for (i, &held) in self.active.iter().enumerate() {
             self.model.contact(held.contact, x, &mut self.point);
             let given = self.is_given(i);
@@ -186,19 +263,38 @@ impl<'a> Constraints<'a> {
             if !self.needs_tangent(held) {
                 continue;
             }
+            let in_space = self.is_in_space(held.contact);
             self.model.tangent(held.contact, x, &mut self.tangent);
-            let across = &self.tangent[tangent_point::direction(n)..];
-            if held.sticks() {
-                self.velocities[stuck] = self.tangent[tangent_point::SLIDING_VELOCITY];
+            if in_space {
+                self.model.across(held.contact, x, &mut self.across);
+                self.frames[held.contact].turn(&mut self.tangent, &mut self.across);
+            }
+            let sides = [&self.tangent, &self.across];
+            for side in &sides[..held.stuck()] {
+                self.velocities[stuck] = side[tangent_point::SLIDING_VELOCITY];
                 self.gradients[stuck * n..(stuck + 1) * n]
-                    .copy_from_slice(&self.tangent[tangent_point::TANGENT..][..n]);
-                self.directions[stuck * n..(stuck + 1) * n].copy_from_slice(across);
+                    .copy_from_slice(&side[tangent_point::TANGENT..][..n]);
+                self.directions[stuck * n..(stuck + 1) * n]
+                    .copy_from_slice(&side[tangent_point::direction(n)..]);
                 stuck += 1;
-            } else {
-                let slope = self.slope(held);
+            }
+            if held.sticks() {
+                continue;
+            }
+            let mut slope = self.slope(held);
+            if in_space {
+                let velocities = sides.map(|side| side[tangent_point::SLIDING_VELOCITY]);
+                let frame = &self.frames[held.contact];
+                let slide = frame.direction((velocities[0], velocities[1]));
+                let across = &self.across[tangent_point::direction(n)..];
                 for (d, e) in self.directions[i * n..].iter_mut().zip(across) {
-                    *d += slope * e;
+                    *d += slope * slide.across * e;
                 }
+                slope *= slide.along;
+            }
+            let along = &self.tangent[tangent_point::direction(n)..];
+            for (d, e) in self.directions[i * n..].iter_mut().zip(along) {
+                *d += slope * e;
             }
         }
         self.evaluate_joints(x);
@@ -246,7 +342,7 @@ impl<'a> Constraints<'a> {
             for (&(row, column), value) in entries.iter().zip(&*values) {
                 let (row, column) = (row as usize, column as usize);
                 if column >= n {
-                    if row == 1 && column < 2 * n && declaration.switch.is_some() {
+                    if row == 1 && column < 2 * n && declaration.dry {
                         self.gradients[i * n + column - n] = *value;
                     }
                     continue;
@@ -263,13 +359,24 @@ impl<'a> Constraints<'a> {
             let Some(friction) = &declaration.friction else {
                 continue;
             };
+            if self.is_in_space(held.contact) {
+                self.differentiate_in_space(
+                    x,
+                    (held, stuck),
+                    (r, forces),
+                    (&mut *by_q, &mut *by_v),
+                );
+                stuck += held.stuck();
+                continue;
+            }
+            let slope = self.slope(held);
             let entries = friction.jacobian.entries;
             let values = &mut self.tangent_jacobian[..entries.len()];
             self.model.tangent_jacobian(held.contact, x, values);
             let s = if held.sticks() {
                 forces[stuck]
             } else {
-                held.tangential.share() * self.friction[held.contact] * r
+                slope * r
             };
             for (&(row, column), value) in entries.iter().zip(&*values) {
                 let (row, column) = (row as usize, column as usize);
@@ -289,6 +396,77 @@ impl<'a> Constraints<'a> {
         }
         if let Some(joints) = &self.joints {
             self.turning[stuck * n..].copy_from_slice(joints.turning());
+        }
+    }
+
+    /// The share of a contact in space in [`differentiate`](Self::differentiate): `stuck` is its first tangential constraint, `r` its
+    /// normal force.
+    fn differentiate_in_space(
+        &mut self,
+        x: &[f64],
+        (held, stuck): (ActiveContact, usize),
+        (r, forces): (f64, &[f64]),
+        (by_q, by_v): (&mut [f64], &mut [f64]),
+    ) {
+        let n = self.n;
+        self.evaluate_sides(held.contact, x);
+        let frame = self.frames[held.contact];
+        let velocity = (
+            self.tangent[tangent_point::SLIDING_VELOCITY],
+            self.across[tangent_point::SLIDING_VELOCITY],
+        );
+        let slide = frame.direction(velocity);
+        let slip = self.slope(held) * r;
+        let sides = if held.sticks() {
+            (forces[stuck], forces[stuck + 1])
+        } else {
+            (slip * slide.along, slip * slide.across)
+        };
+        // Rows of both sliding velocities by the coordinates, and what turns both directions.
+        let mut turning = [vec![0.0; n], vec![0.0; n]];
+        let weights = frame.outside(sides);
+        let friction = self.model.declaration().contacts[held.contact].friction;
+        let patterns = friction.and_then(|known| Some([known.jacobian, known.across?]));
+        let Some(patterns) = patterns else { return };
+        for (k, pattern) in patterns.into_iter().enumerate() {
+            let mut values = vec![0.0; pattern.entries.len()];
+            match k {
+                0 => self.model.tangent_jacobian(held.contact, x, &mut values),
+                _ => self.model.across_jacobian(held.contact, x, &mut values),
+            }
+            let weight = if k == 0 { weights.0 } else { weights.1 };
+            for (&(row, column), value) in pattern.entries.iter().zip(values) {
+                let (row, column) = (row as usize, column as usize);
+                match row {
+                    _ if column >= n => {}
+                    0 => turning[k][column] = value,
+                    _ => by_q[(row - 1) * n + column] += weight * value,
+                }
+            }
+        }
+        let [first, second] = &mut turning;
+        frame.turn(first, second);
+        if held.sticks() {
+            self.turning[stuck * n..(stuck + 1) * n].copy_from_slice(first);
+            self.turning[(stuck + 1) * n..(stuck + 2) * n].copy_from_slice(second);
+            return;
+        }
+        // The force turns with the velocity.
+        let directions =
+            [&self.tangent, &self.across].map(|side| &side[tangent_point::direction(n)..]);
+        let gradients =
+            [&self.tangent, &self.across].map(|side| &side[tangent_point::TANGENT..][..n]);
+        let turning = [first, second];
+        for row in 0..n {
+            for k in 0..2 {
+                let turned: f64 = (0..2)
+                    .map(|side| slip * directions[side][row] * slide.by[side][k])
+                    .sum();
+                for column in 0..n {
+                    by_q[row * n + column] += turned * turning[k][column];
+                    by_v[row * n + column] += turned * gradients[k][column];
+                }
+            }
         }
     }
 }

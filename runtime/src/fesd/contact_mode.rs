@@ -12,7 +12,7 @@ use super::coulomb::{self, Cone};
 use super::impact;
 use super::sharing::{self, Share};
 use super::switch;
-use crate::model::Switching;
+use crate::model::{Switching, pair_size};
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
 const BIACTIVE: f64 = 1e-8;
@@ -52,12 +52,20 @@ pub(crate) fn select(
         active.clear();
         return Ok(());
     }
+    for &i in &touching {
+        contacts.measure_sliding(i, time);
+        contacts.align(i, None);
+    }
     let solved = Solved::sided(contacts, x, &touching, time)?;
     let Sorted {
         mut strict,
         mut undecided,
         shares,
+        slips,
     } = solved.sort(contacts);
+    for (contact, slip) in slips {
+        contacts.align(contact, Some(slip));
+    }
     switch::is_unique(contacts, &strict)?;
     sharing::share_friction(contacts, &mut strict, &shares)?;
     drop_held(contacts, &mut strict, &mut undecided)?;
@@ -87,13 +95,15 @@ struct Sorted {
     undecided: Vec<Undecided>,
     /// Friction of those in a cone.
     shares: Vec<Share>,
+    /// Contacts in space that begin to slip, with the direction in their frames.
+    slips: Vec<(usize, (f64, f64))>,
 }
 
 impl Solved {
     fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
         let at_rest = |i: usize| {
             !contacts.switch(i).is_some_and(Switching::passes)
-                && contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest()
+                && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
         };
         let (lines, cones) = impact::coulomb_lines(contacts, &touching, at_rest);
         let free: Vec<f64> = lines
@@ -161,6 +171,15 @@ impl Solved {
         cone.map(|cone| self.touching.len() + cone)
     }
 
+    /// The components of `values` along both tangents of a cone; the second is 0 in the plane.
+    fn both(&self, tangent: usize, values: &[f64]) -> (f64, f64) {
+        let cone = &self.cones[tangent - self.touching.len()];
+        (
+            values[tangent],
+            cone.across.map_or(0.0, |across| values[across]),
+        )
+    }
+
     /// Sorts the contacts by what their forces and accelerations say.
     fn sort(&self, contacts: &Contacts<'_>) -> Sorted {
         let mut sorted = Sorted::default();
@@ -180,9 +199,9 @@ impl Solved {
                 let sense = match tangent {
                     None => Some(sliding_state(contacts, contact).sense()),
                     Some(tangent) => {
-                        let slip = self.accelerations[tangent];
-                        let moves = slip.abs() > BIACTIVE * contacts.tangential_scale(contact);
-                        moves.then_some(slip.signum())
+                        let slip = self.both(tangent, &self.accelerations);
+                        let moves = pair_size(slip) > BIACTIVE * contacts.tangential_scale(contact);
+                        moves.then(|| self.begin_slip(contacts, contact, slip, &mut sorted))
                     }
                 };
                 sorted.undecided.push(Undecided::Normal { contact, sense });
@@ -200,17 +219,30 @@ impl Solved {
         sorted: &mut Sorted,
     ) -> Tangential {
         let contact = self.touching[k];
-        let friction = self.forces[tangent];
+        let both = self.both(tangent, &self.forces);
+        let slips = self.both(tangent, &self.accelerations);
         let zero = BIACTIVE * contacts.tangential_scale(contact);
-        let margin = contacts.friction(contact) * self.forces[k] - friction.abs();
-        let margin = if margin > zero { margin } else { 0.0 };
+        let margin = contacts.friction(contact) * self.forces[k] - pair_size(both);
+        if contacts.is_in_space(contact) {
+            return self.in_space(contacts, (contact, margin, zero), (both, slips), sorted);
+        }
+        let (friction, slip) = (both.0, slips.0);
+        let at_rest = margin > zero;
+        // Where sliding has a lower coefficient of its own, a force that is no longer held jumps.
+        let jumps = contacts.kinetic(contact) < contacts.friction(contact);
+        let margin = if at_rest && !(jumps && slip.abs() > zero) {
+            margin
+        } else {
+            0.0
+        };
         sorted.shares.push(Share {
             contact,
             friction,
             margin,
         });
-        let slip = self.accelerations[tangent];
-        if margin == 0.0 && slip.abs() <= zero {
+        if margin == 0.0 && jumps {
+            Tangential::slip(-friction)
+        } else if margin == 0.0 && slip.abs() <= zero {
             let sense = -friction.signum();
             sorted.undecided.push(Undecided::Edge { contact, sense });
             Tangential::slip(sense)
@@ -219,6 +251,54 @@ impl Solved {
         } else {
             Tangential::slip(slip)
         }
+    }
+}
+
+impl Solved {
+    /// The sense in which a contact begins to slip; in space its frame is to point there.
+    fn begin_slip(
+        &self,
+        contacts: &Contacts<'_>,
+        contact: usize,
+        slip: (f64, f64),
+        sorted: &mut Sorted,
+    ) -> f64 {
+        if !contacts.is_in_space(contact) {
+            return slip.0.signum();
+        }
+        sorted.slips.push((contact, slip));
+        1.0
+    }
+
+    /// What a contact in space does that carries a force and does not slide, by its `margin` to the cone, its friction and its
+    /// acceleration.
+    fn in_space(
+        &self,
+        contacts: &Contacts<'_>,
+        (contact, margin, zero): (usize, f64, f64),
+        (friction, slip): ((f64, f64), (f64, f64)),
+        sorted: &mut Sorted,
+    ) -> Tangential {
+        let margin = if margin > zero { margin } else { 0.0 };
+        sorted.shares.push(Share {
+            contact,
+            friction: pair_size(friction),
+            margin,
+        });
+        if margin > 0.0 {
+            return Tangential::StickingInSpace;
+        }
+        let slips = pair_size(slip) > zero;
+        let direction = if slips {
+            slip
+        } else {
+            (-friction.0, -friction.1)
+        };
+        let sense = self.begin_slip(contacts, contact, direction, sorted);
+        if !slips {
+            sorted.undecided.push(Undecided::Edge { contact, sense });
+        }
+        Tangential::slip(sense)
     }
 }
 
@@ -283,22 +363,8 @@ fn select_by_jerk(
     let (step, time_scale) = difference_step(contacts, x, (&motion, largest));
     // Far from the origin the step is longer and leaves fewer digits.
     let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
-    let mut jerk = vec![0.0; lines.len()];
-    let mut behind = vec![0.0; lines.len()];
-    separation(contacts, x, &motion, step, strict, &held, &lines, &mut jerk)?;
-    separation(
-        contacts,
-        x,
-        &motion,
-        -step,
-        strict,
-        &held,
-        &lines,
-        &mut behind,
-    )?;
-    for (ahead, behind) in jerk.iter_mut().zip(&behind) {
-        *ahead = (*ahead - behind) / (2.0 * step);
-    }
+    let at = (x, &motion[..], step);
+    let jerk = jerks(contacts, at, strict, (&held, &lines))?;
     let mut rates = vec![0.0; lines.len()];
     coulomb::solve(&matrix, &jerk, &cones, &mut rates)?;
     let size = lines.len();
@@ -310,8 +376,9 @@ fn select_by_jerk(
                 let slips = Tangential::slip(sense);
                 let slip = rates[k] <= zero(k)
                     && (total(k) > zero(k) || find(previous, contact) == Some(slips));
+                let sticks = sticking(contacts, contact);
                 for held in strict.iter_mut().filter(|held| held.contact == contact) {
-                    held.tangential = if slip { slips } else { Tangential::Sticking };
+                    held.tangential = if slip { slips } else { sticks };
                 }
             }
             Undecided::Normal { contact, sense } => {
@@ -326,10 +393,12 @@ fn select_by_jerk(
                     }
                     None => Tangential::Idle,
                     Some(tangent) => {
-                        let margin = contacts.friction(contact) * rates[k] - rates[tangent].abs();
-                        let zero = zero(tangent);
-                        let decided = from_rest(margin, total(tangent), zero);
-                        decided.or(before).unwrap_or(Tangential::Sticking)
+                        let across = cones[tangent - undecided.len()].across;
+                        let both = (rates[tangent], across.map_or(0.0, |line| rates[line]));
+                        let margin = contacts.friction(contact) * rates[k] - pair_size(both);
+                        let slip = (total(tangent), across.map_or(0.0, total));
+                        let decided = from_rest(contacts, contact, (margin, slip), zero(tangent));
+                        decided.or(before).unwrap_or(sticking(contacts, contact))
                     }
                 };
                 strict.push(ActiveContact {
@@ -342,13 +411,52 @@ fn select_by_jerk(
     Ok(())
 }
 
-/// What a contact at rest begins to do, by the distance of its force from the cone and its slip, if they say so.
-fn from_rest(margin: f64, slip: f64, zero: f64) -> Option<Tangential> {
-    if margin > zero {
-        Some(Tangential::Sticking)
-    } else {
-        (slip.abs() > zero).then(|| Tangential::slip(slip))
+/// Rates of the accelerations of `lines` along the motion, while the `active` contacts hold theirs: a central difference over a `step`
+/// at `x` with the acceleration `motion`.
+fn jerks(
+    contacts: &mut Contacts<'_>,
+    (x, motion, step): (&[f64], &[f64], f64),
+    active: &[ActiveContact],
+    (held, lines): (&[Line], &[Line]),
+) -> Result<Vec<f64>, ModeError> {
+    let mut jerk = vec![0.0; lines.len()];
+    let mut behind = vec![0.0; lines.len()];
+    for (step, w) in [(step, &mut jerk), (-step, &mut behind)] {
+        separation(contacts, x, motion, step, active, held, lines, w)?;
     }
+    for (ahead, behind) in jerk.iter_mut().zip(&behind) {
+        *ahead = (*ahead - behind) / (2.0 * step);
+    }
+    Ok(jerk)
+}
+
+/// The state of a contact that sticks.
+fn sticking(contacts: &Contacts<'_>, contact: usize) -> Tangential {
+    match contacts.is_in_space(contact) {
+        true => Tangential::StickingInSpace,
+        false => Tangential::Sticking,
+    }
+}
+
+/// What a contact at rest begins to do, by the distance of its force from the cone and its slip, if they say so; in space its frame
+/// points along the slip.
+fn from_rest(
+    contacts: &mut Contacts<'_>,
+    contact: usize,
+    (margin, slip): (f64, (f64, f64)),
+    zero: f64,
+) -> Option<Tangential> {
+    if margin > zero {
+        return Some(sticking(contacts, contact));
+    }
+    if pair_size(slip) <= zero {
+        return None;
+    }
+    if contacts.is_in_space(contact) {
+        contacts.align(contact, Some(slip));
+        return Some(Tangential::Forward);
+    }
+    Some(Tangential::slip(slip.0))
 }
 
 /// Step of a central difference along the motion with the acceleration `motion`, beside accelerations of the size `scale`,
@@ -382,6 +490,7 @@ fn difference_step(
 /// One line for each undecided condition, in its order, then the tangents of the cones.
 fn undecided_lines(contacts: &Contacts<'_>, undecided: &[Undecided]) -> (Vec<Line>, Vec<Cone>) {
     let (mut lines, mut tangents, mut cones) = (Vec::new(), Vec::new(), Vec::new());
+    let mut acrosses = Vec::new();
     for (normal, &condition) in undecided.iter().enumerate() {
         lines.push(match condition {
             Undecided::Edge { contact, sense } => Line::Tangent { contact, sense },
@@ -392,16 +501,20 @@ fn undecided_lines(contacts: &Contacts<'_>, undecided: &[Undecided]) -> (Vec<Lin
                         contact,
                         sense: 1.0,
                     });
-                    cones.push(Cone { normal, friction });
+                    if contacts.is_in_space(contact) {
+                        acrosses.push((cones.len(), Line::Across { contact }));
+                    }
+                    cones.push(contacts.cone(contact, normal));
                 }
                 Line::Normal {
                     contact,
-                    slope: -friction * sense.unwrap_or(0.0),
+                    slope: -contacts.kinetic(contact) * sense.unwrap_or(0.0),
                 }
             }
         });
     }
     lines.extend(tangents);
+    impact::add_acrosses(&mut lines, &mut cones, acrosses);
     (lines, cones)
 }
 

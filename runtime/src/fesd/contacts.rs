@@ -4,13 +4,18 @@
 //! contact, which acts along `d_i`, or along `d_i -+ mu_i e_i` while it slips; and `v_t' = 0` for the
 //! friction `s_i` of a sticking contact, which acts along `e_i`.
 
-use super::active_contact::{ActiveContact, Tangential};
+pub(crate) use super::line::Line;
+pub(super) use super::line::{tangents, unbiased_lines};
+pub(crate) use super::mode_error::ModeError;
+
+use super::active_contact::ActiveContact;
 use super::contact_size::ContactSize;
-use crate::linalg::{dense, lcp};
+use super::coulomb::Cone;
+use crate::linalg::dense;
 use crate::model::rounding::rounding_error_at_start;
 use crate::model::{
-    Model, Pieces, Switching, contact_point, contains_ground, friction_coefficients, surfaces,
-    switching_terms, tangent_point,
+    Frame, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground,
+    friction_coefficients, kinetic_coefficients, surfaces, switching_terms, tangent_point,
 };
 
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
@@ -19,47 +24,6 @@ const JAMMED: f64 = 1e-10;
 
 /// Bound of dry friction below zero, as a share of its largest, that is no rounding error.
 const NEGATIVE: f64 = 1e-9;
-
-/// Why a contact mode could not be determined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum ModeError {
-    /// The complementarity problem of impulses or accelerations has no solution: jamming.
-    Jammed,
-    /// The normals of the active contacts are dependent.
-    Dependent,
-    /// A model value is infinite or not a number.
-    NotFinite,
-    /// The bound of this dry friction is negative.
-    NegativeBound(usize),
-    /// Both sides of this switch push away from the zero of its function, on which the motion is.
-    NotUnique(usize),
-}
-
-impl From<lcp::LcpError> for ModeError {
-    fn from(error: lcp::LcpError) -> Self {
-        match error {
-            lcp::LcpError::Ray => Self::Jammed,
-            lcp::LcpError::NotFinite => Self::NotFinite,
-        }
-    }
-}
-
-/// One velocity that is held, and the direction of the force that holds it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Line {
-    /// The normal velocity, by a force along `d + slope e`.
-    Normal { contact: usize, slope: f64 },
-    /// The sliding velocity times `sense`, by a force along `sense e`.
-    Tangent { contact: usize, sense: f64 },
-}
-
-impl Line {
-    pub(crate) fn contact(self) -> usize {
-        match self {
-            Self::Normal { contact, .. } | Self::Tangent { contact, .. } => contact,
-        }
-    }
-}
 
 /// Evaluates contacts and their forces at a point; owns the memory for it.
 // Many fields: the memory of an evaluation, and the sizes that the motion has had.
@@ -70,6 +34,10 @@ pub(crate) struct Contacts<'a> {
     pub(crate) pieces: Pieces,
     /// Coefficients of friction, 0 for contacts without friction.
     friction: Vec<f64>,
+    /// The same of contacts that slide.
+    kinetic: Vec<f64>,
+    /// What dry frictions follow of the forces of surfaces at the last evaluation.
+    loads: Loads,
     /// Number of contacts that are surfaces.
     pub(crate) surfaces: usize,
     /// Which side of each switch that is only passed acts: the sign of minus its function, 0 for all others.
@@ -78,6 +46,8 @@ pub(crate) struct Contacts<'a> {
     points: Vec<f64>,
     /// Tangential sides; empty if no contact has friction.
     tangents: Vec<f64>,
+    /// Contacts in space: which, in which frames, the second tangential sides, and the directions along which they slide.
+    space: Option<Space>,
     /// Largest sum of terms of each normal acceleration of the motion so far: the scale of its rounding error. At
     /// one instant the terms may cancel inside the model.
     scales: Vec<f64>,
@@ -111,11 +81,14 @@ impl<'a> Contacts<'a> {
             n,
             pieces: Pieces::default(),
             friction,
+            kinetic: kinetic_coefficients(model),
+            loads: Loads::default(),
             surfaces: surfaces(model),
             sides: vec![0.0; contacts],
             acceleration: vec![0.0; n],
             points: vec![0.0; contacts * contact_point::length(n)],
             tangents: vec![0.0; tangents * tangent_point::length(n)],
+            space: Space::of(model),
             scales: vec![0.0; contacts],
             tangent_scales: vec![0.0; tangents],
             sizes: vec![ContactSize::default(); contacts],
@@ -128,6 +101,11 @@ impl<'a> Contacts<'a> {
             control_slopes: Vec::new(),
             evaluations: 0,
         }
+    }
+
+    /// The scene.
+    pub(crate) fn model(&self) -> &'a dyn Model {
+        self.model
     }
 
     /// Rates of the controls from now on; empty where they are constant.
@@ -156,9 +134,96 @@ impl<'a> Contacts<'a> {
         &self.tangent(contact)[tangent_point::direction(self.n)..]
     }
 
+    /// Contacts in space, if this is one.
+    fn space(&self, contact: usize) -> Option<&Space> {
+        let space = self.space.as_ref();
+        space.filter(|space| space.contains(contact))
+    }
+
+    /// Whether a contact slides along two directions.
+    pub(crate) fn is_in_space(&self, contact: usize) -> bool {
+        self.space(contact).is_some()
+    }
+
+    /// The frames in which contacts in space slide; none without any.
+    pub(crate) fn frames(&self) -> &[Frame] {
+        self.space.as_ref().map_or(&[], Space::frames)
+    }
+
+    /// The second tangential side of a contact in space at the last evaluation.
+    fn across(&self, contact: usize) -> &[f64] {
+        self.space(contact)
+            .map_or(&[], |space| space.across(contact))
+    }
+
+    /// Both sliding velocities of a contact at the last evaluation; the second is 0 in the plane.
+    pub(crate) fn sliding(&self, contact: usize) -> (f64, f64) {
+        let across = self.space(contact).map(|space| space.across(contact));
+        let across = across.map_or(0.0, |across| across[tangent_point::SLIDING_VELOCITY]);
+        (self.sliding_velocity(contact), across)
+    }
+
+    /// The direction in which friction of a contact acts that slides.
+    fn slip_direction(&self, contact: usize) -> &[f64] {
+        match self.space(contact) {
+            Some(space) => space.slipping(contact),
+            None => self.friction_direction(contact),
+        }
+    }
+
+    /// Turns the frame of a contact in space so that it points along what is `to` in it, or along its sliding velocity where that
+    /// has a direction.
+    pub(crate) fn align(&mut self, contact: usize, to: Option<(f64, f64)>) {
+        let length = tangent_point::length(self.n);
+        let Some(space) = self.space.as_mut().filter(|space| space.contains(contact)) else {
+            return;
+        };
+        let tangent = &mut self.tangents[contact * length..(contact + 1) * length];
+        match to {
+            Some(to) => space.align(contact, to, tangent),
+            None => space.align_with_sliding(contact, tangent),
+        }
+    }
+
+    /// Takes note of the speed below which the sliding of a contact in space has no direction, at `time`.
+    pub(crate) fn measure_sliding(&mut self, contact: usize, time: f64) {
+        if !self.is_in_space(contact) {
+            return;
+        }
+        let rest = self.size(contact, time).at_rest();
+        let largest = self.sizes[contact].sliding;
+        if let Some(space) = &mut self.space {
+            space.measure(contact, largest, rest);
+        }
+    }
+
+    /// Speed up to which a contact is at rest along the ground.
+    pub(crate) fn rest_speed(&self, contact: usize, time: f64) -> f64 {
+        let rest = self.size(contact, time).at_rest();
+        match self.space(contact) {
+            Some(space) => rest.max(space.frames()[contact].soft),
+            None => rest,
+        }
+    }
+
     /// Coefficient of friction, 0 for a contact without friction.
     pub(crate) fn friction(&self, contact: usize) -> f64 {
         self.friction[contact]
+    }
+
+    /// Coefficient of friction of a contact while it slides.
+    pub(crate) fn kinetic(&self, contact: usize) -> f64 {
+        self.kinetic[contact]
+    }
+
+    /// The law of a contact whose normal is the line `normal`.
+    pub(super) fn cone(&self, contact: usize, normal: usize) -> Cone {
+        Cone {
+            normal,
+            friction: self.friction[contact],
+            kinetic: self.kinetic[contact],
+            across: None,
+        }
     }
 
     /// Whether a contact is dry friction without a surface, whose normal force is given.
@@ -233,7 +298,11 @@ impl<'a> Contacts<'a> {
             if self.friction[i] > 0.0 {
                 let tangent = &mut self.tangents[i * tangent_length..(i + 1) * tangent_length];
                 self.model.tangent(i, x, tangent);
+                if let Some(space) = self.space.as_mut().filter(|space| space.contains(i)) {
+                    space.evaluate(self.model, i, x, tangent);
+                }
             }
+            self.loads.evaluate(self.model, i, x);
         }
         self.evaluations += 1;
     }
@@ -256,7 +325,16 @@ impl<'a> Contacts<'a> {
             let tangent = self.tangent(contact);
             let along = &tangent[tangent_point::TANGENT..][..self.n];
             let terms = sum_of_sizes(along, v).max(tangent[tangent_point::SLIDING_VELOCITY].abs());
-            terms.max(switching_terms(self.model, contact, x))
+            let across = match self.is_in_space(contact) {
+                true => {
+                    let across = &self.across(contact)[tangent_point::TANGENT..][..self.n];
+                    sum_of_sizes(across, v)
+                }
+                false => 0.0,
+            };
+            terms
+                .max(across)
+                .max(switching_terms(self.model, contact, x))
         } else {
             0.0
         };
@@ -346,6 +424,13 @@ impl<'a> Contacts<'a> {
                     tangent[tangent_point::CURVATURE],
                 )
             }
+            Line::Across { contact } => {
+                let across = self.across(contact);
+                (
+                    &across[tangent_point::TANGENT..][..self.n],
+                    across[tangent_point::CURVATURE],
+                )
+            }
         }
     }
 
@@ -365,17 +450,14 @@ impl<'a> Contacts<'a> {
         match line {
             Line::Normal { contact, .. } => self.normal_velocity(contact),
             Line::Tangent { contact, sense } => sense * self.sliding_velocity(contact),
+            Line::Across { contact } => self.sliding(contact).1,
         }
     }
 
     /// Acceleration of a line without contact forces at the last evaluation.
     pub(super) fn free_line_acceleration(&self, line: Line) -> f64 {
         let (row, curvature) = self.row(line);
-        let sign = match line {
-            Line::Normal { .. } => 1.0,
-            Line::Tangent { sense, .. } => sense,
-        };
-        sign * (dot(row, &self.acceleration) + curvature)
+        line.sense() * (dot(row, &self.acceleration) + curvature)
     }
 
     /// Normal acceleration of a contact without contact forces at the last evaluation, `phi_i`.
@@ -407,7 +489,9 @@ impl<'a> Contacts<'a> {
     pub(super) fn scale(&self, line: Line) -> f64 {
         match line {
             Line::Normal { contact, .. } => self.phi_scale(contact),
-            Line::Tangent { contact, .. } => self.tangential_scale(contact),
+            Line::Tangent { contact, .. } | Line::Across { contact } => {
+                self.tangential_scale(contact)
+            }
         }
     }
 
@@ -421,16 +505,11 @@ impl<'a> Contacts<'a> {
 
     /// Acceleration of line `row` for a unit force on line `column`.
     pub(crate) fn coupling(&self, row: Line, column: Line) -> f64 {
-        let sign = match row {
-            Line::Normal { .. } => 1.0,
-            Line::Tangent { sense, .. } => sense,
-        };
+        let sign = row.sense();
         if let (Line::Normal { contact, .. }, Line::Normal { contact: other, .. }) = (row, column)
-            && contact == other
             && self.is_dry(contact)
         {
-            // Its normal acceleration is its force less the given one.
-            return 1.0;
+            return self.loads.coupling(contact, other);
         }
         let (gradient, _) = self.row(row);
         let along = match column {
@@ -440,11 +519,15 @@ impl<'a> Contacts<'a> {
             } => dot(gradient, self.direction(contact)),
             Line::Normal { contact, slope } => {
                 dot(gradient, self.direction(contact))
-                    + slope * dot(gradient, self.friction_direction(contact))
+                    + slope * dot(gradient, self.slip_direction(contact))
             }
             Line::Tangent { contact, sense } => {
                 sense * dot(gradient, self.friction_direction(contact))
             }
+            Line::Across { contact } => dot(
+                gradient,
+                &self.across(contact)[tangent_point::direction(self.n)..],
+            ),
         };
         sign * along
     }
@@ -471,11 +554,7 @@ impl<'a> Contacts<'a> {
             Line::Normal { contact, slope } => {
                 add(acceleration, self.direction(contact), value);
                 if slope != 0.0 {
-                    add(
-                        acceleration,
-                        self.friction_direction(contact),
-                        slope * value,
-                    );
+                    add(acceleration, self.slip_direction(contact), slope * value);
                 }
             }
             Line::Tangent { contact, sense } => add(
@@ -483,12 +562,21 @@ impl<'a> Contacts<'a> {
                 self.friction_direction(contact),
                 sense * value,
             ),
+            Line::Across { contact } => add(
+                acceleration,
+                &self.across(contact)[tangent_point::direction(self.n)..],
+                value,
+            ),
         }
     }
 
     /// Ratio `s / r` of a contact in the given tangential state; 0 where it sticks.
     fn slope(&self, active: ActiveContact) -> f64 {
-        active.tangential.share() * self.friction[active.contact]
+        let coefficient = match active.tangential.sense() {
+            0.0 => self.friction[active.contact],
+            _ => self.kinetic[active.contact],
+        };
+        active.tangential.share() * coefficient
     }
 
     /// The lines that the `active` contacts hold: their normals, then the tangents of those that stick.
@@ -549,12 +637,12 @@ impl<'a> Contacts<'a> {
     /// contact direction.
     fn lift(&self, contact: usize, slope: f64) -> f64 {
         let (normal, _) = self.row(Line::Normal { contact, slope });
-        1.0 + slope * dot(normal, self.friction_direction(contact))
+        1.0 + slope * dot(normal, self.slip_direction(contact))
     }
 
     /// Normal acceleration for a unit force of a contact that slides in the given sense.
     pub(crate) fn lift_in_slip(&self, contact: usize, sense: f64) -> f64 {
-        self.lift(contact, -sense * self.friction[contact])
+        self.lift(contact, -sense * self.kinetic[contact])
     }
 
     /// Acceleration with the `forces` of the `active` contacts at the last evaluation.
@@ -581,32 +669,15 @@ impl<'a> Contacts<'a> {
     ) -> impl Iterator<Item = f64> {
         let mut stuck = active.len();
         active.iter().zip(forces).map(move |(&held, &r)| {
-            if held.tangential == Tangential::Sticking {
-                stuck += 1;
-                forces[stuck - 1]
-            } else {
-                self.slope(held) * r
+            stuck += held.stuck();
+            match held.stuck() {
+                0 => self.slope(held) * r,
+                1 => forces[stuck - 1],
+                // Of a contact in space the size.
+                _ => forces[stuck - 2].hypot(forces[stuck - 1]),
             }
         })
     }
-}
-
-/// Tangents of the contacts that stick.
-fn tangents(active: &[ActiveContact]) -> impl Iterator<Item = Line> {
-    let sticking = active.iter().filter(|held| held.sticks());
-    sticking.map(|held| Line::Tangent {
-        contact: held.contact,
-        sense: 1.0,
-    })
-}
-
-/// The lines that the `active` contacts hold, for forces along the contact directions themselves.
-pub(super) fn unbiased_lines(active: &[ActiveContact]) -> Vec<Line> {
-    let normals = active.iter().map(|held| Line::Normal {
-        contact: held.contact,
-        slope: 0.0,
-    });
-    normals.chain(tangents(active)).collect()
 }
 
 /// Sum of the sizes of the terms of a scalar product.

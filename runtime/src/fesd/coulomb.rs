@@ -10,7 +10,7 @@
 //! complementarity problem. Contacts that are not coupled are solved apart; of few that are the choices are tried one after
 //! the other, many are solved by [`contact_law`].
 
-use crate::contact_law::{self, solve_polyhedral};
+use crate::contact_law::{self, is_in_space, solve_in_space, solve_polyhedral};
 use crate::linalg::{dense, lcp};
 
 pub(super) use crate::contact_law::Cone;
@@ -51,6 +51,12 @@ pub(super) fn solve(
     if couplings.iter().chain(offsets).any(|v| !v.is_finite()) {
         return Err(lcp::LcpError::NotFinite);
     }
+    if is_in_space(cones) {
+        return match solve_in_space(couplings, offsets, cones, forces) {
+            true => Ok(()),
+            false => Err(lcp::LcpError::Ray),
+        };
+    }
     let (lines, normals) = (offsets.len(), offsets.len() - cones.len());
     let contact = |line: usize| line.checked_sub(normals).map_or(line, |k| cones[k].normal);
     let together = |i: usize, j: usize| {
@@ -73,8 +79,7 @@ pub(super) fn solve(
             .filter_map(|line| line.checked_sub(normals))
             .filter_map(|k| {
                 let normal = block.iter().position(|&line| line == cones[k].normal)?;
-                let friction = cones[k].friction;
-                Some(Cone { normal, friction })
+                Some(Cone { normal, ..cones[k] })
             })
             .collect();
         let mut own = vec![0.0; block.len()];
@@ -93,7 +98,9 @@ fn solve_block(
     cones: &[Cone],
     forces: &mut [f64],
 ) -> Result<(), lcp::LcpError> {
-    if cones.len() > MOST_CHOICES || offsets.len() > FEW_LINES {
+    // Where rest and sliding have coefficients of their own, several choices may be consistent, of which rest is right.
+    let two = cones.iter().any(|cone| cone.kinetic < cone.friction);
+    if !two && (cones.len() > MOST_CHOICES || offsets.len() > FEW_LINES) {
         let problem = contact_law::Problem {
             matrix: couplings,
             offsets,
@@ -120,6 +127,14 @@ fn solve_block(
     };
     if violation <= ROUNDING {
         return Ok(());
+    }
+    if two {
+        let least = if violation <= ILL_CONDITIONED {
+            Ok(())
+        } else {
+            Err(lcp::LcpError::Ray)
+        };
+        return least;
     }
     let mut pivoted = vec![0.0; offsets.len()];
     let outcome = problem.solve_polyhedral(&mut pivoted);
@@ -153,7 +168,15 @@ impl Problem<'_> {
         let mut choices = vec![Choice::Stick; count];
         let mut trial = vec![0.0; forces.len()];
         let mut least = f64::INFINITY;
-        for number in 0..kinds.pow(count as u32) {
+        let mut numbers: Vec<usize> = (0..kinds.pow(count as u32)).collect();
+        if self.cones.iter().any(|cone| cone.kinetic < cone.friction) {
+            // What may rest does.
+            numbers.sort_by_key(|&number| {
+                let digits = (0..count as u32).map(|k| number / kinds.pow(k) % kinds);
+                digits.filter(|digit| digit + 4 - kinds >= 2).count()
+            });
+        }
+        for number in numbers {
             let mut rest = number;
             for (k, choice) in choices.iter_mut().enumerate() {
                 let sense = if self.offsets[self.normals + k] < 0.0 {
@@ -186,7 +209,7 @@ impl Problem<'_> {
     fn attempt(&self, choices: &[Choice], forces: &mut [f64]) -> Option<f64> {
         let (normals, lines) = (self.normals, self.offsets.len());
         let slope = |k: usize| match choices[k] {
-            Choice::Slip(sense) => -sense * self.cones[k].friction,
+            Choice::Slip(sense) => -sense * self.cones[k].kinetic,
             Choice::Stick | Choice::Idle => 0.0,
         };
         // Coupling of a normal force, with the friction of a slipping contact, to a line.
@@ -281,6 +304,8 @@ mod tests {
         let cone = Cone {
             normal: 0,
             friction: mu,
+            kinetic: mu,
+            across: None,
         };
         let mut forces = [0.0; 2];
         solve(&coupling, &offsets, &[cone], &mut forces).expect("solvable");
@@ -338,8 +363,8 @@ mod tests {
                 })
                 .collect();
             let cones = [
-                Cone { normal: 0, friction: mu.0 },
-                Cone { normal: 1, friction: mu.1 },
+                Cone { normal: 0, friction: mu.0, kinetic: mu.0, across: None },
+                Cone { normal: 1, friction: mu.1, kinetic: mu.1, across: None },
             ];
             let problem = Problem { couplings: &m, offsets: &q, cones: &cones, normals: 2 };
             let mut f = [0.0; 4];

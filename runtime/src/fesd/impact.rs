@@ -13,20 +13,37 @@ pub(super) fn coulomb_lines(
     in_cone: impl Fn(usize) -> bool,
 ) -> (Vec<Line>, Vec<Cone>) {
     let (mut lines, mut tangents, mut cones) = (Vec::new(), Vec::new(), Vec::new());
+    let mut acrosses = Vec::new();
     for (normal, &contact) in listed.iter().enumerate() {
         let friction = contacts.friction(contact);
         let mut slope = 0.0;
         if friction > 0.0 && in_cone(contact) {
             let sense = 1.0;
             tangents.push(Line::Tangent { contact, sense });
-            cones.push(Cone { normal, friction });
+            if contacts.is_in_space(contact) {
+                acrosses.push((cones.len(), Line::Across { contact }));
+            }
+            cones.push(contacts.cone(contact, normal));
         } else if friction > 0.0 {
-            slope = -friction * contacts.side(contact).signum();
+            slope = -contacts.kinetic(contact) * contacts.side(contact).signum();
         }
         lines.push(Line::Normal { contact, slope });
     }
     lines.extend(tangents);
+    add_acrosses(&mut lines, &mut cones, acrosses);
     (lines, cones)
+}
+
+/// Adds the lines of the second tangents of some cones.
+pub(super) fn add_acrosses(
+    lines: &mut Vec<Line>,
+    cones: &mut [Cone],
+    acrosses: Vec<(usize, Line)>,
+) {
+    for (cone, line) in acrosses {
+        cones[cone].across = Some(lines.len());
+        lines.push(line);
+    }
 }
 
 /// Solves the impact of all contacts in `touching` at the last evaluation; writes the normal

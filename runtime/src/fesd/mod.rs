@@ -17,6 +17,8 @@ pub(crate) mod contacts;
 mod coulomb;
 pub(crate) mod finite_element;
 pub(crate) mod impact;
+mod line;
+mod mode_error;
 pub(crate) mod sharing;
 mod switch;
 pub(crate) mod transcription;

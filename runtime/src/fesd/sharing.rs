@@ -58,7 +58,10 @@ pub(super) fn share_friction(
             contact,
             sense: 1.0,
         };
-        active[k].tangential = if is_independent(contacts, active, tangent)? {
+        let independent = is_independent(contacts, active, tangent)?;
+        active[k].tangential = if contacts.is_in_space(contact) {
+            in_space(contacts, active, (contact, independent), (k, margin))?
+        } else if independent {
             Tangential::Sticking
         } else if margin > 0.0 {
             Tangential::Idle
@@ -67,6 +70,25 @@ pub(super) fn share_friction(
         };
     }
     Ok(())
+}
+
+/// What a contact in space does that sticks, of whose first sliding velocity it is known whether it is independent of those that
+/// others hold: it holds both, or none where others hold them. Of one alone the shares are not told apart.
+fn in_space(
+    contacts: &Contacts<'_>,
+    active: &mut [ActiveContact],
+    (contact, along): (usize, bool),
+    (place, margin): (usize, f64),
+) -> Result<Tangential, ModeError> {
+    if along {
+        active[place].tangential = Tangential::Sticking;
+    }
+    let across = is_independent(contacts, active, Line::Across { contact })?;
+    match (along, across) {
+        (true, true) => Ok(Tangential::StickingInSpace),
+        (false, false) if margin > 0.0 => Ok(Tangential::Idle),
+        _ => Err(ModeError::Dependent),
+    }
 }
 
 /// Lets only independent contacts of `active` stick; the others carry no friction.

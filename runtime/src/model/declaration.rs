@@ -123,6 +123,9 @@ pub struct ContactDeclaration {
     /// Whether this is dry friction without a surface: the contact always touches, its normal force is the declared
     /// bound, and its coefficient of friction is 1. Such contacts stand behind all others.
     pub dry: bool,
+    /// Of dry friction: surfaces (indices) whose normal forces raise its bound, each times what
+    /// [`Model::loads`](super::Model::loads) says.
+    pub loads: &'static [usize],
     /// Of a switch of what acts, which is [`dry`](Self::dry): how the motion meets the zeros of its function.
     pub switch: Option<Switching>,
     /// Whether the scene declares its own impulse direction.
@@ -232,13 +235,22 @@ impl Switching {
     }
 }
 
-/// Coulomb friction of a contact in the plane.
+/// Coulomb friction of a contact, in the plane or in space.
 #[derive(Debug, Clone, Copy)]
 pub struct FrictionDeclaration {
     /// Pattern of the Jacobian of `(v_t, e)`: `1 + n_q` rows.
     pub jacobian: SparsityPattern,
     /// Pattern (lower triangle) of the Hessian of the weighted `(v_t, e)`.
     pub hessian: SparsityPattern,
+    /// Whether sliding has a coefficient of its own, [`Model::kinetic_friction`](super::Model::kinetic_friction).
+    pub kinetic: bool,
+    /// Whether the friction direction carries a factor that changes with the sliding velocity or the place,
+    /// [`Model::friction_share`](super::Model::friction_share).
+    pub share: bool,
+    /// In space, where a contact slides along two directions: the pattern of the Jacobian of the second one, as
+    /// [`jacobian`](Self::jacobian) is of the first. The sliding velocities are perpendicular to each other, and Coulomb's law is
+    /// that of the cone `|(s_1, s_2)| <= mu r`.
+    pub across: Option<SparsityPattern>,
 }
 
 /// Objective, path constraints, terminal conditions and free initial values.

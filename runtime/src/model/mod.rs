@@ -50,16 +50,22 @@
 mod control_piece;
 mod declaration;
 mod experiment;
+mod frame;
 mod given;
 pub(crate) mod held;
+mod loads;
 mod parameter_derivatives;
 mod picture;
 mod pieces;
 pub(crate) mod rounding;
+mod space;
 mod switching;
 
 pub(crate) use control_piece::ControlPiece;
+pub(crate) use frame::{Frame, pair_size};
+pub(crate) use loads::Loads;
 pub(crate) use pieces::{Pieces, edge};
+pub(crate) use space::Space;
 pub(crate) use switching::terms as switching_terms;
 
 pub use declaration::{
@@ -162,9 +168,33 @@ pub trait Model: Send + Sync {
         0.0
     }
 
-    /// Coefficient of friction `mu` of one contact, at least 0; 0 for one without friction.
+    /// Coefficient of friction `mu` of one contact, at least 0; 0 for one without friction. Where sliding has another one, it is
+    /// that at rest.
     fn friction(&self, _contact: usize) -> f64 {
         0.0
+    }
+
+    /// Coefficient of friction of one contact while it slides, at most that at rest.
+    fn kinetic_friction(&self, contact: usize) -> f64 {
+        self.friction(contact)
+    }
+
+    /// The tangential side of a contact in space along its second sliding velocity, laid out as [`tangent_point`].
+    fn across(&self, _contact: usize, _x: &[f64], _point: &mut [f64]) {}
+
+    /// Jacobian with respect to `x` of the rows `(v_t, e_1..e_nq)` of [`across`](Self::across): the values of
+    /// [`FrictionDeclaration::across`], in its order.
+    fn across_jacobian(&self, _contact: usize, _x: &[f64], _values: &mut [f64]) {}
+
+    /// What a unit of the normal acceleration `r` of each surface in [`ContactDeclaration::loads`] of a dry friction adds to its given
+    /// one: `r_dry = D f + sum_i load_i r_i`, which is the bound `f + sum_i c_i lambda_i`, `load_i = c_i D / D_i`.
+    fn loads(&self, _contact: usize, _x: &[f64], _loads: &mut [f64]) {}
+
+    /// The factor that the friction direction of one contact carries at `x`, by which friction changes with the sliding velocity
+    /// and the place: the tangential force is this times `s / D`. 1 for most contacts. An impact has that of the velocities
+    /// before it.
+    fn friction_share(&self, _contact: usize, _x: &[f64]) -> f64 {
+        1.0
     }
 
     /// The tangential side of a contact with friction, length [`tangent_point::length`]: see
@@ -355,6 +385,26 @@ pub(crate) fn friction_coefficients(model: &dyn Model) -> Vec<f64> {
     (0..contacts.len())
         .map(|i| contacts[i].friction.map_or(0.0, |_| model.friction(i)))
         .collect()
+}
+
+/// Coefficient of friction of each contact while it slides, 0 where none is declared.
+pub(crate) fn kinetic_coefficients(model: &dyn Model) -> Vec<f64> {
+    let contacts = model.declaration().contacts;
+    (0..contacts.len())
+        .map(|i| {
+            contacts[i]
+                .friction
+                .map_or(0.0, |_| model.kinetic_friction(i))
+        })
+        .collect()
+}
+
+/// The factor of the friction direction of one contact at `x`, see [`Model::friction_share`].
+pub(crate) fn friction_share(model: &dyn Model, contact: usize, x: &[f64]) -> f64 {
+    match model.declaration().contacts[contact].friction {
+        Some(friction) if friction.share => model.friction_share(contact, x),
+        _ => 1.0,
+    }
 }
 
 /// Layout of the output of [`Model::contact`].

@@ -82,7 +82,9 @@ impl<'a> Functions<'a> {
         };
         let slides = |i: &usize| {
             let pattern = contacts[*i].friction.map(|friction| friction.jacobian);
-            friction[*i] > 0.0 && pattern.is_some_and(|p| (0..p.rows).any(|row| p.reads(row, time)))
+            let across = contacts[*i].friction.and_then(|friction| friction.across);
+            let mut patterns = pattern.into_iter().chain(across);
+            friction[*i] > 0.0 && patterns.any(|p| (0..p.rows).any(|row| p.reads(row, time)))
         };
         let free = declaration.free_jacobian;
         Some(Self {
@@ -103,7 +105,14 @@ impl<'a> Functions<'a> {
         } else {
             0
         };
-        accelerations + 3 * self.contacts.len() + 2 * self.tangents.len()
+        let beyond = self.tangents.iter().map(|&contact| {
+            let friction = self.model.declaration().contacts[contact].friction;
+            friction.map_or(0, |known| {
+                usize::from(known.share) + 2 * usize::from(known.across.is_some())
+            })
+        });
+        let beyond: usize = beyond.sum();
+        accelerations + 3 * self.contacts.len() + 2 * self.tangents.len() + beyond
     }
 
     /// Appends their values at `time` and the state of the input vector to `values`.
@@ -123,6 +132,16 @@ impl<'a> Functions<'a> {
         for &contact in &self.tangents {
             self.model.tangent(contact, &self.x, &mut self.tangent);
             values.extend_from_slice(&self.tangent[..=tangent_point::CURVATURE]);
+            let Some(friction) = self.model.declaration().contacts[contact].friction else {
+                continue;
+            };
+            if friction.share {
+                values.push(self.model.friction_share(contact, &self.x));
+            }
+            if friction.across.is_some() {
+                self.model.across(contact, &self.x, &mut self.tangent);
+                values.extend_from_slice(&self.tangent[..=tangent_point::CURVATURE]);
+            }
         }
     }
 }

@@ -15,7 +15,7 @@ use super::recorder::Impulses;
 use super::{ContactMode, Event, EventKind, Simulation, Trajectory};
 use crate::fesd::contacts::{Contacts, Line};
 use crate::linalg::dense;
-use crate::model::Model;
+use crate::model::{Model, friction_share};
 
 /// Sliding velocity after an impact, as a share of the velocities of its contact before, that counts as none.
 const STICKS: f64 = 1e-8;
@@ -138,24 +138,37 @@ fn of_impact(
     let together: Vec<usize> = surfaces.filter(takes_part).collect();
     let n = event.q.len();
     let mut jump = Jump {
-        tangential: vec![0.0; count],
+        tangential: vec![(0.0, 0.0); count],
         normal: vec![0.0; count],
+        shares: vec![(1.0, 1.0); count],
         contacts,
         together,
     };
     for (velocities, sign) in [(&event.v_before, -1.0), (&event.v_after, 1.0)] {
         input[n..2 * n].copy_from_slice(velocities);
         jump.add_velocities(&input, sign);
+        for (contact, shares) in jump.shares.iter_mut().enumerate() {
+            let share = friction_share(model, contact, &input);
+            *shares = (shares.1, share);
+        }
     }
+    jump.align();
+    let mut across = vec![0.0; count];
     let found = jump.impulses(false).or_else(|| jump.impulses(true));
     for (line, impulse) in found.unwrap_or_else(|| jump.unknown()) {
         match line {
             Line::Normal { contact, slope } => {
                 impulses[contact] += impulse;
-                impulses[count + contact] += slope * impulse;
+                impulses[count + contact] += slope * impulse * jump.shares[contact].1;
             }
-            Line::Tangent { contact, .. } => impulses[count + contact] += impulse,
+            Line::Tangent { contact, .. } => {
+                impulses[count + contact] += impulse * jump.shares[contact].1;
+            }
+            Line::Across { contact } => across[contact] += impulse * jump.shares[contact].1,
         }
+    }
+    for contact in (0..count).filter(|&i| jump.contacts.is_in_space(i)) {
+        impulses[count + contact] = impulses[count + contact].hypot(across[contact]);
     }
     impulses
 }
@@ -165,9 +178,11 @@ struct Jump<'a> {
     /// Evaluated with the velocities after the impact.
     contacts: Contacts<'a>,
     together: Vec<usize>,
-    /// Jump of the normal and of the sliding velocity of each contact.
+    /// Jump of the normal and of the sliding velocities of each contact, of which there are two in space.
     normal: Vec<f64>,
-    tangential: Vec<f64>,
+    tangential: Vec<(f64, f64)>,
+    /// What the friction directions carry before the impact, which its law reads, and after it, where they are evaluated.
+    shares: Vec<(f64, f64)>,
 }
 
 impl Jump<'_> {
@@ -178,8 +193,40 @@ impl Jump<'_> {
         for &i in &self.together {
             self.normal[i] += sign * self.contacts.normal_velocity(i);
             if self.contacts.friction(i) > 0.0 {
-                self.tangential[i] += sign * self.contacts.sliding_velocity(i);
+                let (along, across) = self.contacts.sliding(i);
+                self.tangential[i].0 += sign * along;
+                self.tangential[i].1 += sign * across;
             }
+        }
+    }
+
+    /// Lets the frames of contacts in space point along the sliding after the impact.
+    fn align(&mut self) {
+        for k in 0..self.together.len() {
+            let i = self.together[k];
+            if !self.contacts.is_in_space(i) {
+                continue;
+            }
+            let (along, across) = self.contacts.sliding(i);
+            let size = along.hypot(across);
+            if size > 0.0 {
+                let jump = self.tangential[i];
+                self.tangential[i] = (
+                    (along * jump.0 + across * jump.1) / size,
+                    (along * jump.1 - across * jump.0) / size,
+                );
+                self.contacts.align(i, Some((along, across)));
+            }
+        }
+    }
+
+    /// Size of the jump of the sliding velocity of a contact.
+    fn sliding_jump(&self, contact: usize) -> f64 {
+        let (along, across) = self.tangential[contact];
+        if across == 0.0 {
+            along.abs()
+        } else {
+            along.hypot(across)
         }
     }
 
@@ -194,17 +241,21 @@ impl Jump<'_> {
                 0.0 => 0.0,
                 _ => contacts.sliding_velocity(contact),
             };
-            let size = self.tangential[contact].abs() + self.normal[contact].abs();
+            let size = self.sliding_jump(contact) + self.normal[contact].abs();
             let sticks = friction > 0.0 && (may_stick || after.abs() <= STICKS * size);
             let slope = if sticks || friction == 0.0 {
                 0.0
             } else {
-                -friction * after.signum()
+                let (before, now) = self.shares[contact];
+                -contacts.kinetic(contact) * (before / now) * after.signum()
             };
             lines.push((Line::Normal { contact, slope }, 1.0));
             if sticks && load > UNLOADED {
                 let sense = 1.0;
                 lines.push((Line::Tangent { contact, sense }, load.sqrt()));
+                if contacts.is_in_space(contact) {
+                    lines.push((Line::Across { contact }, load.sqrt()));
+                }
             }
         }
         lines
@@ -218,12 +269,12 @@ impl Jump<'_> {
         let largest = first.iter().fold(0.0_f64, |largest, (line, impulse)| {
             largest.max(match line {
                 Line::Normal { .. } => *impulse,
-                Line::Tangent { .. } => 0.0,
+                Line::Tangent { .. } | Line::Across { .. } => 0.0,
             })
         });
         let normal = first.iter().filter_map(|(line, impulse)| match line {
             Line::Normal { .. } => Some(*impulse),
-            Line::Tangent { .. } => None,
+            Line::Tangent { .. } | Line::Across { .. } => None,
         });
         for (load, impulse) in loads.iter_mut().zip(normal) {
             *load = (impulse / largest).max(0.0);
@@ -239,7 +290,8 @@ impl Jump<'_> {
         let unit = |line: Line| self.contacts.force(line.contact(), 1.0).sqrt();
         let jump = |line: Line| match line {
             Line::Normal { contact, .. } => self.normal[contact],
-            Line::Tangent { contact, .. } => self.tangential[contact],
+            Line::Tangent { contact, .. } => self.tangential[contact].0,
+            Line::Across { contact } => self.tangential[contact].1,
         };
         let rows = weighted
             .iter()
@@ -265,13 +317,22 @@ impl Jump<'_> {
         let mut rubbing = rubbing.filter(|&i| self.contacts.friction(i) > 0.0);
         rubbing.all(|contact| {
             let sense = 1.0;
-            let row = Line::Tangent { contact, sense };
-            let made = impulses.iter().map(|&(line, impulse)| {
-                let velocity = impulse / self.contacts.force(line.contact(), 1.0);
-                self.contacts.coupling(row, line) * velocity
-            });
-            let size = self.tangential[contact].abs() + self.normal[contact].abs();
-            (made.sum::<f64>() - self.tangential[contact]).abs() <= MISSED * size
+            let along = Line::Tangent { contact, sense };
+            let rows = [along, Line::Across { contact }];
+            let count = if self.contacts.is_in_space(contact) {
+                2
+            } else {
+                1
+            };
+            let size = self.sliding_jump(contact) + self.normal[contact].abs();
+            let jumps = [self.tangential[contact].0, self.tangential[contact].1];
+            rows[..count].iter().zip(jumps).all(|(&row, jump)| {
+                let made = impulses.iter().map(|&(line, impulse)| {
+                    let velocity = impulse / self.contacts.force(line.contact(), 1.0);
+                    self.contacts.coupling(row, line) * velocity
+                });
+                (made.sum::<f64>() - jump).abs() <= MISSED * size
+            })
         })
     }
 

@@ -14,7 +14,7 @@ use super::{
     SimulationStatus, Simulator,
 };
 use crate::Observer;
-use crate::model::{Model, contact_point};
+use crate::model::{Model, contact_point, friction_share, pair_size};
 
 /// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
 /// rate at which forces change, so more than ten mean that the step is too long.
@@ -266,13 +266,14 @@ impl<'a> TimeStepping<'a> {
             .map(|a| h * a)
             .collect();
         let (normal, tangential) = self.contact_velocities(closed, &change, h);
+        let across = self.across_velocities(closed, &change);
         let mut velocities = change.iter().chain(&normal).chain(&tangential);
         if velocities.any(|v| !v.is_finite()) {
             return Err(self.not_finite(t, closed.first()));
         }
         let law = |&i: &usize| match self.dynamics.laws.friction[i] {
             0.0 => TangentialLaw::None,
-            mu => TangentialLaw::Coulomb(mu),
+            mu => TangentialLaw::of_rest(mu, self.dynamics.laws.kinetic[i]),
         };
         let laws: Vec<TangentialLaw> = closed.iter().map(law).collect();
         let problem = ContactProblem {
@@ -280,6 +281,7 @@ impl<'a> TimeStepping<'a> {
             contacts: closed,
             normal: &normal,
             tangential: &tangential,
+            across: &across,
             laws: &laws,
         };
         let impulses = problem.solve(&self.dynamics).map_err(|message| {
@@ -304,7 +306,12 @@ impl<'a> TimeStepping<'a> {
         for (slot, &i) in closed.iter().enumerate() {
             let inertia = self.dynamics.point(i)[contact_point::INVERSE_INERTIA];
             self.forces[i] = impulses.p[slot] / (h * inertia);
-            self.friction_forces[i] = impulses.s[slot] / (h * inertia);
+            let share = friction_share(self.dynamics.model, i, self.dynamics.input());
+            let friction = match self.dynamics.is_in_space(i) {
+                true => pair_size((impulses.s[slot], impulses.across(slot).0)),
+                false => impulses.s[slot],
+            };
+            self.friction_forces[i] = share * friction / (h * inertia);
         }
         let surfaces = closed.iter().filter(|&&i| !self.dynamics.is_dry(i));
         let jumps = largest(&impulses.p[..surfaces.count()]);
@@ -336,6 +343,8 @@ impl<'a> TimeStepping<'a> {
                 ContactMode::Frictionless
             } else if tangential.abs() < (1.0 - ON_THE_CONE) * mu * normal {
                 ContactMode::Stick
+            } else if self.dynamics.is_in_space(i) {
+                ContactMode::Slip(Direction::Forward)
             } else {
                 ContactMode::Slip(Direction::of(-tangential))
             }
@@ -376,6 +385,16 @@ impl<'a> TimeStepping<'a> {
                 (normal, tangential)
             })
             .unzip()
+    }
+
+    /// Second sliding velocities `v_t+` of contacts in space that a change of the velocity without impulses gives.
+    fn across_velocities(&self, closed: &[usize], change: &[f64]) -> Vec<f64> {
+        let dynamics = &self.dynamics;
+        let across = closed.iter().map(|&i| match dynamics.is_in_space(i) {
+            true => dynamics.sliding(i).1 + dot(dynamics.across(i).0, change),
+            false => 0.0,
+        });
+        across.collect()
     }
 
     fn record(&mut self, time: f64) -> Result<(), SimulationStatus> {

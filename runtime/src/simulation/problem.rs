@@ -2,7 +2,10 @@
 
 use crate::InputError;
 use crate::model::rounding::{ROUNDINGS, rounding_error_at_start};
-use crate::model::{ContactDeclaration, ControlPiece, ImpactLaw, Model, Switching, contact_point};
+use crate::model::{
+    ContactDeclaration, ControlPiece, ImpactLaw, Model, SparsityPattern, Switching, contact_point,
+    friction_share,
+};
 use crate::refusal;
 
 /// Gaps above `-GAP_TOLERANCE` times the size of their terms count as "on the surface"; so do those above minus [`ROUNDINGS`]
@@ -330,8 +333,9 @@ impl InitialValueProblem {
                     "at least 0",
                 ));
             }
+            check_coefficients(model, i, x)?;
         }
-        Ok(())
+        Self::check_breaking(model)
     }
 
     /// Refuses a scene with a surface that bounces or rubs, for methods that treat neither.
@@ -391,6 +395,69 @@ impl InitialValueProblem {
                 format!("the switch `{}`, by {what}", contact.name),
                 remedy,
             )),
+        }
+    }
+
+    /// Refuses friction in space, friction that changes with the speed or at rest, and dry friction that follows velocities or forces,
+    /// for what knows one coefficient a contact and bounds of positions only; `what` is refused with a `remedy`.
+    pub(crate) fn check_friction(
+        model: &dyn Model,
+        what: &str,
+        remedy: &str,
+    ) -> Result<(), InputError> {
+        let contacts = model.declaration().contacts.iter();
+        for contact in contacts {
+            let asked = if contact.friction.is_some_and(|friction| friction.kinetic) {
+                "friction with coefficients of its own at rest and in sliding"
+            } else if contact
+                .friction
+                .is_some_and(|friction| friction.across.is_some())
+            {
+                "friction in space, with two sliding velocities"
+            } else if contact.friction.is_some_and(|friction| friction.share) {
+                "friction that changes with the speed of sliding or the place"
+            } else if contact.dry
+                && contact.switch.is_none()
+                && reads_velocities(model, &contact.jacobian, 1)
+            {
+                "a bound that changes with velocities"
+            } else if !contact.loads.is_empty() {
+                "a bound that follows forces of surfaces"
+            } else {
+                continue;
+            };
+            let asked = format!("{asked}, of `{}`, by {what}", contact.name);
+            return Err(refusal::unsupported(asked, remedy));
+        }
+        Ok(())
+    }
+
+    /// Refuses more contacts that rest and slide with coefficients of their own than states are tried for, and such contacts beside
+    /// one in space, whose cones are solved without trying.
+    fn check_breaking(model: &dyn Model) -> Result<(), InputError> {
+        const MOST: usize = 6;
+        let contacts = || {
+            let contacts = model.declaration().contacts.iter();
+            contacts.filter_map(|known| Some((known.name, known.friction?)))
+        };
+        let breaking = || contacts().filter(|(_, friction)| friction.kinetic);
+        let spatial = contacts().find(|(_, friction)| friction.across.is_some());
+        let remedy = "give them one coefficient each, as in `friction mu`";
+        match (breaking().next(), breaking().nth(MOST), spatial) {
+            (Some((name, _)), _, Some((other, _))) => Err(refusal::unsupported(
+                format!(
+                    "`{name}`, with coefficients of its own at rest and in sliding, beside `{other}` in space,"
+                ),
+                remedy,
+            )),
+            (_, Some((name, _)), _) => Err(refusal::unsupported(
+                format!(
+                    "`{name}`, the contact number {} with coefficients of its own at rest and in sliding,",
+                    MOST + 1
+                ),
+                remedy,
+            )),
+            _ => Ok(()),
         }
     }
 
@@ -528,6 +595,37 @@ fn length(what: &str, found: usize, expected: usize) -> Result<(), InputError> {
     } else {
         Err(refusal::wrong_length(what, found, expected))
     }
+}
+
+/// Whether a row from `first` on depends on a velocity.
+fn reads_velocities(model: &dyn Model, pattern: &SparsityPattern, first: usize) -> bool {
+    let n = model.declaration().coordinates.len();
+    let mut entries = pattern.entries.iter();
+    entries.any(|&(row, column)| row as usize >= first && (n..2 * n).contains(&(column as usize)))
+}
+
+/// Refuses friction of a contact that brakes more in sliding than at rest, or that does not brake at the start `x`.
+fn check_coefficients(model: &dyn Model, contact: usize, x: &[f64]) -> Result<(), InputError> {
+    let name = model.declaration().contacts[contact].name;
+    let (rest, sliding) = (model.friction(contact), model.kinetic_friction(contact));
+    if !(0.0..=rest).contains(&sliding) {
+        return Err(refusal::out_of_range(
+            format!("coefficient of friction of `{name}` in sliding (E10)"),
+            sliding,
+            "",
+            format!("in 0..={rest}, at most that at rest"),
+        ));
+    }
+    let share = friction_share(model, contact, x);
+    if !(0.0..f64::INFINITY).contains(&share) {
+        return Err(refusal::out_of_range(
+            format!("coefficient of friction of `{name}` at the start (E10)"),
+            share,
+            "",
+            "at least 0",
+        ));
+    }
+    Ok(())
 }
 
 /// Cholesky test of the mass matrix; on failure the eigenvector of the smallest eigenvalue in words.

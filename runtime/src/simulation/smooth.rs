@@ -114,6 +114,11 @@ impl Simulator for Smooth {
         joints::refuse(model, "smoothed steps", joints::LOCATED)?;
         problem.check(model)?;
         InitialValueProblem::check_inelastic(model, self.name())?;
+        InitialValueProblem::check_friction(
+            model,
+            "smoothed steps",
+            "simulate by finite elements or from event to event",
+        )?;
         InitialValueProblem::check_at_once(model, "smoothed steps")?;
         InitialValueProblem::check_resets(model, "smoothed steps", joints::LOCATED)?;
         let clock = ThreadTime::try_now();

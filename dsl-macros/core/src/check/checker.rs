@@ -84,8 +84,10 @@ pub(super) struct Reset {
 pub(super) struct DryFriction {
     pub(super) documentation: Documentation,
     pub(super) name: Name,
-    /// Largest force, in SI units.
+    /// Largest force, in SI units, as far as it follows no force of a surface.
     pub(super) bound: Sym,
+    /// Surfaces whose normal forces are added to that, each times a factor.
+    pub(super) loads: Vec<(u16, Sym)>,
     pub(super) sliding: Sym,
 }
 
@@ -109,9 +111,12 @@ pub(super) struct CheckedLaw {
 
 #[derive(Clone)]
 pub(super) struct CheckedFriction {
+    /// Of sliding; `SPEED` in it is the size of the sliding velocity.
     pub(super) coefficient: Sym,
-    /// Sliding velocities, one for each piece of the surface.
-    pub(super) sliding: Option<Vec<Sym>>,
+    /// At rest, if that is another one.
+    pub(super) at_rest: Option<Sym>,
+    /// Sliding velocities, one for each piece of the surface, or two where it is in space.
+    pub(super) sliding: Option<Vec<Vec<Sym>>>,
     pub(super) place: Place,
 }
 
@@ -264,6 +269,38 @@ impl Checker<'_> {
                 ),
             )),
         }
+    }
+
+    /// E10: a coefficient of the law `of` that lies between 0 and a bound for the defaults of the parameters, if these say what it
+    /// is.
+    pub(super) fn coefficient(
+        &mut self,
+        sym: Sym,
+        expr: &Expr,
+        of: &str,
+        most: f64,
+    ) -> Checked<Sym> {
+        let Some(value) = self.at_default(sym) else {
+            return Ok(sym);
+        };
+        if (0.0..=most).contains(&value) {
+            return Ok(sym);
+        }
+        let shown = match expr.to_string() {
+            text if text == value.to_string() => text,
+            text => format!("{text} = {value}"),
+        };
+        let message = if most.is_finite() {
+            format!(
+                "coefficient of {of} {shown} is outside [0, 1]: 0 keeps no normal velocity, 1 all of it"
+            )
+        } else {
+            format!(
+                "coefficient of {of} {shown} is below 0: the force would drive the sliding instead of \
+                 braking it; change its sign"
+            )
+        };
+        Err(self.diagnostics.report("E10", expr.place, message))
     }
 
     /// The free parameter that a value depends on, if it depends on one.

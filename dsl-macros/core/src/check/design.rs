@@ -52,6 +52,7 @@ pub(super) fn finish(
     for contact in contacts {
         functions.extend(contact.restitution);
         functions.extend(contact.friction.iter().map(|known| known.coefficient));
+        functions.extend(contact.friction.iter().filter_map(|known| known.kinetic));
     }
     functions.extend(checker.horizon);
     functions.extend(task.into_iter().flat_map(functions_of));

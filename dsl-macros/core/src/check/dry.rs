@@ -1,10 +1,11 @@
 //! Dry friction without a surface: a contact whose normal force is given.
 
 use super::checker::{Checker, DryFriction};
-use super::law;
+use super::{friction, law};
 use crate::ast::{Documentation, Expr, Name};
+use crate::derive::simplify;
 use crate::diagnostics::Checked;
-use crate::evaluate::{FIRST_DRY, expression};
+use crate::evaluate::{FIRST_DRY, Role, expression};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::Contact;
 use hangtime_units::Unit;
@@ -40,28 +41,60 @@ pub(super) fn friction(
     let (Ok(bound), Ok(sliding)) = (bound, sliding) else {
         return checker.poison(name);
     };
+    let forces = graph::variables(&[bound]).into_iter();
+    let mut loads = Vec::new();
+    for force in forces {
+        if let Variable::ContactForce(i) = force {
+            let factor = graph::partial(&[bound], force)[0];
+            loads.push((i, simplify(friction::at_speed(factor, sliding))));
+        }
+    }
+    let unloaded = |variable| matches!(variable, Variable::ContactForce(_)).then_some(Sym::ZERO);
+    let bound = graph::substitute(&[bound], unloaded)[0];
     checker.scope.dry.push(name.text.clone());
     checker.laws.dry.push(DryFriction {
         documentation: documentation.clone(),
         name: name.clone(),
-        bound,
+        bound: friction::at_speed(bound, sliding),
+        loads,
         sliding,
     });
     Ok(())
 }
 
-/// E07 and E10: the bound depends on positions and time only, and is not negative.
+/// E07 and E10: the bound is linear in the forces that it follows, and not negative.
 fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
-    let bound = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
-    let moving =
-        |variable: &Variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_));
-    if let Some(variable) = graph::variables(&[bound]).into_iter().find(moving) {
-        let message = format!(
-            "the bound of dry friction `{}` depends on {}; it may depend on positions and the time only",
-            name.text,
-            checker.in_words(variable)
-        );
-        return Err(checker.diagnostics.report("E07", expr.place, message));
+    checker.scope.role = Role::Bound;
+    let bound = friction::with_speed(checker, |checker| {
+        expression::scalar(&mut checker.scope, expr, checker.diagnostics)
+    });
+    checker.scope.role = Role::Motion;
+    let bound = bound?;
+    let is_force = |variable| matches!(variable, Variable::ContactForce(_));
+    for force in graph::variables(&[bound])
+        .into_iter()
+        .filter(|&v| is_force(v))
+    {
+        let factor = simplify(graph::partial(&[bound], force)[0]);
+        if graph::depends_on(factor, is_force) {
+            let message = format!(
+                "the bound of dry friction `{}` is no sum of forces of surfaces times what does not follow them; write one, as in \
+                 `bound mu*force(pad)`",
+                name.text
+            );
+            return Err(checker.diagnostics.report("E07", expr.place, message));
+        }
+        if checker
+            .at_default(factor)
+            .is_some_and(|factor| factor < 0.0)
+        {
+            let message = format!(
+                "the bound of dry friction `{}` falls where a surface is pressed, and may fall below 0; change the sign in front \
+                 of `force`",
+                name.text
+            );
+            return Err(checker.diagnostics.report("E10", expr.place, message));
+        }
     }
     match checker.at_default(bound) {
         Some(value) if value < 0.0 => {
@@ -105,6 +138,7 @@ pub(super) fn append(
     for dry in std::mem::take(&mut checker.laws.dry) {
         contacts.push(Contact {
             unit: units.get(&dry.name.text).copied(),
+            loads: dry.loads,
             ..Contact::dry(dry.name, dry.documentation, (dry.sliding, dry.bound))
         });
     }

@@ -1,6 +1,7 @@
 //! Impact laws: what their parts may be, and which surface has which.
 
 use super::checker::{CheckedFriction, CheckedLaw, Checker, Surface};
+use super::friction;
 use super::rules::is_velocity;
 use crate::ast::{Expr, Kind, Law, Name};
 use crate::derive::simplify;
@@ -28,12 +29,12 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
     let friction = law
         .friction
         .as_ref()
-        .map(|expr| coefficient(checker, expr, "friction", f64::INFINITY));
+        .map(|expr| friction::coefficients(checker, expr, law.at_rest.as_ref()));
     let sliding = law.sliding.as_ref().map(|expr| {
         let velocities = velocities(expr).iter();
         velocities
-            .map(|expr| sliding(checker, expr))
-            .collect::<Checked<Vec<Sym>>>()
+            .map(|expr| of_piece(checker, expr))
+            .collect::<Checked<Vec<Vec<Sym>>>>()
     });
     let along = law.along.as_ref().map(|expr| direction(checker, expr));
     let held = held(checker, &law.holding);
@@ -70,8 +71,9 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
             restitution,
             friction: friction
                 .as_ref()
-                .map(|&(coefficient, expr)| CheckedFriction {
+                .map(|&((coefficient, at_rest), expr)| CheckedFriction {
                     coefficient,
+                    at_rest,
                     sliding: sliding.clone(),
                     place: expr.place,
                 }),
@@ -86,31 +88,11 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
     Ok(())
 }
 
-/// E10: a coefficient between 0 and a bound, for the defaults of the parameters.
+/// E10: a coefficient of parameters between 0 and a bound, for their defaults.
 fn coefficient(checker: &mut Checker<'_>, expr: &Expr, of: &str, most: f64) -> Checked<Sym> {
     let sym = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     let sym = checker.constant(sym, expr, &format!("the coefficient of {of}"))?;
-    let Some(value) = checker.at_default(sym) else {
-        return Ok(sym);
-    };
-    if (0.0..=most).contains(&value) {
-        return Ok(sym);
-    }
-    let shown = match expr.to_string() {
-        text if text == value.to_string() => text,
-        text => format!("{text} = {value}"),
-    };
-    let message = if most.is_finite() {
-        format!(
-            "coefficient of {of} {shown} is outside [0, 1]: 0 keeps no normal velocity, 1 all of it"
-        )
-    } else {
-        format!(
-            "coefficient of {of} {shown} is below 0: the force would drive the sliding instead of \
-             braking it; change its sign"
-        )
-    };
-    Err(checker.diagnostics.report("E10", expr.place, message))
+    checker.coefficient(sym, expr, of, most)
 }
 
 /// The sliding velocities of a law: one, or one for each piece of a surface with edges.
@@ -124,6 +106,29 @@ pub(super) fn velocities(expr: &Expr) -> &[Expr] {
 /// The sliding velocity, which must be `b(q, t)' v + c(q, t)`: `c` is the velocity of a ground that moves.
 pub(super) fn sliding(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
     let sliding = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    is_sliding(checker, expr, sliding)
+}
+
+/// The sliding velocities of a piece of a surface: one in the plane, two in space.
+fn of_piece(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
+    let value = expression::value(&mut checker.scope, expr, checker.diagnostics)?;
+    let components = value.components().to_vec();
+    if components.len() > 2 || matches!(value, Value::Matrix(_)) {
+        let message = format!(
+            "`{expr}` has {} components; a contact slides with one velocity in the plane and with two in space, as in \
+             `sliding (dot(x), dot(y))` on a floor",
+            components.len()
+        );
+        return Err(checker.diagnostics.report("E02", expr.place, message));
+    }
+    let components = components.into_iter();
+    components
+        .map(|component| is_sliding(checker, expr, component))
+        .collect()
+}
+
+/// E07: a value is a sliding velocity.
+fn is_sliding(checker: &mut Checker<'_>, expr: &Expr, sliding: Sym) -> Checked<Sym> {
     if let Some(variable) =
         graph::variables(&[sliding])
             .into_iter()
@@ -309,11 +314,22 @@ fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diag
         .as_ref()
         .and_then(|friction| friction.sliding.as_ref());
     let given = sliding.map_or(surface.pieces, Vec::len);
-    let message = if given != surface.pieces && surface.pieces == 1 {
+    let in_space = |list: &Vec<Vec<Sym>>| list.iter().any(|velocities| velocities.len() > 1);
+    let message = if surface.pieces == 1
+        && (given > 2 || given == 2 && sliding.is_some_and(in_space))
+    {
         Some(format!(
-            "surface `{name}` has no edges, and `sliding` gives {given} velocities; give one, as in `sliding dot(y)`, in an \
-             `impact` of its own where another surface takes several"
+            "surface `{name}` has no edges, and `sliding` gives {given} velocities; give one in the plane, as in `sliding dot(y)`, \
+             or two in space, as in `sliding (dot(x), dot(y))`, in an `impact` of its own where another surface takes several"
         ))
+    } else if surface.pieces > 1 && sliding.is_some_and(in_space) {
+        Some(format!(
+            "surface `{name}` has {} smooth pieces, and two sliding velocities on one of them; declare the pieces as surfaces of \
+             their own, each with `sliding (v1, v2)`",
+            surface.pieces
+        ))
+    } else if surface.pieces == 1 {
+        None
     } else if given != surface.pieces {
         Some(format!(
             "surface `{name}` has {} smooth pieces, and `sliding` gives {given}; give one velocity for each, as in \
@@ -395,6 +411,7 @@ pub(super) fn contacts(
             restitution: law.restitution,
             friction,
             bound: None,
+            loads: Vec::new(),
             switch: None,
             reset: Vec::new(),
         });
@@ -413,15 +430,26 @@ fn complete(
 ) -> Checked<Friction> {
     let n = checker.coordinates.len();
     let declared = friction.sliding.as_ref();
-    let sliding = match declared.and_then(|list| list.get(surface.piece)) {
+    // Two velocities on a surface without edges are those of a contact in space.
+    let own = declared.map(|list| match surface.pieces {
+        1 => list.iter().flatten().copied().collect(),
+        _ => list.get(surface.piece).cloned().unwrap_or_default(),
+    });
+    let own: Vec<Sym> = own.unwrap_or_default();
+    for &sliding in &own {
+        braked(sliding, &friction, surface, held, checker)?;
+        along_surface(sliding, &friction, surface, checker)?;
+    }
+    if let [first, second] = own[..] {
+        return friction::in_space(&friction, (first, second), surface, checker);
+    }
+    let sliding = match own.first() {
         Some(&sliding) => {
-            braked(sliding, &friction, surface, held, checker)?;
-            along_surface(sliding, &friction, surface, checker)?;
             // Of several bodies that stand for one another's velocities, as a box on a cart, nothing is missing.
             if is_in_space(surface, checker) && sound && has_one_mass(lagrangian, n) {
                 let message = format!(
                     "friction of `{0}` brakes the one velocity behind `sliding` only: a body that moves in space along \
-                     `{0}` slides on for ever in the direction across it",
+                     `{0}` slides on for ever in the direction across it; write both, as in `sliding (dot(x), dot(y))`",
                     surface.name.text
                 );
                 checker.diagnostics.warn("E20", friction.place, message);
@@ -439,10 +467,10 @@ fn complete(
             let first = &checker.coordinates[0].name.text;
             let message = if is_in_space(surface, checker) {
                 format!(
-                    "`friction` of `{0}` needs the sliding velocity: a contact in space has two, along `x` and `y` of a floor, \
-                     say, and friction brakes a single one; where the body moves along one line only, leave the other \
-                     coordinate out or hold it, and else describe what brakes it by `dissipation` or `dry friction`",
-                    surface.name.text
+                    "`friction` of `{0}` needs the sliding velocity: a contact in space has two, perpendicular to each other along `{0}`; \
+                     write them, as in `impact {0}: ..., friction {1}, sliding (dot(x), dot(y))` on a floor",
+                    surface.name.text,
+                    shown_coefficient(checker, &friction)
                 )
             } else {
                 format!(
@@ -456,10 +484,7 @@ fn complete(
             return Err(checker.diagnostics.report("E20", friction.place, message));
         }
     };
-    Ok(Friction {
-        coefficient: friction.coefficient,
-        sliding,
-    })
+    friction::completed(&friction, sliding, checker)
 }
 
 /// Whether a surface is in space: its gap is of a body with the three places `x`, `y` and `z`, in one unit, so that it

@@ -5,6 +5,7 @@ mod chosen;
 mod dependence;
 mod design;
 mod dry;
+mod friction;
 mod joint;
 mod law;
 mod measured;
@@ -371,8 +372,12 @@ fn dynamics(
     for contact in contacts {
         dynamics.push(contact.gap);
         dynamics.extend(contact.bound);
+        dynamics.extend(contact.loads.iter().map(|(_, factor)| *factor));
         dynamics.extend(contact.along.iter().flatten());
-        dynamics.extend(contact.friction.iter().map(|friction| friction.sliding));
+        let friction = contact.friction.iter();
+        dynamics.extend(friction.clone().map(|friction| friction.sliding));
+        dynamics.extend(friction.clone().filter_map(|friction| friction.share));
+        dynamics.extend(friction.filter_map(|friction| friction.across));
         dynamics.extend(contact.switch.iter().flat_map(|action| &action.force));
         dynamics.extend(contact.reset.iter().map(|&(_, value)| value));
     }

@@ -53,8 +53,14 @@ pub(super) struct Renaming<'a> {
 impl Renaming<'_> {
     /// A contact with the new names.
     pub(super) fn contact(&self, contact: &ContactEquations) -> ContactEquations {
-        let friction = contact.friction.as_ref();
+        let side = |side: &FrictionEquations| FrictionEquations {
+            rows: self.rows(&side.rows, 1),
+            curvature: self.formulas(&[side.curvature], 0)[0],
+            tangent: self.vector(&side.tangent),
+            direction: None,
+        };
         ContactEquations {
+            loads: self.formulas(&contact.loads, 0),
             rows: self.rows(&contact.rows, 2),
             curvature: self.formulas(&[contact.curvature], 0)[0],
             normal: self.vector(&contact.normal),
@@ -66,12 +72,8 @@ impl Renaming<'_> {
             },
             direction: None,
             passes: contact.passes,
-            friction: friction.map(|friction| FrictionEquations {
-                rows: self.rows(&friction.rows, 1),
-                curvature: self.formulas(&[friction.curvature], 0)[0],
-                tangent: self.vector(&friction.tangent),
-                direction: None,
-            }),
+            friction: contact.friction.as_ref().map(side),
+            across: contact.across.as_ref().map(side),
         }
     }
 

@@ -88,9 +88,9 @@ fn geometry(contact: &Contact, (n, moving): (usize, usize)) -> (Vec<Sym>, Sym, V
 }
 
 /// Sliding velocity, its curvature and the tangent.
-fn slip(friction: &Friction, (n, moving): (usize, usize)) -> (Sym, Sym, Vec<Sym>) {
+fn slip(sliding: Sym, (n, moving): (usize, usize)) -> (Sym, Sym, Vec<Sym>) {
     let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
-    let sliding = simplify(friction.sliding);
+    let sliding = simplify(sliding);
     let curvature = graph::directional(&[sliding], along_motion(moving))[0];
     let tangent = graph::gradient(sliding, &velocities);
     (
@@ -130,7 +130,15 @@ impl Mechanism<'_> {
         let mut contacts: Vec<ContactEquations> = Vec::with_capacity(declared.len());
         let mut alike = Alike::default();
         for contact in declared {
-            let derived = self.contact(contact, &contacts, &mut alike)?;
+            let mut derived = self.contact(contact, &contacts, &mut alike)?;
+            for &(surface, factor) in &contact.loads {
+                // A force `r / D` of the surface adds its share to the bound, which is measured by `D` of the friction.
+                let surface = usize::from(surface);
+                let inertia = self.inverse_inertia(&declared[surface], &contacts[surface])?;
+                let own = self.inverse_inertia(contact, &derived)?;
+                let load = simplify(factor * own * inertia.power(-2));
+                derived.loads.push(load);
+            }
             contacts.push(derived);
         }
         Ok(contacts)
@@ -168,6 +176,8 @@ impl Mechanism<'_> {
         let mut formulas = vec![contact.gap, number(part.len())];
         let friction = contact.friction.as_ref();
         formulas.extend(friction.map(|friction| friction.sliding));
+        formulas.extend(friction.and_then(|friction| friction.share));
+        formulas.extend(friction.and_then(|friction| friction.across));
         formulas.push(number(usize::from(friction.is_some())));
         let held = contact.held.iter();
         formulas.extend(held.filter_map(|i| part.binary_search(i).ok().map(number)));
@@ -188,9 +198,14 @@ impl Mechanism<'_> {
         }
         let mut moved: Vec<bool> = normal.iter().map(|n| !n.is_structural_zero()).collect();
         if let Some(friction) = &contact.friction {
-            let (_, _, tangent) = slip(friction, (n, self.moving));
-            for (moved, component) in moved.iter_mut().zip(tangent) {
-                *moved |= !component.is_structural_zero();
+            for sliding in [Some(friction.sliding), friction.across]
+                .into_iter()
+                .flatten()
+            {
+                let (_, _, tangent) = slip(sliding, (n, self.moving));
+                for (moved, component) in moved.iter_mut().zip(tangent) {
+                    *moved |= !component.is_structural_zero();
+                }
             }
         }
         let mut part: Vec<usize> = (0..n).filter(|&i| moved[i]).collect();
@@ -290,8 +305,16 @@ impl Mechanism<'_> {
             (None, None) => InverseInertia::Solved,
         };
         let friction = contact.friction.as_ref();
-        let friction =
-            friction.map(|law| self.friction(law, &inertia, &own_normal, (formulas, factors)));
+        let along = |law: &Friction, sliding: Sym| {
+            self.friction(
+                (sliding, law.share),
+                &inertia,
+                &own_normal,
+                (formulas, factors),
+            )
+        };
+        let across = friction.and_then(|law| law.across.map(|across| along(law, across)));
+        let friction = friction.map(|law| along(law, law.sliding));
         let (rows, direction) = match &contact.along {
             Some(along) => {
                 rows.extend(over(along, inner(&normal, along)));
@@ -315,6 +338,8 @@ impl Mechanism<'_> {
             normal,
             direction,
             friction,
+            across,
+            loads: Vec::new(),
             passes: false,
         })
     }
@@ -322,13 +347,17 @@ impl Mechanism<'_> {
     /// The tangential side of a contact with this normal, by the inverse of its inertia: by formulas, or by factors.
     fn friction(
         &self,
-        law: &Friction,
+        (sliding, share): (Sym, Option<Sym>),
         inertia: &implicit::Locked<'_>,
         normal: &[Sym],
         (formulas, factors): (Option<&Inertia>, Option<&Factorization>),
     ) -> FrictionEquations {
-        let (sliding, curvature, tangent) = slip(law, (self.all, self.moving));
-        let own = self.own(&tangent);
+        let (sliding, curvature, tangent) = slip(sliding, (self.all, self.moving));
+        let mut own = self.own(&tangent);
+        if let Some(share) = share {
+            own.iter_mut()
+                .for_each(|component| *component = simplify(share * *component));
+        }
         let formula = formulas.map(|formulas| {
             let divisor = inner(normal, &formulas.solve(normal));
             over(&formulas.solve(&own), divisor)
@@ -381,7 +410,7 @@ impl Mechanism<'_> {
     /// Dry friction: no gap and no normal, the given normal acceleration `D f` for a force `f`, and the direction
     /// `e = M^-1 b / D`, with the scale `D = sum_k b_k^2 / M_kk`, which is `b' M^-1 b` for one coordinate.
     fn dry(&self, bound: Sym, friction: &Friction) -> ContactEquations {
-        let slip = slip(friction, (self.momenta.len(), self.moving));
+        let slip = slip(friction.sliding, (self.momenta.len(), self.moving));
         let scale = simplify(self.size_of_force(&slip.2));
         let action = slip.2.clone();
         self.given(slip, &action, scale, simplify(scale * bound))
@@ -399,7 +428,7 @@ impl Mechanism<'_> {
     /// A switch: the friction direction is `M^-1 a / D` for what it acts by, `a`, and the given normal acceleration `D`, about what
     /// the switch changes the rate of its function by. Where it does not change that, the function is only passed, and `D` is 1.
     fn switch(&self, action: &Action, friction: &Friction) -> ContactEquations {
-        let slip = slip(friction, (self.momenta.len(), self.moving));
+        let slip = slip(friction.sliding, (self.momenta.len(), self.moving));
         let passes = !self.couples(&slip.2, &action.force);
         let scale = if passes {
             Sym::ONE
@@ -470,6 +499,8 @@ impl Mechanism<'_> {
             inverse_inertia: InverseInertia::Formula(scale),
             direction: None,
             friction: Some(friction),
+            across: None,
+            loads: Vec::new(),
             passes: false,
         }
     }

@@ -15,6 +15,10 @@ pub(crate) struct ContactEquations {
     /// The contact direction, unless it is among the `rows`.
     pub(crate) direction: Option<Implicit>,
     pub(crate) friction: Option<FrictionEquations>,
+    /// In space the tangential side along the second sliding velocity.
+    pub(crate) across: Option<FrictionEquations>,
+    /// Of dry friction: what a unit of the normal acceleration of each surface that it follows adds to the given one.
+    pub(crate) loads: Vec<Sym>,
     /// Of a switch: whether it does not change the rate of its function, which is only passed then.
     pub(crate) passes: bool,
 }

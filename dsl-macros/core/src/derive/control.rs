@@ -9,7 +9,7 @@ use super::contact_equations::ContactEquations;
 use super::explicit::Explicit;
 use super::{Failure, simplify};
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{CheckedScene, Condition, OptimalControl};
+use crate::scene::{CheckedScene, Condition, Contact, OptimalControl};
 
 /// Functions of optimal control.
 pub(crate) struct ControlEquations {
@@ -65,7 +65,7 @@ pub(super) fn equations(
     let explicit = |functions: &[Sym], inputs: &[&[Variable]]| {
         let functions = functions
             .iter()
-            .map(|&function| of_provided(function, &inertias));
+            .map(|&function| of_provided(function, &inertias, &scene.contacts));
         Explicit::new(functions.map(simplify).collect(), &inputs.concat())
     };
     let forces = |read: bool| if read { &provided[..] } else { &[] };
@@ -95,7 +95,7 @@ fn listed(cost: Option<Sym>, conditions: &[Condition]) -> Vec<Sym> {
 }
 
 /// A function of forces or impulses as one of what contacts provide.
-fn of_provided(function: Sym, inertias: &[Sym]) -> Sym {
+fn of_provided(function: Sym, inertias: &[Sym], contacts: &[Contact]) -> Sym {
     let force = |provided: Variable, contact: u16| {
         let inertia = inertias.get(usize::from(contact));
         inertia.map(|inertia| Sym::variable(provided) * inertia.power(-2))
@@ -103,7 +103,9 @@ fn of_provided(function: Sym, inertias: &[Sym]) -> Sym {
     let inserted = graph::substitute(&[function], |variable| match variable {
         Variable::ContactForce(i) | Variable::ContactImpulse(i) => force(Variable::Provided(i), i),
         Variable::FrictionForce(i) | Variable::FrictionImpulse(i) => {
-            force(Variable::ProvidedSliding(i), i)
+            let friction = contacts.get(usize::from(i))?.friction?;
+            let force = force(Variable::ProvidedSliding(i), i)?;
+            Some(friction.share.map_or(force, |share| share * force))
         }
         _ => None,
     });

@@ -148,8 +148,12 @@ fn replace_in(contact: &mut Contact, coordinates: usize, one: &impl Fn(Sym) -> S
         all.for_each(|component| *component = one(*component));
         components.resize(coordinates, Sym::ZERO);
     }
+    let loads = contact.loads.iter_mut();
+    loads.for_each(|(_, factor)| *factor = one(*factor));
     if let Some(friction) = &mut contact.friction {
         friction.sliding = one(friction.sliding);
+        friction.share = friction.share.map(one);
+        friction.across = friction.across.map(one);
     }
 }
 

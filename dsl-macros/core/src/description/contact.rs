@@ -26,6 +26,9 @@ pub struct Contact {
     pub alternatives: Vec<usize>,
     /// Whether it is dry friction without a surface.
     pub dry: bool,
+    /// Of dry friction: the surfaces whose forces are added to its bound, and the kernel of what a unit of each adds to the given
+    /// normal acceleration.
+    pub loads: Option<(Vec<usize>, usize)>,
     /// Of a switch, which is a dry friction: whether its function is only passed, as it does not change the rate of that.
     pub switch: Option<bool>,
     /// Of a switch that nothing acts by: kernel of the velocities after its function has come to be positive.
@@ -48,12 +51,18 @@ pub struct Contact {
 /// The kernels of the friction of a contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Friction {
-    /// Kernel of the coefficient.
+    /// Kernel of the coefficient, of that at rest where there are two.
     pub coefficient: usize,
+    /// Kernel of the coefficient of sliding, if it is another one.
+    pub kinetic: Option<usize>,
+    /// Kernel of the factor that the direction carries, if it carries one.
+    pub share: Option<usize>,
     /// Kernel of what is known at a point, as far as it is formulas.
     pub tangent: usize,
     /// The rows sliding velocity and direction, with their derivatives.
     pub rows: Rows,
+    /// In space the same of the second sliding velocity: kernel of what is known at a point, and rows.
+    pub across: Option<(usize, Rows)>,
 }
 
 /// Derivatives of some rows: those that are formulas, followed by the solution of a linear system if there is one.
@@ -115,6 +124,11 @@ pub(super) fn contact(
         sequence: declared.sequence,
         alternatives: declared.alternatives.clone(),
         dry,
+        loads: (!declared.loads.is_empty()).then(|| {
+            let surfaces = declared.loads.iter().map(|&(i, _)| usize::from(i));
+            let kernel = builder.kernel(&format!("loads_{name}"), &contact.loads);
+            (surfaces.collect(), kernel)
+        }),
         switch: declared.switch.as_ref().map(|_| contact.passes),
         reset: reset(builder, name, declared),
         gap,
@@ -128,7 +142,11 @@ pub(super) fn contact(
             .friction
             .as_ref()
             .zip(contact.friction.as_ref())
-            .map(|(declared, derived)| friction(builder, name, declared.coefficient, derived)),
+            .map(|(declared, derived)| {
+                let across = contact.across.as_ref();
+                let across = across.map(|across| side(builder, name, "across", across));
+                friction(builder, name, (declared, across), derived)
+            }),
     }
 }
 
@@ -148,23 +166,44 @@ fn reset(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Op
 fn friction(
     builder: &mut Builder<'_>,
     name: &str,
-    coefficient: Sym,
+    (declared, across): (&scene::Friction, Option<(usize, Rows)>),
     friction: &FrictionEquations,
 ) -> Friction {
+    let (tangent, rows) = side(builder, name, "tangent", friction);
+    Friction {
+        coefficient: builder.unlisted(&format!("friction_{name}"), &[declared.coefficient]),
+        kinetic: declared
+            .kinetic
+            .map(|value| builder.unlisted(&format!("kinetic_friction_{name}"), &[value])),
+        share: declared
+            .share
+            .map(|value| builder.kernel(&format!("friction_share_{name}"), &[value])),
+        tangent,
+        rows,
+        across,
+    }
+}
+
+/// The kernels of a tangential side, which are called `what`: what is known at a point, and the rows.
+fn side(
+    builder: &mut Builder<'_>,
+    name: &str,
+    what: &str,
+    friction: &FrictionEquations,
+) -> (usize, Rows) {
     let rows = &friction.rows;
     let mut point = vec![rows.values[0], friction.curvature];
     point.extend(&friction.tangent);
     point.extend(&rows.values[1..]);
-    let tangent = builder.kernel(&format!("tangent_{name}"), &point);
-    let kernel = format!("tangent_{{}}_{name}");
+    let tangent = builder.kernel(&format!("{what}_{name}"), &point);
+    let kernel = format!("{what}_{{}}_{name}");
+    let direction = match what {
+        "tangent" => "friction_direction",
+        _ => "across_direction",
+    };
     let solved = friction.direction.as_ref();
-    let solved = solved.map(|solved| (format!("friction_direction_{name}"), solved));
-    let rows = all_rows(builder, &kernel, rows, solved);
-    Friction {
-        coefficient: builder.unlisted(&format!("friction_{name}"), &[coefficient]),
-        tangent,
-        rows,
-    }
+    let solved = solved.map(|solved| (format!("{direction}_{name}"), solved));
+    (tangent, all_rows(builder, &kernel, rows, solved))
 }
 
 /// Rows that are formulas, followed by the solution of a linear system with this name if there is one. `kernel` is the

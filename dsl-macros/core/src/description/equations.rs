@@ -125,7 +125,7 @@ impl List<'_> {
 
     fn contact(&mut self, contact: &Contact, derived: &ContactEquations) {
         let name = &contact.name.text;
-        if let (Some(bound), Some(derived)) = (contact.bound, &derived.friction) {
+        if let (Some(bound), Some(derived)) = (contact.whole_bound(), &derived.friction) {
             if !contact.reset.is_empty() {
                 self.add(format!("when({name})"), simplify(-derived.rows.values[0]));
                 let names = self.names.clone();
@@ -170,8 +170,28 @@ impl List<'_> {
             self.add(format!("restitution({name})"), coefficient);
         }
         if let (Some(friction), Some(derived)) = (&contact.friction, &derived.friction) {
-            self.add(format!("friction({name})"), friction.coefficient);
+            match friction.share {
+                Some(share) => self.add(format!("friction({name})"), share),
+                None => {
+                    let coefficient = friction.kinetic.unwrap_or(friction.coefficient);
+                    self.add(format!("friction({name})"), coefficient);
+                }
+            }
+            if friction.kinetic.is_some() {
+                let at_rest = match friction.share {
+                    Some(_) => "friction at rest over friction",
+                    None => "friction at rest",
+                };
+                self.add(format!("{at_rest}({name})"), friction.coefficient);
+            }
             self.add(format!("slip({name})"), derived.rows.values[0]);
+            if let Some(across) = friction.across {
+                self.add(format!("slip across({name})"), simplify(across));
+                let law = format!(
+                    "|force along both| <= friction({name})*force({name}), against the velocity where that is not 0"
+                );
+                self.all.push((format!("cone({name})"), law));
+            }
             self.direction(
                 "e",
                 "b = d slip/dv",
@@ -271,7 +291,10 @@ impl List<'_> {
                 let tangential =
                     Some(self.components(&tangent.rows.values[1..])).filter(|e| !e.is_empty());
                 for (region, sign, shown) in [("slip > 0", -1.0, '-'), ("slip < 0", 1.0, '+')] {
-                    let mu = friction.coefficient.scaled(sign);
+                    let mu = friction
+                        .kinetic
+                        .unwrap_or(friction.coefficient)
+                        .scaled(sign);
                     let direction: Option<Vec<Sym>> = normal.zip(tangential).map(|(d, e)| {
                         let pairs = d.iter().zip(e);
                         pairs.map(|(&d, &e)| simplify(d + mu * e)).collect()

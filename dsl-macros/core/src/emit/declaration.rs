@@ -148,15 +148,21 @@ fn contacts(contacts: &[Contact], code: &mut String) {
         let friction = match &contact.friction {
             None => "__Option::None".to_owned(),
             Some(friction) => format!(
-                "__Option::Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {} }})",
+                "__Option::Some(::hangtime::model::FrictionDeclaration {{ jacobian: {}, hessian: {}, kinetic: {}, share: {}, across: {} }})",
                 pattern(&friction.rows.jacobian),
-                pattern(&friction.rows.hessian)
+                pattern(&friction.rows.hessian),
+                friction.kinetic.is_some(),
+                friction.share.is_some(),
+                match &friction.across {
+                    None => "__Option::None".to_owned(),
+                    Some((_, rows)) => format!("__Option::Some({})", pattern(&rows.jacobian)),
+                }
             ),
         };
         let _ = write!(
             code,
             "::hangtime::model::ContactDeclaration {{ name: {:?}, unit: {:?}, law: \
-             ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, switch: {}, custom_direction: {}, held: &{:?}, \
+             ::hangtime::model::ImpactLaw::{}, friction: {friction}, dry: {}, loads: &{:?}, switch: {}, custom_direction: {}, held: &{:?}, \
              sequence: {}, alternatives: &{:?}, jacobian: {}, hessian: {}, documentation: {:?} }},",
             contact.name,
             contact.unit,
@@ -166,6 +172,10 @@ fn contacts(contacts: &[Contact], code: &mut String) {
                 "Inelastic"
             },
             contact.dry,
+            contact
+                .loads
+                .as_ref()
+                .map_or(&[][..], |(surfaces, _)| surfaces),
             match contact.switch {
                 _ if contact.reset.is_some() => {
                     "__Option::Some(::hangtime::model::Switching::Resets)"

@@ -132,15 +132,7 @@ fn implementation(scene: &CheckedScene, derived: &Description, text: &str, code:
 
 /// The methods for restitution and friction, as far as the scene declares them.
 fn laws(derived: &Description) -> String {
-    let arms = |body: &dyn Fn(&Contact) -> Option<String>| {
-        let mut arms = String::new();
-        for (i, contact) in derived.contacts.iter().enumerate() {
-            if let Some(body) = body(contact) {
-                let _ = write!(arms, "{i} => {{ {body} }}");
-            }
-        }
-        arms
-    };
+    let arms = |body: &dyn Fn(&Contact) -> Option<String>| arms(derived, body);
     let value = |kernel| methods::coefficient(derived, kernel);
     let mut written = String::new();
     let resets = arms(&|contact| {
@@ -179,6 +171,71 @@ fn laws(derived: &Description) -> String {
             friction(&|friction| methods::tangent_point(derived, friction.tangent, &friction.rows)),
             rows(&methods::rows_jacobian),
             rows(&methods::rows_hessian),
+        );
+    }
+    written.push_str(&laws_beyond_one_coefficient(derived));
+    written
+}
+
+/// The arms of a match over contacts, for those that have a `body`.
+fn arms(derived: &Description, body: &dyn Fn(&Contact) -> Option<String>) -> String {
+    let mut arms = String::new();
+    for (i, contact) in derived.contacts.iter().enumerate() {
+        if let Some(body) = body(contact) {
+            let _ = write!(arms, "{i} => {{ {body} }}");
+        }
+    }
+    arms
+}
+
+/// The methods for friction in space, of speed, of rest and of load, as far as the scene declares them.
+fn laws_beyond_one_coefficient(derived: &Description) -> String {
+    let arms = |body: &dyn Fn(&Contact) -> Option<String>| arms(derived, body);
+    let value = |kernel| methods::coefficient(derived, kernel);
+    let mut written = String::new();
+    let kinetic = arms(&|contact| contact.friction.as_ref()?.kinetic.map(value));
+    if !kinetic.is_empty() {
+        let _ = write!(
+            written,
+            "fn kinetic_friction(&self, contact: __usize) -> __f64 {{ match contact {{ {kinetic} _ => self.friction(contact) }} }}"
+        );
+    }
+    let across = |body: &dyn Fn(usize, &Rows) -> String| {
+        arms(&|contact| {
+            let (kernel, rows) = contact.friction.as_ref()?.across.as_ref()?;
+            Some(body(*kernel, rows))
+        })
+    };
+    let points = across(&|kernel, rows| methods::tangent_point(derived, kernel, rows));
+    if !points.is_empty() {
+        let _ = write!(
+            written,
+            "fn across(&self, contact: __usize, x: &[__f64], point: &mut [__f64]) {{ match contact {{ {points} _ => \
+             point.fill(__f64::NAN) }} }}
+            fn across_jacobian(&self, contact: __usize, x: &[__f64], values: &mut [__f64]) {{ match contact {{ {} _ => \
+             values.fill(__f64::NAN) }} }}",
+            across(&|_, rows| methods::rows_jacobian(derived, rows))
+        );
+    }
+    let loads = arms(&|contact| {
+        let (_, kernel) = contact.loads.as_ref()?;
+        Some(methods::of_inputs(derived, *kernel, "loads"))
+    });
+    if !loads.is_empty() {
+        let _ = write!(
+            written,
+            "fn loads(&self, contact: __usize, x: &[__f64], loads: &mut [__f64]) {{ match contact {{ {loads} _ => {{}} }} }}"
+        );
+    }
+    let share = arms(&|contact| {
+        let share = contact.friction.as_ref()?.share?;
+        let call = methods::of_inputs(derived, share, "&mut value");
+        Some(format!("let mut value = [0.0]; {call}; value[0]"))
+    });
+    if !share.is_empty() {
+        let _ = write!(
+            written,
+            "fn friction_share(&self, contact: __usize, x: &[__f64]) -> __f64 {{ match contact {{ {share} _ => 1.0 }} }}"
         );
     }
     written

@@ -279,7 +279,7 @@ fn law(scene: &CheckedScene, contact: &Contact) -> String {
     if contact.switch.is_some() {
         return "a switch of what acts".to_owned();
     }
-    if let Some(bound) = contact.bound {
+    if let Some(bound) = contact.whole_bound() {
         return format!("dry friction, bound {}", formula(scene, bound));
     }
     let mut text = match contact.restitution {
@@ -287,7 +287,25 @@ fn law(scene: &CheckedScene, contact: &Contact) -> String {
         Some(coefficient) => format!("restitution {}", formula(scene, coefficient)),
     };
     if let Some(friction) = &contact.friction {
-        let _ = write!(text, ", friction {}", formula(scene, friction.coefficient));
+        if friction.across.is_some() {
+            text.push_str(", in space");
+        }
+        let sliding = friction.share.or(friction.kinetic);
+        let sliding = formula(scene, sliding.unwrap_or(friction.coefficient));
+        let _ = match (friction.kinetic, friction.share) {
+            (None, _) => write!(text, ", friction {sliding}"),
+            (Some(_), None) => {
+                let at_rest = formula(scene, friction.coefficient);
+                write!(text, ", friction static {at_rest}, kinetic {sliding}")
+            }
+            (Some(_), Some(_)) => {
+                let ratio = formula(scene, friction.coefficient);
+                write!(
+                    text,
+                    ", friction kinetic {sliding}, at rest {ratio} times that"
+                )
+            }
+        };
     }
     if contact.along.is_some() {
         text.push_str(", impulse in a direction of its own");

@@ -50,11 +50,11 @@ fn remedy(role: Role, surface: bool) -> &'static str {
             "which objectives, constraints and goals must not have; write a condition for each side, as `x <= c` and \
              `x >= -c`, or square it"
         }
-        Role::Motion if surface => {
+        Role::Motion | Role::Bound if surface => {
             "which energies and laws must not have; write what acts in `forces`, which may switch, or declare a `surface`, \
              which may contain it, where the motion strikes"
         }
-        Role::Motion => {
+        Role::Motion | Role::Bound => {
             "which energies and laws must not have; write what acts in `forces`, which may switch, or declare a `surface` \
              where the motion strikes"
         }
@@ -73,7 +73,7 @@ pub(super) fn refuse_size(
     diagnostics: &mut Diagnostics,
 ) -> Reported {
     let why = match scope.role {
-        Role::Motion if is_velocity(part) => format!(
+        Role::Motion | Role::Bound if is_velocity(part) => format!(
             "a kink at 0; for a drag write `sqrt({}^2 + v_0^2)` in its place, with a small speed `v_0`, and for dry \
              friction `dry friction name: bound f, sliding {inner}`",
             match &inner.kind {

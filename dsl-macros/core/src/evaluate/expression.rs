@@ -383,7 +383,7 @@ fn call(
     }
     if words::NONSMOOTH.contains(&text) || text == words::IF {
         if let ("sign" | "signum", [argument]) = (text, arguments)
-            && scope.role == Role::Motion
+            && matches!(scope.role, Role::Motion | Role::Bound)
         {
             let part = scalar(scope, argument, diagnostics)?;
             edges::refuse_sign(whole, argument, part, diagnostics)?;

@@ -24,6 +24,10 @@ fn quantity(text: &str) -> (fn(u16) -> Variable, bool) {
 fn admit(role: Role, whole: &Expr, text: &str, diagnostics: &mut Diagnostics) -> Checked<()> {
     let is_force = matches!(text, "force" | "friction_force");
     let message = match (role, is_force) {
+        (Role::Bound, _) if text == "force" => return Ok(()),
+        (Role::Bound, _) => format!(
+            "the bound of a dry friction may follow normal forces of surfaces, as in `bound mu*r*force(pad)`, and not `{whole}`"
+        ),
         (Role::Record | Role::Constraint, _)
         | (Role::Running | Role::End, true)
         | (Role::Impact, false) => return Ok(()),
@@ -117,6 +121,11 @@ fn of_joint(
 ) -> Checked<Value> {
     let message = if text != "force" {
         format!("joint `{name}` has no `{text}`; what it carries is `force({name})`")
+    } else if role == Role::Bound {
+        format!(
+            "`{whole}` is the force of a joint, which has two signs and other joints' shares in it; write what presses by positions, \
+             velocities and controls, or let a surface carry it, whose force a bound may follow"
+        )
     } else if role != Role::Record {
         format!(
             "`{whole}` is the force of a joint, which is recorded only; use it in `outputs`, and write costs and              conditions with controls or with forces of contacts"

@@ -31,6 +31,8 @@ pub(crate) enum Role {
     Motion,
     /// A surface, which may have edges.
     Surface,
+    /// The bound of a dry friction, which knows normal forces of surfaces.
+    Bound,
     /// What is added up during the motion: the running cost, which knows contact forces.
     Running,
     /// What holds all the time, or at every impact: constraints, which know contact forces or impulses.

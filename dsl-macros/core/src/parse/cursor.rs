@@ -200,6 +200,11 @@ impl Cursor {
         found
     }
 
+    /// Whether a sign of the language comes next, not a name, a number or a bracket.
+    pub(crate) fn at_any_symbol(&self) -> bool {
+        matches!(self.peek(), Some(TokenTree::Punct(_)))
+    }
+
     pub(crate) fn ident(&self) -> Option<&Ident> {
         match self.peek() {
             Some(TokenTree::Ident(ident)) => Some(ident),

@@ -48,6 +48,7 @@ struct Parts {
     inelastic: Option<Place>,
     restitution: Option<(Place, Expr)>,
     friction: Option<(Place, Expr)>,
+    at_rest: Option<(Place, Expr)>,
     sliding: Option<(Place, Expr)>,
     along: Option<(Place, Expr)>,
     holding: Option<(Place, Vec<Name>)>,
@@ -95,7 +96,7 @@ impl Parts {
                 cursor,
                 diagnostics,
             )?,
-            "friction" => value(&mut self.friction, "friction", place, cursor, diagnostics)?,
+            "friction" => self.friction(place, cursor, diagnostics)?,
             "sliding" => value(&mut self.sliding, "sliding", place, cursor, diagnostics)?,
             "along" => value(&mut self.along, "along", place, cursor, diagnostics)?,
             "holding" => {
@@ -120,6 +121,37 @@ impl Parts {
             place,
             format!("`{}` stands twice in one impact law; keep one", word.text),
         ))
+    }
+
+    /// Reads `friction mu`, or `friction static mu_s, kinetic mu_k`; whether it is new.
+    fn friction(
+        &mut self,
+        place: Place,
+        cursor: &mut Cursor,
+        diagnostics: &mut Diagnostics,
+    ) -> Checked<bool> {
+        let mut ahead = cursor.clone();
+        let names_two = ahead.eat_word("static") && !ahead.is_empty() && !ahead.at_any_symbol();
+        let at_rest = cursor.place();
+        if names_two {
+            *cursor = ahead;
+            value(&mut self.at_rest, "static", at_rest, cursor, diagnostics)?;
+            let mut ahead = cursor.clone();
+            if !(ahead.eat_symbol(",") && ahead.eat_word("kinetic")) {
+                let message = "`friction static mu_s` says what holds at rest only; add the coefficient of sliding, as in \
+                               `friction static 0.5, kinetic 0.4`";
+                return Err(diagnostics.report("E20", at_rest, message));
+            }
+            *cursor = ahead;
+        } else if cursor.at_word("kinetic") && !names_two {
+            let mut ahead = cursor.clone();
+            if ahead.eat_word("kinetic") && !ahead.is_empty() && !ahead.at_any_symbol() {
+                let message = "`friction kinetic mu_k` says nothing of rest; write `friction static mu_s, kinetic mu_k`, or \
+                               `friction mu` where one coefficient holds for both";
+                return Err(diagnostics.report("E20", at_rest, message));
+            }
+        }
+        value(&mut self.friction, "friction", place, cursor, diagnostics)
     }
 
     /// The law, if its parts fit together.
@@ -163,6 +195,7 @@ impl Parts {
         Ok(Law {
             restitution: expr(self.restitution),
             friction: expr(self.friction),
+            at_rest: expr(self.at_rest),
             sliding: expr(self.sliding),
             along: expr(self.along),
             holding: self.holding.map(|(_, names)| names).unwrap_or_default(),
@@ -228,6 +261,7 @@ fn needed(word: &str) -> &'static str {
     match word {
         "restitution" => "its coefficient, as in `restitution 0.5`",
         "friction" => "its coefficient, as in `friction 0.3`",
+        "static" => "the coefficient at rest, as in `friction static 0.5, kinetic 0.4`",
         "sliding" => "the sliding velocity, as in `sliding dot(y)`",
         "bound" => "the largest force, as in `bound 2 [N]`",
         _ => "the direction of the impulse, as in `along (0, 1)`",

@@ -248,7 +248,23 @@ texts! {
     edge_with_its_sliding_velocities: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding (dot(z), -dot(z))" =>
         "accepted";
     two_sliding_velocities_of_a_plane: beside "surface s: y >= 0 impact s: inelastic, friction 0.1, sliding (dot(z), -dot(z))" =>
-        "E20: surface `s` has no edges, and `sliding` gives 2 velocities; give one, as in `sliding dot(y)`, in an `impact` of its own where another surface takes several";
+        "E20: the two sliding velocities of `s` are along one direction; give those of the touching point along two directions of the surface that are perpendicular to each other, as in `sliding (dot(x), dot(y))`";
+    three_sliding_velocities: beside "surface s: y >= 0 impact s: inelastic, friction 0.1, sliding (dot(z), -dot(z), dot(y))" =>
+        "E20: surface `s` has no edges, and `sliding` gives 3 velocities; give one in the plane, as in `sliding dot(y)`, or two in space, as in `sliding (dot(x), dot(y))`, in an `impact` of its own where another surface takes several";
+    two_sliding_velocities_on_an_edge: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding ((dot(z), dot(y)), dot(z))" =>
+        "E20: surface `s` has 2 smooth pieces, and two sliding velocities on one of them; declare the pieces as surfaces of their own, each with `sliding (v1, v2)`";
+    friction_of_rest_alone: beside "surface s: y >= 0 impact s: inelastic, friction static 0.4, sliding dot(z)" =>
+        "E20: `friction static mu_s` says what holds at rest only; add the coefficient of sliding, as in `friction static 0.5, kinetic 0.4`";
+    friction_of_sliding_alone: beside "surface s: y >= 0 impact s: inelastic, friction kinetic 0.4, sliding dot(z)" =>
+        "E20: `friction kinetic mu_k` says nothing of rest; write `friction static mu_s, kinetic mu_k`, or `friction mu` where one coefficient holds for both";
+    friction_of_rest_below_that_of_sliding: beside "surface s: y >= 0 impact s: inelastic, friction static 0.3, kinetic 0.4, sliding dot(z)" =>
+        "E10: the coefficient of friction at rest is 0.3, below 0.4 of sliding: a body would hold on less than it is braked, and could neither rest nor slide; exchange them";
+    friction_of_a_velocity: beside "surface s: y >= 0 impact s: inelastic, friction 0.3 + dot(z)^2/1 [m^2/s^2], sliding dot(z)" =>
+        "E07: the coefficient of friction depends on the velocity `dot(z)`; it may depend on positions, the time and `speed`, the size of the sliding velocity";
+    friction_that_vanishes_at_rest: beside "surface s: y >= 0 impact s: inelastic, friction tanh(speed/1 [m/s]), sliding dot(z)" =>
+        "E10: the coefficient of friction vanishes at rest, so that nothing holds the contact there and its force is smooth; write one that is above 0 at rest";
+    friction_in_other_units: beside "surface s: y >= 0 impact s: inelastic, friction 0.3 + speed, sliding dot(z)" =>
+        "E03: units differ: `0.3` has no unit, `speed` is in m/s; both sides of `+` must agree; a bare number has no unit, write it in brackets, as in `0.3 [m/s]`";
     sliding_velocity_in_other_units: beside "surface s: |y| <= 1 [m] impact s: inelastic, friction 0.1, sliding (dot(z), m*dot(z))" =>
         "E03: units differ: `m*dot(z)` is in N s, where m/s is needed (the sliding velocity of `s` has the unit of its gap over s)";
     edge_with_one_direction: beside "surface s: |y| <= 1 [m] impact s: inelastic, along (1, 0)" =>
@@ -439,10 +455,15 @@ texts! {
     bounds_in_other_units: beside "dry friction rail: bound 2 [m], sliding dot(y) dry friction post: bound 2 [N], sliding dot(z)/1 [m]" =>
         "E03: units differ: `2 [m]` is in m, where N is needed (the bound of `rail` is the Lagrangian's unit over that of its sliding velocity times s)",
         "E03: units differ: `2 [N]` is in N, where J is needed (the bound of `post` is the Lagrangian's unit over that of its sliding velocity times s)";
-    bound_that_depends_on_the_velocity: beside "dry friction rail: bound 2 [N s/m]*dot(y), sliding dot(y)" =>
-        "E07: the bound of dry friction `rail` depends on the velocity `dot(y)`; it may depend on positions and the time only";
-    bound_that_depends_on_a_control: cart "dry friction rail: bound u, sliding dot(y)" =>
-        "E07: the bound of dry friction `rail` depends on the control `u`; it may depend on positions and the time only";
+    bound_that_depends_on_the_velocity: beside "dry friction rail: bound 2 [N] + 2 [N s/m]*speed, sliding dot(y)" => "accepted";
+    bound_that_depends_on_a_control: cart "dry friction rail: bound u, sliding dot(y)" => "accepted";
+    bound_that_follows_a_surface: beside "surface s: z >= 0 impact s: inelastic dry friction rail: bound 1 [N] + 0.3*force(s), sliding dot(y)" => "accepted";
+    bound_of_a_square_of_a_force: beside "surface s: z >= 0 impact s: inelastic dry friction rail: bound force(s)^2/1 [N], sliding dot(y)" =>
+        "E07: the bound of dry friction `rail` is no sum of forces of surfaces times what does not follow them; write one, as in `bound mu*force(pad)`";
+    bound_that_falls_with_a_force: beside "surface s: z >= 0 impact s: inelastic dry friction rail: bound 5 [N] - force(s), sliding dot(y)" =>
+        "E10: the bound of dry friction `rail` falls where a surface is pressed, and may fall below 0; change the sign in front of `force`";
+    bound_that_follows_an_impulse: beside "surface s: z >= 0 impact s: inelastic dry friction rail: bound impulse(s)/1 [s], sliding dot(y)" =>
+        "E24: the bound of a dry friction may follow normal forces of surfaces, as in `bound mu*r*force(pad)`, and not `impulse(s)`";
     bound_below_zero: beside "dry friction rail: bound -m*g, sliding dot(y)" =>
         "E10: the bound of dry friction `rail` is -9.81 < 0: the force would drive the sliding instead of braking it; change its sign";
     bound_with_a_kink: beside "dry friction rail: bound |2 [N]*y/1 [m]|, sliding dot(y)" =>

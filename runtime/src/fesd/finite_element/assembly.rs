@@ -96,6 +96,12 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                     }
                     if m == j {
                         element.matrix[velocity_row + n + i] = 1.0;
+                        // Of what it follows the factors change with the state, which Newton's method learns by iterating.
+                        for &(_, surface, factor) in
+                            constraints.loads.iter().filter(|load| load.0 == i)
+                        {
+                            element.matrix[velocity_row + n + surface] -= factor;
+                        }
                     }
                     continue;
                 }

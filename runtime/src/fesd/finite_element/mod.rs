@@ -46,7 +46,7 @@ pub(crate) use size::groups;
 
 use super::active_contact::ActiveContact;
 use super::constraints::Constraints;
-use crate::model::{ControlPiece, Model};
+use crate::model::{ControlPiece, Frame, Model};
 use crate::rk::ButcherTableau;
 use crate::time_freezing::clock;
 use stage_clock::StageClock;
@@ -256,6 +256,11 @@ impl<'a> FiniteElement<'a> {
         self.clock.set_mode(self.tableau.stages(), normals);
         self.has_previous = false;
         self.factorized = false;
+    }
+
+    /// Sets the frames in which contacts in space slide.
+    pub(crate) fn set_frames(&mut self, frames: &[Frame]) {
+        self.constraints.set_frames(frames);
     }
 
     /// Lets the next solution start from the acceleration at the start alone, not from this one.

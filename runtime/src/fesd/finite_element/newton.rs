@@ -121,6 +121,7 @@ fn evaluate_start(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
             .model
             .free_acceleration(&first, &mut element.acceleration);
     }
+    element.constraints.align(&first);
     element.constraints.evaluate(&first);
     let frozen = element.constraints.freeze_joints(&first);
     element.first = first;
@@ -266,6 +267,9 @@ fn evaluate_residual(element: &mut FiniteElement<'_>) -> Result<(), ElementError
             } else {
                 element.constraints.velocities[i] / h
             };
+        }
+        for &(given, surface, factor) in &element.constraints.loads {
+            residual[n + given] -= factor * unknown[n + surface];
         }
         for (target, gap) in residual[n + forces..]
             .iter_mut()

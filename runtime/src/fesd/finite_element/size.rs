@@ -62,7 +62,13 @@ impl Pattern {
             model.tangent(held.contact, x, &mut tangent);
             let values = &tangent[tangent_point::direction(n)..];
             pattern.add(friction.jacobian.entries, (None, 0, 1), values);
-            if !held.sticks() {
+            if let Some(across) = friction.across {
+                model.across(held.contact, x, &mut tangent);
+                let values = &tangent[tangent_point::direction(n)..];
+                pattern.add(across.entries, (None, 0, 1), values);
+            }
+            let sides = if friction.across.is_some() { 2 } else { 1 };
+            for _ in held.stuck()..sides {
                 // It slips along one direction, which friction turns.
                 let across = pattern.directions.pop().unwrap_or_default();
                 pattern.turning.pop();
@@ -136,7 +142,7 @@ impl Pattern {
 
 /// Purposes of the unknowns of a stage, which are those of its equations: accelerations, forces, corrections.
 fn purposes(n: usize, active: &[ActiveContact], normals: usize) -> Vec<Purpose> {
-    let sticking = active.iter().filter(|held| held.sticks()).count();
+    let sticking: usize = active.iter().map(|held| held.stuck()).sum();
     let forces = active.len() + sticking;
     let mut purposes = vec![Purpose::State; n];
     purposes.resize(n + normals, Purpose::ContactForce);

@@ -5,8 +5,9 @@ use super::contact_problem::ContactProblem;
 use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::{Dop853, System};
-use super::dynamics::{Dynamics, Switch, motion, switching};
+use super::dynamics::{Dynamics, Switch, motion, rows, switching};
 use super::impact::Undetermined;
+use crate::model::pair_size;
 use crate::simulation::problem::negative_bound;
 
 /// Accelerations below this share of those they balance are compared by what follows a moment later: event
@@ -274,9 +275,14 @@ fn candidates(
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
     let (mut normal, mut tangential, mut laws) = (Vec::new(), Vec::new(), Vec::new());
+    let mut across = vec![0.0; resting.len()];
     let mut scales = Vec::new();
-    for &i in resting {
+    for (slot, &i) in resting.iter().enumerate() {
         dynamics.evaluate_sides(i);
+        dynamics.align(i, None);
+        if dynamics.is_in_space(i) {
+            across[slot] = rows::across_acceleration(dynamics, i, dynamics.free_acceleration());
+        }
         let (acceleration, terms) = dynamics.free_normal_acceleration(i);
         // Where it vanishes and goes on falling, its force was about to change its sign.
         let released = vanished == Some(Switch::NormalForce(i));
@@ -294,20 +300,13 @@ fn candidates(
         let (acceleration, tangential_terms) = dynamics.free_sliding_acceleration(i);
         tangential.push(acceleration);
         scales.push((terms, tangential_terms));
-        let mu = dynamics.laws.friction[i];
-        let velocity = dynamics.sliding_velocity(i);
-        let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == i);
-        let rests = stops || velocity.abs() <= dynamics.zero_sliding_velocity(i);
-        laws.push(if rests && dynamics.passes(i) {
-            TangentialLaw::Sliding(
-                mu,
-                side(dynamics, i, (t, y, moment), acceleration, vanished),
-            )
-        } else if stops || velocity.abs() <= dynamics.zero_sliding_velocity(i) {
-            TangentialLaw::Coulomb(mu)
-        } else {
-            TangentialLaw::Sliding(mu, Direction::of(velocity))
-        });
+        laws.push(tangential_law(
+            dynamics,
+            i,
+            (t, y, moment),
+            acceleration,
+            vanished,
+        ));
     }
     switching::set_force_floors(dynamics, resting);
     let solution = ContactProblem {
@@ -315,9 +314,11 @@ fn candidates(
         contacts: resting,
         normal: &normal,
         tangential: &tangential,
+        across: &across,
         laws: &laws,
     }
     .solve(dynamics)?;
+    let solution = in_frames(dynamics, resting, &laws, solution);
     Ok(resting
         .iter()
         .enumerate()
@@ -329,6 +330,12 @@ fn candidates(
                 BIACTIVE * tangential.max(floor),
             );
             let mut candidate = candidate(contact, laws[slot], &solution, slot, zeros, vanished);
+            if dynamics.is_in_space(contact) {
+                // It slips along the direction of its frame.
+                candidate
+                    .states
+                    .retain(|state| *state != ContactState::Slip(Direction::Backward));
+            }
             if dynamics.is_dry(contact) {
                 // It acts always, if only with a force of zero.
                 candidate.states.retain(|state| !state.is_open());
@@ -336,6 +343,56 @@ fn candidates(
             candidate
         })
         .collect())
+}
+
+/// The law of an evaluated contact with friction along its tangent, whose sliding velocity has this `acceleration` without forces.
+fn tangential_law(
+    dynamics: &mut Dynamics<'_>,
+    contact: usize,
+    at: (f64, &[f64], f64),
+    acceleration: f64,
+    vanished: Option<Switch>,
+) -> TangentialLaw {
+    let (mu, kinetic) = dynamics.laws.frictions(contact);
+    // In space a direction may vanish while the contact slides on across it.
+    let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == contact)
+        && !dynamics.is_in_space(contact);
+    let rests = stops || pair_size(dynamics.sliding(contact)) <= dynamics.zero_speed(contact);
+    if rests && dynamics.passes(contact) {
+        TangentialLaw::Sliding(mu, side(dynamics, contact, at, acceleration, vanished))
+    } else if rests {
+        TangentialLaw::of_rest(mu, kinetic)
+    } else {
+        let velocity = dynamics.sliding_velocity(contact);
+        TangentialLaw::Sliding(kinetic, Direction::of(velocity))
+    }
+}
+
+/// The solution in the frames of contacts in space, which point to where these would slip: along their acceleration, or against
+/// their friction where there is none. In it their friction is backward, and of its whole size, as is their acceleration.
+fn in_frames(
+    dynamics: &mut Dynamics<'_>,
+    resting: &[usize],
+    laws: &[TangentialLaw],
+    mut solution: CoulombSolution,
+) -> CoulombSolution {
+    for (slot, &i) in resting.iter().enumerate() {
+        if !dynamics.is_in_space(i) || !laws[slot].may_stick() {
+            continue;
+        }
+        let (s, w) = (solution.s[slot], solution.tangential[slot]);
+        let (s_across, w_across) = solution.across(slot);
+        let slips = pair_size((w, w_across)) > BIACTIVE * dynamics.sliding_acceleration_scale(i);
+        let to = if slips {
+            (w, w_across)
+        } else {
+            (-s, -s_across)
+        };
+        dynamics.align(i, Some(to));
+        solution.s[slot] = -pair_size((s, s_across));
+        solution.tangential[slot] = pair_size((w, w_across));
+    }
+    solution
 }
 
 /// The side of a switch that is only passed, where its function vanishes: the other one of a side that has ended, else that of its
@@ -384,7 +441,7 @@ fn candidate(
     use ContactState::{Frictionless, Open, Slip, Stick};
     let (r, s) = (solution.p[slot], solution.s[slot]);
     let (w_n, w_t) = (solution.normal[slot], solution.tangential[slot]);
-    let stops = matches!(law, TangentialLaw::Coulomb(_));
+    let stops = law.may_stick();
     let decided = |state| Candidate {
         contact,
         states: vec![state],
@@ -401,7 +458,7 @@ fn candidate(
             states: match law {
                 TangentialLaw::None => vec![Frictionless, Open],
                 TangentialLaw::Sliding(_, direction) => vec![Slip(direction), Open],
-                TangentialLaw::Coulomb(_) => vec![
+                TangentialLaw::Coulomb(_) | TangentialLaw::Breaking { .. } => vec![
                     Stick,
                     Slip(Direction::Forward),
                     Slip(Direction::Backward),
@@ -415,7 +472,7 @@ fn candidate(
     let mu = match law {
         TangentialLaw::None => return decided(Frictionless),
         TangentialLaw::Sliding(_, direction) => return decided(Slip(direction)),
-        TangentialLaw::Coulomb(mu) => mu,
+        TangentialLaw::Coulomb(mu) | TangentialLaw::Breaking { rest: mu, .. } => mu,
     };
     let reserve = mu * r - s.abs();
     let begins = matches!(vanished, Some(Switch::FrictionLimit(other, _)) if other == contact);
@@ -426,6 +483,10 @@ fn candidate(
         (Slip(direction), _) => direction,
         _ => Direction::of(-s),
     };
+    if matches!(law, TangentialLaw::Breaking { .. }) {
+        // What is no longer held jumps to the lower force of sliding.
+        return decided(Slip(direction));
+    }
     Candidate {
         contact,
         states: vec![Stick, Slip(direction)],
@@ -478,7 +539,8 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
         let (_, acceleration) = dynamics.contact_accelerations(i, &slope[n..2 * n]);
         let rests = dynamics.sliding_velocity(i).abs() <= dynamics.zero_sliding_velocity(i)
             && acceleration.abs() <= BIACTIVE * dynamics.sliding_acceleration_scale(i);
-        if rests && !dynamics.passes(i) && motion::holds(dynamics, i) {
+        let may_be_held = !dynamics.passes(i) && !dynamics.is_in_space(i);
+        if rests && may_be_held && motion::holds(dynamics, i) {
             *state = ContactState::Held(Some(direction));
         }
     }

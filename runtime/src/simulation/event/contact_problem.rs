@@ -4,6 +4,7 @@
 use super::coulomb::{CoulombProblem, CoulombSolution, TangentialLaw};
 use super::dynamics::{Dynamics, dot, largest};
 use super::many_contacts::Blocks;
+use super::space_problem::{self, SpaceProblem};
 use crate::model::contact_point;
 use crate::simulation::problem::not_unique;
 
@@ -21,6 +22,8 @@ pub(in crate::simulation) struct ContactProblem<'a> {
     pub(in crate::simulation) normal: &'a [f64],
     /// `q_t`, one a contact; not read for contacts without friction.
     pub(in crate::simulation) tangential: &'a [f64],
+    /// The same along the second sliding velocities of contacts in space.
+    pub(in crate::simulation) across: &'a [f64],
     /// Tangential law, one a contact.
     pub(in crate::simulation) laws: &'a [TangentialLaw],
 }
@@ -32,6 +35,9 @@ impl ContactProblem<'_> {
         &self,
         dynamics: &Dynamics<'_>,
     ) -> Result<CoulombSolution, String> {
+        if self.contacts.iter().any(|&i| dynamics.is_in_space(i)) {
+            return self.solve_in_space(dynamics);
+        }
         let matrix = self.matrix(dynamics);
         let surfaces = self.contacts.iter().filter(|&&i| !dynamics.is_dry(i));
         let problem = CoulombProblem {
@@ -46,15 +52,7 @@ impl ContactProblem<'_> {
             .map(|point| 1.0 / point[contact_point::INVERSE_INERTIA])
             .collect();
         let Some(found) = Blocks::solved(&problem, &inertia) else {
-            return Err(format!(
-                "the {} has no solution: {}",
-                self.what,
-                self.jamming(dynamics).unwrap_or_else(|| {
-                    "the forces of the contacts that touch push each other into the ground; look at their \
-                     surfaces and impact laws"
-                        .into()
-                })
-            ));
+            return Err(self.without_solution(dynamics));
         };
         let solution = found.first(self.contacts.len());
         let reference = self.change(dynamics, &solution);
@@ -62,6 +60,11 @@ impl ContactProblem<'_> {
             * largest(&reference)
                 .max(largest(self.normal))
                 .max(largest(self.tangential));
+        // Where sliding has a lower coefficient of its own, what may rest does, and comes first.
+        let unique = |law: &TangentialLaw| !matches!(law, TangentialLaw::Breaking { .. });
+        if !self.laws.iter().all(unique) {
+            return Ok(solution);
+        }
         for other in found.others(&solution) {
             let apart = self
                 .change(dynamics, &other)
@@ -84,6 +87,31 @@ impl ContactProblem<'_> {
             }
         }
         Ok(solution)
+    }
+
+    /// The same where some contacts are in space, by the method for cones.
+    fn solve_in_space(&self, dynamics: &Dynamics<'_>) -> Result<CoulombSolution, String> {
+        let problem = SpaceProblem {
+            contacts: self.contacts,
+            normal: self.normal,
+            tangential: self.tangential,
+            across: self.across,
+            laws: self.laws,
+        };
+        let solution = space_problem::solve(&problem, dynamics);
+        solution.ok_or_else(|| self.without_solution(dynamics))
+    }
+
+    fn without_solution(&self, dynamics: &Dynamics<'_>) -> String {
+        format!(
+            "the {} has no solution: {}",
+            self.what,
+            self.jamming(dynamics).unwrap_or_else(|| {
+                "the forces of the contacts that touch push each other into the ground; look at their \
+                 surfaces and impact laws"
+                    .into()
+            })
+        )
     }
 
     /// `A = (n, b)' (d, e)`, row-major; entries of contacts without friction are 0.
@@ -123,11 +151,21 @@ impl ContactProblem<'_> {
             for (change, d) in change.iter_mut().zip(dynamics.direction(i)) {
                 *change += d * solution.p[slot];
             }
-            if solution.s[slot] == 0.0 {
+            if solution.s[slot] == 0.0 && solution.across.is_empty() {
+                continue;
+            }
+            if !dynamics.has_friction(i) {
                 continue;
             }
             for (change, e) in change.iter_mut().zip(dynamics.friction_direction(i)) {
                 *change += e * solution.s[slot];
+            }
+            if let Some(&(force, _)) = solution.across.get(slot)
+                && dynamics.is_in_space(i)
+            {
+                for (change, e) in change.iter_mut().zip(dynamics.across(i).1) {
+                    *change += e * force;
+                }
             }
         }
         change
@@ -138,7 +176,7 @@ impl ContactProblem<'_> {
         let declared = dynamics.model.declaration().contacts;
         let mut contacts = self.contacts.iter().zip(self.laws);
         contacts.find_map(|(&i, law)| {
-            let slides = declared[i].switch.is_some() && matches!(law, TangentialLaw::Coulomb(_));
+            let slides = declared[i].switch.is_some() && law.may_stick();
             let gains = slides && dot(dynamics.tangent(i), dynamics.friction_direction(i)) <= 0.0;
             gains.then(|| not_unique(declared[i].name))
         })
@@ -149,7 +187,9 @@ impl ContactProblem<'_> {
         self.contacts.iter().zip(self.laws).find_map(|(&i, &law)| {
             let gain = match law {
                 TangentialLaw::None => return None,
-                TangentialLaw::Coulomb(mu) => dynamics.gain(i, mu).min(dynamics.gain(i, -mu)),
+                TangentialLaw::Coulomb(mu) | TangentialLaw::Breaking { rest: mu, .. } => {
+                    dynamics.gain(i, mu).min(dynamics.gain(i, -mu))
+                }
                 TangentialLaw::Sliding(mu, direction) => dynamics.gain(i, -direction.sign() * mu),
             };
             (gain <= 0.0).then(|| jammed(dynamics, i, gain))

@@ -54,10 +54,12 @@ impl ContactState {
         })
     }
 
-    /// `s / r` of a contact whose tangential force follows from the normal one; 0 for the others.
-    pub(in crate::simulation) fn force_ratio(self, mu: f64) -> f64 {
+    /// `s / r` of a contact whose tangential force follows from the normal one, by the coefficients of rest and of sliding; 0 for
+    /// the others.
+    pub(in crate::simulation) fn force_ratio(self, (rest, sliding): (f64, f64)) -> f64 {
         match self {
-            Self::Slip(direction) | Self::Held(Some(direction)) => -direction.sign() * mu,
+            Self::Slip(direction) => -direction.sign() * sliding,
+            Self::Held(Some(direction)) => -direction.sign() * rest,
             Self::Open | Self::Frictionless | Self::Stick | Self::Held(None) => 0.0,
         }
     }

@@ -25,6 +25,13 @@ pub(in crate::simulation) enum TangentialLaw {
     None,
     /// Coulomb friction with the coefficient `mu`.
     Coulomb(f64),
+    /// The same where sliding has a lower coefficient of its own: `s = -mu_k p sign(w_t)`. What may rest does.
+    Breaking {
+        /// At rest.
+        rest: f64,
+        /// Of sliding, `mu_k`.
+        sliding: f64,
+    },
     /// The tangential force of sliding in a known direction, `s = -mu p` or `+mu p`, whatever `w_t`.
     Sliding(f64, Direction),
 }
@@ -35,16 +42,34 @@ impl TangentialLaw {
         use Direction::{Backward, Forward};
         match self {
             Self::None => &[Open, Frictionless],
-            Self::Coulomb(_) => &[Open, Stick, Slip(Forward), Slip(Backward)],
+            Self::Coulomb(_) | Self::Breaking { .. } => {
+                &[Open, Stick, Slip(Forward), Slip(Backward)]
+            }
             Self::Sliding(_, Forward) => &[Open, Slip(Forward)],
             Self::Sliding(_, Backward) => &[Open, Slip(Backward)],
         }
     }
 
-    fn coefficient(self) -> f64 {
+    /// That of a contact which may stick.
+    pub(in crate::simulation) fn of_rest(rest: f64, sliding: f64) -> Self {
+        if sliding < rest {
+            Self::Breaking { rest, sliding }
+        } else {
+            Self::Coulomb(rest)
+        }
+    }
+
+    /// Whether the contact may stick.
+    pub(in crate::simulation) fn may_stick(self) -> bool {
+        matches!(self, Self::Coulomb(_) | Self::Breaking { .. })
+    }
+
+    /// The coefficients of rest and of sliding.
+    pub(in crate::simulation) fn coefficients(self) -> (f64, f64) {
         match self {
-            Self::None => 0.0,
-            Self::Coulomb(mu) | Self::Sliding(mu, _) => mu,
+            Self::None => (0.0, 0.0),
+            Self::Coulomb(mu) | Self::Sliding(mu, _) => (mu, mu),
+            Self::Breaking { rest, sliding } => (rest, sliding),
         }
     }
 }
@@ -77,6 +102,15 @@ pub(in crate::simulation) struct CoulombSolution {
     pub(in crate::simulation) normal: Vec<f64>,
     /// `w_t`, zero where a contact sticks; 0 for contacts without friction.
     pub(in crate::simulation) tangential: Vec<f64>,
+    /// In space `s` and `w_t` along the second sliding velocity; empty without contacts in space.
+    pub(in crate::simulation) across: Vec<(f64, f64)>,
+}
+
+impl CoulombSolution {
+    /// `s` along the second sliding velocity, and that; 0 in the plane.
+    pub(in crate::simulation) fn across(&self, contact: usize) -> (f64, f64) {
+        self.across.get(contact).copied().unwrap_or_default()
+    }
 }
 
 impl CoulombProblem<'_> {
@@ -163,8 +197,7 @@ impl CoulombProblem<'_> {
             if tangential[i].is_nan() {
                 return None;
             }
-            if let (TangentialLaw::Coulomb(_), ContactState::Slip(direction)) =
-                (self.laws[i], states[i])
+            if let (true, ContactState::Slip(direction)) = (self.laws[i].may_stick(), states[i])
                 && direction.sign() * tangential[i] < -zero
             {
                 return None;
@@ -180,7 +213,7 @@ impl CoulombProblem<'_> {
         zero: f64,
     ) -> Option<CoulombSolution> {
         let m = self.laws.len();
-        let coefficient = |i: usize| self.laws[i].coefficient();
+        let coefficient = |i: usize| self.laws[i].coefficients();
         let chosen = |what: fn(&ContactState) -> bool| {
             (0..m).filter(|&i| what(&states[i])).collect::<Vec<usize>>()
         };
@@ -225,7 +258,7 @@ impl CoulombProblem<'_> {
             s[i] = states[i].force_ratio(coefficient(i)) * p[i];
         }
         for (&i, &value) in stuck.iter().zip(&right[closed.len()..]) {
-            if value.abs() > coefficient(i) * p[i] + zero || value.is_nan() {
+            if value.abs() > coefficient(i).0 * p[i] + zero || value.is_nan() {
                 return None;
             }
             s[i] = value;
@@ -237,6 +270,7 @@ impl CoulombProblem<'_> {
             s,
             normal,
             tangential,
+            across: Vec::new(),
         })
     }
 }

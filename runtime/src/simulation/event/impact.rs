@@ -4,7 +4,7 @@ use super::contact_problem::ContactProblem;
 use super::coulomb::TangentialLaw;
 use super::dop853::System;
 use super::dynamics::{Dynamics, dot, largest};
-use crate::model::contact_point;
+use crate::model::{contact_point, pair_size};
 
 /// Bounces lower than this share of the range of a gap are left out, and those lower than ten times a closed gap.
 const LOWEST_BOUNCE: f64 = 1e-11;
@@ -104,23 +104,25 @@ pub(super) fn strike(
         .zip(&returned)
         .map(|(velocity, returned)| velocity - returned)
         .collect();
-    let (laws, tangential): (Vec<TangentialLaw>, Vec<f64>) = closed
+    let (laws, sliding): (Vec<TangentialLaw>, Vec<(f64, f64)>) = closed
         .iter()
         .map(|&i| {
             if !dynamics.has_friction(i) {
-                return (TangentialLaw::None, 0.0);
+                return (TangentialLaw::None, (0.0, 0.0));
             }
-            let velocity = dynamics.sliding_velocity(i);
-            let slides = velocity.abs() > dynamics.zero_sliding_velocity(i);
-            let law = TangentialLaw::Coulomb(dynamics.laws.friction[i]);
-            (law, if slides { velocity } else { 0.0 })
+            let velocity = dynamics.sliding(i);
+            let slides = pair_size(velocity) > dynamics.zero_sliding_velocity(i);
+            let law = TangentialLaw::of_rest(dynamics.laws.friction[i], dynamics.laws.kinetic[i]);
+            (law, if slides { velocity } else { (0.0, 0.0) })
         })
         .unzip();
+    let (tangential, across): (Vec<f64>, Vec<f64>) = sliding.into_iter().unzip();
     let problem = ContactProblem {
         what: "impact",
         contacts: closed,
         normal: &normal,
         tangential: &tangential,
+        across: &across,
         laws: &laws,
     };
     let solution = problem.solve(dynamics).map_err(|message| Undetermined {

@@ -94,6 +94,7 @@ impl Blocks {
             s: vec![0.0; contacts],
             normal: vec![0.0; contacts],
             tangential: vec![0.0; contacts],
+            across: Vec::new(),
         };
         for block in &self.blocks {
             if let Some(first) = block.solutions.first() {
@@ -218,7 +219,15 @@ impl Lines {
         let m = problem.laws.len();
         let cones: Vec<Cone> = (0..m)
             .filter_map(|normal| match problem.laws[normal] {
-                TangentialLaw::Coulomb(friction) => Some(Cone { normal, friction }),
+                TangentialLaw::Coulomb(_) | TangentialLaw::Breaking { .. } => {
+                    let (friction, kinetic) = problem.laws[normal].coefficients();
+                    Some(Cone {
+                        normal,
+                        friction,
+                        kinetic,
+                        across: None,
+                    })
+                }
                 TangentialLaw::None | TangentialLaw::Sliding(..) => None,
             })
             .collect();
@@ -299,7 +308,7 @@ impl Lines {
             (State::Slip(sense), _) => ContactState::Slip(Direction::of(sense)),
             (_, TangentialLaw::None) => ContactState::Frictionless,
             (_, TangentialLaw::Sliding(_, direction)) => ContactState::Slip(direction),
-            (_, TangentialLaw::Coulomb(_)) => ContactState::Slip(Direction::of(tangential[i])),
+            (_, _) => ContactState::Slip(Direction::of(tangential[i])),
         };
         let states: Vec<ContactState> = (0..m).map(told).collect();
         let normal = (0..m).map(|i| match states[i] {
@@ -308,6 +317,7 @@ impl Lines {
         });
         CoulombSolution {
             normal: normal.collect(),
+            across: Vec::new(),
             states,
             p,
             s,

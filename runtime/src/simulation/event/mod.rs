@@ -29,6 +29,7 @@ mod resets;
 mod search;
 mod settings;
 mod small_system;
+mod space_problem;
 mod tableau;
 pub(in crate::simulation) mod velocity_jump;
 

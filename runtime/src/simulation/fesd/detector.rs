@@ -56,7 +56,8 @@ impl<'a> Detector<'a> {
             scratch: vec![0.0; stages],
             x: vec![0.0; declaration.inputs()],
             samples: [(); 2].map(|()| vec![0.0; declaration.inputs()]),
-            forces: vec![0.0; 2 * contacts],
+            // A normal force, and two of a contact in space that sticks.
+            forces: vec![0.0; 3 * contacts],
             normal_forces: vec![0.0; contacts * (samples + 1)],
             gaps: vec![0.0; contacts * (samples + 1)],
             open: Vec::with_capacity(contacts),

@@ -112,6 +112,11 @@ impl Simulator for Fesd {
                 formulation,
                 "use the active-set formulation",
             )?;
+            InitialValueProblem::check_friction(
+                model,
+                formulation,
+                "use the active-set formulation",
+            )?;
         }
         let mut watch = Watch::new(problem, observer);
         let mut result = match self.promise() {

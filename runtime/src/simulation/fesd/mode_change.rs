@@ -124,6 +124,7 @@ fn settle_after(
     }
     record_events(driver, (&impact.struck, &set), &previous, &v_before);
     driver.element.set_mode(&driver.now.active);
+    driver.element.set_frames(driver.now.contacts.frames());
     driver.evaluate_state()
 }
 

@@ -4,7 +4,7 @@ use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
 use crate::fesd::contact_size::ContactSize;
 use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::State;
-use crate::model::{ControlPiece, Model, Pieces};
+use crate::model::{ControlPiece, Model, Pieces, friction_share};
 use crate::simulation::{
     ContactMode, ControlSignal, Direction, InitialValueProblem, Residuals, Trajectory,
 };
@@ -106,6 +106,12 @@ impl<'a> Present<'a> {
         self.contacts.evaluate(&self.x, 0..self.gaps.len());
         self.contacts.remember_sizes(&self.x);
         self.contacts.remember_scales();
+        for k in 0..self.active.len() {
+            let held = self.active[k];
+            if held.tangential.sense() != 0.0 {
+                self.contacts.align(held.contact, None);
+            }
+        }
         self.contacts.check_bounds()?;
         self.forces.resize(force_count(&self.active), 0.0);
         self.contacts
@@ -192,7 +198,14 @@ impl<'a> Present<'a> {
             row.fill(0.0);
             let frictions = self.contacts.frictions(&self.active, forces);
             for (held, s) in self.active.iter().zip(frictions) {
-                row[held.contact] = self.contacts.force(held.contact, s);
+                // In space it has a size, and a direction that the velocities tell.
+                let s = if self.contacts.is_in_space(held.contact) {
+                    s.abs()
+                } else {
+                    s
+                };
+                row[held.contact] = self.contacts.force(held.contact, s)
+                    * friction_share(self.contacts.model(), held.contact, &self.x);
             }
             trajectory.friction_force.push(row);
         }

@@ -74,9 +74,15 @@ fn elements(
         contact,
         tangential,
     };
-    let resting = |i: usize| match friction[i] > 0.0 {
-        true => held(i, Tangential::Sticking),
-        false => held(i, Tangential::Idle),
+    let across = |i: usize| {
+        declaration.contacts[i]
+            .friction
+            .and_then(|known| known.across)
+    };
+    let resting = |i: usize| match (friction[i] > 0.0, across(i)) {
+        (true, Some(_)) => held(i, Tangential::StickingInSpace),
+        (true, None) => held(i, Tangential::Sticking),
+        (false, _) => held(i, Tangential::Idle),
     };
     let contacts = declaration.contacts.iter().enumerate();
     let mut modes = vec![("free flight".to_owned(), Vec::new())];
@@ -112,6 +118,7 @@ fn elements(
             .any(|held| held.tangential != Tangential::Idle)
         {
             prefixes.push("tangent_");
+            prefixes.push("across_");
         }
         let mut called = kernels(declaration, &prefixes, false);
         if active.is_empty() {

@@ -350,11 +350,17 @@ fn recover(
         let jammed = Stop::Mode(ModeError::Jammed);
         return Err(diagnosis::stopped(driver, step.number, &jammed));
     }
-    // The program knows no edges, no joints and no switches.
+    // The program knows no edges, no joints, no switches, and one coefficient of friction a contact.
     let mut declared = driver.setup.model.declaration().contacts.iter();
-    let switches = declared.any(|known| known.switch.is_some());
+    let beyond = declared.any(|known| {
+        let kinetic = known.friction.is_some_and(|friction| friction.kinetic);
+        let across = known
+            .friction
+            .is_some_and(|friction| friction.across.is_some());
+        known.switch.is_some() || kinetic || across || !known.loads.is_empty()
+    });
     let unknown =
-        switches || edge(driver.setup.model).is_some() || joint_rows(driver.setup.model) > 0;
+        beyond || edge(driver.setup.model).is_some() || joint_rows(driver.setup.model) > 0;
     if mode || not_finite || unknown {
         return Err(diagnosis::stopped(driver, step.number, &stop));
     }

@@ -64,6 +64,8 @@ impl Wanted {
         }
         let remedy = "take differences of two simulations, or write a smooth function in its place, as `tanh(c/width)`";
         InitialValueProblem::check_switches(model, "gradients", remedy)?;
+        let remedy = "take differences of two simulations, or give the contact one coefficient and a bound of positions";
+        InitialValueProblem::check_friction(model, "gradients", remedy)?;
         if by.is_empty() {
             return Err(InputError::new(
                 "a gradient by nothing is asked for; name parameters, coordinates for their start, or `all` parameters",

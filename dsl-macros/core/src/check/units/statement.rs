@@ -10,6 +10,7 @@ use crate::check::measured::contains_misfit;
 use crate::check::values::is_bare;
 use crate::diagnostics::{Checked, Reported};
 use crate::dimension::Dimension;
+use crate::words;
 
 pub(super) fn declare(walk: &mut Walk<'_>, scene: &Scene) {
     for statement in &scene.statements {
@@ -378,24 +379,55 @@ fn of_target(walk: &mut Walk<'_>, target: &Name, velocity: bool) -> (Dimension, 
 }
 
 fn impact_law(walk: &mut Walk<'_>, surfaces: &[Name], law: &Law) -> Checked<()> {
+    let speed = law
+        .sliding
+        .as_ref()
+        .and_then(|expr| velocities(expr).first());
+    let speed = speed.and_then(|expr| walk.units(expr).ok()?.components().first().cloned());
+    let speed = speed.unwrap_or_else(|| {
+        let of_surface = |walk: &Walk<'_>| {
+            let known = walk.gaps.iter().find(|(name, _)| surfaces[0].text == *name);
+            known.map(|(_, gap)| gap.over(&Dimension::second()))
+        };
+        of_surface(walk).unwrap_or_else(|| walk.unifier.unknown(words::SPEED))
+    });
     for (coefficient, of) in [
         (&law.restitution, "restitution"),
         (&law.friction, "friction"),
+        (&law.at_rest, "friction"),
     ] {
         let Some(expr) = coefficient else { continue };
-        let Ok(own) = walk.scalar(expr) else { continue };
+        let Ok(own) = with_speed(walk, &speed, expr) else {
+            continue;
+        };
         let reason = format!("a coefficient of {of} is a ratio");
         let _: Checked<()> = walk.expect(expr, &own, &Dimension::one(), &reason);
     }
     for expr in law.sliding.as_ref().map_or(&[][..], velocities) {
-        if let Ok(own) = walk.scalar(expr) {
-            walk.sliding.push((surfaces.to_vec(), expr.clone(), own));
+        let Ok(own) = walk.units(expr) else { continue };
+        for own in own.components() {
+            let own = (surfaces.to_vec(), expr.clone(), own.clone());
+            walk.sliding.push(own);
         }
     }
     match &law.along {
         Some(direction) => impulse_direction(walk, direction),
         None => Ok(()),
     }
+}
+
+/// The unit of what may contain the speed of sliding, by the word for it unless a declaration has taken that.
+fn with_speed(walk: &mut Walk<'_>, speed: &Dimension, expr: &Expr) -> Checked<Dimension> {
+    let taken = walk.values.contains_key(words::SPEED);
+    if !taken {
+        let speed = Units::Scalar(speed.clone());
+        walk.values.insert(words::SPEED.to_owned(), speed);
+    }
+    let own = walk.scalar(expr);
+    if !taken {
+        walk.values.remove(words::SPEED);
+    }
+    own
 }
 
 /// A force does work along the way on which it brakes.
@@ -409,8 +441,8 @@ fn dry_friction(walk: &mut Walk<'_>, statement: &Statement) -> Checked<()> {
     else {
         return Ok(());
     };
-    let (own, velocity) = (walk.scalar(bound), walk.scalar(sliding));
-    let (own, velocity) = (own?, velocity?);
+    let velocity = walk.scalar(sliding)?;
+    let own = with_speed(walk, &velocity, bound)?;
     let way = velocity.times(&Dimension::second());
     let wanted = walk.energy.over(&way);
     walk.gaps.push((name.text.clone(), way));

@@ -5,27 +5,34 @@
 //! derivative of the state and the projection.
 
 mod laws;
+mod memory;
 pub(in crate::simulation) mod motion;
-mod rows;
+pub(in crate::simulation) mod rows;
 mod scales;
 mod switch;
 pub(in crate::simulation) mod switching;
 
 pub(in crate::simulation) use laws::Laws;
+use memory::{Equations, Evaluated, Stuck};
+pub(in crate::simulation) use memory::{Mode, SwitchingFunctions};
 pub(in crate::simulation) use switch::Switch;
 
 use super::contact_state::{ContactState, Direction};
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, Pieces, Switching, contact_point, contains_ground, surfaces,
-    switching_terms, tangent_point,
+    ControlPiece, Model, Pieces, Space, Switching, contact_point, contains_ground, friction_share,
+    pair_size, surfaces, switching_terms, tangent_point,
 };
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
 };
 use scales::{ContactScale, Instant};
+
+/// Speed below which an explicit method does not follow the direction of a slide, as a multiple of that for finite elements: the slower
+/// a slide, the stiffer.
+const EXPLICIT: f64 = 10.0;
 
 /// Dynamics of a model with a set of active contacts `I`, of which `J` stick:
 ///
@@ -70,76 +77,6 @@ pub(in crate::simulation) struct Dynamics<'a> {
     joints: Option<Joints<'a>>,
 }
 
-/// The contact mode.
-pub(in crate::simulation) struct Mode {
-    /// State of each contact.
-    states: Vec<ContactState>,
-    /// Active contacts, increasing: those that are not open.
-    pub(in crate::simulation) active: Vec<usize>,
-    /// Contacts that stick, increasing.
-    sticking: Vec<usize>,
-}
-
-/// The switching functions: one for each contact, then two for each contact with friction.
-pub(in crate::simulation) struct SwitchingFunctions {
-    /// Their values at the last evaluation.
-    pub(in crate::simulation) values: Vec<f64>,
-    /// Smallest of `values` since [`sample_from`](Dynamics::sample_from).
-    pub(in crate::simulation) lowest: Vec<f64>,
-    /// Largest of `values` since [`sample_from`](Dynamics::sample_from).
-    pub(in crate::simulation) highest: Vec<f64>,
-    /// A contact one of whose functions could not be evaluated since [`sample_from`](Dynamics::sample_from).
-    pub(in crate::simulation) undefined: Option<usize>,
-    /// Sizes of the terms that a switching function balances if it is a force,
-    /// `|curvature| + sum_k |n_k a_k| + sum_j |D_ij r_j|` for a normal one: rounding error is a share of it.
-    force_scale: Vec<f64>,
-    /// Accelerations that are nothing to a contact: `sqrt(D_i a'M a)`, the largest normal acceleration that
-    /// forces of the size of those present could give, at the last change of the mode.
-    force_floor: Vec<f64>,
-    /// Forces that pull no more than this are zero: so much was accepted with the mode.
-    accepted_pull: Vec<f64>,
-}
-
-impl SwitchingFunctions {
-    fn new(count: usize) -> Self {
-        let zeros = || vec![0.0; count];
-        Self {
-            values: zeros(),
-            lowest: zeros(),
-            highest: zeros(),
-            undefined: None,
-            force_scale: zeros(),
-            force_floor: zeros(),
-            accepted_pull: zeros(),
-        }
-    }
-}
-
-/// What the model has given at the state loaded.
-struct Evaluated {
-    /// Input vector of the model, `(q, v, u[, t])`.
-    x: Vec<f64>,
-    /// Acceleration without contact.
-    acceleration: Vec<f64>,
-    /// The contacts, each laid out as in [`contact_point`].
-    points: Vec<f64>,
-    /// Their tangential sides, each laid out as in [`tangent_point`].
-    tangents: Vec<f64>,
-    /// Mass matrix, row-major.
-    mass: Vec<f64>,
-}
-
-/// The equations for the contact accelerations of a mode.
-struct Equations {
-    /// `d_i`, or `d_i - mu e_i` and `d_i + mu e_i` for a contact that slips.
-    columns: Vec<f64>,
-    matrix: Vec<f64>,
-    right: Vec<f64>,
-    /// Normal and tangential contact accelerations at the last evaluation.
-    r: Vec<f64>,
-    s: Vec<f64>,
-}
-
 impl<'a> Dynamics<'a> {
     pub(in crate::simulation) fn new(model: &'a dyn Model, auxiliary_acceleration: f64) -> Self {
         let declaration = model.declaration();
@@ -147,7 +84,7 @@ impl<'a> Dynamics<'a> {
         let contacts = declaration.contacts.len();
         let laws = Laws::of(model);
         let functions = contacts + 2 * laws.frictional.len();
-        let rows = contacts + laws.frictional.len();
+        let rows = contacts + 2 * laws.frictional.len();
         Self {
             model,
             n,
@@ -165,20 +102,8 @@ impl<'a> Dynamics<'a> {
             pieces: Pieces::default(),
             evaluations: 0,
             orientation: 1.0,
-            evaluated: Evaluated {
-                x: vec![0.0; declaration.inputs()],
-                acceleration: vec![0.0; n],
-                points: vec![0.0; contacts * contact_point::length(n)],
-                tangents: vec![0.0; contacts * tangent_point::length(n)],
-                mass: vec![0.0; n * n],
-            },
-            equations: Equations {
-                columns: vec![0.0; contacts * n],
-                matrix: vec![0.0; rows * rows],
-                right: vec![0.0; rows],
-                r: vec![0.0; contacts],
-                s: vec![0.0; contacts],
-            },
+            evaluated: Evaluated::new(model),
+            equations: Equations::new((n, contacts), rows),
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
@@ -274,6 +199,66 @@ impl<'a> Dynamics<'a> {
         let length = tangent_point::length(self.n);
         let point = &mut self.evaluated.tangents[contact * length..(contact + 1) * length];
         self.model.tangent(contact, &self.evaluated.x, point);
+        if let Some(space) = self
+            .evaluated
+            .space
+            .as_mut()
+            .filter(|space| space.contains(contact))
+        {
+            space.evaluate(self.model, contact, &self.evaluated.x, point);
+        }
+    }
+
+    /// Contacts in space, if this is one.
+    pub(in crate::simulation) fn space(&self, contact: usize) -> Option<&Space> {
+        self.evaluated.space(contact)
+    }
+
+    /// Whether a contact slides along two directions.
+    pub(in crate::simulation) fn is_in_space(&self, contact: usize) -> bool {
+        self.space(contact).is_some()
+    }
+
+    /// Turns the frame of a contact in space so that it points along what is `to` in it, or along its sliding velocity where that
+    /// has a direction.
+    pub(in crate::simulation) fn align(&mut self, contact: usize, to: Option<(f64, f64)>) {
+        self.evaluated.align(contact, to);
+    }
+
+    /// Both sliding velocities as last evaluated; the second is 0 in the plane.
+    pub(in crate::simulation) fn sliding(&self, contact: usize) -> (f64, f64) {
+        let across = self.space(contact).map(|space| space.across(contact));
+        let across = across.map_or(0.0, |across| across[tangent_point::SLIDING_VELOCITY]);
+        (self.sliding_velocity(contact), across)
+    }
+
+    /// The second tangent of a contact in space, and the direction of its force, as last evaluated; none in the plane.
+    pub(in crate::simulation) fn across(&self, contact: usize) -> (&[f64], &[f64]) {
+        let across = self.space(contact).map(|space| space.across(contact));
+        across.map_or((&[], &[]), |across| {
+            let (tangent, direction) = across[tangent_point::TANGENT..].split_at(self.n);
+            (tangent, &direction[..self.n])
+        })
+    }
+
+    /// The direction in which friction of a contact acts that slips.
+    pub(in crate::simulation) fn slip_direction(&self, contact: usize) -> &[f64] {
+        match self.space(contact) {
+            Some(space) => space.slipping(contact),
+            None => self.friction_direction(contact),
+        }
+    }
+
+    /// Below this speed a contact does not slide.
+    pub(in crate::simulation) fn zero_speed(&self, contact: usize) -> f64 {
+        let zero = self.zero_sliding_velocity(contact);
+        let space = self.space(contact);
+        space.map_or(zero, |space| zero.max(space.frames()[contact].soft))
+    }
+
+    /// Size of the tangential acceleration that a contact provides at the last evaluation.
+    pub(in crate::simulation) fn friction_size(&self, contact: usize) -> f64 {
+        pair_size((self.equations.s[contact], self.equations.across[contact]))
     }
 
     /// Evaluates one contact, and its tangential side if it has friction, at the state loaded.
@@ -282,6 +267,9 @@ impl<'a> Dynamics<'a> {
         if self.has_friction(contact) {
             self.evaluate_tangent(contact);
         }
+        self.evaluated
+            .loads
+            .evaluate(self.model, contact, &self.evaluated.x);
     }
 
     /// The tangential side as last evaluated, laid out as in [`tangent_point`].
@@ -323,14 +311,14 @@ impl<'a> Dynamics<'a> {
     /// tangential force is `ratio` times as large. Not above zero, friction jams the contact.
     pub(in crate::simulation) fn gain(&self, contact: usize, ratio: f64) -> f64 {
         let normal = self.normal(contact);
-        self.coupling(contact, contact) + ratio * dot(normal, self.friction_direction(contact))
+        self.coupling(contact, contact) + ratio * dot(normal, self.slip_direction(contact))
     }
 
     /// Normal acceleration of a contact for one unit of the force along the direction of another, as last evaluated. That
-    /// of dry friction is its force less the given one.
+    /// of dry friction is its force less the given one, and less what it follows of others.
     pub(in crate::simulation) fn coupling(&self, contact: usize, other: usize) -> f64 {
-        if contact == other && self.is_dry(contact) {
-            1.0
+        if self.is_dry(contact) {
+            self.evaluated.loads.coupling(contact, other)
         } else {
             dot(self.normal(contact), self.direction(other))
         }
@@ -356,7 +344,7 @@ impl<'a> Dynamics<'a> {
             .map(|&i| {
                 (
                     i,
-                    self.gain(i, self.mode.states[i].force_ratio(self.laws.friction[i])),
+                    self.gain(i, self.mode.states[i].force_ratio(self.laws.frictions(i))),
                 )
             })
             .min_by(|(_, a), (_, b)| a.total_cmp(b))
@@ -387,7 +375,11 @@ impl<'a> Dynamics<'a> {
                 self.mode.active.push(i);
             }
             if *state == ContactState::Stick {
-                self.mode.sticking.push(i);
+                let stuck = |across| Stuck { contact: i, across };
+                self.mode.sticking.push(stuck(false));
+                if self.is_in_space(i) {
+                    self.mode.sticking.push(stuck(true));
+                }
             }
         }
     }
@@ -509,6 +501,18 @@ impl<'a> Dynamics<'a> {
             self.scales[i].observe(point, friction, instant.at(time));
             let terms = switching_terms(self.model, i, &self.evaluated.x);
             self.scales[i].observe_switch(terms);
+            if self.is_in_space(i) {
+                let speed = pair_size(self.sliding(i));
+                let scale = &mut self.scales[i];
+                scale.observe_switch(speed);
+                let zero = scale.zero_sliding_velocity();
+                if let Some(space) = &mut self.evaluated.space {
+                    space.measure(i, EXPLICIT * scale.sliding_velocity(), zero);
+                }
+                if matches!(self.mode.states[i], ContactState::Slip(_)) {
+                    self.align(i, None);
+                }
+            }
         }
     }
 
@@ -584,6 +588,13 @@ impl<'a> Dynamics<'a> {
     /// Tangential contact forces at the last evaluation, `s_i / D_i`, 0 for open contacts.
     pub(in crate::simulation) fn friction_forces(&self, out: &mut [f64]) {
         self.divide_by_inertia(&self.equations.s, out);
+        for &i in self.mode.active.iter().filter(|&&i| self.is_in_space(i)) {
+            // In space it has a size, and a direction that the velocities tell.
+            out[i] = self.friction_size(i) / self.point(i)[contact_point::INVERSE_INERTIA];
+        }
+        for (i, force) in out.iter_mut().enumerate() {
+            *force *= friction_share(self.model, i, &self.evaluated.x);
+        }
     }
 
     fn divide_by_inertia(&self, accelerations: &[f64], out: &mut [f64]) {
@@ -600,7 +611,7 @@ impl<'a> Dynamics<'a> {
 
     /// What a contact that sticks at the last evaluation has left before it slips, `mu r - |s|`.
     pub(in crate::simulation) fn friction_reserve(&self, contact: usize) -> f64 {
-        self.laws.friction[contact] * self.equations.r[contact] - self.equations.s[contact].abs()
+        self.laws.friction[contact] * self.equations.r[contact] - self.friction_size(contact)
     }
 
     /// What a switching function is in the present mode.
@@ -615,6 +626,7 @@ impl<'a> Dynamics<'a> {
         let index = function - self.contacts;
         let contact = self.laws.frictional[index / 2];
         match (self.mode.states[contact], index % 2) {
+            (ContactState::Stick, 1) if self.is_in_space(contact) => Switch::Constant(contact),
             (ContactState::Stick, 0) => Switch::FrictionLimit(contact, Direction::Forward),
             (ContactState::Stick, _) => Switch::FrictionLimit(contact, Direction::Backward),
             (ContactState::Slip(direction), 0) => Switch::SlidingVelocity(contact, direction),
@@ -635,9 +647,7 @@ impl<'a> Dynamics<'a> {
 
     /// Makes `values` the first sample of a step.
     pub(in crate::simulation) fn sample_from(&mut self, values: &[f64]) {
-        self.switching.lowest.copy_from_slice(values);
-        self.switching.highest.copy_from_slice(values);
-        self.switching.undefined = None;
+        self.switching.sample_from(values);
     }
 
     /// Below this gap a contact is closed.

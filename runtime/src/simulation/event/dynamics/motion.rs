@@ -12,6 +12,9 @@ const PROJECTIONS: usize = 6;
 /// Whether the sliding velocity of a closed contact vanishes with those that the mode keeps zero, at the
 /// points last evaluated.
 pub(in crate::simulation) fn holds(dynamics: &Dynamics<'_>, contact: usize) -> bool {
+    if dynamics.is_in_space(contact) && !depends(dynamics, dynamics.across(contact)) {
+        return false;
+    }
     depends(
         dynamics,
         (
@@ -101,9 +104,10 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
         dynamics.load(t, y);
     }
     for slot in 0..dynamics.mode.sticking.len() {
-        let i = dynamics.mode.sticking[slot];
-        dynamics.evaluate_tangent(i);
-        dynamics.equations.right[normals + slot] = -dynamics.sliding_velocity(i);
+        let held = dynamics.mode.sticking[slot];
+        dynamics.evaluate_tangent(held.contact);
+        let (along, across) = dynamics.sliding(held.contact);
+        dynamics.equations.right[normals + slot] = if held.across { -across } else { -along };
     }
     let rows = normals + dynamics.mode.sticking.len();
     if rows::solve_rows(dynamics, rows, false).is_none() {

@@ -1,6 +1,6 @@
 //! The linear system of a contact mode for the contact accelerations.
 
-use super::{Dynamics, dot};
+use super::{Dynamics, Stuck, dot};
 use crate::model::{contact_point, tangent_point};
 use crate::simulation::event::small_system;
 
@@ -9,8 +9,37 @@ use crate::simulation::event::small_system;
 pub(super) fn constraint<'a>(dynamics: &'a Dynamics<'_>, row: usize) -> &'a [f64] {
     match dynamics.mode.active.get(row) {
         Some(&i) => dynamics.normal(i),
-        None => dynamics.tangent(dynamics.mode.sticking[row - dynamics.mode.active.len()]),
+        None => {
+            stuck(
+                dynamics,
+                dynamics.mode.sticking[row - dynamics.mode.active.len()],
+            )
+            .0
+        }
     }
+}
+
+/// Tangent and direction of the force of a sliding velocity that is held.
+fn stuck<'a>(dynamics: &'a Dynamics<'_>, held: Stuck) -> (&'a [f64], &'a [f64]) {
+    match held.across {
+        true => dynamics.across(held.contact),
+        false => (
+            dynamics.tangent(held.contact),
+            dynamics.friction_direction(held.contact),
+        ),
+    }
+}
+
+/// Rate of the second sliding velocity of a contact in space under the acceleration `a`; 0 in the plane.
+pub(in crate::simulation) fn across_acceleration(
+    dynamics: &Dynamics<'_>,
+    contact: usize,
+    a: &[f64],
+) -> f64 {
+    dynamics.space(contact).map_or(0.0, |space| {
+        let curvature = space.across(contact)[tangent_point::CURVATURE];
+        curvature + dot(dynamics.across(contact).0, a)
+    })
 }
 
 /// Whether the unknown of a row is the given normal force of dry friction.
@@ -30,9 +59,26 @@ pub(super) fn force_direction<'a>(
         Some(&i) if slipping => &dynamics.equations.columns[i * dynamics.n..(i + 1) * dynamics.n],
         Some(&i) => dynamics.direction(i),
         None => {
-            dynamics.friction_direction(dynamics.mode.sticking[row - dynamics.mode.active.len()])
+            stuck(
+                dynamics,
+                dynamics.mode.sticking[row - dynamics.mode.active.len()],
+            )
+            .1
         }
     }
+}
+
+/// What the unknown of a column adds to a row.
+fn entry(dynamics: &Dynamics<'_>, (row, column): (usize, usize), slipping: bool) -> f64 {
+    let active = &dynamics.mode.active;
+    if is_given(dynamics, row) {
+        let other = active.get(column);
+        return other.map_or(0.0, |&other| dynamics.coupling(active[row], other));
+    }
+    dot(
+        constraint(dynamics, row),
+        force_direction(dynamics, column, slipping),
+    )
 }
 
 /// Solves for the unknowns of the first `rows` rows. Returns the sign of the determinant, `None` if they are
@@ -41,14 +87,7 @@ pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: boo
     for row in 0..rows {
         for column in 0..rows {
             dynamics.equations.matrix[row * rows + column] =
-                if row == column && is_given(dynamics, row) {
-                    1.0
-                } else {
-                    dot(
-                        constraint(dynamics, row),
-                        force_direction(dynamics, column, slipping),
-                    )
-                };
+                entry(dynamics, (row, column), slipping);
         }
     }
     small_system::solve(
@@ -80,19 +119,26 @@ pub(super) fn evaluate_rows(dynamics: &mut Dynamics<'_>) -> usize {
             &dynamics.evaluated.points[i * contact_point::length(n)..]
                 [contact_point::direction(n)..][..n],
         );
-        let ratio = dynamics.mode.states[i].force_ratio(dynamics.laws.friction[i]);
+        let ratio = dynamics.mode.states[i].force_ratio(dynamics.laws.frictions(i));
         if ratio != 0.0 {
-            let e = &dynamics.evaluated.tangents[i * tangent_point::length(n)..]
-                [tangent_point::direction(n)..][..n];
+            let e = match dynamics.evaluated.space.as_ref() {
+                Some(space) if space.contains(i) => space.slipping(i),
+                _ => {
+                    &dynamics.evaluated.tangents[i * tangent_point::length(n)..]
+                        [tangent_point::direction(n)..][..n]
+                }
+            };
             for (d, e) in dynamics.equations.columns[column].iter_mut().zip(e) {
                 *d += ratio * e;
             }
         }
     }
     for slot in 0..dynamics.mode.sticking.len() {
-        dynamics.equations.right[normals + slot] = -dynamics
-            .free_sliding_acceleration(dynamics.mode.sticking[slot])
-            .0;
+        let held = dynamics.mode.sticking[slot];
+        dynamics.equations.right[normals + slot] = match held.across {
+            true => -across_acceleration(dynamics, held.contact, dynamics.free_acceleration()),
+            false => -dynamics.free_sliding_acceleration(held.contact).0,
+        };
     }
     normals + dynamics.mode.sticking.len()
 }
@@ -103,12 +149,17 @@ pub(super) fn store_forces(dynamics: &mut Dynamics<'_>, rows: usize) {
     for slot in 0..normals {
         let i = dynamics.mode.active[slot];
         dynamics.equations.r[i] = dynamics.equations.right[slot];
-        dynamics.equations.s[i] = dynamics.mode.states[i].force_ratio(dynamics.laws.friction[i])
+        dynamics.equations.s[i] = dynamics.mode.states[i].force_ratio(dynamics.laws.frictions(i))
             * dynamics.equations.right[slot];
+        dynamics.equations.across[i] = 0.0;
     }
     for slot in normals..rows {
-        dynamics.equations.s[dynamics.mode.sticking[slot - normals]] =
-            dynamics.equations.right[slot];
+        let held = dynamics.mode.sticking[slot - normals];
+        let force = dynamics.equations.right[slot];
+        match held.across {
+            true => dynamics.equations.across[held.contact] = force,
+            false => dynamics.equations.s[held.contact] = force,
+        }
     }
 }
 
@@ -126,8 +177,11 @@ pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
         };
     }
     for slot in normals..rows {
-        let contact = dynamics.mode.sticking[slot - normals];
-        dynamics.equations.right[slot] = -dynamics.contact_accelerations(contact, a).1;
+        let held = dynamics.mode.sticking[slot - normals];
+        dynamics.equations.right[slot] = -match held.across {
+            true => across_acceleration(dynamics, held.contact, a),
+            false => dynamics.contact_accelerations(held.contact, a).1,
+        };
     }
     if solve_rows(dynamics, rows, true).is_some() {
         add_columns(dynamics, rows, true, a);
@@ -138,16 +192,15 @@ pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
 pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64 {
     let (_, free) = match dynamics.mode.active.get(row) {
         Some(&i) => dynamics.free_normal_acceleration(i),
-        None => dynamics
-            .free_sliding_acceleration(dynamics.mode.sticking[row - dynamics.mode.active.len()]),
+        None => {
+            let held = dynamics.mode.sticking[row - dynamics.mode.active.len()];
+            dynamics.free_sliding_acceleration(held.contact)
+        }
     };
     (0..rows)
         .filter(|&other| other != row)
         .fold(free, |sum, other| {
-            let coupling = dot(
-                constraint(dynamics, row),
-                force_direction(dynamics, other, true),
-            );
+            let coupling = entry(dynamics, (row, other), true);
             sum + (coupling * dynamics.equations.right[other]).abs()
         })
 }

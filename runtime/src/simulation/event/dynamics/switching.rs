@@ -138,6 +138,7 @@ pub(super) fn evaluate_switches(dynamics: &mut Dynamics<'_>, rows: usize) {
     }
     for function in dynamics.contacts..dynamics.functions() {
         dynamics.switching.values[function] = match dynamics.switch(function) {
+            Switch::FrictionLimit(i, _) if dynamics.is_in_space(i) => dynamics.friction_reserve(i),
             Switch::FrictionLimit(i, direction) => {
                 dynamics.laws.friction[i] * dynamics.equations.r[i]
                     + direction.sign() * dynamics.equations.s[i]
@@ -152,7 +153,7 @@ pub(super) fn evaluate_switches(dynamics: &mut Dynamics<'_>, rows: usize) {
         };
     }
     for slot in 0..dynamics.mode.sticking.len() {
-        let i = dynamics.mode.sticking[slot];
+        let i = dynamics.mode.sticking[slot].contact;
         let scale = dynamics.laws.friction[i] * dynamics.switching.force_scale[i]
             + rows::row_scale(dynamics, dynamics.mode.active.len() + slot, rows);
         let first = dynamics

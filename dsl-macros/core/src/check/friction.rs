@@ -1,0 +1,186 @@
+//! Coefficients of friction: numbers, functions of the speed of sliding and of the place, and two of them for rest and sliding.
+//!
+//! A coefficient that changes, `mu(|v_t|, q, t)`, is a factor of the direction in which friction acts, `e = mu M^-1 b / D`, so that
+//! the law itself keeps a coefficient that is a number: 1, or the ratio of that at rest to that of sliding.
+
+use super::checker::{CheckedFriction, Checker, Surface};
+use crate::ast::Expr;
+use crate::derive::simplify;
+use crate::diagnostics::Checked;
+use crate::evaluate::{Meaning, Value, expression};
+use crate::graph::{self, Compose, Function, Sym, Variable};
+use crate::scene::Friction;
+use crate::words;
+
+/// What stands for the size of the sliding velocity until that is known.
+const SPEED: Variable = Variable::Argument(12_000);
+
+/// Evaluates what may contain the speed of sliding, by the word for it unless a declaration has taken that.
+pub(super) fn with_speed<T>(
+    checker: &mut Checker<'_>,
+    evaluate: impl FnOnce(&mut Checker<'_>) -> T,
+) -> T {
+    let taken = checker.scope.names.contains_key(words::SPEED);
+    if !taken {
+        let speed = Meaning::Value(Value::Scalar(Sym::variable(SPEED)));
+        checker.scope.names.insert(words::SPEED.to_owned(), speed);
+    }
+    let value = evaluate(checker);
+    if !taken {
+        checker.scope.names.remove(words::SPEED);
+    }
+    value
+}
+
+/// Puts the size of the sliding velocity where the speed is meant.
+pub(super) fn at_speed(value: Sym, sliding: Sym) -> Sym {
+    let speed = sliding.call(Function::Abs);
+    graph::substitute(&[value], |variable| (variable == SPEED).then_some(speed))[0]
+}
+
+/// The value at rest.
+fn still(value: Sym) -> Sym {
+    let still = |variable| (variable == SPEED).then_some(Sym::ZERO);
+    simplify(graph::substitute(&[value], still)[0])
+}
+
+/// The coefficient of sliding, and that at rest if it is another one.
+pub(super) fn coefficients(
+    checker: &mut Checker<'_>,
+    sliding: &Expr,
+    at_rest: Option<&Expr>,
+) -> Checked<(Sym, Option<Sym>)> {
+    let value = with_speed(checker, |checker| {
+        expression::scalar(&mut checker.scope, sliding, checker.diagnostics)
+    })?;
+    let wrong = |variable: &Variable| match variable {
+        Variable::Parameter(_) | Variable::Coordinate(_) | Variable::Time => false,
+        other => *other != SPEED,
+    };
+    if let Some(variable) = graph::variables(&[value]).into_iter().find(wrong) {
+        let message = format!(
+            "the coefficient of friction depends on {}; it may depend on positions, the time and `speed`, the size of the \
+             sliding velocity",
+            checker.in_words(variable)
+        );
+        return Err(checker.diagnostics.report("E07", sliding.place, message));
+    }
+    checker.coefficient(still(value), sliding, "friction", f64::INFINITY)?;
+    let Some(expr) = at_rest else {
+        return Ok((value, None));
+    };
+    let rest = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let rest = checker.constant(rest, expr, "the coefficient of friction at rest")?;
+    checker.coefficient(rest, expr, "friction", f64::INFINITY)?;
+    let values = (checker.at_default(rest), checker.at_default(still(value)));
+    if let (Some(rest), Some(slides)) = values
+        && rest < slides
+    {
+        let message = format!(
+            "the coefficient of friction at rest is {rest}, below {slides} of sliding: a body would hold on less than it is braked, \
+             and could neither rest nor slide; exchange them"
+        );
+        return Err(checker.diagnostics.report("E10", expr.place, message));
+    }
+    Ok((value, Some(rest)))
+}
+
+/// The law of friction with its sliding velocity.
+pub(super) fn completed(
+    friction: &CheckedFriction,
+    sliding: Sym,
+    checker: &mut Checker<'_>,
+) -> Checked<Friction> {
+    let is_number = |value| graph::variables(&[value]).iter().all(is_parameter);
+    if is_number(friction.coefficient) {
+        return Ok(match friction.at_rest {
+            None => Friction {
+                coefficient: friction.coefficient,
+                kinetic: None,
+                share: None,
+                sliding,
+                across: None,
+            },
+            Some(at_rest) => Friction {
+                coefficient: at_rest,
+                kinetic: Some(friction.coefficient),
+                share: None,
+                sliding,
+                across: None,
+            },
+        });
+    }
+    let slowly = still(friction.coefficient);
+    if slowly.is_structural_zero() || checker.at_default(slowly) == Some(0.0) {
+        let message = "the coefficient of friction vanishes at rest, so that nothing holds the contact there and its force is \
+                       smooth; write one that is above 0 at rest";
+        return Err(checker.diagnostics.report("E10", friction.place, message));
+    }
+    let share = Some(at_speed(friction.coefficient, sliding));
+    let Some(at_rest) = friction.at_rest else {
+        return Ok(Friction {
+            coefficient: Sym::ONE,
+            kinetic: None,
+            share,
+            sliding,
+            across: None,
+        });
+    };
+    let ratio = simplify(at_rest * slowly.power(-2));
+    if !is_number(ratio) {
+        let message = "beside `static` the coefficient of sliding may change with `speed` alone; leave `static` out, or write a \
+                       coefficient of sliding that is the same at all places and times";
+        return Err(checker.diagnostics.report("E07", friction.place, message));
+    }
+    Ok(Friction {
+        coefficient: ratio,
+        kinetic: Some(Sym::ONE),
+        share,
+        sliding,
+        across: None,
+    })
+}
+
+/// The law of friction in space, with two sliding velocities.
+pub(super) fn in_space(
+    friction: &CheckedFriction,
+    (sliding, across): (Sym, Sym),
+    surface: &Surface,
+    checker: &mut Checker<'_>,
+) -> Checked<Friction> {
+    let name = &surface.name.text;
+    let two = friction.at_rest.is_some();
+    if two || graph::depends_on(friction.coefficient, |variable| variable == SPEED) {
+        let what = if two {
+            "`static` and `kinetic`"
+        } else {
+            "`speed`"
+        };
+        let message = format!(
+            "friction of `{name}` has two sliding velocities, and its coefficient {what}; in space it is the same at rest and at every \
+             speed, as in `friction 0.3`"
+        );
+        return Err(checker.diagnostics.report("E07", friction.place, message));
+    }
+    let n = checker.coordinates.len();
+    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let [first, second] = [sliding, across].map(|one| graph::gradient(one, &velocities));
+    let apart = |i: usize, j: usize| simplify(first[i] * second[j] - first[j] * second[i]);
+    let mut pairs = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
+    if pairs.all(|(i, j)| apart(i, j).is_structural_zero()) {
+        let message = format!(
+            "the two sliding velocities of `{name}` are along one direction; give those of the touching point along two directions of \
+             the surface that are perpendicular to each other, as in `sliding (dot(x), dot(y))`"
+        );
+        return Err(checker.diagnostics.report("E20", friction.place, message));
+    }
+    let completed = completed(friction, sliding, checker)?;
+    Ok(Friction {
+        across: Some(across),
+        ..completed
+    })
+}
+
+fn is_parameter(variable: &Variable) -> bool {
+    matches!(variable, Variable::Parameter(_))
+}

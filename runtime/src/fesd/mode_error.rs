@@ -1,0 +1,27 @@
+//! Why a contact mode could not be determined.
+
+use crate::linalg::lcp;
+
+/// Why a contact mode could not be determined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum ModeError {
+    /// The complementarity problem of impulses or accelerations has no solution: jamming.
+    Jammed,
+    /// The normals of the active contacts are dependent.
+    Dependent,
+    /// A model value is infinite or not a number.
+    NotFinite,
+    /// The bound of this dry friction is negative.
+    NegativeBound(usize),
+    /// Both sides of this switch push away from the zero of its function, on which the motion is.
+    NotUnique(usize),
+}
+
+impl From<lcp::LcpError> for ModeError {
+    fn from(error: lcp::LcpError) -> Self {
+        match error {
+            lcp::LcpError::Ray => Self::Jammed,
+            lcp::LcpError::NotFinite => Self::NotFinite,
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! Friction in space: slides along two directions, their ends, and impacts.
+
+use super::{ends, events, motions, refusal, scene};
+use hangtime::prelude::*;
+use hangtime::simulation::StepFormulation;
+
+/// A body without rotation above a floor, with sliding velocities of its choice.
+fn stone(sliding: &str, law: &str, start: &str) -> String {
+    format!(
+        "parameters {{ m: kg = 0.7, g: m/s^2 = 9.81, mu = 0.35, tilt = 0, c = 0.8, s = 0.6 }}
+        coordinates {{ x: m, y: m, z: m }}
+        lagrangian m/2*(dot(x)^2 + dot(y)^2 + dot(z)^2) - m*g*(z + tilt*x)
+        surface ground: z >= 0
+        impact ground: {law}, friction mu, sliding {sliding}
+        start {{ {start} }} horizon 3 [s]"
+    )
+}
+
+#[test]
+fn stone_thrown_obliquely_slides_straight_on_and_stops() {
+    let text = stone(
+        "(dot(x), dot(y))",
+        "inelastic",
+        "z: 1.3, dot(x): 3, dot(y): 4, dot(z): 1",
+    );
+    // It lands at t_1 with v_z, which takes mu v_z of the speed 5; mu g brakes the rest.
+    let fall = (1.0_f64 + 2.0 * 9.81 * 1.3).sqrt();
+    let lands = (1.0 + fall) / 9.81;
+    let speed = 5.0 - 0.35 * fall;
+    let braking = 0.35 * 9.81;
+    let stops = lands + speed / braking;
+    let way = 5.0 * lands + speed * speed / (2.0 * braking);
+    let wanted = [(EventKind::Impact, lands), (EventKind::Stick, stops)];
+    for motion in motions(&text, None, &ControlSignal::Zero) {
+        events(&motion, &wanted, 1e-9);
+        let end = [
+            ("x", 0.6 * way),
+            ("y", 0.8 * way),
+            ("z", 0.0),
+            ("dot(x)", 0.0),
+            ("dot(y)", 0.0),
+        ];
+        ends(&motion, &end, 1e-9);
+        let impulse = motion.events[0].friction_impulse[0];
+        assert!((impulse - 0.7 * 0.35 * fall).abs() < 1e-9, "{impulse}");
+    }
+    let moreau = Moreau {
+        steps: 3000,
+        ..Moreau::default()
+    };
+    let motion = simulate(&scene(&text))
+        .method(moreau)
+        .run()
+        .expect("a scene");
+    // First order: steps of 1 ms at 5 m/s.
+    ends(&motion, &[("x", 0.6 * way), ("y", 0.8 * way)], 1e-2);
+}
+
+#[test]
+fn impact_on_a_rough_floor_stops_inside_of_the_cone_and_slips_outside() {
+    // p = (1 + e) 4 of the velocity, and the cone takes up to 0.35 p of it.
+    for (e, sliding) in [(0.0, 1.5), (0.5, 1.5), (0.0, 1.2), (0.5, 2.5)] {
+        let text = stone(
+            "(dot(x), dot(y))",
+            &format!("restitution {e}"),
+            &format!(
+                "z: 0.5, dot(x): {}, dot(y): {}, dot(z): -4",
+                -0.28 * sliding,
+                0.96 * sliding
+            ),
+        )
+        .replace("= 9.81", "= 0");
+        let left = f64::max(sliding - 0.35 * (1.0 + e) * 4.0, 0.0);
+        for motion in motions(&text, None, &ControlSignal::Zero) {
+            let end = [
+                ("dot(x)", -0.28 * left),
+                ("dot(y)", 0.96 * left),
+                ("dot(z)", 4.0 * e),
+            ];
+            ends(&motion, &end, 1e-12);
+        }
+    }
+}
+
+#[test]
+fn sideways_slide_on_a_slope_turns_downhill_and_stops_when_the_closed_form_says() {
+    // With the pull f along the slope, friction c f and the angle th between them: d/dt v (c + cos th) = f (1 - c^2).
+    let (pull, ratio) = (0.2 * 9.81, 0.35 / 0.2);
+    let text = stone("(dot(x), dot(y))", "inelastic", "dot(x): 1, dot(y): 2")
+        .replace("tilt = 0", "tilt = 0.2");
+    let speed = 5.0_f64.sqrt();
+    let stops = speed * (ratio - 1.0 / speed) / (pull * (ratio * ratio - 1.0));
+    for motion in motions(&text, None, &ControlSignal::Zero) {
+        events(&motion, &[(EventKind::Stick, stops)], 1e-6);
+        let [x, y] = independent(stops);
+        ends(&motion, &[("x", x), ("y", y)], 1e-6);
+    }
+}
+
+/// Where that slide is when it stops at `time`: by the classical method of fourth order in the time that is left, `exp(-s)`, in which the
+/// end of the slide is smooth.
+fn independent(time: f64) -> [f64; 2] {
+    let slope = |s: f64, y: [f64; 4]| {
+        let rate = time * (-s).exp();
+        let size = y[2].hypot(y[3]);
+        let brake = 0.35 * 9.81 / size;
+        [y[2], y[3], -0.2 * 9.81 - brake * y[2], -brake * y[3]].map(|value| rate * value)
+    };
+    let (mut y, h) = ([0.0, 0.0, 1.0, 2.0], 1e-3);
+    for k in 0..16_000 {
+        let s = f64::from(k) * h;
+        let at = |slope: [f64; 4], h: f64| [0, 1, 2, 3].map(|i| y[i] + h * slope[i]);
+        let first = slope(s, y);
+        let second = slope(s + 0.5 * h, at(first, 0.5 * h));
+        let third = slope(s + 0.5 * h, at(second, 0.5 * h));
+        let last = slope(s + h, at(third, h));
+        y = [0, 1, 2, 3]
+            .map(|i| y[i] + h / 6.0 * (first[i] + 2.0 * (second[i] + third[i]) + last[i]));
+    }
+    [y[0], y[1]]
+}
+
+/// A ball with two of its turns, which slides and then rolls.
+fn ball(start: &str) -> String {
+    format!(
+        "parameters {{ m: kg = 1.7, r: m = 0.11, g: m/s^2 = 9.81, mu = 0.3 }}
+        coordinates {{ x: m, y: m, z: m, a: rad, b: rad }}
+        lagrangian m/2*(dot(x)^2 + dot(y)^2 + dot(z)^2) + m*r^2/5*(dot(a)^2 + dot(b)^2) - m*g*z
+        surface ground: z >= r
+        impact ground: inelastic, friction mu, sliding (dot(x) - r*dot(a), dot(y) - r*dot(b))
+        start {{ z: r, {start} }} horizon 2 [s]"
+    )
+}
+
+#[test]
+fn ball_slides_first_and_rolls_with_five_sevenths_of_its_speed() {
+    let rolls = 2.0 * 5.0 / (7.0 * 0.3 * 9.81);
+    for motion in motions(&ball("dot(x): 3, dot(y): 4"), None, &ControlSignal::Zero) {
+        events(&motion, &[(EventKind::Stick, rolls)], 1e-9);
+        ends(
+            &motion,
+            &[("dot(x)", 15.0 / 7.0), ("dot(y)", 20.0 / 7.0)],
+            1e-9,
+        );
+    }
+}
+
+#[test]
+fn spinning_ball_flies_a_parabola_on_the_ground_until_it_rolls() {
+    // The point of contact slides along (1.2, -0.5) all the time, so that friction is constant.
+    let spin = "dot(x): 2, dot(y): 1, dot(a): 0.8 [m/s]/r, dot(b): 1.5 [m/s]/r";
+    let rolls = 2.0 * 1.3 / (7.0 * 0.3 * 9.81);
+    let lost = 2.0 / 7.0;
+    let (v_x, v_y) = (2.0 - lost * 1.2, 1.0 + lost * 0.5);
+    // The mean velocity until it rolls, and the velocity of rolling from then on.
+    let x = 0.5 * (2.0 + v_x) * rolls + v_x * (2.0 - rolls);
+    let y = 0.5 * (1.0 + v_y) * rolls + v_y * (2.0 - rolls);
+    for motion in motions(&ball(spin), None, &ControlSignal::Zero) {
+        events(&motion, &[(EventKind::Stick, rolls)], 1e-9);
+        ends(
+            &motion,
+            &[("x", x), ("y", y), ("dot(x)", v_x), ("dot(y)", v_y)],
+            1e-8,
+        );
+    }
+}
+
+#[test]
+fn turned_sliding_velocities_give_the_same_motion() {
+    let start = "z: 0.4, dot(x): 1, dot(y): 2";
+    let end = |sliding: &str, tilt: &str| {
+        let text = stone(sliding, "restitution 0.3", start).replace("tilt = 0", tilt);
+        motions(&text, None, &ControlSignal::Zero).map(|motion| {
+            let times: Vec<f64> = motion.events.iter().map(|event| event.time).collect();
+            let end = motion.trajectory.q.last().expect("a motion").clone();
+            (times, end)
+        })
+    };
+    // Rounding error of some hundred steps where it slides straight on; what a direction is, near the end of a slide that
+    // turns, is told by 1e-8 of a speed whose terms depend on the axes.
+    for (tilt, accuracy) in [("tilt = 0", 1e-11), ("tilt = 0.1", 1e-8)] {
+        let declared = end("(dot(x), dot(y))", tilt);
+        let turned = end("(c*dot(x) + s*dot(y), c*dot(y) - s*dot(x))", tilt);
+        for ((times, place), (its, other)) in declared.iter().zip(&turned) {
+            assert_eq!(times.len(), its.len());
+            for (a, b) in times.iter().zip(its).chain(place.iter().zip(other)) {
+                assert!((a - b).abs() < accuracy, "{a} and {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn block_that_is_pushed_around_breaks_loose_where_the_push_leaves_the_cone() {
+    // The size of the push (2 t, t^2) reaches mu m g = 3 N at t^2 (4 + t^2) = 9.
+    let text = "parameters { m: kg = 1, g: m/s^2 = 10, mu = 0.3 } coordinates { x: m, y: m, z: m }
+        lagrangian m/2*(dot(x)^2 + dot(y)^2 + dot(z)^2) - m*g*z
+        forces { x: 2*t*1 [N/s], y: t^2*1 [N/s^2] } surface ground: z >= 0
+        impact ground: inelastic, friction mu, sliding (dot(x), dot(y)) horizon 2 [s]";
+    let breaks = (13.0_f64.sqrt() - 2.0).sqrt();
+    let [one, other] = motions(text, Some(1e-10), &ControlSignal::Zero);
+    for motion in [&one, &other] {
+        events(motion, &[(EventKind::Slip, breaks)], 1e-9);
+        let trajectory = &motion.trajectory;
+        let held = trajectory.time.iter().zip(&trajectory.friction_force);
+        for (&time, force) in held.filter(|(time, _)| **time < breaks) {
+            let push = f64::hypot(2.0 * time, time * time);
+            assert!((force[0] - push).abs() < 1e-9, "{} for {push}", force[0]);
+        }
+    }
+    // What follows has no closed form: the methods share no line of it.
+    for name in ["x", "y", "dot(x)", "dot(y)"] {
+        let [a, b] = [&one, &other].map(|motion| motion.at(2.0).expect("a state")[name]);
+        assert!((a - b).abs() < 1e-7, "{name}: {a} and {b}");
+    }
+}
+
+#[test]
+fn what_does_not_know_friction_in_space_says_so_with_what_to_write() {
+    let text = stone("(dot(x), dot(y))", "inelastic", "dot(x): 1");
+    let rough = scene(&text);
+    let refused = simulate(&rough).method(Fesd {
+        formulation: StepFormulation::TimeFreezing,
+        ..Fesd::default()
+    });
+    let message = refused.run().expect_err("a refusal").to_string();
+    assert!(
+        message.contains("friction in space") && message.contains("`ground`"),
+        "{message}"
+    );
+    for (sliding, law, words) in [
+        ("(dot(x), 2*dot(x))", "inelastic", "along one direction"),
+        ("(dot(x), dot(y), dot(z))", "inelastic", "two in space"),
+        ("(dot(x), dot(z))", "inelastic", "into the surface"),
+    ] {
+        let message = refusal(&stone(sliding, law, "dot(x): 1"));
+        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(message.contains(words), "{sliding}: {message}");
+    }
+    let speed = text.replace("friction mu", "friction mu*exp(-speed/1 [m/s])");
+    assert!(refusal(&speed).contains("two sliding velocities"));
+}
+
+#[test]
+fn scenes_without_friction_and_in_the_plane_have_no_part_of_it() {
+    let smooth = "parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { x: m, z: m }
+        lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z surface floor: z >= 0 impact floor: restitution 0.5
+        start { z: 1, dot(x): 2 } horizon 0.8 [s]";
+    let falls = (2.0_f64 / 9.81).sqrt();
+    for motion in motions(smooth, None, &ControlSignal::Zero) {
+        events(&motion, &[(EventKind::Impact, falls)], 1e-9);
+        ends(&motion, &[("x", 1.6), ("dot(x)", 2.0)], 1e-9);
+    }
+}
