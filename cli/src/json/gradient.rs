@@ -86,7 +86,7 @@ impl<'a> GradientEntry<'a> {
     pub(super) fn new(model: &dyn Model, gradient: &'a Gradient, kept: &[usize]) -> Self {
         let outputs = model.outputs().iter().zip(&gradient.outputs);
         let mechanical = model.declaration().mechanical();
-        let sides = gradient.one_sided.as_ref();
+        let sides = gradient.one_sided.as_deref();
         Self {
             with_respect_to: &gradient.with_respect_to,
             last: LastEntry::new(&gradient.q, &gradient.v, mechanical),

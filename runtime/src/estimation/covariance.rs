@@ -124,9 +124,9 @@ fn inverse(
     for &k in &known {
         for &l in &known {
             let middle = middle(k, l);
-            for a in 0..m {
-                for b in 0..m {
-                    covariance[a][b] += svd.v[k][a] * middle * svd.v[l][b];
+            for (row, a) in covariance.iter_mut().zip(&svd.v[k]) {
+                for (value, b) in row.iter_mut().zip(&svd.v[l]) {
+                    *value += a * middle * b;
                 }
             }
         }

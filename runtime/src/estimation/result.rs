@@ -162,6 +162,9 @@ impl Estimate {
     #[must_use]
     pub fn correlation(&self, one: usize, other: usize) -> f64 {
         let deviation = |k: usize| self.parameters[k].deviation.unwrap_or(f64::NAN);
+        if one == other && deviation(one).is_finite() {
+            return 1.0;
+        }
         self.covariance[one][other] / (deviation(one) * deviation(other))
     }
 

@@ -64,7 +64,7 @@ pub fn add_one_sided(
         rows.any(|by| by.is_finite())
     };
     if exists(&below) || exists(&above) {
-        gradient.one_sided = Some(OneSided { below, above });
+        gradient.one_sided = Some(Box::new(OneSided { below, above }));
     }
 }
 

@@ -16,7 +16,7 @@ const EXAMPLE: &str = "measured flight: \"throw.csv\" { z within 1 [cm] }";
 
 /// An entry of the block.
 enum Entry {
-    Quantity(MeasuredQuantity),
+    Quantity(Box<MeasuredQuantity>),
     Start(Vec<Assignment>),
 }
 
@@ -38,7 +38,7 @@ pub(super) fn measured(
         {
             return Ok(Entry::Start(assignments(cursor, &word, diagnostics)?));
         }
-        Ok(Entry::Quantity(quantity(cursor, diagnostics)?))
+        Ok(Entry::Quantity(Box::new(quantity(cursor, diagnostics)?)))
     });
     let mut measured = Measured {
         documentation,
@@ -49,7 +49,7 @@ pub(super) fn measured(
     };
     for entry in entries {
         match entry {
-            Entry::Quantity(quantity) => measured.quantities.push(quantity),
+            Entry::Quantity(quantity) => measured.quantities.push(*quantity),
             Entry::Start(start) => measured.start.extend(start),
         }
     }

@@ -59,7 +59,7 @@ pub struct Gradient {
     /// Why there are no derivatives from some instant on; values behind that are not numbers.
     pub obstacle: Option<String>,
     /// Derivatives to one side where there are no others, see [`add_one_sided`](super::add_one_sided).
-    pub one_sided: Option<OneSided>,
+    pub one_sided: Option<Box<OneSided>>,
 }
 
 /// Differentiates a motion that `model` has from the start of `problem`, as a simulator that locates events found it, by the
