@@ -5,7 +5,7 @@ use hangtime::prelude::*;
 hangtime::model! {
     /// Two bodies on rough ground, and a wheel that one of them brakes.
     pub Rough {
-        parameters { m: kg = 0.7, g: m/s^2 = 9.81, mu = 0.35, r: m = 0.2, j: kg m^2 = 0.1, slow: m/s = 0.5 }
+        parameters { m: kg = 0.7, g: m/s^2 = 9.81, mu = 0.35, r: m = 0.2, j: kg m^2 = 0.1 }
         coordinates { x: m, y: m, z: m, w: rad }
         lagrangian m/2*(dot(x)^2 + dot(y)^2 + dot(z)^2) + j/2*dot(w)^2 - m*g*z
         surface ground: z >= 0
