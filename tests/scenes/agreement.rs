@@ -7,6 +7,8 @@ mod draw;
 mod judge;
 #[path = "../../benches/agreement/scenes.rs"]
 mod scenes;
+#[path = "../../benches/agreement/texts.rs"]
+mod texts;
 
 use judge::{Verdict, judge};
 
@@ -15,13 +17,20 @@ const SCENES: u64 = 12;
 /// Scenes of a kind that may end otherwise than solved; of many at most 5 % do.
 const OTHERWISE: usize = 2;
 
+/// Of so many runs that agree at most one is taken over by the event-driven method, which is slower where finite elements end.
+const HANDED_OVER: usize = 20;
+
 #[test]
 fn solved_runs_of_random_scenes_agree() {
+    let (mut agree, mut taken_over) = (0, 0);
     for kind in scenes::shipped().into_iter().chain(scenes::random()) {
         let mut otherwise = Vec::new();
         for seed in 0..SCENES {
             match judge(&*kind.scene(seed)) {
-                Verdict::Agree => {}
+                Verdict::Agree { handed_over } => {
+                    agree += 1;
+                    taken_over += usize::from(handed_over);
+                }
                 Verdict::Disagree(difference) => panic!("{} {seed}: {difference}", kind.name),
                 Verdict::Ended { default, event } => {
                     let unsolved = if default.is_solved() { event } else { default };
@@ -36,4 +45,5 @@ fn solved_runs_of_random_scenes_agree() {
             kind.name
         );
     }
+    assert!(taken_over <= agree / HANDED_OVER, "{taken_over} of {agree}");
 }
