@@ -40,11 +40,16 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 23] = [
+pub const RULES: [Rule; 30] = [
     rule(
         Source,
         "sample",
         "The best motions under random controls, one for each order of events.",
+    ),
+    rule(
+        Source,
+        "beginning",
+        "What these begin with, up to three phases.",
     ),
     rule(Source, "ride", "The motion without controls."),
     rule(
@@ -101,10 +106,32 @@ pub const RULES: [Rule; 23] = [
         "through",
         "Switches that press on an end of their interval moved through it.",
     ),
+    rule(Basin, "shortened", "Without the last switch."),
+    rule(
+        Basin,
+        "sliding-moved",
+        "Changes of friction an interval earlier and later.",
+    ),
+    rule(
+        Basin,
+        "settling",
+        "Bounces that die out as one landing, and the other way round.",
+    ),
+    rule(
+        Basin,
+        "grazing",
+        "A touch where a flight is held back by a surface.",
+    ),
+    rule(Basin, "resting", "A short rest where a contact is touched."),
     rule(
         Basin,
         "at-nodes",
         "Each switch at the ends of its interval, and in the next ones.",
+    ),
+    rule(
+        Basin,
+        "all-at-once",
+        "All switches an interval earlier and later.",
     ),
     rule(
         Last,

@@ -5,7 +5,8 @@
 //! inside an interval, which presses against nothing, is a local optimum that another one a fraction of an interval away betters. Such a
 //! motion is tried with the switch at both ends of its interval, and one with a switch at the end of an interval with it at the next
 //! ends. Between these a better one may lie as well, inside the next intervals, with a barrier at the end: there it is tried in the
-//! middle.
+//! middle; and with all switches an interval earlier or later, since a motion that does all of it sooner, or later, is no neighbour either;
+//! what opens, sticks or slips at the first end of an interval does so from the start then.
 //! The other switches keep their places in the time before it and after it: of two impacts that follow each other, the
 //! first one alone often cannot move.
 
@@ -30,6 +31,15 @@ pub(super) fn at_nodes(pressure: &Pressure) -> Vec<Sequence> {
     }
     found.extend(landed(pressure.sequence, pressure.intervals));
     found
+}
+
+/// Sequences with all switches an interval earlier or later, if there are several.
+pub(super) fn all_at_once(pressure: &Pressure) -> Vec<Sequence> {
+    if pressure.sequence.switches.len() > 1 {
+        shifted(pressure.sequence, pressure.intervals)
+    } else {
+        Vec::new()
+    }
 }
 
 /// An interval, the place in it, and the time there, in intervals.
@@ -75,6 +85,43 @@ fn moved(given: &Sequence, index: usize, to: Target, intervals: usize) -> Option
         pairs.all(|(i, j)| switches[i].time < switches[j].time)
     });
     alone.or_else(|| moved_among(made_way(given, index, to), index, to, intervals))
+}
+
+/// With all switches an interval earlier and later: what leads to them is done that much sooner, or later. A contact that opens, sticks or
+/// slips from before the start does so initially.
+fn shifted(given: &Sequence, intervals: usize) -> Vec<Sequence> {
+    let earlier = begun(given).and_then(|begun| {
+        let mut sequence = begun;
+        for switch in &mut sequence.switches {
+            switch.interval -= 1;
+            switch.time -= 1.0;
+        }
+        sequence.ordered(intervals)
+    });
+    let mut later = given.clone();
+    for switch in &mut later.switches {
+        switch.interval += 1;
+        switch.time += 1.0;
+    }
+    let last = later.switches.last();
+    let fits = last.is_some_and(|last| last.time < intervals as f64);
+    let later = later.ordered(intervals).filter(|_| fits);
+    earlier.into_iter().chain(later).collect()
+}
+
+/// A sequence as it goes on from the first end of an interval; `None` where that is after an impact.
+fn begun(given: &Sequence) -> Option<Sequence> {
+    let mut sequence = given.clone();
+    let first = |switch: &Switch| (switch.interval, switch.place) <= (1, Place::Start);
+    let count = sequence.switches.iter().take_while(|switch| first(switch));
+    let count = count.count();
+    for switch in sequence.switches.drain(..count) {
+        if switch.closes || switch.passes {
+            return None;
+        }
+        sequence.initially[switch.contact] = switch.mode;
+    }
+    Some(sequence)
 }
 
 /// With a touch and a landing of the same contact around the end of an interval, or after a touch there, as one landing at that end, each:
@@ -149,19 +196,25 @@ fn moved_among(
     sequence.ordered(intervals)
 }
 
-/// The motion of a sequence, with its switches at the times of another one that has the same ones in the same order; as it is, if that has
-/// not.
+/// The motion of a sequence, with its switches at the times of another one that has the same ones in the same order, or all but the
+/// first ones; as it is, if that has not.
 pub(super) fn warped(
     motion: &Trajectory,
     (from, to): (&Sequence, &Sequence),
     intervals: usize,
 ) -> Trajectory {
-    let same = from.order() == to.order() && from.initially == to.initially;
+    let dropped = from.switches.len().saturating_sub(to.switches.len());
+    let last = Sequence {
+        initially: to.initially.clone(),
+        pieces: to.pieces.clone(),
+        switches: from.switches[dropped..].to_vec(),
+    };
+    let same = last.order() == to.order() && (dropped > 0 || from.initially == to.initially);
     if !same || to.switches.is_empty() {
         return motion.clone();
     }
     let interval = motion.horizon / intervals as f64;
-    let both = from.switches.iter().zip(&to.switches);
+    let both = last.switches.iter().zip(&to.switches);
     let instants = both.map(|(a, b)| (a.time * interval, b.time * interval));
     motion.warped(&instants.collect::<Vec<_>>())
 }
@@ -285,6 +338,53 @@ mod tests {
         assert_eq!(at(5.3), [(5, 5.0)]);
         assert!(at(4.8).is_empty() && at(6.2).is_empty());
         assert!(landed(&struck(), 10).is_empty());
+    }
+
+    #[test]
+    fn all_switches_are_shifted_by_an_interval_where_there_is_room_for_them() {
+        let times = |sequence: &Sequence| -> Vec<f64> {
+            sequence.switches.iter().map(|switch| switch.time).collect()
+        };
+        let found = shifted(&struck(), 10);
+        assert_eq!(times(&found[0]), [3.5, 6.8, 6.8]);
+        assert_eq!(times(&found[1]), [5.5, 8.8, 8.8]);
+        assert_eq!(found[1].switches[1].interval, 8);
+        // The second impact is in the last of eight intervals.
+        assert_eq!(shifted(&struck(), 8).len(), 1);
+    }
+
+    #[test]
+    fn what_opens_at_the_first_end_of_an_interval_is_open_from_the_start_an_interval_earlier() {
+        let lift = Switch {
+            place: Place::Start,
+            ..Switch::inside(0, false, ContactMode::Open, 1.0)
+        };
+        let mut given = struck();
+        given.initially[0] = ContactMode::Frictionless;
+        given.switches.insert(0, lift);
+        let found = shifted(&given, 10);
+        assert_eq!(found.len(), 2);
+        let earlier = &found[0];
+        assert_eq!(earlier.initially, vec![ContactMode::Open; 3]);
+        let times: Vec<f64> = earlier.switches.iter().map(|switch| switch.time).collect();
+        assert_eq!(times, [3.5, 6.8, 6.8]);
+        // Its motion is sooner as well, what comes before the first impact the faster.
+        let motion = Trajectory {
+            horizon: 10.0,
+            controls: ControlGrid::constant(vec![vec![0.0]; 10]),
+            time: vec![0.0, 1.0, 4.5, 4.5, 7.8, 7.8, 10.0],
+            states: vec![vec![0.0]; 7],
+        };
+        let sooner = warped(&motion, (&given, earlier), 10);
+        assert_eq!(sooner.time[0], 0.0);
+        assert!((sooner.time[2] - 3.5).abs() < 1e-12 && (sooner.time[4] - 6.8).abs() < 1e-12);
+        // An impact that early is none an interval earlier.
+        given.switches[0] = Switch {
+            closes: true,
+            mode: ContactMode::Open,
+            ..lift
+        };
+        assert!(begun(&given).is_none());
     }
 
     #[test]

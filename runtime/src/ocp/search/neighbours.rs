@@ -321,6 +321,15 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Neighbour> {
     found.into_iter().filter_map(ordered).collect()
 }
 
+/// The sequence without its last switch: the motion may end before it.
+pub(in crate::ocp) fn shortened(pressure: &Pressure) -> Vec<Sequence> {
+    let mut sequence = pressure.sequence.clone();
+    while sequence.switches.pop().is_some_and(|last| last.accompanies) {}
+    let shorter = sequence.switches.len() < pressure.sequence.switches.len();
+    let ordered = shorter.then(|| sequence.ordered(pressure.intervals));
+    ordered.flatten().into_iter().collect()
+}
+
 /// Sequences with a flight inserted where a contact force is held at 0, and with a contact inserted
 /// where a gap is held at 0: together with the stuck switches of [`directed`] these
 /// are the places where gap and force vanish together. A flight that passes a surface at the gap margin is

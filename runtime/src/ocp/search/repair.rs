@@ -2,11 +2,13 @@
 
 use hangtime_solver::mpcc::Stationarity;
 
-use super::at_nodes::{at_nodes, warped};
+use super::at_nodes::{all_at_once, at_nodes, warped};
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
+use super::grazing::grazing;
 use super::neighbours::Neighbour;
 use super::pressure::{DISTANT, Pressure};
-use super::resting::resting;
+use super::resting::{resting, resting_shortly};
+use super::settling::settling;
 use super::simultaneous::simultaneous;
 use super::stationary::{Held, held};
 use super::together::{Insertion, learn_together};
@@ -14,9 +16,10 @@ use super::{edge_neighbours, friction_neighbours, neighbours};
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::touching_gap;
 use crate::ocp::effort::Effort;
-use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::sequence::{Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
+use crate::ocp::settings::Settings;
 use crate::simulation::InputError;
 
 /// Multipliers of rows up to so many tolerances are errors, which add up over the phases: where all are, no condition keeps the motion from a
@@ -134,12 +137,7 @@ impl Around {
             }),
             Effort::Explore | Effort::Carry => Vec::new(),
         };
-        let explores = runner.effort.proves() && runner.settings.uses("at-nodes");
-        let explored = if explores {
-            at_nodes(&pressure)
-        } else {
-            Vec::new()
-        };
+        let explored = basins(&pressure, runner.settings, runner.effort.proves());
         Self {
             neighbours: neighbours_of(&pressure),
             nearer,
@@ -158,6 +156,36 @@ impl Around {
             purpose,
         }
     }
+}
+
+/// Sequences in other basins, by the rules of the search that are followed; those of the whole motion where it may be the result.
+fn basins(pressure: &Pressure, settings: &Settings, proves: bool) -> Vec<Sequence> {
+    let rules: [(&str, fn(&Pressure) -> Vec<Sequence>); 7] = [
+        ("shortened", neighbours::shortened),
+        ("sliding-moved", friction_neighbours::shifted),
+        ("settling", settling),
+        ("grazing", grazing),
+        ("resting", resting_shortly),
+        ("at-nodes", at_nodes),
+        ("all-at-once", all_at_once),
+    ];
+    let of_whole = |name: &str| matches!(name, "at-nodes" | "all-at-once");
+    let rules = rules.into_iter();
+    let followed = rules.filter(|(name, _)| settings.uses(name) && (proves || !of_whole(name)));
+    distinct(followed.flat_map(|(_, rule)| rule(pressure)))
+}
+
+/// The sequences, each once.
+fn distinct(sequences: impl Iterator<Item = Sequence>) -> Vec<Sequence> {
+    let mut known: Vec<Signature> = Vec::new();
+    let mut found: Vec<Sequence> = sequences.collect();
+    found.retain(|sequence| {
+        let signature = sequence.signature();
+        let is_new = !known.contains(&signature);
+        known.push(signature);
+        is_new
+    });
+    found
 }
 
 fn neighbours_of(pressure: &Pressure) -> Vec<Neighbour> {

@@ -17,6 +17,9 @@ use crate::simulation::{ContactMode, Direction};
 /// Velocity below which a contact does not move, in the unit of its row.
 const STILL: f64 = 1e-6;
 
+/// A slip that lasts fewer intervals may be none.
+const SHORT: f64 = 1.5;
+
 /// Share of the friction that is left on both sides of a force within the cone.
 const WITHIN: f64 = 1e-6;
 
@@ -24,6 +27,16 @@ const WITHIN: f64 = 1e-6;
 pub(super) fn resting(pressure: &Pressure) -> Vec<Neighbour> {
     let found = still(pressure).into_iter().chain(before_turning(pressure));
     found.map(Neighbour::adjoining).collect()
+}
+
+/// With a stick in the place of each slip that lasts an interval or little more: another basin, about which nothing is claimed.
+pub(super) fn resting_shortly(pressure: &Pressure) -> Vec<Sequence> {
+    slips(pressure, |_, (from, to)| {
+        let switches = &pressure.sequence.switches;
+        let begin = from.map_or(0.0, |from| switches[from].time);
+        let end = to.map_or(pressure.intervals as f64, |to| switches[to].time);
+        end - begin < SHORT
+    })
 }
 
 /// With a stick in the place of each slip in which nothing moves.

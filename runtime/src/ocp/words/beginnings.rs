@@ -24,6 +24,9 @@ const CHANGED: usize = 200;
 /// Best orders of events that become words, and those from which the library learns.
 const WORDS: usize = 6;
 const LEARNED: usize = 24;
+/// Beginnings of motions that become words: of up to so many phases, so many of each length.
+const PHASES: usize = 3;
+const OF_EACH_LENGTH: usize = 2;
 /// Words of steps.
 const STEPS: usize = 8;
 /// The source whose words come from a contact-implicit program.
@@ -57,6 +60,18 @@ pub(in crate::ocp) fn beginnings(
     }
     for (draft, motion) in drafts.iter().take(WORDS) {
         add(&mut found, (draft.clone(), motion.clone()), "sample");
+    }
+    for phases in 1..=PHASES {
+        let mut count = 0;
+        for (draft, motion) in &drafts {
+            let shorter = draft.up_to(phases);
+            if count < OF_EACH_LENGTH
+                && draft.word.phases() > phases
+                && add(&mut found, (shorter, motion.clone()), "beginning")
+            {
+                count += 1;
+            }
+        }
     }
     for (source, motion) in rides(runner, setting)? {
         for candidate in motion {

@@ -135,6 +135,18 @@ impl Draft {
         });
         phases.collect()
     }
+
+    /// Up to an instant, which is left out, or as far as the motion goes.
+    pub(super) fn up_to(&self, instant: usize) -> Self {
+        let mut shorter = self.clone();
+        if instant < self.times.len() {
+            shorter.horizon = self.times[instant];
+            shorter.times.truncate(instant);
+            shorter.word.instants.truncate(instant);
+            shorter.word.ends_with_impact = false;
+        }
+        shorter
+    }
 }
 
 /// Whether a switch of its own belongs to the instant of others: of another contact, and without an impact.
@@ -247,6 +259,7 @@ mod tests {
             draft.phases(),
             [(0.0, 1.0), (1.0, 2.5), (2.5, 3.5), (3.5, 5.5)]
         );
+        assert_eq!(draft.up_to(1).phases(), [(0.0, 1.0), (1.0, 2.5)]);
     }
 
     #[test]
