@@ -8,8 +8,11 @@ use hangtime_scene_files::of_text;
 
 use super::draw::Draw;
 
-/// The family of this name, with the scene that it draws as a text.
-pub(crate) const FAMILIES: [(&str, fn(&mut Draw) -> String); 5] = [
+/// Draws a scene as a text.
+type Family = fn(&mut Draw) -> String;
+
+/// The families by their names.
+pub(crate) const FAMILIES: [(&str, Family); 5] = [
     ("mixed", mixed),
     ("floors", floors),
     ("wheels", wheels),

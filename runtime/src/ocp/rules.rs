@@ -141,7 +141,7 @@ pub const RULES: [Rule; 30] = [
     rule(
         Last,
         "grids",
-        "Contact sequences on control grids: from one start where a motion is not proved, from many where there is none.",
+        "Contact sequences on control grids, from many starts.",
     ),
 ];
 

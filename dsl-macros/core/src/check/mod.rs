@@ -30,7 +30,7 @@ pub(crate) use law::normal;
 pub(crate) use start::inertia_at_start;
 
 use crate::ast::{Documentation, Expr, Name, Relation, Scene, Statement};
-use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::evaluate::expression;
 use crate::evaluate::{Meaning, Role, Scope, UserFunction};
 use crate::graph::{self, Compose, Sym, Variable};
@@ -273,14 +273,7 @@ fn finish(
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
     }
-    let moves = match units.energy {
-        // A scene of states only has no mechanism.
-        true if checker.coordinates.is_empty() => Ok(()),
-        true => states::momenta(&mut checker, lagrangian, place).and_then(|()| {
-            rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)
-        }),
-        false => Err(Reported),
-    };
+    let moves = inertia(&mut checker, units, (lagrangian, place));
     let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &units.gaps, &mut checker);
     if let Ok(contacts) = &contacts {
         dependence::gaps(contacts, &mut checker);
@@ -331,6 +324,22 @@ fn finish(
         remembered,
         remembers: false,
     })
+}
+
+/// Whether every coordinate has inertia; a scene of states only has no mechanism.
+fn inertia(
+    checker: &mut Checker<'_>,
+    units: &units::Inferred,
+    (lagrangian, place): (Sym, Place),
+) -> Checked<()> {
+    if !units.energy {
+        return Err(Reported);
+    }
+    if checker.coordinates.is_empty() {
+        return Ok(());
+    }
+    states::momenta(checker, lagrangian, place)?;
+    rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)
 }
 
 /// What a task reads along the motion.

@@ -58,6 +58,19 @@ fn begins_statement(word: &str) -> bool {
     words::STATEMENTS.contains(&word)
 }
 
+/// An abbreviation; without its value its name is known all the same.
+fn abbreviation(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
+    let name = name(cursor, "the name of the abbreviation", diagnostics)?;
+    let value = equals(cursor, diagnostics).and_then(|()| expression(cursor, diagnostics));
+    match value {
+        Ok(value) => Ok(Statement::Let { name, value }),
+        Err(Reported) => {
+            diagnostics.poison(&name.text);
+            Err(Reported)
+        }
+    }
+}
+
 fn statement(
     cursor: &mut Cursor,
     documentation: Documentation,
@@ -87,17 +100,7 @@ fn statement(
         "controls" => Ok(Statement::Controls(quantities(cursor, &word, diagnostics)?)),
         "states" => Ok(Statement::States(quantities(cursor, &word, diagnostics)?)),
         "rates" => Ok(Statement::Rates(assignments(cursor, &word, diagnostics)?)),
-        "let" => {
-            let name = name(cursor, "the name of the abbreviation", diagnostics)?;
-            let value = equals(cursor, diagnostics).and_then(|()| expression(cursor, diagnostics));
-            match value {
-                Ok(value) => Ok(Statement::Let { name, value }),
-                Err(Reported) => {
-                    diagnostics.poison(&name.text);
-                    Err(Reported)
-                }
-            }
-        }
+        "let" => abbreviation(cursor, diagnostics),
         "fn" => function(cursor, diagnostics),
         "profile" => profile::profile(cursor, diagnostics),
         "lagrangian" => {

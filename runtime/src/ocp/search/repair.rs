@@ -158,9 +158,12 @@ impl Around {
     }
 }
 
+/// A rule that makes sequences in other basins.
+type Basins = fn(&Pressure) -> Vec<Sequence>;
+
 /// Sequences in other basins, by the rules of the search that are followed; those of the whole motion where it may be the result.
 fn basins(pressure: &Pressure, settings: &Settings, proves: bool) -> Vec<Sequence> {
-    let rules: [(&str, fn(&Pressure) -> Vec<Sequence>); 7] = [
+    let rules: [(&str, Basins); 7] = [
         ("shortened", neighbours::shortened),
         ("sliding-moved", friction_neighbours::shifted),
         ("settling", settling),

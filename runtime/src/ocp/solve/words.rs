@@ -86,15 +86,11 @@ pub(super) fn solve(
     {
         return Ok(result(vec![best.clone()], seen, stopped));
     }
-    // What is not proved among words may be on grids, from one start; where there is no motion, from many.
-    let on_grids = Settings {
-        starts: settings.starts.or(best.as_ref().map(|_| 1)),
-        ..settings.clone()
-    };
+    // What is not proved among words may be on grids.
     let other = Found {
         start: 0,
         source: Source::Start(0),
-        solution: nested::solve(model, problem, &on_grids, observer)?,
+        solution: nested::solve(model, problem, settings, observer)?,
     };
     let Some(best) = best else {
         return Ok(with_work(other.solution, &seen));

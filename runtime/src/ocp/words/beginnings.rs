@@ -62,16 +62,7 @@ pub(in crate::ocp) fn beginnings(
         add(&mut found, (draft.clone(), motion.clone()), "sample");
     }
     for phases in 1..=PHASES {
-        let mut count = 0;
-        for (draft, motion) in &drafts {
-            let shorter = draft.up_to(phases);
-            if count < OF_EACH_LENGTH
-                && draft.word.phases() > phases
-                && add(&mut found, (shorter, motion.clone()), "beginning")
-            {
-                count += 1;
-            }
-        }
+        add_beginnings(&mut found, &drafts, phases);
     }
     for (source, motion) in rides(runner, setting)? {
         for candidate in motion {
@@ -103,19 +94,14 @@ pub(in crate::ocp) fn beginnings(
         );
     }
     found.retain(|beginning| runner.settings.uses(beginning.source));
-    let mut relaxed = RelaxedMotions::default();
-    let mut implicit = CoarseToFine::new(setting, &straight);
-    let failure = runner.take_failure();
     if runner.settings.uses(IMPLICIT)
-        && let Some(candidate) = implicit.next(runner, &mut relaxed)?
+        && let Some((draft, motion)) = implicit(runner, setting, &straight)?
     {
-        let (draft, motion) = read(setting, candidate);
         library.learn(&draft.word);
         if draft.word.phases() <= MOST_PHASES {
             add(&mut found, (draft, motion), IMPLICIT);
         }
     }
-    runner.restore_failure(failure, true);
     let goals = Goals {
         sizes: sizes(setting, &sampled.units),
         price: Some(sampled.cost)
@@ -123,6 +109,33 @@ pub(in crate::ocp) fn beginnings(
             .map(Goals::price_of),
     };
     Ok((found, (library, goals)))
+}
+
+/// Adds what motions begin with, of that many phases.
+fn add_beginnings(found: &mut Vec<Beginning>, drafts: &[(Draft, Motion)], phases: usize) {
+    let mut count = 0;
+    for (draft, motion) in drafts {
+        let shorter = draft.up_to(phases);
+        if count < OF_EACH_LENGTH
+            && draft.word.phases() > phases
+            && add(found, (shorter, motion.clone()), "beginning")
+        {
+            count += 1;
+        }
+    }
+}
+
+/// The word of the first motion of contact-implicit programs around a guess.
+fn implicit(
+    runner: &mut Runner,
+    setting: Setting,
+    guess: &Trajectory,
+) -> Result<Option<(Draft, Motion)>, InputError> {
+    let mut relaxed = RelaxedMotions::default();
+    let failure = runner.take_failure();
+    let candidate = CoarseToFine::new(setting, guess).next(runner, &mut relaxed)?;
+    runner.restore_failure(failure, true);
+    Ok(candidate.map(|candidate| read(setting, candidate)))
 }
 
 /// Steps of feet that stand at first, as random controls never take them: of each, of two in turn, once and twice.
