@@ -536,6 +536,10 @@ fn simulate_beyond_its_memory_limit_ends_with_status_3() {
 fn simulate_every_scene_with_its_defaults_reaches_the_horizon() {
     for scene in json(&["list", "--json"])["scenes"].as_array().unwrap() {
         let name = scene["name"].as_str().unwrap();
+        // Its answer is that its motion is not unique; `switched` in the tests of scenes looks at that.
+        if name == "unstable-sliding" {
+            continue;
+        }
         let scratch = Scratch::new(name);
         let document = json(&["simulate", name, "--json", "--out", scratch.text()]);
         assert_eq!(document["status"], "solved", "{name}");
@@ -550,7 +554,9 @@ fn simulate_every_scene_with_its_defaults_reaches_the_horizon() {
                     .all(|block| block["outline"].as_array().unwrap().len() == 4)
             );
             assert_eq!(frames["springs"], serde_json::json!([true, true, true]));
-        } else if scene["question"].is_null() {
+        } else if scene["question"].is_null()
+            && document["quantities"]["q"] != serde_json::json!([])
+        {
             assert_page_shows_its_ride(&scratch, name);
         } else {
             assert_page_shows_its_result(&scratch, name);
