@@ -3,6 +3,7 @@
 mod agreement;
 mod ball_on_slope;
 mod bike_on_two_wheels;
+mod both;
 mod charts;
 mod closed_forms;
 mod convergence_order;

@@ -4,32 +4,7 @@ use hangtime::prelude::*;
 use hangtime::rk::Scheme;
 use hangtime_scene_files::of_text;
 
-/// The motion of a text by the default method and by the event-driven one, each solved.
-fn motions(text: &str) -> [Simulation; 2] {
-    let scene = of_text("scene.hang", text).unwrap_or_else(|error| panic!("{text}: {error}"));
-    let methods: [&dyn Fn() -> Result<Simulation, InputError>; 2] =
-        [&|| simulate(&scene).run(), &|| {
-            simulate(&scene).method(EventDriven::default()).run()
-        }];
-    methods.map(|run| {
-        let motion = run().unwrap_or_else(|error| panic!("{text}: {error}"));
-        assert!(motion.status.is_solved(), "{text}: {}", motion.status);
-        motion
-    })
-}
-
-/// Whether a motion ends at these values, to the accuracy `promise`.
-fn ends(motion: &Simulation, values: &[(&str, f64)], promise: f64) {
-    let time = motion.trajectory.time.last().expect("a motion");
-    let end = motion.at(*time).expect("its end");
-    for &(name, value) in values {
-        let found = end[name];
-        assert!(
-            (found - value).abs() < promise,
-            "{name}: {found} for {value}"
-        );
-    }
-}
+use super::both::{ends, motions};
 
 /// Whether the events are these, at times that are known to the accuracy `promise`.
 fn events(motion: &Simulation, wanted: &[(EventKind, &str, f64)], promise: f64) {

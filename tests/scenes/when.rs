@@ -4,18 +4,7 @@ use hangtime::prelude::*;
 use hangtime::simulation::{FixedStep, Smooth};
 use hangtime_scene_files::of_text;
 
-fn motions(text: &str) -> [Simulation; 2] {
-    let scene = of_text("scene.hang", text).unwrap_or_else(|error| panic!("{text}: {error}"));
-    [
-        simulate(&scene).run(),
-        simulate(&scene).method(EventDriven::default()).run(),
-    ]
-    .map(|run| {
-        let motion = run.expect("a run");
-        assert!(motion.status.is_solved(), "{text}: {}", motion.status);
-        motion
-    })
-}
+use super::both::motions;
 
 fn end(motion: &Simulation, name: &str) -> f64 {
     let time = *motion.trajectory.time.last().expect("a motion");

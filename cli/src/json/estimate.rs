@@ -113,12 +113,7 @@ impl<'a> ExperimentEntry<'a> {
                     residuals: fitted.residuals(k),
                 })
                 .collect(),
-            events: fitted
-                .motion
-                .events
-                .iter()
-                .map(|event| EventEntry::new(event, declaration))
-                .collect(),
+            events: EventEntry::all(&fitted.motion.events, declaration),
         }
     }
 }
@@ -213,10 +208,7 @@ impl<'a> EstimateDocument<'a> {
             status: ending.status,
             diagnosis: ending.diagnosis.as_deref(),
             initially: motion.map_or_else(Vec::new, InitialEntry::all),
-            events: events
-                .iter()
-                .map(|event| EventEntry::new(event, declaration))
-                .collect(),
+            events: EventEntry::all(events, declaration),
             last: trajectory.last(),
             trajectory,
             objective: estimate.misfit,

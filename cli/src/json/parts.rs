@@ -110,7 +110,13 @@ pub(super) struct EventEntry<'a> {
 }
 
 impl<'a> EventEntry<'a> {
-    pub(super) fn new(event: &'a Event, declaration: &Declaration) -> Self {
+    /// All events of a motion.
+    pub(super) fn all(events: &'a [Event], declaration: &Declaration) -> Vec<Self> {
+        let entries = events.iter();
+        entries.map(|event| Self::new(event, declaration)).collect()
+    }
+
+    fn new(event: &'a Event, declaration: &Declaration) -> Self {
         let mechanical = declaration.mechanical();
         let (v_after, states) = event.v_after.split_at(mechanical);
         Self {

@@ -79,11 +79,7 @@ impl<'a> Document<'a> {
                 .diagnosis()
                 .map(|diagnosis| DiagnosisEntry::new(diagnosis, ending, contacts)),
             initially: InitialEntry::all(simulation),
-            events: simulation
-                .events
-                .iter()
-                .map(|event| EventEntry::new(event, declaration))
-                .collect(),
+            events: EventEntry::all(&simulation.events, declaration),
             last: trajectory.last(),
             trajectory,
             error_estimate: simulation.error_estimate,

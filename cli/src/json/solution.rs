@@ -379,10 +379,7 @@ impl<'a> SolutionDocument<'a> {
             status: ending.status,
             diagnosis: ending.diagnosis.as_deref(),
             initially: motion.map_or_else(Vec::new, InitialEntry::all),
-            events: events
-                .iter()
-                .map(|event| EventEntry::new(event, declaration))
-                .collect(),
+            events: EventEntry::all(events, declaration),
             last: trajectory.last(),
             trajectory,
             objective: solution.objective,

@@ -1,6 +1,6 @@
 //! Dry friction whose bound follows a control, a velocity or the force of a surface.
 
-use super::{ends, events, motions, refusal};
+use super::{ends, events, motions, motions_under, refusal};
 use hangtime::prelude::*;
 
 #[test]
@@ -16,7 +16,7 @@ fn clutch_engages_when_its_control_has_taken_the_difference_of_speeds() {
         values: vec![vec![0.0], vec![15.0 * c]],
     };
     let time = (2.0 * 100.0 / (1.5 * c)).sqrt();
-    for motion in motions(text, None, &controls) {
+    for motion in motions_under(text, None, &controls) {
         events(&motion, &[(EventKind::Stick, time)], 1e-7);
         let heat = 5000.0 - motion.at(15.0).expect("the end")["energy"];
         // j1 j2/(j1 + j2)/2 100^2, of an energy of 5000 J.
@@ -39,7 +39,7 @@ fn clutch_slips_again_where_its_control_falls() {
         times: vec![0.0, 1.0],
         values: vec![vec![2.5], vec![1.5]],
     };
-    for motion in motions(text, None, &controls) {
+    for motion in motions_under(text, None, &controls) {
         events(&motion, &[(EventKind::Slip, 1.0)], 1e-12);
         // Then a'' = 3 - 1.5 and b'' = 0.75.
         ends(
@@ -68,7 +68,7 @@ fn stops() -> f64 {
 
 #[test]
 fn wheel_stops_when_pads_that_are_pressed_have_taken_its_momentum() {
-    for motion in motions(BRAKE, None, &ControlSignal::Zero) {
+    for motion in motions(BRAKE) {
         events(&motion, &[(EventKind::Stick, stops())], 1e-8);
         // The bound is recorded as its normal force.
         let bound = 0.08 * (31.62 + 6.0 * 3.0_f64.sin());
@@ -103,7 +103,7 @@ fn pads_that_lift_off_brake_no_longer() {
         times: vec![0.0, 1.0],
         values: vec![vec![0.0], vec![30.0]],
     };
-    for motion in motions(text, None, &controls) {
+    for motion in motions_under(text, None, &controls) {
         ends(
             &motion,
             &[
@@ -120,7 +120,7 @@ fn bound_of_the_speed_is_the_friction_of_a_damper_that_also_holds() {
     // v' = -(1 + v): v = 2 exp(-t) - 1 from v = 1, at rest from t = ln 2 on.
     let text = "parameters { m: kg = 1, f: N = 1, c: N s/m = 1 } coordinates { x: m } lagrangian m/2*dot(x)^2
         dry friction rail: bound f + c*speed, sliding dot(x) start { dot(x): 1 } horizon 2 [s]";
-    for motion in motions(text, None, &ControlSignal::Zero) {
+    for motion in motions(text) {
         events(&motion, &[(EventKind::Stick, 2.0_f64.ln())], 1e-7);
         ends(&motion, &[("x", 1.0 - 2.0_f64.ln())], 1e-7);
     }

@@ -1,6 +1,6 @@
 //! Friction in space: slides along two directions, their ends, and impacts.
 
-use super::{ends, events, motions, refusal, scene};
+use super::{ends, events, motions, motions_under, refusal, scene};
 use hangtime::prelude::*;
 use hangtime::simulation::StepFormulation;
 
@@ -31,7 +31,7 @@ fn stone_thrown_obliquely_slides_straight_on_and_stops() {
     let stops = lands + speed / braking;
     let way = 5.0 * lands + speed * speed / (2.0 * braking);
     let wanted = [(EventKind::Impact, lands), (EventKind::Stick, stops)];
-    for motion in motions(&text, None, &ControlSignal::Zero) {
+    for motion in motions(&text) {
         events(&motion, &wanted, 1e-9);
         let end = [
             ("x", 0.6 * way),
@@ -71,7 +71,7 @@ fn impact_on_a_rough_floor_stops_inside_of_the_cone_and_slips_outside() {
         )
         .replace("= 9.81", "= 0");
         let left = f64::max(sliding - 0.35 * (1.0 + e) * 4.0, 0.0);
-        for motion in motions(&text, None, &ControlSignal::Zero) {
+        for motion in motions(&text) {
             let end = [
                 ("dot(x)", -0.28 * left),
                 ("dot(y)", 0.96 * left),
@@ -90,7 +90,7 @@ fn sideways_slide_on_a_slope_turns_downhill_and_stops_when_the_closed_form_says(
         .replace("tilt = 0", "tilt = 0.2");
     let speed = 5.0_f64.sqrt();
     let stops = speed * (ratio - 1.0 / speed) / (pull * (ratio * ratio - 1.0));
-    for motion in motions(&text, None, &ControlSignal::Zero) {
+    for motion in motions(&text) {
         events(&motion, &[(EventKind::Stick, stops)], 1e-6);
         let [x, y] = independent(stops);
         ends(&motion, &[("x", x), ("y", y)], 1e-6);
@@ -135,7 +135,7 @@ fn ball(start: &str) -> String {
 #[test]
 fn ball_slides_first_and_rolls_with_five_sevenths_of_its_speed() {
     let rolls = 2.0 * 5.0 / (7.0 * 0.3 * 9.81);
-    for motion in motions(&ball("dot(x): 3, dot(y): 4"), None, &ControlSignal::Zero) {
+    for motion in motions(&ball("dot(x): 3, dot(y): 4")) {
         events(&motion, &[(EventKind::Stick, rolls)], 1e-9);
         ends(
             &motion,
@@ -155,7 +155,7 @@ fn spinning_ball_flies_a_parabola_on_the_ground_until_it_rolls() {
     // The mean velocity until it rolls, and the velocity of rolling from then on.
     let x = 0.5 * (2.0 + v_x) * rolls + v_x * (2.0 - rolls);
     let y = 0.5 * (1.0 + v_y) * rolls + v_y * (2.0 - rolls);
-    for motion in motions(&ball(spin), None, &ControlSignal::Zero) {
+    for motion in motions(&ball(spin)) {
         events(&motion, &[(EventKind::Stick, rolls)], 1e-9);
         ends(
             &motion,
@@ -170,7 +170,7 @@ fn turned_sliding_velocities_give_the_same_motion() {
     let start = "z: 0.4, dot(x): 1, dot(y): 2";
     let end = |sliding: &str, tilt: &str| {
         let text = stone(sliding, "restitution 0.3", start).replace("tilt = 0", tilt);
-        motions(&text, None, &ControlSignal::Zero).map(|motion| {
+        motions(&text).map(|motion| {
             let times: Vec<f64> = motion.events.iter().map(|event| event.time).collect();
             let end = motion.trajectory.q.last().expect("a motion").clone();
             (times, end)
@@ -198,7 +198,7 @@ fn block_that_is_pushed_around_breaks_loose_where_the_push_leaves_the_cone() {
         forces { x: 2*t*1 [N/s], y: t^2*1 [N/s^2] } surface ground: z >= 0
         impact ground: inelastic, friction mu, sliding (dot(x), dot(y)) horizon 2 [s]";
     let breaks = (13.0_f64.sqrt() - 2.0).sqrt();
-    let [one, other] = motions(text, Some(1e-10), &ControlSignal::Zero);
+    let [one, other] = motions_under(text, Some(1e-10), &ControlSignal::Zero);
     for motion in [&one, &other] {
         events(motion, &[(EventKind::Slip, breaks)], 1e-9);
         let trajectory = &motion.trajectory;
@@ -247,7 +247,7 @@ fn scenes_without_friction_and_in_the_plane_have_no_part_of_it() {
         lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z surface floor: z >= 0 impact floor: restitution 0.5
         start { z: 1, dot(x): 2 } horizon 0.8 [s]";
     let falls = (2.0_f64 / 9.81).sqrt();
-    for motion in motions(smooth, None, &ControlSignal::Zero) {
+    for motion in motions(smooth) {
         events(&motion, &[(EventKind::Impact, falls)], 1e-9);
         ends(&motion, &[("x", 1.6), ("dot(x)", 2.0)], 1e-9);
     }

@@ -1,6 +1,6 @@
 //! Friction that changes with the speed of sliding and with the place, and friction of rest.
 
-use super::{events, motions, refusal, scene};
+use super::{events, motions, motions_under, refusal, scene};
 use hangtime::prelude::*;
 
 /// A block on a belt, held by a spring.
@@ -63,7 +63,7 @@ fn oscillator_of_popp_with_stribeck_friction_has_the_events_of_an_independent_in
         (place, time) = (next, time + took);
         wanted.push((EventKind::Stick, time));
     }
-    for motion in motions(
+    for motion in motions_under(
         &popp("0.1 + 0.2*exp(-speed/vs)"),
         Some(1e-11),
         &ControlSignal::Zero,
@@ -82,7 +82,7 @@ fn block_on_a_belt_breaks_loose_at_the_friction_of_rest_and_slides_with_that_of_
     let amplitude = rest - middle;
     let slides = 2.0 / omega * (std::f64::consts::PI - (amplitude * omega / 0.4).atan());
     let sticks = 2.0 * amplitude / 0.4;
-    for motion in motions(
+    for motion in motions_under(
         &popp("static 0.3, kinetic 0.2"),
         Some(1e-11),
         &ControlSignal::Zero,
@@ -114,7 +114,7 @@ fn block_on_a_belt_breaks_loose_at_the_friction_of_rest_and_slides_with_that_of_
 #[test]
 fn both_coefficients_may_stand_beside_a_function_of_the_speed() {
     // At rest 1.5 times the friction of a slow slide.
-    let [default, event_driven] = motions(
+    let [default, event_driven] = motions_under(
         &popp("static 0.45, kinetic 0.1 + 0.2*exp(-speed/vs)").replace("horizon 20", "horizon 40"),
         Some(1e-10),
         &ControlSignal::Zero,
@@ -141,7 +141,7 @@ fn coefficient_of_the_place_brakes_as_its_integral_says() {
         lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z surface ice: z >= 0
         impact ice: inelastic, friction 0.05 + c*x, sliding dot(x) start { dot(x): 3 } horizon 4 [s]";
     let stop = (-0.05 + (0.05_f64.powi(2) + 0.1 * 9.0 / 9.81).sqrt()) / 0.1;
-    for motion in motions(text, None, &ControlSignal::Zero) {
+    for motion in motions(text) {
         super::ends(&motion, &[("x", stop), ("dot(x)", 0.0)], 1e-6);
     }
 }
@@ -153,7 +153,7 @@ fn impact_takes_the_coefficient_of_the_speed_before_it() {
         surface wall: z >= 0 impact wall: restitution 0.5, friction 0.1 + 0.4/(1 + speed/1 [m/s]), sliding dot(x)
         start { z: 1, dot(x): 2, dot(z): -1 } outputs { given: N s = friction_impulse(wall) } horizon 2 [s]";
     let mu = 0.1 + 0.4 / 3.0;
-    for motion in motions(text, None, &ControlSignal::Zero) {
+    for motion in motions(text) {
         super::ends(
             &motion,
             &[("dot(x)", 2.0 - 1.5 * mu), ("given", -3.0 * mu)],

@@ -8,11 +8,7 @@ fn messages(statements: &str) -> Vec<String> {
         "S {{ coordinates {{ x: m }} controls {{ u: N }} states {{ on }} lagrangian dot(x)^2/2*1 [kg]
          forces {{ x: u + on*1 [N] }} {statements} }}"
     );
-    let mistakes = hangtime_dsl::mistakes(source.parse().expect("tokens"));
-    match mistakes.is_empty() {
-        true => vec!["accepted".to_owned()],
-        false => mistakes.iter().map(hangtime_dsl::Mistake::text).collect(),
-    }
+    super::mistakes_in(&source)
 }
 
 /// The same with a rate.

@@ -2,6 +2,8 @@
 
 use hangtime_dsl::{describe_held, describe_text, format_text};
 
+use super::mistakes_in_file as messages;
+
 /// A mass on a spring that is to be chosen, with the words for it and further statements.
 fn scene(free: &str, further: &str) -> String {
     format!(
@@ -12,15 +14,6 @@ fn scene(free: &str, further: &str) -> String {
 
 const FREE: &str = "free k: N/m in 1..=10 = 2";
 const TASK: &str = "minimize integral(u^2) finally { z == 1 [m] } horizon 1 [s]";
-
-fn messages(text: &str) -> Vec<String> {
-    let mistakes = describe_text(text, "s").err().unwrap_or_default();
-    let code = |code: Option<&str>| code.map_or(String::new(), |code| format!("{code}: "));
-    mistakes
-        .iter()
-        .map(|known| code(known.code) + &known.message)
-        .collect()
-}
 
 #[test]
 fn mistakes_with_free_parameters_say_what_to_write() {

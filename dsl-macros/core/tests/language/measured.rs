@@ -3,6 +3,8 @@
 use hangtime_dsl::description::Measured;
 use hangtime_dsl::{describe_differentiated, describe_text, format_text};
 
+use super::mistakes_in_file as messages;
+
 /// A ball with a coefficient that is looked for, and further statements.
 fn scene(further: &str) -> String {
     format!(
@@ -10,15 +12,6 @@ fn scene(further: &str) -> String {
          rates {{ a: -a/1[s] }} lagrangian m/2*dot(y)^2 + m*1[m^2]/2*dot(phi)^2 - m*g*y surface floor: y >= 0 \
          impact floor: restitution e start {{ y: 1 [m], a: 2 [A] }} outputs {{ height: cm = y, fast = dot(y) }} {further}"
     )
-}
-
-fn messages(text: &str) -> Vec<String> {
-    let mistakes = describe_text(text, "s").err().unwrap_or_default();
-    let code = |code: Option<&str>| code.map_or(String::new(), |code| format!("{code}: "));
-    mistakes
-        .iter()
-        .map(|known| code(known.code) + &known.message)
-        .collect()
 }
 
 #[test]

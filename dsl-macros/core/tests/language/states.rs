@@ -5,11 +5,7 @@ fn messages(statements: &str) -> Vec<String> {
     let source = format!(
         "S {{ parameters {{ m: kg = 1, k: N/A = 2, tau: s = 3 }} coordinates {{ x: m }} controls {{ u: A }} states {{ i: A }} {statements} }}"
     );
-    let mistakes = hangtime_dsl::mistakes(source.parse().expect("tokens"));
-    match mistakes.is_empty() {
-        true => vec!["accepted".to_owned()],
-        false => mistakes.iter().map(hangtime_dsl::Mistake::text).collect(),
-    }
+    super::mistakes_in(&source)
 }
 
 const LAW: &str = "lagrangian m/2*dot(x)^2";

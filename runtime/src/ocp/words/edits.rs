@@ -550,6 +550,7 @@ fn cut(parent: &Parent) -> Vec<Draft> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ocp::rules::{self, RulePart};
 
     #[test]
     fn rules_have_names_of_their_own_and_stand_in_the_order_of_their_prices() {
@@ -559,5 +560,10 @@ mod tests {
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), RULES.len());
+        // Each can be left out by its name.
+        let edits = rules::RULES.iter();
+        let edits = edits.filter(|rule| rule.part == RulePart::Edit);
+        let edits: Vec<&str> = edits.map(|rule| rule.name).collect();
+        assert!(names.iter().all(|name| edits.contains(name)), "{edits:?}");
     }
 }

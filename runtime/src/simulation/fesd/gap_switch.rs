@@ -83,8 +83,15 @@ pub(super) fn first_entry(
         // A contact that was just released separates more slowly than the element's local error at
         // first: until it has, only the end of the element tells.
         let released = row[..=k].iter().all(|gap| *gap <= size.touching_gap());
+        let depth = DEEP * element.length() * size.speed();
+        // Out of the ground again, from deeper than the local error explains: it has fallen back in a flight that is too low for an
+        // element of that length.
+        let begins_above = row[0] >= -size.touching_gap();
+        let sunk = begins_above && row[1..=k].iter().any(|gap| *gap < -depth);
+        if released && sunk && gap > size.touching_gap() {
+            return Err(Stop::Unresolved);
+        }
         if released && gap < -size.gap_rounding() {
-            let depth = DEEP * element.length() * size.speed();
             if (start.velocities[i] > size.velocity_rounding() || gap < -depth)
                 && let Some(switch) =
                     return_after_release(detector, element, i, k, size.gap_rounding())
@@ -106,6 +113,8 @@ pub(super) fn first_entry(
                 SwitchKind::Entry
             } else if velocity < -size.velocity_rounding() {
                 SwitchKind::Reentry
+            } else if begins_above && gap < -depth {
+                return Err(Stop::Unresolved);
             } else {
                 continue;
             };
