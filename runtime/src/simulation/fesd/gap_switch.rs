@@ -84,15 +84,16 @@ pub(super) fn first_entry(
         // first: until it has, only the end of the element tells.
         let released = row[..=k].iter().all(|gap| *gap <= size.touching_gap());
         let depth = DEEP * element.length() * size.speed();
-        // Out of the ground again, from deeper than the local error explains: it has fallen back in a flight that is too low for an
-        // element of that length.
-        let begins_above = row[0] >= -size.touching_gap();
-        let sunk = begins_above && row[1..=k].iter().any(|gap| *gap < -depth);
+        // Thrown off, deeper than the local error explains, and on the way up: it has fallen back in a flight
+        // that is too low for an element of that length.
+        let bounced = start.velocities[i] > size.velocity_rounding();
+        let from_above = bounced && row[0] >= -size.touching_gap();
+        let sunk = from_above && row[1..=k].iter().any(|gap| *gap < -depth);
         if released && sunk && gap > size.touching_gap() {
             return Err(Stop::Unresolved);
         }
         if released && gap < -size.gap_rounding() {
-            if (start.velocities[i] > size.velocity_rounding() || gap < -depth)
+            if (bounced || gap < -depth)
                 && let Some(switch) =
                     return_after_release(detector, element, i, k, size.gap_rounding())
             {
@@ -102,8 +103,8 @@ pub(super) fn first_entry(
             }
             detector.interpolate(element, k);
         }
-        let bounced = k == 0 && gap >= 0.0 && start.velocities[i] > size.velocity_rounding();
-        if released && !bounced && k + 1 < samples {
+        let dips = k == 0 && gap >= 0.0 && bounced;
+        if released && !dips && k + 1 < samples {
             continue;
         }
         if gap < -size.gap_rounding() {
@@ -113,7 +114,7 @@ pub(super) fn first_entry(
                 SwitchKind::Entry
             } else if velocity < -size.velocity_rounding() {
                 SwitchKind::Reentry
-            } else if begins_above && gap < -depth {
+            } else if from_above && gap < -depth {
                 return Err(Stop::Unresolved);
             } else {
                 continue;
@@ -127,7 +128,7 @@ pub(super) fn first_entry(
             };
             let switch = detector.between(kind, i, element, k, before, after);
             keep_first(&mut first, switch);
-        } else if (!released || bounced)
+        } else if (!released || dips)
             && let Some((lower, upper)) = possible_dip(detector, element, contacts, start, i, k)
         {
             if let Some(switch) = dip(detector, element, i, lower, upper, size.gap_rounding()) {
