@@ -74,7 +74,7 @@ impl Implicit {
 
     /// Positions at which `dy/dx` may be nonzero, for the first `rows` components.
     pub(crate) fn jacobian_pattern(&self, rows: usize) -> Vec<(usize, usize)> {
-        let blocks = self.blocks();
+        let blocks = blocks(&self.matrix, self.size);
         let touched: BTreeSet<(usize, usize)> = self
             .residual_jacobian
             .entries
@@ -106,24 +106,24 @@ impl Implicit {
         }
         entries.into_iter().collect()
     }
+}
 
-    /// Number of the connected block of `K` that each row belongs to.
-    fn blocks(&self) -> Vec<usize> {
-        let n = self.size;
-        let mut blocks: Vec<usize> = (0..n).collect();
-        // At most n rounds of passing the smallest number on.
-        for _ in 0..n {
-            for i in 0..n {
-                for j in 0..n {
-                    if !self.matrix[i * n + j].is_structural_zero() {
-                        let least = blocks[i].min(blocks[j]);
-                        (blocks[i], blocks[j]) = (least, least);
-                    }
-                }
-            }
+/// Number of the connected block of a square matrix that each row belongs to.
+pub(super) fn blocks(matrix: &[Sym], n: usize) -> Vec<usize> {
+    let mut blocks: Vec<usize> = (0..n).collect();
+    // The smallest number is passed on along the nonzeros, until nothing changes.
+    let mut changed = true;
+    while changed {
+        changed = false;
+        let entries = matrix.iter().enumerate();
+        for (k, _) in entries.filter(|(_, entry)| !entry.is_structural_zero()) {
+            let (i, j) = (k / n, k % n);
+            let least = blocks[i].min(blocks[j]);
+            changed |= blocks[i] != blocks[j];
+            (blocks[i], blocks[j]) = (least, least);
         }
-        blocks
     }
+    blocks
 }
 
 /// The motion without contact: `M a = r`. The residual is built from the momenta along the motion,
@@ -156,11 +156,7 @@ pub(super) fn motion(
         _ => Sym::ZERO,
     });
     // From the entries of the mass matrix instead, where that is shorter.
-    let times = |unknown: &dyn Fn(usize) -> Sym| -> Vec<Sym> {
-        let rows = mass.chunks(n);
-        rows.map(|row| (0..n).map(|j| row[j] * unknown(j)).sum())
-            .collect()
-    };
+    let times = |unknown: &dyn Fn(usize) -> Sym| product(mass, n, unknown);
     let by_entries: Vec<Sym> = times(&|j| Implicit::unknown(size, j))
         .into_iter()
         .zip(&right)
@@ -180,6 +176,23 @@ pub(super) fn motion(
     motion
 }
 
+/// The product of a square matrix with a vector, by its entries.
+fn product(matrix: &[Sym], n: usize, vector: impl Fn(usize) -> Sym) -> Vec<Sym> {
+    let rows = matrix.chunks(n);
+    rows.map(|row| (0..n).map(|j| row[j] * vector(j)).sum())
+        .collect()
+}
+
+/// Whether the product of the mass matrix with a vector takes fewer operations by its entries than by the momenta.
+pub(super) fn is_simpler_than(mass: &[Sym], momenta: &[Sym]) -> bool {
+    let by_entries = product(mass, momenta.len(), Implicit::multiplier);
+    let by_momenta = graph::directional(momenta, |variable| match variable {
+        Variable::Velocity(i) => Implicit::multiplier(usize::from(i)),
+        _ => Sym::ZERO,
+    });
+    tape::operations(&by_entries) < tape::operations(&by_momenta)
+}
+
 fn shorter(one: Vec<Sym>, other: Vec<Sym>) -> Vec<Sym> {
     if tape::operations(&other) < tape::operations(&one) {
         other
@@ -195,6 +208,8 @@ pub(super) struct Locked<'a> {
     pub(super) mass: &'a [Sym],
     /// Momenta, whose derivatives along velocities multiply by the mass matrix.
     pub(super) momenta: &'a [Sym],
+    /// Whether its entries multiply a vector in fewer operations than those.
+    pub(super) by_entries: bool,
     /// The coordinates that its rows belong to, increasing.
     pub(super) coordinates: &'a [usize],
     /// Rows that are held.
@@ -233,8 +248,15 @@ impl Locked<'_> {
         }
     }
 
-    /// Product with a vector, in far fewer operations than by the entries.
-    fn times(&self, of: impl Fn(usize) -> Sym) -> Vec<Sym> {
+    /// Product with a vector, by the momenta if that takes fewer operations.
+    pub(super) fn times(&self, of: impl Fn(usize) -> Sym) -> Vec<Sym> {
+        if self.by_entries {
+            let n = self.coordinates();
+            let mut rows = Vec::with_capacity(self.size());
+            rows.extend((0..n).map(|i| (0..n).map(|j| self.entry(i, j) * of(j)).sum::<Sym>()));
+            self.add_joints(&mut rows, &of);
+            return rows;
+        }
         let row = |i: u16| self.coordinates.binary_search(&usize::from(i)).ok();
         let mut rows = graph::directional(self.momenta, |variable| match variable {
             Variable::Velocity(i) => match row(i) {

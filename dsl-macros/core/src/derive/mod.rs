@@ -10,6 +10,7 @@
 //! row `1 z' = f` that no other one is coupled to by the mass matrix.
 
 mod alike;
+mod bias;
 mod contact;
 mod contact_equations;
 mod control;
@@ -21,6 +22,7 @@ mod joint;
 mod joint_row;
 mod ldl;
 mod residual;
+mod shared;
 mod simplify;
 
 pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
@@ -31,16 +33,21 @@ pub use held::Given;
 pub(crate) use held::{at_declared_start, given, with_held};
 pub(crate) use implicit::{Implicit, WRITTEN_OUT};
 pub(crate) use joint::JointEquations;
+pub(crate) use shared::{Columns, Directed, SharedInertia};
 pub(crate) use simplify::simplify;
 
 use crate::graph::{self, Sym, Variable};
 use crate::scene::CheckedScene;
+use crate::tape;
 use ldl::Factorization;
 use simplify::simplify_equation;
 
 /// Largest number of coordinates whose acceleration is simplified as one formula; above, formulas
 /// through the inverse of the mass matrix explode.
 const EXPLICIT: usize = 4;
+
+/// Fewest operations of a right-hand side for which the second way of deriving it is tried.
+const SHORT_MOTION: usize = 20;
 
 /// A vector-valued function of the inputs.
 pub(crate) enum Solution {
@@ -64,6 +71,8 @@ pub(crate) struct Equations {
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
+    /// The inertia that directions of contacts are solved for with; none where those are formulas.
+    pub(crate) inertia: Option<SharedInertia>,
     /// None without joints.
     pub(crate) joints: Option<JointEquations>,
     pub(crate) optimal_control: Option<ControlEquations>,
@@ -78,12 +87,21 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let moving = held::moving(scene);
     let mut conservative = graph::gradient(lagrangian, coordinates);
     conservative[moving..].fill(Sym::ZERO);
-    let [applied, right] = right_hand_side(&momenta, &conservative, &scene.forces, moving);
+    let applied = applied(&conservative, &scene.forces);
+    let bias = bias::Bias {
+        lagrangian,
+        momenta: &momenta,
+        mass: &mass,
+        moving,
+    };
+    let right = right_hand_side(&bias, &conservative, &scene.forces);
     let joints = joint_row::rows(scene);
     let all: Vec<usize> = (0..n).collect();
+    let by_entries = implicit::is_simpler_than(&mass, &momenta);
     let inertia = implicit::Locked {
         mass: &mass,
         momenta: &momenta,
+        by_entries,
         coordinates: &all,
         held: &[],
         joints: &joints,
@@ -122,9 +140,10 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     };
     let forces = joint::equations(scene, &inertia, (stepwise.as_ref(), &right), &inputs);
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
-    let inertia = contact::Mechanism {
+    let mechanism = contact::Mechanism {
         mass: &mass,
         momenta: &momenta,
+        by_entries,
         coordinates: &all,
         all: n,
         joints: &joints,
@@ -133,10 +152,12 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         moving,
         inputs: &inputs,
     };
-    let contacts = inertia.contacts(&scene.contacts)?;
+    let contacts = mechanism.contacts(&scene.contacts)?;
+    let shared = contacts.iter().any(ContactEquations::shares_inertia);
+    let shared = shared.then(|| SharedInertia::new(&inertia, &inputs));
     let optimal_control = scene.optimal_control.as_ref();
     let optimal_control = optimal_control
-        .map(|task| control::equations(task, scene, &contacts, &inertia))
+        .map(|task| control::equations(task, scene, &contacts, &mechanism))
         .transpose()?;
     Ok(Equations {
         inputs,
@@ -146,6 +167,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         energy,
         acceleration,
         contacts,
+        inertia: shared,
         joints: forces,
         optimal_control,
     })
@@ -162,29 +184,36 @@ fn momenta_and_energy(scene: &CheckedScene, velocities: &[Variable]) -> (Vec<Sym
     (momenta, energy)
 }
 
-/// What acts on each coordinate, `dL/dq + Q`, and `r`.
-fn right_hand_side(
-    momenta: &[Sym],
-    conservative: &[Sym],
-    forces: &[Sym],
-    moving: usize,
-) -> [Vec<Sym>; 2] {
-    let applied: Vec<Sym> = conservative
-        .iter()
-        .zip(forces)
+/// What acts on each coordinate, `dL/dq + Q`.
+fn applied(conservative: &[Sym], forces: &[Sym]) -> Vec<Sym> {
+    let pairs = conservative.iter().zip(forces);
+    pairs
         .map(|(&conservative, &force)| conservative + force)
-        .collect();
-    let transport = graph::directional(momenta, held::along_motion(moving));
-    let right: Vec<Sym> = conservative
-        .iter()
-        .zip(&transport)
-        .zip(forces)
+        .collect()
+}
+
+/// `r`, by the momenta or by the entries of the mass matrix, whichever takes fewer operations.
+fn right_hand_side(bias: &bias::Bias<'_>, conservative: &[Sym], forces: &[Sym]) -> Vec<Sym> {
+    let transport = graph::directional(bias.momenta, held::along_motion(bias.moving));
+    let with_forces = |inertial: Vec<Sym>| -> Vec<Sym> {
+        let pairs = inertial.into_iter().zip(forces);
         // Each part by itself: the terms of both rarely cancel, and long sums are not simplified.
-        .map(|((&conservative, &transport), &force)| {
-            simplify(simplify_equation(conservative - transport) + simplify_equation(force))
-        })
-        .collect();
-    [applied, right]
+        pairs
+            .map(|(inertial, &force)| simplify(inertial + simplify_equation(force)))
+            .collect()
+    };
+    let pairs = conservative.iter().zip(&transport);
+    let by_momenta = pairs.map(|(&acts, &transport)| simplify_equation(acts - transport));
+    let by_momenta = with_forces(by_momenta.collect());
+    if tape::operations(&by_momenta) < SHORT_MOTION {
+        return by_momenta;
+    }
+    let by_entries = with_forces(bias.forces().into_iter().map(simplify_equation).collect());
+    if tape::operations(&by_entries) < tape::operations(&by_momenta) {
+        by_entries
+    } else {
+        by_momenta
+    }
 }
 
 /// The input vector `(q, v, u[, t])`, and behind it the parameters by which all is differentiated.

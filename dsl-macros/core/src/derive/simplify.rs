@@ -1,7 +1,8 @@
 //! Simplification by trying: the form with the fewest operations wins.
 
-use crate::graph::{self, Function, Sym};
+use crate::graph::{self, Function, Sym, Table};
 use crate::tape;
+use std::cell::RefCell;
 
 /// Most terms of an expanded form that is tried.
 const TERMS: usize = 200;
@@ -13,6 +14,17 @@ const SIZE: usize = 150;
 /// The same for an equation of motion, from which all derivatives come; a form of more than [`SIZE`]
 /// operations is left for one of half of them only.
 const EQUATION: usize = 2000;
+
+/// What is known of the expressions of one derivation, by the longest that was allowed.
+#[derive(Default)]
+struct Known {
+    generation: u64,
+    simplified: Table<(Sym, usize), Sym>,
+}
+
+thread_local! {
+    static KNOWN: RefCell<Known> = RefCell::default();
+}
 
 /// The cheapest of: the expression as it is, multiplied out, and multiplied out with squares of
 /// cosines or of sines removed.
@@ -26,6 +38,22 @@ pub(crate) fn simplify_equation(sym: Sym) -> Sym {
 }
 
 fn simplify_up_to(sym: Sym, longest: usize) -> Sym {
+    let generation = graph::generation();
+    let known = KNOWN.with_borrow_mut(|known| {
+        if known.generation != generation {
+            known.simplified.clear();
+            known.generation = generation;
+        }
+        known.simplified.get(&(sym, longest)).copied()
+    });
+    known.unwrap_or_else(|| {
+        let simple = tried(sym, longest);
+        KNOWN.with_borrow_mut(|known| known.simplified.insert((sym, longest), simple));
+        simple
+    })
+}
+
+fn tried(sym: Sym, longest: usize) -> Sym {
     // Counting operations takes much longer than counting parts, of which each is one or more.
     if graph::is_longer_than(sym, longest) {
         return sym;

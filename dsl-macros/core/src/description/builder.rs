@@ -2,7 +2,7 @@
 
 use super::kernel::Kernel;
 use super::renamed::Renamed;
-use crate::derive::{Implicit, Sparse, WRITTEN_OUT};
+use crate::derive::{Columns, Implicit, SharedInertia, Sparse, WRITTEN_OUT};
 use crate::graph::Sym;
 use crate::scene::CheckedScene;
 use crate::tape;
@@ -35,6 +35,39 @@ pub struct System {
     pub cross: (usize, Vec<(usize, usize)>),
 }
 
+/// The inertia `K(x)` that directions of several contacts are solved for with: the mass matrix, bordered by joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inertia {
+    /// Order of `K`.
+    pub size: usize,
+    /// For each row of the lower triangle, the first column that elimination in this order may fill.
+    pub envelope: Vec<usize>,
+    /// Kernel of `K`, row-major.
+    pub matrix: usize,
+    /// Kernel and pattern of `d(K y)/dx`, with `y` as weights.
+    pub product: (usize, Vec<(usize, usize)>),
+    /// Kernel and pattern of `(mu' K y)_xx` (lower triangle), with `mu` and then `y` as weights.
+    pub curvature: (usize, Vec<(usize, usize)>),
+}
+
+/// The vectors `c_k` by which a direction is solved for with the [`Inertia`] of the scene: `K y_k = c_k r`, and if they are
+/// bordered, `n' y_m = 1` with the last of them, the normal `n`; `r = 1` otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vectors {
+    /// What is solved for.
+    pub name: String,
+    /// Number of vectors.
+    pub count: usize,
+    /// Whether the last one is the normal that scales all.
+    pub bordered: bool,
+    /// Kernel of all components, of one vector after the other.
+    pub values: usize,
+    /// Kernel and pattern of their derivatives.
+    pub jacobian: (usize, Vec<(usize, usize)>),
+    /// Kernel and pattern of the second derivatives (lower triangle) of their sum weighted by as many weights.
+    pub hessian: (usize, Vec<(usize, usize)>),
+}
+
 impl Pattern {
     pub(super) fn of(sparse: &Sparse) -> Self {
         Self {
@@ -54,6 +87,7 @@ pub(super) struct Builder<'a> {
     pub(super) renamed: Renamed,
     pub(super) kernels: Vec<Kernel>,
     pub(super) systems: Vec<System>,
+    pub(super) inertia: Option<&'a SharedInertia>,
 }
 
 impl Builder<'_> {
@@ -82,6 +116,34 @@ impl Builder<'_> {
         let kernel = Kernel::new(self.scene, name, tape, (listed, self.at_the_end));
         self.kernels.push(kernel);
         self.kernels.len() - 1
+    }
+
+    fn nonzeros(&mut self, name: &str, sparse: &Sparse) -> (usize, Vec<(usize, usize)>) {
+        (self.kernel(name, &sparse.values), sparse.entries.clone())
+    }
+
+    /// Adds the inertia that contacts share, if there is one.
+    pub(super) fn inertia(&mut self) -> Option<Inertia> {
+        let shared = self.inertia?;
+        Some(Inertia {
+            size: shared.size,
+            envelope: shared.envelope(),
+            matrix: self.kernel("inertia", &shared.matrix),
+            product: self.nonzeros("inertia_product", &shared.product),
+            curvature: self.nonzeros("inertia_curvature", &shared.curvature),
+        })
+    }
+
+    /// Adds the vectors of a direction.
+    pub(super) fn vectors(&mut self, name: &str, columns: &Columns) -> Vectors {
+        Vectors {
+            name: name.to_owned(),
+            count: columns.count,
+            bordered: columns.bordered,
+            values: self.kernel(&format!("{name}_vectors"), &columns.values),
+            jacobian: self.nonzeros(&format!("{name}_jacobian"), &columns.jacobian),
+            hessian: self.nonzeros(&format!("{name}_hessian"), &columns.hessian),
+        }
     }
 
     /// Adds a linear system and what the derivatives of its solution need; its index.

@@ -19,8 +19,8 @@ mod shown;
 pub use crate::derive::Given as GivenBy;
 pub use crate::graph::{Function, Function2, Profile};
 pub use crate::scene::Measured;
-pub use builder::{Pattern, System};
-pub use contact::{Contact, Friction, Rows, SolvedRows};
+pub use builder::{Inertia, Pattern, System, Vectors};
+pub use contact::{Contact, Friction, Rows, SolvedRows, Solver};
 pub(crate) use declared::text as documentation_text;
 pub use declared::{Parameter, Variable};
 pub use design::{FreeParameters, Held};
@@ -66,6 +66,8 @@ pub struct Description {
     pub given: Given,
     /// The free motion.
     pub motion: Motion,
+    /// The inertia that directions of contacts are solved for with; none where all of them are formulas.
+    pub inertia: Option<Inertia>,
     /// Contacts in order of declaration.
     pub contacts: Vec<Contact>,
     /// Joints, if there are any.
@@ -149,8 +151,10 @@ impl Description {
             renamed: Renamed::default(),
             kernels: Vec::new(),
             systems: Vec::new(),
+            inertia: equations.inertia.as_ref(),
         };
         let motion = motion(&mut builder, equations);
+        let inertia = builder.inertia();
         let contacts = scene
             .contacts
             .iter()
@@ -184,6 +188,7 @@ impl Description {
             equations: Vec::new(),
             given,
             motion,
+            inertia,
             contacts,
             joints,
             optimal_control,

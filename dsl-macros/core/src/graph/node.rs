@@ -2,8 +2,8 @@
 
 use super::elementary::{Function, Function2};
 use super::limits;
+use super::table::Table;
 use std::cell::RefCell;
-use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::rc::Rc;
 
@@ -101,7 +101,9 @@ struct Arena {
     nodes: Vec<Node>,
     /// Longest path from each node to a leaf.
     depths: Vec<u32>,
-    table: HashMap<Node, Sym>,
+    table: Table<Node, Sym>,
+    /// How often it was emptied.
+    generation: u64,
 }
 
 thread_local! {
@@ -114,11 +116,17 @@ pub(crate) fn reset() {
         arena.nodes.clear();
         arena.depths.clear();
         arena.table.clear();
+        arena.generation += 1;
     });
     limits::reset();
     // Fixed places of the two constants that `Sym::ZERO` and `Sym::ONE` name.
     intern(Node::Number(0.0_f64.to_bits()));
     intern(Node::Number(1.0_f64.to_bits()));
+}
+
+/// Which derivation of this thread goes on: handles of another one are void.
+pub(crate) fn generation() -> u64 {
+    ARENA.with_borrow(|arena| arena.generation)
 }
 
 /// The handle of a node that is in normal form already.

@@ -1,16 +1,19 @@
 //! Passes over the graph: dual numbers forward, adjoints backward, substitution, dependence.
 
 use super::function::{Compose, derivative, derivatives};
+use super::table::{Set, Table};
 use super::{Node, Sym, Variable, children, product, spend, sum};
 use num_dual::Dual;
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::BTreeSet;
 
 /// All expressions that `roots` consist of, parts before wholes.
 pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
-    let mut seen: BTreeSet<Sym> = BTreeSet::new();
+    let mut seen: Set<Sym> = Set::default();
+    let mut order = Vec::new();
     let mut stack: Vec<Sym> = roots.to_vec();
     while let Some(sym) = stack.pop() {
         if seen.insert(sym) {
+            order.push(sym);
             let parts = children(&sym.node());
             if !spend(1 + parts.len()) {
                 return Vec::new();
@@ -19,12 +22,13 @@ pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
         }
     }
     // A node is created after its parts, so the order of creation is an order of evaluation.
-    seen.into_iter().collect()
+    order.sort_unstable();
+    order
 }
 
 /// Whether an expression has more than `limit` parts that are sums, products or calls; looks no further.
 pub(crate) fn is_longer_than(root: Sym, limit: usize) -> bool {
-    let mut seen: HashSet<Sym> = HashSet::new();
+    let mut seen: Set<Sym> = Set::default();
     let mut stack = vec![root];
     while let Some(sym) = stack.pop() {
         let parts = children(&sym.node());
@@ -57,7 +61,7 @@ pub(crate) fn depends_on(root: Sym, test: impl Fn(Variable) -> bool) -> bool {
 /// Derivatives of `roots` in the direction in which each variable moves by `direction`: one sweep of
 /// dual numbers over the graph.
 pub(crate) fn directional(roots: &[Sym], direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
-    let mut duals: HashMap<Sym, Dual<Sym>> = HashMap::new();
+    let mut duals: Table<Sym, Dual<Sym>> = Table::default();
     for sym in reachable(roots) {
         let dual = dual_of(sym, &duals, &direction);
         duals.insert(sym, dual);
@@ -81,7 +85,7 @@ pub(crate) fn partial(roots: &[Sym], variable: Variable) -> Vec<Sym> {
 
 fn dual_of(
     sym: Sym,
-    duals: &HashMap<Sym, Dual<Sym>>,
+    duals: &Table<Sym, Dual<Sym>>,
     direction: &impl Fn(Variable) -> Sym,
 ) -> Dual<Sym> {
     let of = |part: Sym| {
@@ -145,9 +149,9 @@ fn dual_of(
 
 /// Gradient of `root` with respect to `by`: adjoints from the root down.
 pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
-    let mut adjoints: HashMap<Sym, Vec<(Sym, f64)>> = HashMap::new();
+    let mut adjoints: Table<Sym, Vec<(Sym, f64)>> = Table::default();
     adjoints.insert(root, vec![(Sym::ONE, 1.0)]);
-    let mut totals: HashMap<Variable, Sym> = HashMap::new();
+    let mut totals: Table<Variable, Sym> = Table::default();
     for sym in reachable(&[root]).into_iter().rev() {
         let Some(parts) = adjoints.remove(&sym) else {
             continue;
@@ -192,7 +196,7 @@ pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
 
 /// `roots` with some variables replaced.
 pub(crate) fn substitute(roots: &[Sym], replace: impl Fn(Variable) -> Option<Sym>) -> Vec<Sym> {
-    let mut images: HashMap<Sym, Sym> = HashMap::new();
+    let mut images: Table<Sym, Sym> = Table::default();
     for sym in reachable(roots) {
         let of = |part: Sym| images.get(&part).copied().unwrap_or(part);
         let image = match sym.node() {

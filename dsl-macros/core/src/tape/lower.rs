@@ -1,8 +1,7 @@
 //! Graph to sums and products of any number of parts: coefficients and common factors taken out.
 
 use super::nary::Nary;
-use crate::graph::{self, Node, Sym};
-use std::collections::HashMap;
+use crate::graph::{self, Node, Sym, Table};
 use std::collections::hash_map::Entry;
 
 /// Deepest expressions whose parts are lowered as they are met. In deeper ones what is one quantity comes
@@ -14,10 +13,10 @@ const BRACKETS: usize = 100;
 /// Lowers a set of expressions.
 pub(super) struct Lowering {
     nodes: Vec<Nary>,
-    table: HashMap<Nary, u32>,
-    done: HashMap<Sym, u32>,
+    table: Table<Nary, u32>,
+    done: Table<Sym, u32>,
     /// How many products divide by an expression.
-    divisions: HashMap<Sym, usize>,
+    divisions: Table<Sym, usize>,
     factor: bool,
     /// Brackets that are open, each with a common factor before it.
     brackets: usize,
@@ -28,9 +27,9 @@ impl Lowering {
     pub(super) fn run(outputs: &[Sym], factor: bool) -> (Vec<Nary>, Vec<u32>) {
         let mut lowering = Self {
             nodes: Vec::new(),
-            table: HashMap::new(),
-            done: HashMap::new(),
-            divisions: HashMap::new(),
+            table: Table::default(),
+            done: Table::default(),
+            divisions: Table::default(),
             factor,
             brackets: 0,
         };
@@ -130,7 +129,7 @@ impl Lowering {
             return Vec::new();
         }
         let mut groups: Vec<(f64, Vec<(Sym, bool)>)> = Vec::new();
-        let mut of_magnitude: HashMap<u64, Option<usize>> = HashMap::new();
+        let mut of_magnitude: Table<u64, Option<usize>> = Table::default();
         for &(term, coefficient) in terms {
             let (magnitude, negative) = (coefficient.abs(), coefficient < 0.0);
             // A constant, which comes first, is a group of its own; so are terms with its magnitude.
@@ -199,7 +198,7 @@ impl Lowering {
             if !graph::spend(terms.len()) {
                 return Vec::new();
             }
-            let mut counts: HashMap<Sym, usize> = HashMap::new();
+            let mut counts: Table<Sym, usize> = Table::default();
             for &(term, _) in &terms {
                 if term == Sym::ONE {
                     continue;
