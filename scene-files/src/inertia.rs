@@ -1,23 +1,26 @@
 //! Directions that are solved for with the inertia of a scene, by the operations of compiled scenes.
 
-use crate::scene::TextScene;
 use hangtime::__private::{self as private, Columns, Inertia, Nonzeros};
-use hangtime_dsl::description::Vectors;
+use hangtime_dsl::description::{self, Vectors};
 
 /// A direction at one point.
 pub(crate) struct Direction<'a> {
-    pub(crate) scene: &'a TextScene,
+    /// The inertia of the scene.
+    pub(crate) shared: &'a description::Inertia,
+    /// Number of columns of derivatives.
+    pub(crate) inputs: usize,
+    /// Evaluates a kernel.
+    pub(crate) evaluate: &'a dyn Fn(usize, &[f64], &[f64], &mut [f64]),
     pub(crate) vectors: &'a Vectors,
     pub(crate) x: &'a [f64],
 }
 
 impl Direction<'_> {
-    /// Lends the inertia and the vectors; none where a scene has no inertia.
-    fn with<T>(&self, work: impl FnOnce(&Inertia<'_>, &Columns<'_>) -> T) -> Option<T> {
-        let description = self.scene.description();
-        let shared = description.inertia.as_ref()?;
+    /// Lends the inertia and the vectors.
+    fn with<T>(&self, work: impl FnOnce(&Inertia<'_>, &Columns<'_>) -> T) -> T {
+        let (shared, evaluate) = (self.shared, self.evaluate);
         let kernel = |kernel: usize| {
-            move |x: &[f64], y: &[f64], out: &mut [f64]| self.scene.evaluate(kernel, x, y, out)
+            move |x: &[f64], y: &[f64], out: &mut [f64]| evaluate(kernel, x, y, out)
         };
         let (matrix, product) = (kernel(shared.matrix), kernel(shared.product.0));
         let curvature = kernel(shared.curvature.0);
@@ -35,7 +38,7 @@ impl Direction<'_> {
                 kernel: &curvature,
                 places: &shared.curvature.1,
             },
-            inputs: description.columns(),
+            inputs: self.inputs,
         };
         let columns = Columns {
             count: own.count,
@@ -50,24 +53,18 @@ impl Direction<'_> {
                 places: &own.hessian.1,
             },
         };
-        Some(work(&inertia, &columns))
+        work(&inertia, &columns)
     }
 
     /// Writes the direction; the inverse inertia along its normal.
     pub(crate) fn value(&self, direction: &mut [f64]) -> f64 {
-        let inverse =
-            self.with(|inertia, columns| private::direction(inertia, columns, self.x, direction));
-        inverse.unwrap_or(f64::NAN)
+        self.with(|inertia, columns| private::direction(inertia, columns, self.x, direction))
     }
 
     /// Derivatives at some places, from whose rows `above` is subtracted.
-    pub(crate) fn jacobian(&self, (places, above): (&[(usize, usize)], usize), out: &mut [f64]) {
-        let places: Vec<(usize, usize)> = places
-            .iter()
-            .map(|&(row, column)| (row - above, column))
-            .collect();
+    pub(crate) fn jacobian(&self, places: (&[(usize, usize)], usize), out: &mut [f64]) {
         self.with(|inertia, columns| {
-            private::direction_jacobian(inertia, columns, self.x, &places, out);
+            private::direction_jacobian(inertia, columns, self.x, places, out);
         });
     }
 

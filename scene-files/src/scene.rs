@@ -223,7 +223,7 @@ impl TextScene {
         let solved = rows.solved.as_ref()?;
         let rest = &mut point[self.description().kernels[kernel].outputs.len()..];
         match &solved.by {
-            Solver::Inertia(vectors) => Some(self.direction(vectors, x).value(rest)),
+            Solver::Inertia(vectors) => self.direction(vectors, x, |own| own.value(rest)),
             &Solver::System(system) => Scratch::lend(|scratch| {
                 let size = self.description().systems[system].size;
                 self.solve(scratch, system, x);
@@ -233,9 +233,23 @@ impl TextScene {
         }
     }
 
-    fn direction<'a>(&'a self, vectors: &'a Vectors, x: &'a [f64]) -> Direction<'a> {
-        let scene = self;
-        Direction { scene, vectors, x }
+    /// Lends a direction that is solved for with the inertia of the scene.
+    fn direction<T>(
+        &self,
+        vectors: &Vectors,
+        x: &[f64],
+        work: impl FnOnce(&Direction<'_>) -> T,
+    ) -> Option<T> {
+        let description = self.description();
+        let shared = description.inertia.as_ref()?;
+        let direction = Direction {
+            shared,
+            inputs: description.columns(),
+            evaluate: &|kernel, x, y, out| self.evaluate(kernel, x, y, out),
+            vectors,
+            x,
+        };
+        Some(work(&direction))
     }
 
     pub(crate) fn rows_jacobian(&self, rows: &Rows, x: &[f64], values: &mut [f64]) {
@@ -246,7 +260,9 @@ impl TextScene {
         let below = (&rows.jacobian.entries[first..], solved.formulas);
         let values = &mut values[first..];
         match &solved.by {
-            Solver::Inertia(vectors) => self.direction(vectors, x).jacobian(below, values),
+            Solver::Inertia(vectors) => {
+                self.direction(vectors, x, |own| own.jacobian(below, values));
+            }
             &Solver::System(system) => {
                 Scratch::lend(|scratch| {
                     self.differentiate(scratch, system, x);
@@ -270,7 +286,9 @@ impl TextScene {
         let weights = &multipliers[solved.formulas..];
         let places = &rows.hessian.entries[..];
         match &solved.by {
-            Solver::Inertia(vectors) => self.direction(vectors, x).hessian(weights, places, values),
+            Solver::Inertia(vectors) => {
+                self.direction(vectors, x, |own| own.hessian(weights, places, values));
+            }
             &Solver::System(system) => {
                 Scratch::lend(|scratch| {
                     self.second(scratch, (system, weights), x, (places, values));

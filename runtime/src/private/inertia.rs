@@ -112,19 +112,19 @@ pub fn direction(
     })
 }
 
-/// Derivatives of the first direction at some places.
+/// Derivatives of the first direction at some places, from whose rows `above` is subtracted.
 pub fn direction_jacobian(
     inertia: &Inertia<'_>,
     columns: &Columns<'_>,
     x: &[f64],
-    places: &[Place],
+    (places, above): (&[Place], usize),
     values: &mut [f64],
 ) {
     lend(|workspace| {
         workspace.solve(inertia, columns, x);
         workspace.differentiate(inertia, columns, x);
         for (&(row, column), value) in places.iter().zip(values) {
-            *value = workspace.sensitivity[row * inertia.inputs + column];
+            *value = workspace.sensitivity[(row - above) * inertia.inputs + column];
         }
     });
 }
@@ -391,4 +391,172 @@ fn subtract(y: &mut [f64], x: &[f64], factor: f64) {
 fn zeros(vector: &mut Vec<f64>, length: usize) {
     vector.clear();
     vector.resize(length, 0.0);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A step of central differences: 1e-16/1e-5 of rounding and 1e-10 of the third derivatives.
+    const STEP: f64 = 1e-5;
+    const TOLERANCE: f64 = 1e-9;
+
+    /// `K = [[2 + sin x, y, 0], [y, 3 + x^2, x y], [0, x y, 4]]`, with vectors `(x, 1, y^2)` and `n = (1, x y, sin y)`.
+    fn with<T>(bordered: bool, work: impl FnOnce(&Inertia<'_>, &Columns<'_>) -> T) -> T {
+        let matrix = |x: &[f64], _: &[f64], k: &mut [f64]| {
+            let (x, y) = (x[0], x[1]);
+            let values = [
+                2.0 + x.sin(),
+                y,
+                0.0,
+                y,
+                3.0 + x * x,
+                x * y,
+                0.0,
+                x * y,
+                4.0,
+            ];
+            k.copy_from_slice(&values);
+        };
+        let product = |x: &[f64], v: &[f64], out: &mut [f64]| {
+            let (x, y) = (x[0], x[1]);
+            let values = [
+                x.cos() * v[0],
+                v[1],
+                2.0 * x * v[1] + y * v[2],
+                v[0] + x * v[2],
+                y * v[1],
+                x * v[1],
+            ];
+            out.copy_from_slice(&values);
+        };
+        let curvature = |x: &[f64], v: &[f64], out: &mut [f64]| {
+            let (mu, v) = v.split_at(3);
+            out[0] = -x[0].sin() * mu[0] * v[0] + 2.0 * mu[1] * v[1];
+            out[1] = mu[1] * v[2] + mu[2] * v[1];
+        };
+        let values = |x: &[f64], _: &[f64], out: &mut [f64]| {
+            let all = [x[0], 1.0, x[1] * x[1], 1.0, x[0] * x[1], x[1].sin()];
+            out.copy_from_slice(&all[..out.len()]);
+        };
+        let jacobian = |x: &[f64], _: &[f64], out: &mut [f64]| {
+            let all = [1.0, 2.0 * x[1], x[1], x[0], x[1].cos()];
+            out.copy_from_slice(&all[..out.len()]);
+        };
+        let hessian = |x: &[f64], w: &[f64], out: &mut [f64]| {
+            let normal = w.get(3..).map_or([0.0; 2], |w| [w[1], -x[1].sin() * w[2]]);
+            out.copy_from_slice(&[normal[0], 2.0 * w[2] + normal[1]]);
+        };
+        let count = if bordered { 2 } else { 1 };
+        work(
+            &Inertia {
+                envelope: &[0, 0, 1],
+                matrix: &matrix,
+                product: Nonzeros {
+                    kernel: &product,
+                    places: &[(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)],
+                },
+                curvature: Nonzeros {
+                    kernel: &curvature,
+                    places: &[(0, 0), (1, 0)],
+                },
+                inputs: 2,
+            },
+            &Columns {
+                count,
+                bordered,
+                values: &values,
+                jacobian: Nonzeros {
+                    kernel: &jacobian,
+                    places: &[(0, 0), (2, 1), (4, 0), (4, 1), (5, 1)]
+                        [..if bordered { 5 } else { 2 }],
+                },
+                hessian: Nonzeros {
+                    kernel: &hessian,
+                    places: &[(1, 0), (1, 1)],
+                },
+            },
+        )
+    }
+
+    fn value(bordered: bool, x: &[f64]) -> ([f64; 3], f64) {
+        let mut found = [0.0; 3];
+        let inverse = with(bordered, |inertia, columns| {
+            direction(inertia, columns, x, &mut found)
+        });
+        (found, inverse)
+    }
+
+    fn slopes(bordered: bool, x: &[f64]) -> [f64; 6] {
+        let places = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)];
+        let mut found = [0.0; 6];
+        with(bordered, |inertia, columns| {
+            direction_jacobian(inertia, columns, x, (&places, 0), &mut found);
+        });
+        found
+    }
+
+    /// A point and the two beside it along an input.
+    fn beside(x: [f64; 2], input: usize) -> [[f64; 2]; 2] {
+        [STEP, -STEP].map(|step| {
+            let mut moved = x;
+            moved[input] += step;
+            moved
+        })
+    }
+
+    #[test]
+    fn directions_solve_their_equations() {
+        let x = [0.7, -0.4];
+        let k = [
+            [2.0 + 0.7_f64.sin(), -0.4, 0.0],
+            [-0.4, 3.49, -0.28],
+            [0.0, -0.28, 4.0],
+        ];
+        let (c, n) = ([0.7, 1.0, 0.16], [1.0, -0.28, (-0.4_f64).sin()]);
+        let (alone, _) = value(false, &x);
+        let (scaled, inverse) = value(true, &x);
+        for i in 0..3 {
+            let rows = |v: &[f64; 3]| inner(&k[i], v);
+            // A handful of roundings of numbers near one.
+            assert!((rows(&alone) - c[i]).abs() < 1e-14);
+            assert!((rows(&scaled) * inverse - c[i]).abs() < 1e-14);
+        }
+        // 1/r = n' K^-1 n, by what solves for the normal alone.
+        let mut z = n;
+        let mut factors = k.concat();
+        factorize(&mut factors, &[0, 0, 1]);
+        back_substitute(&factors, &[0, 0, 1], &mut z);
+        assert!((inner(&z, &n) - inverse).abs() < 1e-14);
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences() {
+        let (x, lambda) = ([0.7, -0.4], [0.3, -1.1, 0.8]);
+        for bordered in [false, true] {
+            let found = slopes(bordered, &x);
+            let mut second = [0.0; 3];
+            with(bordered, |inertia, columns| {
+                let places = [(0, 0), (1, 0), (1, 1)];
+                direction_hessian(inertia, columns, (&x, &lambda), &places, &mut second);
+            });
+            let second = [[second[0], second[1]], [second[1], second[2]]];
+            for input in 0..2 {
+                let [ahead, behind] = beside(x, input);
+                let (ahead_value, behind_value) =
+                    (value(bordered, &ahead).0, value(bordered, &behind).0);
+                for i in 0..3 {
+                    let slope = (ahead_value[i] - behind_value[i]) / (2.0 * STEP);
+                    assert!((slope - found[2 * i + input]).abs() < TOLERANCE);
+                }
+                let (ahead, behind) = (slopes(bordered, &ahead), slopes(bordered, &behind));
+                for j in 0..2 {
+                    let change = |i: usize| (ahead[2 * i + j] - behind[2 * i + j]) / (2.0 * STEP);
+                    let wanted: f64 = (0..3).map(|i| lambda[i] * change(i)).sum();
+                    let error = (wanted - second[input][j]).abs();
+                    assert!(error < TOLERANCE, "{bordered} {input} {j}: {wanted}");
+                }
+            }
+        }
+    }
 }

@@ -17,7 +17,7 @@ use super::residual::{self, Bordered, Elimination};
 use super::shared::{Columns, Directed};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
-use crate::graph::{self, Compose, Sym, Variable};
+use crate::graph::{self, Compose, Stage, Sym, Variable};
 use crate::scene::{Action, Contact, Friction};
 
 /// Square of an acceleration that is none.
@@ -113,6 +113,8 @@ pub(super) struct Mechanism<'a> {
     pub(super) momenta: &'a [Sym],
     /// Whether the entries of the mass matrix multiply a vector in fewer operations than the momenta.
     pub(super) by_entries: bool,
+    /// Whether the momenta are evaluated in steps.
+    pub(super) in_steps: bool,
     /// The coordinates that these belong to, increasing.
     pub(super) coordinates: &'a [usize],
     /// Number of coordinates of the scene.
@@ -133,6 +135,7 @@ impl Mechanism<'_> {
         let mut contacts: Vec<ContactEquations> = Vec::with_capacity(declared.len());
         let mut alike = Alike::default();
         for contact in declared {
+            graph::begin(Stage::Contact(contacts.len()));
             let mut derived = self.contact(contact, &contacts, &mut alike)?;
             for &(surface, factor) in &contact.loads {
                 // A force `r / D` of the surface adds its share to the bound, which is measured by `D` of the friction.
@@ -251,6 +254,7 @@ impl Mechanism<'_> {
             mass: &mass,
             momenta: &momenta,
             by_entries: self.by_entries,
+            in_steps: self.in_steps,
             coordinates,
             all: n,
             joints: &[],
@@ -409,6 +413,7 @@ impl Mechanism<'_> {
             mass: self.mass,
             momenta: self.momenta,
             by_entries: self.by_entries,
+            in_steps: self.in_steps,
             coordinates: self.coordinates,
             held,
             joints: self.joints,

@@ -12,6 +12,8 @@
 use super::explicit::{Sparse, hessian, jacobian};
 use super::joint_row::Row;
 use super::ldl::Factorization;
+use super::stepwise;
+use crate::graph::stepwise::Sweeps;
 use crate::graph::{self, Sym, Variable};
 use crate::tape;
 use std::collections::BTreeSet;
@@ -49,8 +51,9 @@ impl Implicit {
         right: Vec<Sym>,
         residual: &[Sym],
         transposed: &[Sym],
-        inputs: &[Variable],
+        (inputs, in_steps): (&[Variable], bool),
     ) -> Self {
+        let (jacobian, hessian) = derivatives(in_steps);
         Self {
             size: right.len(),
             matrix,
@@ -108,6 +111,21 @@ impl Implicit {
     }
 }
 
+/// How Jacobians and Hessians are derived.
+type Derivatives = (
+    fn(&[Sym], &[Variable]) -> Sparse,
+    fn(&[Sym], &[Variable]) -> Sparse,
+);
+
+/// Jacobians and Hessians, of evaluations in steps or of formulas.
+pub(super) fn derivatives(in_steps: bool) -> Derivatives {
+    if in_steps {
+        (stepwise::jacobian, stepwise::hessian)
+    } else {
+        (jacobian, hessian)
+    }
+}
+
 /// Number of the connected block of a square matrix that each row belongs to.
 pub(super) fn blocks(matrix: &[Sym], n: usize) -> Vec<usize> {
     let mut blocks: Vec<usize> = (0..n).collect();
@@ -137,33 +155,28 @@ pub(super) fn motion(
     (applied, moving): (&[Sym], usize),
     inputs: &[Variable],
 ) -> Implicit {
-    let (momenta, mass, n) = (inertia.momenta, inertia.mass, right.len());
+    let (mass, n) = (inertia.mass, right.len());
     let size = inertia.size();
-    let rates = graph::directional(momenta, |variable| match variable {
-        Variable::Coordinate(i) if usize::from(i) >= moving => Sym::ZERO,
-        Variable::Coordinate(i) => Sym::variable(Variable::Velocity(i)),
-        Variable::Velocity(i) => Implicit::unknown(size, usize::from(i)),
-        Variable::Time => Sym::ONE,
-        _ => Sym::ZERO,
-    });
+    let rates = inertia.rates(stepwise::along_unknowns(size, moving));
     let residual: Vec<Sym> = rates
         .iter()
         .zip(applied)
         .map(|(&rate, &force)| rate - force)
         .collect();
-    let transposed = graph::directional(momenta, |variable| match variable {
+    let transposed = inertia.rates(|variable| match variable {
         Variable::Velocity(i) => Implicit::multiplier(usize::from(i)),
         _ => Sym::ZERO,
     });
     // From the entries of the mass matrix instead, where that is shorter.
     let times = |unknown: &dyn Fn(usize) -> Sym| product(mass, n, unknown);
-    let by_entries: Vec<Sym> = times(&|j| Implicit::unknown(size, j))
-        .into_iter()
-        .zip(&right)
-        .map(|(inertial, &right)| inertial - right)
-        .collect();
-    let mut residual = shorter(residual, by_entries);
-    let mut transposed = shorter(transposed, times(&Implicit::multiplier));
+    let (mut residual, mut transposed) = (residual, transposed);
+    if !inertia.in_steps {
+        let by_entries = times(&|j| Implicit::unknown(size, j)).into_iter();
+        let by_entries = by_entries.zip(&right);
+        let by_entries = by_entries.map(|(inertial, &right)| inertial - right);
+        residual = shorter(residual, by_entries.collect());
+        transposed = shorter(transposed, times(&Implicit::multiplier));
+    }
     let right = inertia.right(&right);
     inertia.add_joints(&mut residual, &|i| Implicit::unknown(size, i));
     for (residual, right) in residual[n..].iter_mut().zip(&right[n..]) {
@@ -171,7 +184,8 @@ pub(super) fn motion(
     }
     inertia.add_joints(&mut transposed, &Implicit::multiplier);
     let solution = factorization.map(|factorization| factorization.solve(&right));
-    let mut motion = Implicit::new(inertia.matrix(), right, &residual, &transposed, inputs);
+    let how = (inputs, inertia.in_steps);
+    let mut motion = Implicit::new(inertia.matrix(), right, &residual, &transposed, how);
     motion.solution = solution;
     motion
 }
@@ -210,6 +224,8 @@ pub(super) struct Locked<'a> {
     pub(super) momenta: &'a [Sym],
     /// Whether its entries multiply a vector in fewer operations than those.
     pub(super) by_entries: bool,
+    /// Whether the momenta are evaluated in steps, and all that is derived of them.
+    pub(super) in_steps: bool,
     /// The coordinates that its rows belong to, increasing.
     pub(super) coordinates: &'a [usize],
     /// Rows that are held.
@@ -248,6 +264,15 @@ impl Locked<'_> {
         }
     }
 
+    /// Rates of the momenta where each variable moves by `direction`.
+    fn rates(&self, direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
+        if self.in_steps {
+            Sweeps::over(self.momenta).directional(direction)
+        } else {
+            graph::directional(self.momenta, direction)
+        }
+    }
+
     /// Product with a vector, by the momenta if that takes fewer operations.
     pub(super) fn times(&self, of: impl Fn(usize) -> Sym) -> Vec<Sym> {
         if self.by_entries {
@@ -258,7 +283,7 @@ impl Locked<'_> {
             return rows;
         }
         let row = |i: u16| self.coordinates.binary_search(&usize::from(i)).ok();
-        let mut rows = graph::directional(self.momenta, |variable| match variable {
+        let mut rows = self.rates(|variable| match variable {
             Variable::Velocity(i) => match row(i) {
                 Some(row) if !self.is_held(row) => of(row),
                 _ => Sym::ZERO,
@@ -349,7 +374,8 @@ pub(super) fn of_force(inertia: &Locked<'_>, force: Vec<Sym>, inputs: &[Variable
     let products = inertia.times(|i| Implicit::unknown(n, i));
     let residual: Vec<Sym> = products.iter().zip(&force).map(|(&a, &f)| a - f).collect();
     let transposed = inertia.times(Implicit::multiplier);
-    Implicit::new(inertia.matrix(), force, &residual, &transposed, inputs)
+    let how = (inputs, inertia.in_steps);
+    Implicit::new(inertia.matrix(), force, &residual, &transposed, how)
 }
 
 /// Unknowns `e` for each of the tangents, then `d` and `r`.
@@ -405,5 +431,6 @@ fn bordered(
         .map(|i| normal[i] * Implicit::unknown(size, closing + i))
         .sum();
     residual.push(closure - Sym::ONE);
-    Implicit::new(matrix, right, &residual, &transposed, inputs)
+    let how = (inputs, inertia.in_steps);
+    Implicit::new(matrix, right, &residual, &transposed, how)
 }

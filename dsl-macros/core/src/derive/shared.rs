@@ -12,7 +12,7 @@
 //! `(mu' K y)_xx` with vectors `y` and `mu` that are given as numbers. So what is derived of a contact does not grow with the inertia.
 
 use super::explicit::{Sparse, hessian, jacobian};
-use super::implicit::{Implicit, Locked, blocks};
+use super::implicit::{Implicit, Locked, blocks, derivatives};
 use crate::graph::{Sym, Variable};
 use std::collections::BTreeSet;
 
@@ -70,6 +70,7 @@ impl SharedInertia {
         let size = inertia.size();
         let matrix = inertia.matrix();
         let products = inertia.times(|i| Implicit::unknown(size, i));
+        let (jacobian, hessian) = derivatives(inertia.in_steps);
         Self {
             size,
             blocks: blocks(&matrix, size),

@@ -20,6 +20,8 @@ const EQUATION: usize = 2000;
 struct Known {
     generation: u64,
     simplified: Table<(Sym, usize), Sym>,
+    /// Operations of an expression by itself.
+    operations: Table<Sym, usize>,
 }
 
 thread_local! {
@@ -42,6 +44,7 @@ fn simplify_up_to(sym: Sym, longest: usize) -> Sym {
     let known = KNOWN.with_borrow_mut(|known| {
         if known.generation != generation {
             known.simplified.clear();
+            known.operations.clear();
             known.generation = generation;
         }
         known.simplified.get(&(sym, longest)).copied()
@@ -53,13 +56,23 @@ fn simplify_up_to(sym: Sym, longest: usize) -> Sym {
     })
 }
 
+/// Number of operations that an expression takes by itself, counted once a derivation.
+fn operations(sym: Sym) -> usize {
+    let known = KNOWN.with_borrow(|known| known.operations.get(&sym).copied());
+    known.unwrap_or_else(|| {
+        let count = tape::operations(&[sym]);
+        KNOWN.with_borrow_mut(|known| known.operations.insert(sym, count));
+        count
+    })
+}
+
 fn tried(sym: Sym, longest: usize) -> Sym {
     // Counting operations takes much longer than counting parts, of which each is one or more.
     if graph::is_longer_than(sym, longest) {
         return sym;
     }
     let mut best = sym;
-    let mut cost = tape::operations(&[sym]);
+    let mut cost = operations(sym);
     if cost <= 1 || cost > longest {
         return sym;
     }
@@ -74,9 +87,11 @@ fn tried(sym: Sym, longest: usize) -> Sym {
         graph::pythagoras(expanded, Function::Cos, TERMS),
         graph::pythagoras(expanded, Function::Sin, TERMS),
     ];
+    let mut known = vec![sym];
     for candidate in candidates.into_iter().flatten() {
-        if candidate != best {
-            let own = tape::operations(&[candidate]);
+        if !known.contains(&candidate) {
+            known.push(candidate);
+            let own = operations(candidate);
             if own < cost {
                 (best, cost) = (candidate, own);
             }

@@ -33,7 +33,7 @@ pub use sensitivity::{ContactSensitivity, Derivative, FrictionSensitivity, Sensi
 pub use shown::{Outputs, Picture, Shape};
 
 use crate::derive::{Equations, Explicit, Solution};
-use crate::graph::{self, Sym};
+use crate::graph::{self, Stage, Sym};
 use crate::scene::CheckedScene;
 use builder::Builder;
 use declared::text;
@@ -144,6 +144,7 @@ pub(crate) enum Unfit {
 
 impl Description {
     pub(crate) fn of(scene: &CheckedScene, equations: &Equations) -> Result<Self, Unfit> {
+        graph::begin(Stage::Kernels);
         let mut builder = Builder {
             scene,
             inputs: equations.inputs.len(),

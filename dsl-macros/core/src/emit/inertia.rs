@@ -17,7 +17,8 @@ pub(super) fn direction(name: &str, out: &str) -> String {
 /// The call that writes derivatives of a direction at these places.
 pub(super) fn jacobian(name: &str, places: &str, out: &str) -> String {
     format!(
-        "__{name}_with(self, |inertia, vectors| {PRIVATE}::direction_jacobian(inertia, vectors, x, {places}, {out}))"
+        "__{name}_with(self, |inertia, vectors| {PRIVATE}::direction_jacobian(inertia, vectors, x, ({places}, 0), \
+         {out}))"
     )
 }
 

@@ -17,12 +17,13 @@ mod number;
 mod passes;
 mod profile;
 mod second_order;
+pub(crate) mod stepwise;
 mod table;
 
 pub use elementary::{Function, Function2};
 pub(crate) use expand::{expand, pythagoras};
 pub(crate) use function::Compose;
-pub(crate) use limits::{Fault, WORK, is_exhausted, spend, take_fault};
+pub(crate) use limits::{Fault, Stage, allowed, begin, is_exhausted, spend, stage, take_fault};
 pub(crate) use node::{Node, Sym, Variable, children, generation, reset};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{

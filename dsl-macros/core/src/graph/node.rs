@@ -101,6 +101,8 @@ struct Arena {
     nodes: Vec<Node>,
     /// Longest path from each node to a leaf.
     depths: Vec<u32>,
+    /// Whether each node, as a factor to a whole power, is split at once into all that it will ever be.
+    split: Vec<bool>,
     table: Table<Node, Sym>,
     /// How often it was emptied.
     generation: u64,
@@ -115,6 +117,7 @@ pub(crate) fn reset() {
     ARENA.with_borrow_mut(|arena| {
         arena.nodes.clear();
         arena.depths.clear();
+        arena.split.clear();
         arena.table.clear();
         arena.generation += 1;
     });
@@ -140,13 +143,36 @@ pub(super) fn intern(node: Node) -> Sym {
         let below = below.filter_map(|part| arena.depths.get(part.index()));
         let depth = below.max().map_or(0, |depth| depth + 1);
         arena.depths.push(depth);
+        let split = arena.splits_at_once(&node);
+        arena.split.push(split);
         arena.nodes.push(node.clone());
         arena.table.insert(node, sym);
         sym
     })
 }
 
+impl Arena {
+    /// One quantity is split no further, nor is a product of such and of whole powers of sums, which were split when it was made.
+    fn splits_at_once(&self, node: &Node) -> bool {
+        let is_split = |&(part, halves): &(Sym, i32)| match self.nodes.get(part.index()) {
+            Some(Node::Sum(_)) => halves % 2 == 0,
+            Some(Node::Number(_) | Node::Product(_)) | None => false,
+            Some(_) => true,
+        };
+        match node {
+            Node::Sum(_) => false,
+            Node::Product(factors) => factors.iter().all(is_split),
+            _ => true,
+        }
+    }
+}
+
 impl Sym {
+    /// Whether it is split, as a factor to a whole power, at once into all that it will ever be.
+    pub(super) fn splits_at_once(self) -> bool {
+        ARENA.with_borrow(|arena| arena.split.get(self.index()).copied().unwrap_or(false))
+    }
+
     pub(crate) const ZERO: Self = Self::at_const(0);
     pub(crate) const ONE: Self = Self::at_const(1);
 

@@ -104,20 +104,22 @@ fn dual_of(
     {
         return Dual::from_re(sym);
     }
+    // The value is the node itself, so that it is not built a second time in another order.
+    Dual::new(sym, rate(&node, |part| of(part).eps))
+}
+
+/// The rate of a node by the rates of its parts.
+pub(super) fn rate(node: &Node, of: impl Fn(Sym) -> Sym) -> Sym {
     match node {
-        Node::Number(_) | Node::Variable(_) => Dual::from_re(sym),
-        Node::Sum(terms) => {
-            let eps = sum(terms
-                .iter()
-                .map(|&(term, bits)| (of(term).eps, f64::from_bits(bits))));
-            Dual::new(sym, eps)
-        }
+        Node::Number(_) | Node::Variable(_) => Sym::ZERO,
+        Node::Sum(terms) => sum(terms
+            .iter()
+            .map(|&(term, bits)| (of(term), f64::from_bits(bits)))),
         Node::Product(factors) => {
-            // Over the powers of the factors, the product rule of the dual numbers; the value is the
-            // node itself, so that it is not built a second time in another order.
+            // Over the powers of the factors, the product rule of the dual numbers.
             let mut terms = Vec::new();
             for (i, &(factor, halves)) in factors.iter().enumerate() {
-                let eps = of(factor).eps;
+                let eps = of(factor);
                 if eps.is_structural_zero() {
                     continue;
                 }
@@ -126,15 +128,13 @@ fn dual_of(
                 rest.push((eps, 2));
                 terms.push((product(rest), f64::from(halves) / 2.0));
             }
-            Dual::new(sym, sum(terms))
+            sum(terms)
         }
-        Node::Kept(inner) => Dual::new(sym, of(inner).eps),
-        Node::Call(function, argument) => {
-            Dual::new(sym, of(argument).eps * derivative(function, argument))
-        }
+        Node::Kept(inner) => of(*inner),
+        Node::Call(function, argument) => of(*argument) * derivative(*function, *argument),
         Node::Call2(function, first, second) => {
-            let (by_first, by_second) = derivatives(function, first, second);
-            let (first, second) = (of(first).eps, of(second).eps);
+            let (by_first, by_second) = derivatives(*function, *first, *second);
+            let (first, second) = (of(*first), of(*second));
             let mut eps = Sym::ZERO;
             if !first.is_structural_zero() {
                 eps += first * by_first;
@@ -142,13 +142,18 @@ fn dual_of(
             if !second.is_structural_zero() {
                 eps += second * by_second;
             }
-            Dual::new(sym, eps)
+            eps
         }
     }
 }
 
 /// Gradient of `root` with respect to `by`: adjoints from the root down.
 pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
+    gradient_by(root, by, |adjoint| adjoint)
+}
+
+/// The same with `keep` applied to each adjoint that is handed on.
+pub(super) fn gradient_by(root: Sym, by: &[Variable], keep: fn(Sym) -> Sym) -> Vec<Sym> {
     let mut adjoints: Table<Sym, Vec<(Sym, f64)>> = Table::default();
     adjoints.insert(root, vec![(Sym::ONE, 1.0)]);
     let mut totals: Table<Variable, Sym> = Table::default();
@@ -157,14 +162,16 @@ pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
             continue;
         };
         let adjoint = sum(parts);
+        if let Node::Variable(variable) = sym.node() {
+            totals.insert(variable, adjoint);
+            continue;
+        }
+        let adjoint = keep(adjoint);
         let mut add = |part: Sym, value: Sym, factor: f64| {
             adjoints.entry(part).or_default().push((value, factor));
         };
         match sym.node() {
-            Node::Number(_) => {}
-            Node::Variable(variable) => {
-                totals.insert(variable, adjoint);
-            }
+            Node::Number(_) | Node::Variable(_) => {}
             Node::Sum(terms) => {
                 for &(term, bits) in terms.iter() {
                     add(term, adjoint, f64::from_bits(bits));

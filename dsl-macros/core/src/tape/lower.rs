@@ -10,6 +10,15 @@ const SHALLOW: usize = 600;
 /// Most brackets inside each other before each of which a common factor stands: formulas have a handful.
 const BRACKETS: usize = 100;
 
+/// Factors of a term that stand in it as wholes; none of the number 1.
+fn whole_factors(term: Sym) -> Vec<Sym> {
+    let factors = graph::factors_of(term).into_iter();
+    factors
+        .filter(|&(_, halves)| halves >= 2)
+        .map(|(factor, _)| factor)
+        .collect()
+}
+
 /// Lowers a set of expressions.
 pub(super) struct Lowering {
     nodes: Vec<Nary>,
@@ -192,40 +201,33 @@ impl Lowering {
     }
 
     /// Terms with the factor that most of them share taken out, again and again.
-    fn factored(&mut self, mut terms: Vec<(Sym, bool)>) -> Vec<(u32, bool)> {
+    fn factored(&mut self, terms: Vec<(Sym, bool)>) -> Vec<(u32, bool)> {
         let mut items = Vec::new();
+        let with_factors = |(term, negative)| (term, negative, whole_factors(term));
+        let mut terms: Vec<(Sym, bool, Vec<Sym>)> = terms.into_iter().map(with_factors).collect();
+        let mut counts: Table<Sym, usize> = Table::default();
         loop {
             if !graph::spend(terms.len()) {
                 return Vec::new();
             }
-            let mut counts: Table<Sym, usize> = Table::default();
-            for &(term, _) in &terms {
-                if term == Sym::ONE {
-                    continue;
-                }
-                for (factor, halves) in graph::factors_of(term) {
-                    if halves >= 2 {
-                        *counts.entry(factor).or_default() += 1;
-                    }
-                }
+            counts.clear();
+            for &factor in terms.iter().flat_map(|(_, _, factors)| factors) {
+                *counts.entry(factor).or_default() += 1;
             }
             let best = counts
-                .into_iter()
-                .filter(|&(_, count)| count >= 2)
-                .max_by_key(|&(factor, count)| (count, std::cmp::Reverse(factor)));
-            let Some((factor, _)) = best else {
+                .iter()
+                .filter(|&(_, &count)| count >= 2)
+                .max_by_key(|&(&factor, &count)| (count, std::cmp::Reverse(factor)));
+            let Some((&factor, _)) = best else {
                 break;
             };
-            let (inside, outside): (Vec<_>, Vec<_>) = terms.into_iter().partition(|&(term, _)| {
-                term != Sym::ONE
-                    && graph::factors_of(term)
-                        .iter()
-                        .any(|&(base, halves)| base == factor && halves >= 2)
-            });
-            let negative = inside.iter().all(|&(_, negative)| negative);
+            let (inside, outside): (Vec<_>, Vec<_>) = terms
+                .into_iter()
+                .partition(|(_, _, factors)| factors.contains(&factor));
+            let negative = inside.iter().all(|&(_, negative, _)| negative);
             let reduced: Vec<(Sym, f64)> = inside
                 .into_iter()
-                .map(|(term, own)| (term / factor, if own == negative { 1.0 } else { -1.0 }))
+                .map(|(term, own, _)| (term / factor, if own == negative { 1.0 } else { -1.0 }))
                 .collect();
             // Recursion ends: each level removes a factor, and a high power has no more levels than others.
             self.brackets += 1;
@@ -236,7 +238,7 @@ impl Lowering {
             items.push((self.multiply(vec![factor, inner]), negative));
             terms = outside;
         }
-        for (term, negative) in terms {
+        for (term, negative, _) in terms {
             items.push((self.lower(term), negative));
         }
         items
