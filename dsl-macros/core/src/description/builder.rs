@@ -88,9 +88,45 @@ pub(super) struct Builder<'a> {
     pub(super) kernels: Vec<Kernel>,
     pub(super) systems: Vec<System>,
     pub(super) inertia: Option<&'a SharedInertia>,
+    /// Kernels of the motion that the inertia may consist of, and what they compute.
+    of_motion: Vec<(Vec<Sym>, usize)>,
 }
 
-impl Builder<'_> {
+impl<'a> Builder<'a> {
+    /// Without kernels.
+    pub(super) fn new(
+        scene: &'a CheckedScene,
+        inputs: usize,
+        inertia: Option<&'a SharedInertia>,
+    ) -> Self {
+        Self {
+            scene,
+            inputs,
+            at_the_end: false,
+            renamed: Renamed::default(),
+            kernels: Vec::new(),
+            systems: Vec::new(),
+            inertia,
+            of_motion: Vec::new(),
+        }
+    }
+
+    /// Adds a kernel of the motion that the inertia may use as well; its index.
+    pub(super) fn of_motion(&mut self, name: &str, outputs: &[Sym]) -> usize {
+        let kernel = self.kernel(name, outputs);
+        self.of_motion.push((outputs.to_vec(), kernel));
+        kernel
+    }
+
+    /// The kernel of the motion that computes the same, or a new one.
+    fn of_motion_or_new(&mut self, name: &str, outputs: &[Sym]) -> usize {
+        let mut known = self.of_motion.iter();
+        match known.find(|(values, _)| values == outputs) {
+            Some(&(_, kernel)) => kernel,
+            None => self.kernel(name, outputs),
+        }
+    }
+
     /// Number of switches whose kernels have been added.
     pub(super) fn switches(&self) -> usize {
         let of_switch = |kernel: &&Kernel| kernel.name.starts_with("gap_switching_function_");
@@ -128,8 +164,11 @@ impl Builder<'_> {
         Some(Inertia {
             size: shared.size,
             envelope: shared.envelope(),
-            matrix: self.kernel("inertia", &shared.matrix),
-            product: self.nonzeros("inertia_product", &shared.product),
+            matrix: self.of_motion_or_new("inertia", &shared.matrix),
+            product: (
+                self.of_motion_or_new("inertia_product", &shared.product.values),
+                shared.product.entries.clone(),
+            ),
             curvature: self.nonzeros("inertia_curvature", &shared.curvature),
         })
     }
@@ -152,7 +191,7 @@ impl Builder<'_> {
         system.extend(&implicit.right);
         let solve = self.kernel(&format!("{name}_system"), &system);
         let mut part = |suffix: &str, sparse: &Sparse| {
-            let kernel = self.kernel(&format!("{name}_{suffix}"), &sparse.values);
+            let kernel = self.of_motion(&format!("{name}_{suffix}"), &sparse.values);
             (kernel, sparse.entries.clone())
         };
         let system = System {

@@ -37,7 +37,6 @@ use crate::graph::{self, Stage, Sym};
 use crate::scene::CheckedScene;
 use builder::Builder;
 use declared::text;
-use renamed::Renamed;
 
 /// Most operations of one kernel: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
@@ -145,15 +144,8 @@ pub(crate) enum Unfit {
 impl Description {
     pub(crate) fn of(scene: &CheckedScene, equations: &Equations) -> Result<Self, Unfit> {
         graph::begin(Stage::Kernels);
-        let mut builder = Builder {
-            scene,
-            inputs: equations.inputs.len(),
-            at_the_end: false,
-            renamed: Renamed::default(),
-            kernels: Vec::new(),
-            systems: Vec::new(),
-            inertia: equations.inertia.as_ref(),
-        };
+        let inertia = equations.inertia.as_ref();
+        let mut builder = Builder::new(scene, equations.inputs.len(), inertia);
         let motion = motion(&mut builder, equations);
         let inertia = builder.inertia();
         let contacts = scene
@@ -291,7 +283,7 @@ fn motion(builder: &mut Builder<'_>, equations: &Equations) -> Motion {
         derivatives,
         jacobian,
         hessian,
-        mass_matrix: builder.kernel("mass_matrix", &equations.mass),
+        mass_matrix: builder.of_motion("mass_matrix", &equations.mass),
         energy: builder.kernel("energy", &equations.energy),
     }
 }
