@@ -196,7 +196,7 @@ fn is_square(row: Sym) -> bool {
 }
 
 /// The rate of a row of positions; a row of velocities itself.
-pub(crate) fn rate(row: Sym, holonomic: bool) -> Sym {
+fn rate(row: Sym, holonomic: bool) -> Sym {
     if holonomic {
         graph::directional(&[row], velocity_direction)[0]
     } else {

@@ -25,7 +25,6 @@ mod units;
 mod values;
 
 pub(crate) use design::without_free_bounds;
-pub(crate) use joint::rate as joint_rate;
 pub(crate) use law::normal;
 pub(crate) use start::inertia_at_start;
 

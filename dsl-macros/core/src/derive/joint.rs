@@ -2,6 +2,7 @@
 
 use super::implicit::Locked;
 use super::ldl::Factorization;
+use super::explicit::hessian;
 use super::{Sparse, jacobian, simplify};
 use crate::graph::{Sym, Variable};
 use crate::scene::CheckedScene;
@@ -11,6 +12,8 @@ pub(crate) struct JointEquations {
     /// The positions `g` of all rows, 0 of those of velocities, and then the velocities `w` of all.
     pub(crate) values: Vec<Sym>,
     pub(crate) jacobian: Sparse,
+    /// Lower triangle of the Hessian of their weighted sum.
+    pub(crate) hessian: Sparse,
     /// The forces, unless they are the rest of the solution of the system of motion.
     pub(crate) forces: Option<Vec<Sym>>,
 }
@@ -43,6 +46,7 @@ pub(super) fn equations(
     let behind = scene.coordinates.len();
     Some(JointEquations {
         jacobian: jacobian(&values, inputs),
+        hessian: hessian(&values, inputs),
         values,
         forces: solution.map(|solution| solution[behind..].iter().map(|&mu| -mu).collect()),
     })
