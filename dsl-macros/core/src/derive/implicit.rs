@@ -24,6 +24,9 @@ pub(crate) const WRITTEN_OUT: usize = 8;
 /// would about double.
 pub(super) const FORMULAS: usize = 16;
 
+/// Largest system with joints whose factors are looked at: those of links in a chain are mostly zeros, some 100 operations a link.
+pub(super) const MOST_SPARSE: usize = 250;
+
 /// A linear system with everything that its solution's derivatives need. In its formulas,
 /// `Multiplier(i)` stands for `mu[i]` and `Unknown(size + i)` for `y[i]`.
 pub(crate) struct Implicit {

@@ -94,10 +94,12 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         .then(|| Factorization::of(&mass, n))
         .transpose()
         .map_err(singular)?;
-    let stepwise = (order <= implicit::FORMULAS)
+    let sparse = !joints.is_empty() && order <= implicit::MOST_SPARSE;
+    let stepwise = (order <= implicit::FORMULAS || sparse)
         .then(|| inertia.factorized())
         .transpose()
-        .map_err(singular)?;
+        .map_err(singular)?
+        .filter(|factors| order <= implicit::FORMULAS || factors.is_sparse());
     let written_out = stepwise.as_ref().filter(|_| order <= WRITTEN_OUT);
     let motion = || {
         implicit::motion(
