@@ -208,6 +208,27 @@ fn velocities(n: usize) -> Vec<Variable> {
     (0..n).map(|i| Variable::Velocity(i as u16)).collect()
 }
 
+/// E24: forces of joints in optimal control, where contacts push along normals and tangents, and nothing switches what acts.
+pub(super) fn planned(checker: &mut Checker<'_>, contacts: &[Contact]) {
+    let Some(place) = checker.scope.planned else {
+        return;
+    };
+    let other = contacts
+        .iter()
+        .find(|contact| contact.switch.is_some() || !contact.held.is_empty());
+    let Some(other) = other else { return };
+    let what = if other.switch.is_some() {
+        "a switch in `forces`"
+    } else {
+        "a contact with `holding`"
+    };
+    let message = format!(
+        "the force of a joint in optimal control is not known beside {what} (`{}`); write the cost or condition with controls",
+        other.name.text
+    );
+    checker.diagnostics.report("E24", place, message);
+}
+
 /// Names of the joints that are equations between velocities.
 pub(super) fn of_velocities(checker: &Checker<'_>) -> HashSet<String> {
     let rolling = checker.laws.joints.iter().filter(|joint| !joint.holonomic);

@@ -286,6 +286,7 @@ fn finish(
     switches::append(&mut checker, &mut forces, &mut contacts)?;
     resets::append(&mut checker, &mut contacts);
     joint::finish(&mut checker, &units.gaps, &contacts);
+    joint::planned(&mut checker, &contacts);
     let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
     let mut optimal_control = optimal_control::optimal_control(&mut checker, units);
     let remembered = remembered::starts(&mut checker, optimal_control.as_mut(), &start);

@@ -1,11 +1,12 @@
 //! What methods read of joints: positions and velocities of their rows, and their forces.
 
+use super::contact_equations::ContactEquations;
 use super::implicit::Locked;
 use super::ldl::Factorization;
 use super::explicit::hessian;
 use super::{Sparse, jacobian, simplify};
 use crate::graph::{Sym, Variable};
-use crate::scene::CheckedScene;
+use crate::scene::{CheckedScene, Contact};
 
 /// The functions of all joints.
 pub(crate) struct JointEquations {
@@ -50,4 +51,33 @@ pub(super) fn equations(
         values,
         forces: solution.map(|solution| solution[behind..].iter().map(|&mu| -mu).collect()),
     })
+}
+
+/// The forces of all rows as formulas, with those of contacts among them.
+///
+/// # Errors
+/// The coordinate whose pivot is structurally zero.
+pub(super) fn forces(
+    inertia: &Locked<'_>,
+    right: &[Sym],
+    contacts: &[ContactEquations],
+    declared: &[Contact],
+) -> Result<Vec<Sym>, usize> {
+    let mut right = right.to_vec();
+    for ((contact, declared), i) in contacts.iter().zip(declared).zip(0_u16..) {
+        let mut push = |covector: &[Sym], force: Variable| {
+            for (right, &component) in right.iter_mut().zip(covector) {
+                *right += component * Sym::variable(force);
+            }
+        };
+        if declared.bound.is_none() {
+            push(&contact.normal, Variable::ContactForce(i));
+        }
+        if let Some(friction) = &contact.friction {
+            push(&friction.tangent, Variable::FrictionForce(i));
+        }
+    }
+    let solution = inertia.factorized()?.solve(&inertia.right(&right));
+    let behind = inertia.size() - inertia.joints.len();
+    Ok(solution[behind..].iter().map(|&mu| -mu).collect())
 }

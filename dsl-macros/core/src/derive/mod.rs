@@ -34,7 +34,7 @@ pub(crate) use joint::JointEquations;
 pub(crate) use simplify::simplify;
 
 use crate::graph::{self, Sym, Variable};
-use crate::scene::CheckedScene;
+use crate::scene::{CheckedScene, OptimalControl};
 use ldl::Factorization;
 use simplify::simplify_equation;
 
@@ -124,7 +124,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     };
     let forces = joint::equations(scene, &inertia, (stepwise.as_ref(), &right), &inputs);
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
-    let inertia = contact::Mechanism {
+    let mechanism = contact::Mechanism {
         mass: &mass,
         momenta: &momenta,
         coordinates: &all,
@@ -135,10 +135,16 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         moving,
         inputs: &inputs,
     };
-    let contacts = inertia.contacts(&scene.contacts)?;
-    let optimal_control = scene.optimal_control.as_ref();
-    let optimal_control = optimal_control
-        .map(|task| control::equations(task, scene, &contacts, &inertia))
+    let contacts = mechanism.contacts(&scene.contacts)?;
+    let task = scene.optimal_control.clone();
+    let optimal_control = task
+        .map(|task| {
+            let forces = |contacts: &[ContactEquations]| {
+                joint::forces(&inertia, &right, contacts, &scene.contacts).map_err(singular)
+            };
+            let task = with_joint_forces(task, || forces(&contacts))?;
+            control::equations(&task, scene, &contacts, &mechanism)
+        })
         .transpose()?;
     Ok(Equations {
         inputs,
@@ -151,6 +157,27 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         joints: forces,
         optimal_control,
     })
+}
+
+/// The task with the forces of joints that it reads as formulas.
+fn with_joint_forces(
+    task: OptimalControl,
+    forces: impl FnOnce() -> Result<Vec<Sym>, Failure>,
+) -> Result<OptimalControl, Failure> {
+    let of_joint = |variable| matches!(variable, Variable::JointForce(_));
+    let running = task.running_cost.into_iter();
+    let mut read = running.chain(task.constraints.iter().map(|known| known.function));
+    if !read.any(|function| graph::depends_on(function, of_joint)) {
+        return Ok(task);
+    }
+    let (forces, mut task) = (forces()?, task);
+    task.map_functions(|value| {
+        graph::substitute(&[value], |variable| match variable {
+            Variable::JointForce(i) => forces.get(usize::from(i)).copied(),
+            _ => None,
+        })[0]
+    });
+    Ok(task)
 }
 
 /// Momenta of all coordinates, and the energies.
