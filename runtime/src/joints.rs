@@ -270,7 +270,10 @@ impl<'a> Joints<'a> {
                     }
                     let value = self.off(place, velocities).abs();
                     let gradient = &self.gradients[place * n..(place + 1) * n];
-                    let terms = gradient.iter().zip(&x[n..2 * n]).map(|(g, v)| (g * v).abs());
+                    let terms = gradient
+                        .iter()
+                        .zip(&x[n..2 * n])
+                        .map(|(g, v)| (g * v).abs());
                     let rounding = if velocities {
                         f64::EPSILON * terms.sum::<f64>()
                     } else {
@@ -311,9 +314,9 @@ impl<'a> Joints<'a> {
         Ok(())
     }
 
-    /// `M^-1 G'` of the rows last evaluated, one column after the other, into the directions, and the factors of `S`, with its smallest
-    /// pivot as a share of its entry. Few rows of a mechanism share a body, so that both matrices are mostly zeros.
-    fn couple(&mut self, x: &[f64]) -> Result<f64, JointError> {
+    /// `M^-1 G'` of the rows last evaluated, one column after the other, into the directions, and the factors of `S`. Few rows of a
+    /// mechanism share a body, so that both matrices are mostly zeros.
+    fn couple(&mut self, x: &[f64]) -> Result<(), JointError> {
         let (n, count) = (self.n, self.count());
         self.model.mass_matrix(x, &mut self.mass);
         if factorize_sparse(&mut self.mass, n) <= 0.0 {
@@ -330,18 +333,28 @@ impl<'a> Joints<'a> {
                 self.inner[i * count + j] = dot(gradient, column);
             }
         }
-        let least = factorize_sparse(&mut self.inner, count);
-        if least > DEPENDENT {
-            Ok(least)
+        if factorize_sparse(&mut self.inner, count) > DEPENDENT {
+            Ok(())
         } else {
             Err(JointError::Singular)
         }
     }
 
-    /// The smallest pivot of `S` at `x`, as a share of its entry: how far the rows are from depending on each other, about; 0 where they do.
+    /// The smallest pivot of `S` at `x`, to the largest entry: how far the rows are from depending on each other and from vanishing, about; 0
+    /// where they do.
     pub(crate) fn least_pivot(&mut self, x: &[f64]) -> f64 {
+        let (n, count) = (self.n, self.count());
         self.evaluate(x);
-        self.couple(x).unwrap_or(0.0)
+        if self.couple(x).is_err() {
+            return 0.0;
+        }
+        let rows = self
+            .gradients
+            .chunks_exact(n)
+            .zip(self.directions.chunks_exact(n));
+        let largest = rows.fold(0.0_f64, |most, (row, along)| most.max(dot(row, along)));
+        let pivots = (0..count).map(|i| self.inner[i * count + i]);
+        pivots.fold(f64::INFINITY, f64::min) / largest
     }
 
     /// `g` or `w` of a row that is held.
@@ -480,7 +493,11 @@ fn factorize_sparse(matrix: &mut [f64], n: usize) -> f64 {
             let factor = entry / pivot;
             for k in j + 1..=i {
                 // Rows before this one are divided already.
-                let other = if k < i { matrix[k * n + j] * pivot } else { entry };
+                let other = if k < i {
+                    matrix[k * n + j] * pivot
+                } else {
+                    entry
+                };
                 if other != 0.0 {
                     matrix[i * n + k] -= factor * other;
                 }

@@ -65,7 +65,9 @@ pub(in crate::ocp) fn joined(
         let joint = named.map_or(String::new(), |(joint, row)| joint.equation(row));
         let name = model.declaration().coordinates[parameter].name;
         return Err(refusal::unsupported(
-            format!("the start, which fulfils joint {joint} at one value of `{name}` alone, that is to be found,"),
+            format!(
+                "the start, which fulfils joint {joint} at one value of `{name}` alone, that is to be found,"
+            ),
             "let what the joint moves be free at the start, or give it by the parameter",
         ));
     }
@@ -80,7 +82,10 @@ impl Joined {
     /// Says of a solution what was said of the start.
     pub(in crate::ocp) fn note(&self, mut solution: Solution) -> Solution {
         if let Some(motion) = &mut solution.motion {
-            let own = self.notes.iter().filter(|note| !motion.notes.contains(note));
+            let own = self
+                .notes
+                .iter()
+                .filter(|note| !motion.notes.contains(note));
             let own: Vec<String> = own.cloned().collect();
             motion.notes.splice(0..0, own);
         }
@@ -143,7 +148,10 @@ fn newton(
         }
     }
     let values = &values[first..first + count];
-    let shares = values.iter().zip(&sizes).filter(|(value, _)| **value != 0.0);
+    let shares = values
+        .iter()
+        .zip(&sizes)
+        .filter(|(value, _)| **value != 0.0);
     let off = shares.fold(0.0_f64, |most, (value, size)| most.max(value.abs() / size));
     if !off.is_finite() || free.is_empty() {
         return None;

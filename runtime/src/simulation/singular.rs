@@ -13,7 +13,7 @@ use crate::model::Model;
 
 /// Singular values above this share of the largest one are not followed.
 const SMALL: f64 = 0.3;
-/// Smallest pivot of the rows, to their entries, above which they are far from depending on each other.
+/// Smallest pivot of `A A'`, to its largest entry, above which the rows are far from depending on each other.
 const NEAR: f64 = 0.1;
 /// Least cosine between vectors that are the same ones.
 const SAME: f64 = 0.5;
@@ -80,9 +80,8 @@ pub(super) fn first(
             before = None;
             continue;
         }
-        let mut at = |k: usize, x: &[f64]| {
-            Smallest::at(model, &mut joints, x, run.trajectory.time[k])
-        };
+        let mut at =
+            |k: usize, x: &[f64]| Smallest::at(model, &mut joints, x, run.trajectory.time[k]);
         if near && !was_near && k > 0 {
             before = at(k - 1, &input(k - 1));
         }

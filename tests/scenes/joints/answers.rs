@@ -154,7 +154,7 @@ fn mistakes_with_joints_are_answered() {
         ),
         (
             "joint rod: x == l  forces { z: force(rod) }",
-            "is the force of a joint, which is recorded only",
+            "is the force of a joint, which follows from the motion",
         ),
         (
             "joint rod: x == l  outputs { f: m = force(rod) }",

@@ -1,9 +1,9 @@
 //! What methods read of joints: positions and velocities of their rows, and their forces.
 
 use super::contact_equations::ContactEquations;
+use super::explicit::hessian;
 use super::implicit::Locked;
 use super::ldl::Factorization;
-use super::explicit::hessian;
 use super::{Sparse, jacobian, simplify};
 use crate::graph::{Sym, Variable};
 use crate::scene::{CheckedScene, Contact};

@@ -1,9 +1,9 @@
 //! What all programs have in common: horizon, controls, start, objective, goals and path functions.
 
-use super::{given, joint_rows};
 use super::kernel::Kernel;
 use super::sparse_program::{OBJECTIVE, Program};
 use super::units::{THOUSAND, Units, nearest_power};
+use super::{given, joint_rows};
 use crate::model::{ConstraintDeclaration, ContactDeclaration, Model};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;

@@ -114,7 +114,9 @@ fn largest_pivot(
     free: &[usize],
     kinds: &[bool],
 ) -> Option<(usize, usize)> {
-    let positions = open.iter().any(|&row| kinds[row] && has_pivot(&matrix[row], free));
+    let positions = open
+        .iter()
+        .any(|&row| kinds[row] && has_pivot(&matrix[row], free));
     let mut best: Option<(usize, usize)> = None;
     let mut most = NOTHING;
     for (place, &row) in open.iter().enumerate() {
@@ -137,7 +139,9 @@ fn has_pivot(row: &[f64], free: &[usize]) -> bool {
 
 /// Divides a row by its largest entry.
 fn scale(row: &mut [f64]) {
-    let largest = row.iter().fold(0.0_f64, |most, entry| most.max(entry.abs()));
+    let largest = row
+        .iter()
+        .fold(0.0_f64, |most, entry| most.max(entry.abs()));
     if largest > 0.0 {
         for entry in row {
             *entry /= largest;
@@ -207,7 +211,9 @@ impl Jacobian {
         // The rate of a joint by what its velocities are, whatever its positions do.
         let first = if of_velocities { self.columns / 2 } else { 0 };
         let terms = self.of(output)[first..].iter().zip(&units[first..]);
-        let size = terms.fold(0.0_f64, |most, (entry, unit)| most.max((entry * unit).abs()));
+        let size = terms.fold(0.0_f64, |most, (entry, unit)| {
+            most.max((entry * unit).abs())
+        });
         (output, name, nearest_power(THOUSAND, size))
     }
 }
@@ -250,7 +256,9 @@ pub(in crate::ocp) fn at_start(
             *entry *= unit;
         }
         let all = jacobian.of(output).iter().zip(units);
-        let size = all.fold(0.0_f64, |most, (entry, unit)| most.max((entry * unit).abs()));
+        let size = all.fold(0.0_f64, |most, (entry, unit)| {
+            most.max((entry * unit).abs())
+        });
         for (pivot, column) in &pivots {
             eliminate(&mut row, pivot, *column);
         }
@@ -312,7 +320,9 @@ pub(super) fn add_at_start(
     let guess: Vec<f64> = start.iter().map(|&i| program.guessed(i)).collect();
     let kept = at_start(model, problem, units, &guess).kept;
     let jacobian = Jacobian::at(model, joints, &guess, 0.0);
-    let named = kept.iter().map(|&output| jacobian.named(joints, output, units));
+    let named = kept
+        .iter()
+        .map(|&output| jacobian.named(joints, output, units));
     let rows: Vec<(usize, String, f64)> = named.collect();
     let (q, v) = start.split_at(start.len() / 2);
     add(program, &rows, [q, v, &[]], "at the start");

@@ -224,11 +224,7 @@ impl<'a> Evaluator<'a> {
         let outputs = match kernel {
             Kernel::Contact(_) => 2,
             Kernel::Sliding(_) => 1,
-            Kernel::Path
-            | Kernel::Terminal
-            | Kernel::Impact
-            | Kernel::Given
-            | Kernel::Joints => {
+            Kernel::Path | Kernel::Terminal | Kernel::Impact | Kernel::Given | Kernel::Joints => {
                 functions.map_or(0, |f| f.2)
             }
             Kernel::Acceleration(_) | Kernel::Push(_) | Kernel::Friction(_) => n,
