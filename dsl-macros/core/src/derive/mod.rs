@@ -94,12 +94,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         .then(|| Factorization::of(&mass, n))
         .transpose()
         .map_err(singular)?;
-    let sparse = !joints.is_empty() && order <= implicit::MOST_SPARSE;
-    let stepwise = (order <= implicit::FORMULAS || sparse)
-        .then(|| inertia.factorized())
-        .transpose()
-        .map_err(singular)?
-        .filter(|factors| order <= implicit::FORMULAS || factors.is_sparse());
+    let stepwise = inertia.cheaply_factorized().map_err(singular)?;
     let written_out = stepwise.as_ref().filter(|_| order <= WRITTEN_OUT);
     let motion = || {
         implicit::motion(
@@ -136,15 +131,11 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         inputs: &inputs,
     };
     let contacts = mechanism.contacts(&scene.contacts)?;
+    let joint_forces = || joint::forces(&inertia, &right, &contacts, &scene.contacts);
     let task = scene.optimal_control.clone();
+    let task = task.map(|task| with_joint_forces(task, || joint_forces().map_err(singular)));
     let optimal_control = task
-        .map(|task| {
-            let forces = |contacts: &[ContactEquations]| {
-                joint::forces(&inertia, &right, contacts, &scene.contacts).map_err(singular)
-            };
-            let task = with_joint_forces(task, || forces(&contacts))?;
-            control::equations(&task, scene, &contacts, &mechanism)
-        })
+        .map(|task| control::equations(&task?, scene, &contacts, &mechanism))
         .transpose()?;
     Ok(Equations {
         inputs,
