@@ -243,6 +243,12 @@ impl Model for TextScene {
         }
     }
 
+    fn joints_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        if let Some(joints) = &self.description().joints {
+            self.evaluate(joints.hessian, x, multipliers, values);
+        }
+    }
+
     fn joint_forces(&self, x: &[f64], forces: &mut [f64]) {
         let Some(joints) = &self.description().joints else {
             return;

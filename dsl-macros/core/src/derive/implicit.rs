@@ -24,7 +24,10 @@ pub(crate) const WRITTEN_OUT: usize = 8;
 
 /// Largest mass matrix that is factorized by formulas: some n^3/3 operations, which pivoting and loops
 /// would about double.
-pub(super) const FORMULAS: usize = 16;
+const FORMULAS: usize = 16;
+
+/// Largest system with joints whose factors are looked at: those of links in a chain are mostly zeros, some 100 operations a link.
+const MOST_SPARSE: usize = 250;
 
 /// A linear system with everything that its solution's derivatives need. In its formulas,
 /// `Multiplier(i)` stands for `mu[i]` and `Unknown(size + i)` for `y[i]`.
@@ -328,6 +331,17 @@ impl Locked<'_> {
         } else {
             Factorization::saddle(&matrix, order)
         }
+    }
+
+    /// The same where it takes fewer operations than loops over a full matrix.
+    ///
+    /// # Errors
+    /// The coordinate whose pivot is structurally zero.
+    pub(super) fn cheaply_factorized(&self) -> Result<Option<Factorization>, usize> {
+        let small = self.size() <= FORMULAS;
+        let links = !self.joints.is_empty() && self.size() <= MOST_SPARSE;
+        let factors = (small || links).then(|| self.factorized()).transpose()?;
+        Ok(factors.filter(|factors| small || factors.is_sparse()))
     }
 
     /// Row-major.

@@ -39,7 +39,7 @@ pub(crate) use simplify::simplify;
 
 use crate::graph::stepwise::Sweeps;
 use crate::graph::{self, Stage, Sym, Variable};
-use crate::scene::CheckedScene;
+use crate::scene::{CheckedScene, OptimalControl};
 use crate::tape;
 use ldl::Factorization;
 use simplify::simplify_equation;
@@ -116,10 +116,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         .then(|| Factorization::of(&mass, n))
         .transpose()
         .map_err(singular)?;
-    let stepwise = (order <= implicit::FORMULAS)
-        .then(|| inertia.factorized())
-        .transpose()
-        .map_err(singular)?;
+    let stepwise = inertia.cheaply_factorized().map_err(singular)?;
     let written_out = stepwise.as_ref().filter(|_| order <= WRITTEN_OUT);
     let motion = || {
         implicit::motion(
@@ -162,9 +159,11 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     let shared = contacts.iter().any(ContactEquations::shares_inertia);
     let shared = shared.then(|| SharedInertia::new(&inertia, &inputs));
     graph::begin(Stage::OptimalControl);
-    let optimal_control = scene.optimal_control.as_ref();
-    let optimal_control = optimal_control
-        .map(|task| control::equations(task, scene, &contacts, &mechanism))
+    let joint_forces = || joint::forces(&inertia, &right, &contacts, &scene.contacts);
+    let task = scene.optimal_control.clone();
+    let task = task.map(|task| with_joint_forces(task, || joint_forces().map_err(singular)));
+    let optimal_control = task
+        .map(|task| control::equations(&task?, scene, &contacts, &mechanism))
         .transpose()?;
     Ok(Equations {
         inputs,
@@ -257,6 +256,27 @@ fn motion_in_steps(
         right,
         in_steps: true,
     }))
+}
+
+/// The task with the forces of joints that it reads as formulas.
+fn with_joint_forces(
+    task: OptimalControl,
+    forces: impl FnOnce() -> Result<Vec<Sym>, Failure>,
+) -> Result<OptimalControl, Failure> {
+    let of_joint = |variable| matches!(variable, Variable::JointForce(_));
+    let running = task.running_cost.into_iter();
+    let mut read = running.chain(task.constraints.iter().map(|known| known.function));
+    if !read.any(|function| graph::depends_on(function, of_joint)) {
+        return Ok(task);
+    }
+    let (forces, mut task) = (forces()?, task);
+    task.map_functions(|value| {
+        graph::substitute(&[value], |variable| match variable {
+            Variable::JointForce(i) => forces.get(usize::from(i)).copied(),
+            _ => None,
+        })[0]
+    });
+    Ok(task)
 }
 
 /// Momenta of all coordinates, and the energies.

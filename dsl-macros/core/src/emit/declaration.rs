@@ -208,7 +208,12 @@ fn joints(scene: &Description, code: &mut String) {
             joint.name, joint.unit, joint.rows, joint.holonomic, joint.documentation
         );
     }
-    let _ = write!(code, "], jacobian: {} }})", pattern(&joints.pattern));
+    let _ = write!(
+        code,
+        "], jacobian: {}, hessian: {} }})",
+        pattern(&joints.pattern),
+        pattern(&joints.hessian_pattern)
+    );
 }
 
 fn optimal_control(task: Option<&OptimalControl>) -> String {

@@ -108,9 +108,11 @@ pub(super) fn joints(description: &Description, joints: &Joints) -> String {
          > 0.0, __Option::None => true }} }}
         fn joints(&self, x: &[__f64], values: &mut [__f64]) {{ {} }}
         fn joints_jacobian(&self, x: &[__f64], values: &mut [__f64]) {{ {} }}
+        fn joints_hessian(&self, x: &[__f64], multipliers: &[__f64], values: &mut [__f64]) {{ {} }}
         fn joint_forces(&self, x: &[__f64], forces: &mut [__f64]) {{ {forces} }}",
         of_inputs(description, joints.values, "values"),
         of_inputs(description, joints.jacobian, "values"),
+        call(description, joints.hessian, "x", "multipliers", "values"),
     )
 }
 
