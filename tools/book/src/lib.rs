@@ -12,16 +12,25 @@
 //! hang,NAME.hang,mistaken   a scene that is refused
 //! console                   `$ hangtime ...` and what it prints; `...` stands for lines that are left out
 //! rust,PATH                 a part of the file PATH of the repository
+//! math                      a formula in a line of its own, as `$...$` is one within a sentence
 //! ```
 
 mod book;
+mod formula;
+mod gallery;
 mod highlight;
 mod links;
+mod open;
 mod page;
+mod reference;
+mod search;
 mod steps;
 mod transcript;
 
 pub use book::{Book, Chapter};
+pub use formula::{in_markdown, mathml};
 pub use links::dead_links;
+pub use open::{PAGE, fragment};
 pub use page::{Page, pages};
+pub use reference::{Entry, fields_of_documents, words_of_results};
 pub use steps::{Data, Excerpt, Kind, Run, SceneText, Step};
