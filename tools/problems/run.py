@@ -2,11 +2,12 @@
 """Solves a public problem set and writes a table of it: `python3 tools/problems/run.py macmpec` or `nosbench`.
 
 Fetches what is missing into target/problems (git, and the Python package casadi, which states the problems), builds the
-program, solves every problem with its default settings, and writes docs/experiments/SET.md. Clones that are there already
+program, solves every problem with its default settings, and writes docs/experiments/SET.md with the table SET.csv. Clones that are there already
 are named by --clone.
 """
 
 import argparse
+import csv
 import json
 import os
 import pathlib
@@ -179,6 +180,13 @@ def compared_table(name, results, missing, limit):
     return "\n".join(lines + [compared_row(result, other) for result, other in results]) + "\n"
 
 
+def parted(name, text):
+    """A page that links to its table, and the rows of that."""
+    head, rows = text[: text.index("| problem")], text[text.index("| problem"):].splitlines()
+    cells = [[cell.strip() for cell in row.strip("| ").split("|")] for row in rows]
+    return f"{head}The table is [{name}.csv]({name}.csv).\n", [cells[0], *cells[2:]]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("set", choices=LIMIT)
@@ -207,7 +215,11 @@ def main():
         print(compared_row(*results[-1]) if compares else row(result, best.get(path.stem)), flush=True)
     text = compared_table(arguments.set, results, missing, limit) if compares else table(arguments.set, results, missing, best, limit)
     if not arguments.only and not arguments.sample:
-        (sets.ROOT / "docs" / "experiments" / f"{arguments.set}.md").write_text(text)
+        page, rows = parted(arguments.set, text)
+        folder = sets.ROOT / "docs" / "experiments"
+        (folder / f"{arguments.set}.md").write_text(page)
+        with open(folder / f"{arguments.set}.csv", "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
     print(text[: text.index("| problem")])
 
 

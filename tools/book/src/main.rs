@@ -1,6 +1,6 @@
 //! Builds the book into offline pages: `cargo run --release --bin hangtime-book [FOLDER]`, by default `out/book`.
 //!
-//! `hangtime-book --pictures` writes the small pictures of the list of scenes instead, `models/pictures/NAME.svg`: of the optimum on the
+//! `hangtime-book --pictures [NAME ...]` writes the small pictures of the list of scenes instead, `models/pictures/NAME.svg`: of the optimum on the
 //! control intervals for which the least objective is known, or of the motion where a scene asks nothing.
 //!
 //! Scenes open in the page of `hangtime play`, where that was written to the folder above, `out/play.html`, before.
@@ -38,7 +38,10 @@ fn main() -> ExitCode {
             .run([program].into_iter().chain(arguments));
     }
     let done = match folder {
-        Some(first) if first == PICTURES => pictures(),
+        Some(first) if first == PICTURES => {
+            let names: Vec<String> = arguments.filter_map(|name| name.into_string().ok()).collect();
+            pictures(&names)
+        }
         other => built(Path::new(
             &other.unwrap_or_else(|| OsString::from("out/book")),
         )),
@@ -55,17 +58,18 @@ fn main() -> ExitCode {
     }
 }
 
-/// Writes the pictures of the list of scenes.
-fn pictures() -> Result<String> {
+/// Writes the pictures of scenes of the list, all of them without names.
+fn pictures(names: &[String]) -> Result<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/pictures");
-    for scene in scenes() {
+    let asked = |scene: &&Scene| names.is_empty() || names.iter().any(|name| name == scene.name);
+    for scene in scenes().iter().filter(asked) {
         let picture = picture(scene).map_err(|said| Error::other(format!("{}: {said}", scene.name)))?;
         fs::write(folder.join(format!("{}.svg", scene.name)), picture)?;
     }
-    Ok(format!("{} pictures in {}", scenes().len(), folder.display()))
+    Ok(format!("pictures in {}", folder.display()))
 }
 
-/// The picture of a scene.
+/// The picture of a scene; empty where nothing moves.
 fn picture(scene: &Scene) -> std::result::Result<String, String> {
     let host = HostScene::open(scenes(), scene.name).map_err(|refusal| refusal.to_string())?;
     let run = match scene.question {
@@ -76,7 +80,7 @@ fn picture(scene: &Scene) -> std::result::Result<String, String> {
         None => host.simulate(&[], &mut |_| true),
     };
     let run = run.map_err(|refusal| refusal.to_string())?;
-    run.thumbnail().ok_or_else(|| "nothing moves".to_owned())
+    Ok(run.thumbnail().unwrap_or_default())
 }
 
 fn built(folder: &Path) -> Result<String> {

@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 
-use hangtime_book::{Book, Chapter, Kind, Run, SceneText, Step, dead_links, pages};
+use hangtime_book::{
+    Book, Chapter, Kind, PAGE, Page, Run, SceneText, Step, dead_links, fields_of_documents,
+    fragment, mathml, words_of_results,
+};
 use serde_json::json;
 
 use crate::browser::{Origin, browser, visit};
@@ -17,7 +20,12 @@ fn root() -> PathBuf {
 }
 
 fn book() -> Book {
-    Book::read(&root().join("docs/book/src")).unwrap()
+    Book::read(&root().join("docs/book/src"), &root()).unwrap()
+}
+
+/// Its pages, with links that open scenes.
+fn pages(book: &Book) -> Vec<Page> {
+    hangtime_book::pages(book, true).unwrap()
 }
 
 /// Exit status and everything that is printed.
@@ -129,11 +137,8 @@ fn every_chapter_is_a_page_that_needs_no_network() {
         .map(|file| file.unwrap().file_name().into_string().unwrap())
         .filter(|file| file.ends_with(".md") && file != "SUMMARY.md")
         .collect();
-    let mut listed: Vec<String> = book
-        .chapters
-        .iter()
-        .map(|chapter| chapter.file.clone())
-        .collect();
+    let written = book.chapters.iter().filter(|chapter| !chapter.is_generated());
+    let mut listed: Vec<String> = written.map(|chapter| chapter.file.clone()).collect();
     files.sort();
     listed.sort();
     assert_eq!(listed, files, "the summary lists every chapter once");
@@ -142,12 +147,14 @@ fn every_chapter_is_a_page_that_needs_no_network() {
         let file = target.split('#').next().unwrap();
         file.is_empty()
             || file.starts_with("figures/")
+            || file == PAGE
             || pages.iter().any(|page| page.file == file)
     };
     for page in &pages {
         for outside in ["http", "@import", "url(", "fetch(", " src=\"/"] {
+            let html = page.html.replace("http://www.w3.org/2000/svg", "");
             assert!(
-                !page.html.contains(outside),
+                !html.contains(outside),
                 "{} contains `{outside}`",
                 page.file
             );
@@ -222,9 +229,197 @@ fn keys_turn_pages_and_lead_to_the_contents() {
     let (report, console) = visit(&browser, &scratch.0, page, KEYS, Origin::Server);
     assert_eq!(report["errors"], json!([]));
     assert_eq!(console, "");
-    assert_eq!(report["turned"], json!(["not_yet.html", "failing.html"]));
+    assert_eq!(report["turned"], json!(["not_yet.html", "exercises.html"]));
     assert_eq!(report["focus"], "Extending");
     assert_eq!(report["overflows"], false);
+}
+
+#[test]
+fn every_scene_of_the_book_and_of_the_list_opens_in_the_page() {
+    let book = book();
+    let opening = pages(&book);
+    for (chapter, page) in book.chapters.iter().zip(&opening) {
+        let mut files: Vec<(String, String)> = Vec::new();
+        for step in chapter.steps() {
+            let Step::Scene(scene) = step else { continue };
+            let before = match scene.kind {
+                Kind::More => files.iter().rev().find(|(file, _)| *file == scene.file),
+                Kind::Whole | Kind::Mistaken => None,
+            };
+            let text = before.map_or("", |(_, text)| text).to_owned() + &scene.text;
+            files.push((scene.file, text));
+        }
+        for (file, text) in files {
+            let name = file.strip_suffix(".hang").unwrap();
+            let link = format!("href=\"{PAGE}#{}\"", fragment(name, &text));
+            assert!(page.html.contains(&link), "{}: {file}", chapter.file);
+        }
+    }
+    let gallery = opening.iter().find(|page| page.file == "gallery.html").unwrap();
+    for scene in hangtime_models::scenes() {
+        let text = scene.unread.or(scene.source).unwrap();
+        let link = format!("href=\"{PAGE}#{}\"", fragment(scene.name, text));
+        let drawn = scene.picture.lines().nth(1).unwrap_or_default();
+        for part in [&link, scene.title, drawn] {
+            assert!(gallery.html.contains(part), "{}: {part}", scene.name);
+        }
+        if let Some(question) = scene.question {
+            let asked = question.asked.replace('"', "&quot;");
+            assert!(gallery.html.contains(&asked), "{}", scene.name);
+        }
+    }
+    let bare = hangtime_book::pages(&book, false).unwrap();
+    assert!(bare.iter().all(|page| !page.html.contains(PAGE)));
+}
+
+/// Words in backticks at the beginning of the rows of tables.
+fn rows(markdown: &str) -> Vec<&str> {
+    let rows = markdown.lines().filter_map(|line| line.strip_prefix("| `"));
+    rows.filter_map(|row| row.split('`').next()).collect()
+}
+
+/// The names of all fields of a document, however deep.
+fn fields(document: &serde_json::Value, found: &mut Vec<String>) {
+    match document {
+        serde_json::Value::Object(map) => {
+            for (name, value) in map {
+                // Names of parameters and joints are those of the scene.
+                if !matches!(name.as_str(), "parameters" | "free" | "joints") {
+                    fields(value, found);
+                }
+                found.push(name.clone());
+            }
+        }
+        serde_json::Value::Array(list) => list.iter().for_each(|value| fields(value, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_status_setting_and_field_has_a_line_in_the_book() {
+    let book = book();
+    let chapter = |file: &str| {
+        let mut chapters = book.chapters.iter();
+        &chapters.find(|chapter| chapter.file == file).unwrap().text
+    };
+    // Statuses that the chapter on results explains, and those that messages of this program know.
+    let words = words_of_results(&root()).unwrap();
+    let listed = rows(chapter("statuses.md"));
+    let results = chapter("results.md");
+    let statuses = words.iter().filter(|(title, _)| ["Simulations", "Optimal control"].contains(title));
+    for (title, entries) in statuses {
+        assert!(entries.len() >= 8, "{title}: {entries:?}");
+        for entry in entries {
+            assert!(results.contains(&format!("`{}`", entry.name)), "{title}: {}", entry.name);
+        }
+    }
+    for (_, entries) in &words {
+        for entry in entries {
+            assert!(listed.contains(&entry.name.as_str()), "{}", entry.name);
+        }
+    }
+    // Every enumeration of statuses in the sources is among them.
+    let source = |file: &str| fs::read_to_string(root().join(file)).unwrap();
+    for (file, name) in [
+        ("runtime/src/simulation/result.rs", "step_failed"),
+        ("runtime/src/ocp/solution.rs", "not_found"),
+        ("runtime/src/estimation/result.rs", "undetermined"),
+        ("solver/src/nl/solution.rs", "locally_infeasible"),
+        ("cli/src/ending.rs", "memory_limit"),
+    ] {
+        assert!(source(file).contains(&format!("\"{name}\"")) && listed.contains(&name), "{file}: {name}");
+    }
+    let settings = rows(chapter("settings.md"));
+    for command in ["simulate", "solve", "sweep", "chart", "nlp"] {
+        let (_, help) = run(&root(), &[command.to_owned(), "--help".to_owned()]);
+        let options = help.lines().filter_map(|line| line.trim_start().strip_prefix("--"));
+        let options: Vec<&str> = options.filter_map(|line| line.split([' ', '=']).next()).collect();
+        assert!(options.len() > 3, "{help}");
+        for option in options.iter().filter(|option| !["help", "version", "watch"].contains(option)) {
+            let typed = format!("--{option}");
+            assert!(settings.iter().any(|row| row.split(' ').next() == Some(&typed)), "{command} {typed}");
+        }
+    }
+    let documents = fields_of_documents(&root()).unwrap();
+    let entries = documents.iter().flat_map(|(_, structures)| structures);
+    let known: Vec<&str> = entries.flat_map(|(_, entries)| entries).map(|entry| entry.name.as_str()).collect();
+    let listed = rows(chapter("columns.md"));
+    assert_eq!(listed, known);
+    for arguments in [
+        &["simulate", "falling-rod", "--gradient", "mu", "--json"][..],
+        &["simulate", "thermostat", "--json"],
+        &["solve", "pump-track", "--intervals", "6", "--formulation", "time-freezing", "--json"],
+    ] {
+        let mut found = Vec::new();
+        fields(&crate::support::json(arguments), &mut found);
+        for name in found {
+            // Outputs stand in gradients by their names.
+            let output = name == "tip" || name == "on";
+            assert!(output || known.contains(&name.as_str()), "{arguments:?}: {name}");
+        }
+    }
+}
+
+#[test]
+fn formulas_are_set_and_what_is_none_is_refused() {
+    let set = |formula: &str| mathml(formula, false).unwrap();
+    assert!(set("M^{-1} n").contains("<msup><mi>M</mi><mrow><mrow><mo>\u{2212}</mo><mn>1</mn></mrow></mrow></msup><mi>n</mi>"));
+    assert!(set("v_n^+ \\le 0").contains("<msubsup><mi>v</mi><mi>n</mi><mrow><mo>+</mo></mrow></msubsup><mo>\u{2264}</mo><mn>0</mn>"));
+    assert!(set("\\frac{1}{2} \\dot{q}").contains("<mfrac><mrow><mn>1</mn></mrow><mrow><mn>2</mn></mrow></mfrac><mover accent=\"true\"><mrow><mi>q</mi></mrow>"));
+    assert!(set("\\begin{cases} a & b \\\\ c & d \\end{cases}").contains("<mtr><mtd><mrow><mi>c</mi></mrow></mtd><mtd><mrow><mi>d</mi></mrow></mtd></mtr>"));
+    for (wrong, said) in [
+        ("\\frak{g}", "`\\frak` is not known at letter 5"),
+        ("x_", "something is missing"),
+        ("{a", "a brace is not closed"),
+        ("a}", "a brace is closed that is not open"),
+        ("\\begin{cases} a", "`cases` has no end"),
+    ] {
+        let refusal = mathml(wrong, true).unwrap_err();
+        assert!(refusal.contains(said), "{refusal}");
+    }
+    // Where a formula stands in the text there is one, and no letter of its notation is left.
+    let book = book();
+    let theory = pages(&book).into_iter().find(|page| page.file == "theory.html").unwrap();
+    assert!(theory.html.matches("<math").count() > 20);
+    for page in pages(&book) {
+        let shown: String = page.html.split("alttext=\"").map(|part| part.split_once("\">").map_or(part, |(_, rest)| rest)).collect();
+        assert!(!shown.contains("\\frac") && !shown.contains("\\lambda"), "{}", page.file);
+    }
+}
+
+/// Searches, and reports what is found.
+const SEARCH: &str = r##"
+<script>
+words.value = "terminal drag";
+words.dispatchEvent(new Event("input"));
+report.none = document.getElementById("count").value;
+words.value = "air drag";
+words.dispatchEvent(new Event("input"));
+report.first = document.querySelector("#found a").getAttribute("href");
+report.count = document.querySelectorAll("#found li").length;
+document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "/", bubbles: true }));
+report.focus = document.activeElement.id;
+send();
+</script>
+"##;
+
+#[test]
+fn book_is_searched_in_the_browser() {
+    let pages = pages(&book());
+    let page = pages.iter().find(|page| page.file == "search.html").unwrap();
+    assert!(pages.iter().all(|page| page.html.contains("<form action=\"search.html\"")));
+    let Some(browser) = browser() else {
+        return;
+    };
+    let scratch = Scratch::new("book-search");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let (report, console) = visit(&browser, &scratch.0, &page.html, SEARCH, Origin::Server);
+    assert_eq!(report["errors"], json!([]));
+    assert_eq!(console, "");
+    assert_eq!(report["none"], "0 places");
+    assert_eq!(report["first"], "bodies.html#air-drag");
+    assert!(report["count"].as_u64().unwrap() >= 1);
+    assert_eq!(report["focus"], "asked");
 }
 
 #[test]
