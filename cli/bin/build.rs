@@ -12,6 +12,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// How the book sets its formulas; its package is none that this one could depend on, as it is not published.
 #[cfg(feature = "play")]
+#[expect(unreachable_pub, reason = "in the book's package it is public")]
 #[path = "../../tools/book/src/formula.rs"]
 mod formula;
 

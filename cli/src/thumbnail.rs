@@ -16,7 +16,7 @@ const SIZE: [f64; 2] = [320.0, 180.0];
 /// Free space around what moves.
 const MARGIN: f64 = 12.0;
 /// Instants of a path.
-const PATH: usize = 160;
+const PATH: usize = 480;
 /// Bodies are drawn at so many of them, evenly over the motion.
 const LAPSES: usize = 6;
 /// Points nearer than this to the line through their neighbours are left out.

@@ -414,6 +414,7 @@ pub(crate) struct SolutionDocument<'a> {
     initially: Vec<InitialEntry>,
 }
 
+/// Counts.
 #[derive(Serialize)]
 struct SolutionCounts {
     /// Iterations of the interior point method in all phases.

@@ -64,7 +64,7 @@ const drawPlots = (() => {
   // Room for names and values at the right, the same for all, so that their axes are aligned.
   const roomFor = (groups, width) => {
     const longest = Math.max(...groups.flatMap(({ series }) => series.map(({ name }) => name.length)));
-    return Math.min(0.4 * width, 12 + 6.6 * (longest + 11));
+    return Math.min(0.4 * width, 12 + 6.6 * (longest + 8));
   };
 
   // One figure; `hover` is told where the pointer is, `go` where it is pressed.

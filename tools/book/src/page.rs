@@ -11,7 +11,7 @@ use crate::book::{Book, Chapter};
 use crate::formula::mathml;
 use crate::highlight::{console, escape, scene};
 use crate::links::{anchor, headings};
-use crate::{open, search};
+use crate::open;
 
 /// One page.
 #[derive(Debug, Clone)]
@@ -25,18 +25,14 @@ pub struct Page {
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// The chapters as pages that need nothing but each other, the folder `figures` and, if `opens`, the page of `hangtime play` beside
-/// them, in which scenes open; and a page that searches them.
+/// Name of the page that searches the book.
+pub(crate) const SEARCH: &str = "search.html";
+
+/// The page of a chapter.
 ///
 /// # Errors
 /// A formula that is not understood, and where.
-pub fn pages(book: &Book, opens: bool) -> Result<Vec<Page>, String> {
-    let places = 0..book.chapters.len();
-    let chapters = places.map(|place| page(book, place, opens));
-    chapters.chain([search::page(book)]).collect()
-}
-
-fn page(book: &Book, place: usize, opens: bool) -> Result<Page, String> {
+pub(crate) fn page(book: &Book, place: usize, opens: bool) -> Result<Page, String> {
     let chapter = &book.chapters[place];
     let body = body(book, chapter, opens).map_err(|said| format!("{}: {said}", chapter.file))?;
     let neighbour = |at: Option<usize>, rel: &str, arrow: &str| {
@@ -76,7 +72,7 @@ fn contents(book: &Book, place: Option<usize>) -> String {
     let mut list = format!(
         "<form action=\"{}\" role=\"search\"><input type=\"search\" name=\"q\" id=\"asked\" placeholder=\"search\" aria-label=\"search the book\"></form>\n\
          <nav aria-label=\"Chapters\"><ol>\n",
-        search::FILE
+        SEARCH
     );
     for (at, chapter) in book.chapters.iter().enumerate() {
         let (address, title) = (chapter.address(at), escape(&chapter.title));

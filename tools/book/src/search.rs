@@ -4,10 +4,8 @@ use serde::Serialize;
 
 use crate::book::Book;
 use crate::links::anchor;
-use crate::page::{Page, document};
+use crate::page::{Page, SEARCH, document};
 
-/// Name of the page.
-pub(crate) const FILE: &str = "search.html";
 const SCRIPT: &str = include_str!("search.js");
 
 /// What stands under one heading.
@@ -30,7 +28,7 @@ pub(crate) fn page(book: &Book) -> Result<Page, String> {
          <ol id=\"found\"></ol>\n<script type=\"application/json\" id=\"sections\">{sections}</script>\n<script>\n{SCRIPT}</script>\n"
     );
     Ok(Page {
-        file: FILE.to_owned(),
+        file: SEARCH.to_owned(),
         html: document(book, None, "Search", &text),
     })
 }
