@@ -16,12 +16,17 @@ fn main() -> Result<(), Box<dyn Error>> {
 #[path = "../../tools/book/src/formula.rs"]
 mod formula;
 
+/// The reference of the language, likewise.
+#[cfg(feature = "play")]
+#[path = "../../tools/book/src/language.rs"]
+mod language;
+
 #[cfg(feature = "play")]
 mod module {
     use std::env;
     use std::error::Error;
-    use std::fs::{self, File};
     use std::fmt::Write as _;
+    use std::fs::{self, File};
     use std::path::{Path, PathBuf};
     use std::process::Command;
 
@@ -46,6 +51,8 @@ mod module {
 
     /// The book, from the folder of this package.
     const BOOK: &str = "../../docs/book/src";
+    /// The root of the repository, from the book.
+    const ROOT: &str = "../../..";
 
     pub(crate) fn build() -> Result<(), Box<dyn Error>> {
         let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").ok_or("no manifest")?);
@@ -86,15 +93,27 @@ mod module {
     fn chapters(book: &Path) -> Result<String, Box<dyn Error>> {
         let mut array = String::from("&[");
         for line in fs::read_to_string(book.join("SUMMARY.md"))?.lines() {
-            let link = line.split_once('[').and_then(|(_, rest)| rest.split_once("]("));
+            let link = line
+                .split_once('[')
+                .and_then(|(_, rest)| rest.split_once("]("));
             let Some((title, file)) = link else { continue };
             let file = file.trim_end_matches(')');
-            // Chapters that are generated are no files.
-            let Ok(text) = fs::read_to_string(book.join(file)) else {
-                continue;
+            let text = if file == crate::language::FILE {
+                crate::language::chapter(&fs::read_to_string(
+                    book.join(ROOT).join(crate::language::SOURCE),
+                )?)
+            } else {
+                // Other chapters that are generated are no files.
+                let Ok(text) = fs::read_to_string(book.join(file)) else {
+                    continue;
+                };
+                text
             };
             let text = crate::formula::in_markdown(&text)?;
-            write!(array, "PlayChapter {{ file: {file:?}, title: {title:?}, text: {text:?} }},")?;
+            write!(
+                array,
+                "PlayChapter {{ file: {file:?}, title: {title:?}, text: {text:?} }},"
+            )?;
         }
         Ok(array + "]")
     }

@@ -424,7 +424,11 @@ fn told(now: &Progress, best: Option<f64>, contacts: bool) -> String {
     let best = best.map_or("no motion to the goals yet".to_owned(), |best| {
         format!("best objective so far {best:.6}")
     });
-    format!("{doing}: {best}, {} tried, {:.0} s", counted(now.programs, "motion"), now.seconds)
+    format!(
+        "{doing}: {best}, {} tried, {:.0} s",
+        counted(now.programs, "motion"),
+        now.seconds
+    )
 }
 
 fn drawn(chosen: &ChosenScene, simulation: Option<&Simulation>) -> Option<Box<RawValue>> {

@@ -25,8 +25,8 @@ use crate::json::{Columns, part, quantities};
 use crate::numbers::ROWS;
 use crate::scene_file::{EXTENSION, entry, is_path, read_text};
 use crate::settings::{ChosenScene, find};
-use crate::thumbnail::thumbnail;
 use crate::task::{FitTask, OptimumTask, SimulationTask, optimum_facts, simulation_facts};
+use crate::thumbnail::thumbnail;
 use crate::{PublishedData, Scene};
 
 /// Why something was refused: what the command line prints on its standard error stream, without the last line end.

@@ -22,12 +22,19 @@ pub struct CommandSettings {
 
 /// The commands of the program and their options; those that are hidden are left out.
 pub(crate) fn settings(parser: &clap::Command) -> Vec<CommandSettings> {
-    let commands = parser.get_subcommands().filter(|command| !command.is_hide_set());
+    let commands = parser
+        .get_subcommands()
+        .filter(|command| !command.is_hide_set());
     let settings = commands.map(|command| {
-        let arguments = command.get_arguments().filter(|argument| !argument.is_hide_set());
+        let arguments = command
+            .get_arguments()
+            .filter(|argument| !argument.is_hide_set());
         CommandSettings {
             name: command.get_name().to_owned(),
-            about: command.get_about().map(ToString::to_string).unwrap_or_default(),
+            about: command
+                .get_about()
+                .map(ToString::to_string)
+                .unwrap_or_default(),
             options: arguments.map(option).collect(),
         }
     });
@@ -38,14 +45,25 @@ pub(crate) fn settings(parser: &clap::Command) -> Vec<CommandSettings> {
 fn option(argument: &clap::Arg) -> (String, String) {
     let values = argument.get_value_names().unwrap_or_default();
     let taken = argument.get_action().takes_values();
-    let values: Vec<&str> = values.iter().filter(|_| taken).map(|name| name.as_str()).collect();
+    let values: Vec<&str> = values
+        .iter()
+        .filter(|_| taken)
+        .map(|name| name.as_str())
+        .collect();
     let typed = match argument.get_long() {
-        Some(long) => [&[format!("--{long}").as_str()], &values[..]].concat().join(" "),
+        Some(long) => [&[format!("--{long}").as_str()], &values[..]]
+            .concat()
+            .join(" "),
         None => values.join(" "),
     };
-    let mut text = argument.get_help().map(ToString::to_string).unwrap_or_default();
+    let mut text = argument
+        .get_help()
+        .map(ToString::to_string)
+        .unwrap_or_default();
     let choices = argument.get_possible_values();
-    let choices = choices.iter().filter(|choice| taken && !choice.is_hide_set());
+    let choices = choices
+        .iter()
+        .filter(|choice| taken && !choice.is_hide_set());
     let choices = choices.map(|choice| match choice.get_help() {
         Some(help) => format!("`{}`: {help}", choice.get_name()),
         None => format!("`{}`", choice.get_name()),

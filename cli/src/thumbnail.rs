@@ -99,17 +99,27 @@ impl View {
 /// Ground, paths, and bodies at some instants.
 fn plane(drawing: &Drawing<'_>, states: &[State]) -> Option<String> {
     let placed: Vec<Placed> = states.iter().map(|state| drawing.at(state)).collect();
-    let extents = placed.iter().flat_map(|placed| placed.extent(&drawing.bodies));
+    let extents = placed
+        .iter()
+        .flat_map(|placed| placed.extent(&drawing.bodies));
     let extents: Vec<Point> = extents.collect();
     let view = View::of(&extents)?;
     let mut svg = String::new();
     for line in drawing.ground(view.seen()) {
-        push_path(&mut svg, &view.places(&line.points), "stroke=\"currentColor\" stroke-opacity=\".55\" stroke-width=\"2\"");
+        push_path(
+            &mut svg,
+            &view.places(&line.points),
+            "stroke=\"currentColor\" stroke-opacity=\".55\" stroke-width=\"2\"",
+        );
     }
     for index in 0..drawing.bodies.len() {
         let path: Vec<Point> = placed.iter().map(|placed| placed.places[index]).collect();
         let colour = COLOURS[index % COLOURS.len()];
-        push_path(&mut svg, &view.places(&path), &format!("stroke=\"{colour}\" stroke-opacity=\".7\" stroke-width=\"1.5\""));
+        push_path(
+            &mut svg,
+            &view.places(&path),
+            &format!("stroke=\"{colour}\" stroke-opacity=\".7\" stroke-width=\"1.5\""),
+        );
     }
     for lapse in 0..LAPSES {
         let placed = placed.get(lapse * PATH / (LAPSES - 1))?;
@@ -117,19 +127,40 @@ fn plane(drawing: &Drawing<'_>, states: &[State]) -> Option<String> {
         let share = (lapse + 1) as f64 / LAPSES as f64;
         for (&ends, &spring) in placed.ends.iter().zip(&drawing.springs) {
             let ends = ends.map(|end| view.place(end));
-            let corners = if spring { zigzag(ends, COILS) } else { ends.to_vec() };
-            push_path(&mut svg, &corners, &format!("stroke=\"currentColor\" stroke-opacity=\"{:.2}\" stroke-width=\"1.5\"", 0.7 * share));
+            let corners = if spring {
+                zigzag(ends, COILS)
+            } else {
+                ends.to_vec()
+            };
+            push_path(
+                &mut svg,
+                &corners,
+                &format!(
+                    "stroke=\"currentColor\" stroke-opacity=\"{:.2}\" stroke-width=\"1.5\"",
+                    0.7 * share
+                ),
+            );
         }
         for (index, body) in drawing.bodies.iter().enumerate() {
             let colour = COLOURS[index % COLOURS.len()];
             let mut outline = view.places(&placed.outline(index, body));
             if outline.is_empty() {
                 let [x, y] = view.place(placed.places[index]);
-                let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{DOT}\" fill=\"{colour}\" fill-opacity=\"{share:.2}\"/>");
+                let _ = writeln!(
+                    svg,
+                    "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{DOT}\" fill=\"{colour}\" fill-opacity=\"{share:.2}\"/>"
+                );
                 continue;
             }
             outline.extend(outline.first().copied());
-            push_path(&mut svg, &outline, &format!("fill=\"{colour}\" fill-opacity=\"{:.2}\" stroke=\"{colour}\" stroke-opacity=\"{share:.2}\"", 0.4 * share));
+            push_path(
+                &mut svg,
+                &outline,
+                &format!(
+                    "fill=\"{colour}\" fill-opacity=\"{:.2}\" stroke=\"{colour}\" stroke-opacity=\"{share:.2}\"",
+                    0.4 * share
+                ),
+            );
         }
     }
     Some(svg)
@@ -145,12 +176,17 @@ fn curves(model: &dyn Model, states: &[State]) -> Option<String> {
     };
     let quantities: Vec<Quantity> = quantity::all(model).into_iter().filter(shown).collect();
     let line = |&quantity: &Quantity| -> Vec<Point> {
-        let points = states.iter().filter_map(|state| Some([state.time, state.value(quantity)?]));
+        let points = states
+            .iter()
+            .filter_map(|state| Some([state.time, state.value(quantity)?]));
         points.collect()
     };
     let lines: Vec<Vec<Point>> = quantities.iter().map(line).collect();
     let values = || lines.iter().flatten().map(|point| point[1]);
-    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let (low, high) = (
+        values().fold(f64::INFINITY, f64::min),
+        values().fold(f64::NEG_INFINITY, f64::max),
+    );
     let (first, last) = (states.first()?.time, states.last()?.time);
     if !(low.is_finite() && high.is_finite() && high > low) {
         return None;
@@ -165,12 +201,20 @@ fn curves(model: &dyn Model, states: &[State]) -> Option<String> {
     let mut svg = String::new();
     if low < 0.0 && high > 0.0 {
         let axis = [[first, 0.0], [last, 0.0]].map(|point| place(&point));
-        push_path(&mut svg, &axis, "stroke=\"currentColor\" stroke-opacity=\".35\"");
+        push_path(
+            &mut svg,
+            &axis,
+            "stroke=\"currentColor\" stroke-opacity=\".35\"",
+        );
     }
     for (index, line) in lines.iter().enumerate() {
         let points: Vec<Point> = line.iter().map(place).collect();
         let colour = COLOURS[index % COLOURS.len()];
-        push_path(&mut svg, &points, &format!("stroke=\"{colour}\" stroke-width=\"2\""));
+        push_path(
+            &mut svg,
+            &points,
+            &format!("stroke=\"{colour}\" stroke-width=\"2\""),
+        );
     }
     Some(svg)
 }
@@ -239,7 +283,9 @@ mod tests {
         let kept = simplified(&wave);
         assert!(kept.len() < 100, "{}", kept.len());
         for &point in &wave {
-            let nearest = kept.windows(2).map(|pair| distance(point, pair[0], pair[1]));
+            let nearest = kept
+                .windows(2)
+                .map(|pair| distance(point, pair[0], pair[1]));
             assert!(nearest.fold(f64::INFINITY, f64::min) <= FLAT);
         }
     }

@@ -175,7 +175,10 @@ fn releases_in_the_changelog_are_of_readable_length() {
 /// Files below a folder with this ending, without those of the book.
 fn documents(folder: &Path, ending: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
-    for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+    for entry in fs::read_dir(folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").path())
+    {
         if entry.is_dir() && !entry.ends_with("book") {
             found.extend(documents(&entry, ending));
         } else if entry.extension().is_some_and(|end| end == ending) {
@@ -190,26 +193,51 @@ fn documents_are_of_readable_length_and_their_tables_are_there() {
     let (most, page) = DOCUMENTS;
     let docs = workspace().join("docs");
     let pages = documents(&docs, "md");
-    let root = ["README.md", "CONTRIBUTING.md", "ARCHITECTURE.md"].map(|file| workspace().join(file));
+    let root =
+        ["README.md", "CONTRIBUTING.md", "ARCHITECTURE.md"].map(|file| workspace().join(file));
     let lines = |file: &PathBuf| text(file).lines().count();
     let all: usize = pages.iter().chain(&root).map(lines).sum();
-    assert!(all <= most, "{all} lines outside of the book; say in {most} what a reader needs");
+    assert!(
+        all <= most,
+        "{all} lines outside of the book; say in {most} what a reader needs"
+    );
     let mut linked = Vec::new();
     for file in &pages {
-        assert!(lines(file) <= page, "{}: more than {page} lines; one page a question", file.display());
+        assert!(
+            lines(file) <= page,
+            "{}: more than {page} lines; one page a question",
+            file.display()
+        );
         let folder = file.parent().expect("a folder");
-        for target in text(file).split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+        for target in text(file)
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next())
+        {
             let target = folder.join(target.split('#').next().unwrap_or_default());
             assert!(target.exists(), "{}: {}", file.display(), target.display());
             linked.push(target);
         }
     }
     for table in documents(&docs, "csv") {
-        assert!(linked.contains(&table), "no page leads to {}", table.display());
-        let columns = |line: &str| line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>();
+        assert!(
+            linked.contains(&table),
+            "no page leads to {}",
+            table.display()
+        );
+        let columns = |line: &str| {
+            line.split('"')
+                .step_by(2)
+                .map(|part| part.matches(',').count())
+                .sum::<usize>()
+        };
         let rows = text(&table);
         let mut counts = rows.lines().map(columns);
         let heading = counts.next().expect("a heading");
-        assert!(counts.all(|count| count == heading), "{}: rows of other lengths", table.display());
+        assert!(
+            counts.all(|count| count == heading),
+            "{}: rows of other lengths",
+            table.display()
+        );
     }
 }

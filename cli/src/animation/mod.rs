@@ -244,7 +244,11 @@ fn states(model: &dyn Model, simulation: &Simulation) -> Vec<State> {
     let even = (0..=count as usize).map(|k| first + (last - first) * (k as f64 / count));
     let events = shown(simulation).map(|event| event.time);
     let jumps = jumps(&trajectory.time);
-    let jump = |t: f64| jumps.iter().any(|&(before, _)| trajectory.time[before] == t);
+    let jump = |t: f64| {
+        jumps
+            .iter()
+            .any(|&(before, _)| trajectory.time[before] == t)
+    };
     let mut times: Vec<f64> = even.chain(events).map(|t| t.clamp(first, last)).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();

@@ -63,8 +63,9 @@ const SIGNS: [(&str, &str); 45] = [
 /// How many of them are letters; the others are operators.
 const LETTERS: usize = 22;
 /// Functions and words that stand upright.
-const FUNCTIONS: [&str; 12] = [
-    "sin", "cos", "tan", "exp", "ln", "log", "sqrt", "max", "min", "sign", "arg", "det",
+const FUNCTIONS: [&str; 14] = [
+    "sin", "cos", "tan", "exp", "ln", "log", "sup", "max", "min", "sign", "arg", "det", "tanh",
+    "cosh",
 ];
 /// Spaces, and their widths.
 const SPACES: [(&str, &str); 5] = [

@@ -23,13 +23,22 @@ pub(crate) fn chapter() -> String {
         }
     }
     for group in groups {
-        let _ = write!(text, "\n## {}{}\n\n<div class=\"cards\">\n", group[..1].to_uppercase(), &group[1..]);
+        let _ = write!(
+            text,
+            "\n## {}{}\n\n<div class=\"cards\">\n",
+            group[..1].to_uppercase(),
+            &group[1..]
+        );
         for scene in scenes().iter().filter(|scene| scene.group == group) {
             let (name, title) = (escape(scene.name), escape(scene.title));
             let source = scene.unread.or(scene.source).unwrap_or_default();
             // No empty line, which would end the block of HTML.
             let picture = scene.picture.replace("\n", "");
-            let _ = write!(text, "<div class=\"card\" id=\"scene-{name}\">{picture}<b>{}</b><span>{title}</span>", open::anchor(scene.name, source, &name));
+            let _ = write!(
+                text,
+                "<div class=\"card\" id=\"scene-{name}\">{picture}<b>{}</b><span>{title}</span>",
+                open::anchor(scene.name, source, &name)
+            );
             if let Some(question) = scene.question {
                 let (asked, answer) = (escape(question.asked), escape(question.answer));
                 let _ = write!(text, "<i>{asked}</i><span class=\"answer\">{answer}</span>");

@@ -19,6 +19,7 @@ mod book;
 mod formula;
 mod gallery;
 mod highlight;
+mod language;
 mod links;
 mod open;
 mod page;

@@ -39,7 +39,9 @@ fn main() -> ExitCode {
     }
     let done = match folder {
         Some(first) if first == PICTURES => {
-            let names: Vec<String> = arguments.filter_map(|name| name.into_string().ok()).collect();
+            let names: Vec<String> = arguments
+                .filter_map(|name| name.into_string().ok())
+                .collect();
             pictures(&names)
         }
         other => built(Path::new(
@@ -63,7 +65,8 @@ fn pictures(names: &[String]) -> Result<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/pictures");
     let asked = |scene: &&Scene| names.is_empty() || names.iter().any(|name| name == scene.name);
     for scene in scenes().iter().filter(asked) {
-        let picture = picture(scene).map_err(|said| Error::other(format!("{}: {said}", scene.name)))?;
+        let picture =
+            picture(scene).map_err(|said| Error::other(format!("{}: {said}", scene.name)))?;
         fs::write(folder.join(format!("{}.svg", scene.name)), picture)?;
     }
     Ok(format!("pictures in {}", folder.display()))
@@ -85,7 +88,10 @@ fn picture(scene: &Scene) -> std::result::Result<String, String> {
 
 fn built(folder: &Path) -> Result<String> {
     let pages = build(folder)?;
-    Ok(format!("{pages} pages in {}", folder.join("index.html").display()))
+    Ok(format!(
+        "{pages} pages in {}",
+        folder.join("index.html").display()
+    ))
 }
 
 /// Writes pages and figures; how many pages.

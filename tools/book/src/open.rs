@@ -36,7 +36,9 @@ pub(crate) fn without(html: &str) -> String {
     let mut parts = html.split("<a class=\"open\" ");
     let mut plain = parts.next().unwrap_or_default().to_owned();
     for part in parts {
-        let words = part.split_once('>').and_then(|(_, rest)| rest.split_once("</a>"));
+        let words = part
+            .split_once('>')
+            .and_then(|(_, rest)| rest.split_once("</a>"));
         let (words, rest) = words.unwrap_or(("", part));
         plain.push_str(words);
         plain.push_str(rest);
@@ -51,7 +53,9 @@ fn letters(bytes: &[u8]) -> String {
     for group in bytes.chunks(3) {
         let byte = |k: usize| u32::from(group.get(k).copied().unwrap_or(0));
         let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        text.extend((0..=group.len()).map(|k| LETTERS[(bits >> (18 - 6 * k)) as usize & 63] as char));
+        text.extend(
+            (0..=group.len()).map(|k| LETTERS[(bits >> (18 - 6 * k)) as usize & 63] as char),
+        );
     }
     text
 }

@@ -199,7 +199,12 @@ impl Scenes {
         let words: Vec<&str> = info.split(',').collect();
         let language = words[0];
         let shown = match language {
-            "math" => return Ok(format!("<div class=\"table\" tabindex=\"0\">{}</div>\n", mathml(text, true)?)),
+            "math" => {
+                return Ok(format!(
+                    "<div class=\"table\" tabindex=\"0\">{}</div>\n",
+                    mathml(text, true)?
+                ));
+            }
             "hang" | "rust" => scene(text),
             "console" => console(text),
             _ => escape(text),

@@ -7,6 +7,8 @@ use std::path::Path;
 
 use hangtime_cli::CommandLine;
 
+use crate::language;
+
 /// One entry: a name in the notation of results, and what is said of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Entry {
@@ -30,20 +32,48 @@ const fn part(title: &'static str, file: &'static str, types: &'static [&'static
 
 /// Where statuses and other words of results are declared.
 const STATUSES: [Part; 8] = [
-    part("Simulations", "runtime/src/simulation/result.rs", &["SimulationStatus"]),
-    part("Optimal control", "runtime/src/ocp/solution.rs", &["Status"]),
-    part("Estimation", "runtime/src/estimation/result.rs", &["Status"]),
-    part("Programs from files", "solver/src/nl/solution.rs", &["Status"]),
+    part(
+        "Simulations",
+        "runtime/src/simulation/result.rs",
+        &["SimulationStatus"],
+    ),
+    part(
+        "Optimal control",
+        "runtime/src/ocp/solution.rs",
+        &["Status"],
+    ),
+    part(
+        "Estimation",
+        "runtime/src/estimation/result.rs",
+        &["Status"],
+    ),
+    part(
+        "Programs from files",
+        "solver/src/nl/solution.rs",
+        &["Status"],
+    ),
     part("Runs that are stopped", "cli/src/ending.rs", &["Stop"]),
-    part("Certificates of optima", "solver/src/mpcc/stationarity.rs", &["Stationarity"]),
-    part("Second derivatives at a solution", "solver/src/nl/second_order.rs", &["SecondOrder"]),
+    part(
+        "Certificates of optima",
+        "solver/src/mpcc/stationarity.rs",
+        &["Stationarity"],
+    ),
+    part(
+        "Second derivatives at a solution",
+        "solver/src/nl/second_order.rs",
+        &["SecondOrder"],
+    ),
     part("Events", "runtime/src/simulation/result.rs", &["EventKind"]),
 ];
 
 /// Where the documents that `--json` prints are declared, a document or a part of documents each.
 const DOCUMENTS: [Part; 8] = [
     part("Simulations", "cli/src/json/simulation.rs", &["Document"]),
-    part("Method of a simulation", "cli/src/method.rs", &["MethodSettings"]),
+    part(
+        "Method of a simulation",
+        "cli/src/method.rs",
+        &["MethodSettings"],
+    ),
     part(
         "Optimal control",
         "cli/src/json/solution.rs",
@@ -108,7 +138,7 @@ const DOCUMENTS: [Part; 8] = [
 ];
 
 /// The chapters, by their files.
-pub(crate) const FILES: [&str; 3] = ["statuses.md", "columns.md", "settings.md"];
+pub(crate) const FILES: [&str; 4] = [language::FILE, "statuses.md", "columns.md", "settings.md"];
 
 /// The text of a generated chapter, by its file; `None` if there is no such chapter.
 ///
@@ -116,6 +146,10 @@ pub(crate) const FILES: [&str; 3] = ["statuses.md", "columns.md", "settings.md"]
 /// A source that cannot be read, a type that is not in it, and a variant or field without documentation.
 pub(crate) fn chapter(file: &str, root: &Path) -> Result<Option<String>> {
     match file {
+        language::FILE => {
+            let source = fs::read_to_string(root.join(language::SOURCE))?;
+            Ok(Some(language::chapter(&source)))
+        }
         "statuses.md" => statuses(root).map(Some),
         "columns.md" => columns(root).map(Some),
         "settings.md" => Ok(Some(settings())),
@@ -132,7 +166,10 @@ pub fn words_of_results(root: &Path) -> Result<Vec<(&'static str, Vec<Entry>)>> 
         let source = fs::read_to_string(root.join(part.file))?;
         let mut entries = Vec::new();
         for name in part.types {
-            entries.extend(variants(&source, name).map_err(|said| Error::other(format!("{}: {said}", part.file)))?);
+            entries.extend(
+                variants(&source, name)
+                    .map_err(|said| Error::other(format!("{}: {said}", part.file)))?,
+            );
         }
         Ok((part.title, entries))
     });
@@ -148,7 +185,8 @@ pub fn fields_of_documents(root: &Path) -> Result<Vec<(&'static str, Vec<(String
         let source = fs::read_to_string(root.join(part.file))?;
         let mut structures = Vec::new();
         for name in part.types {
-            let found = fields(&source, name).map_err(|said| Error::other(format!("{}: {said}", part.file)))?;
+            let found = fields(&source, name)
+                .map_err(|said| Error::other(format!("{}: {said}", part.file)))?;
             structures.push(found);
         }
         Ok((part.title, structures))
@@ -189,9 +227,19 @@ fn settings() -> String {
         "# Commands and settings\n\nEvery command with its options, as `hangtime COMMAND --help` prints them. A setting that would do nothing is refused.\n",
     );
     for command in CommandLine::settings() {
-        let _ = write!(text, "\n## `hangtime {}`\n\n{}\n\n", command.name, sentence(&command.about));
+        let _ = write!(
+            text,
+            "\n## `hangtime {}`\n\n{}\n\n",
+            command.name,
+            sentence(&command.about)
+        );
         let entries = command.options.into_iter();
-        let entries: Vec<Entry> = entries.map(|(name, text)| Entry { name, text: sentence(&text) }).collect();
+        let entries: Vec<Entry> = entries
+            .map(|(name, text)| Entry {
+                name,
+                text: sentence(&text),
+            })
+            .collect();
         push_table(&mut text, "option", &entries);
     }
     text
@@ -199,7 +247,11 @@ fn settings() -> String {
 
 /// Markdown in which `<` and `|` are what they say, and a full stop at the end.
 fn sentence(text: &str) -> String {
-    let end = if text.ends_with(['.', '!', '?', ')']) || text.is_empty() { "" } else { "." };
+    let end = if text.ends_with(['.', '!', '?', ')']) || text.is_empty() {
+        ""
+    } else {
+        "."
+    };
     format!("{text}{end}")
 }
 
@@ -217,8 +269,12 @@ fn push_table(text: &mut String, heading: &str, entries: &[Entry]) {
 fn body<'s>(source: &'s str, heading: &str) -> std::result::Result<(String, &'s str), String> {
     let starts = source.match_indices(heading).map(|(at, _)| at);
     // The whole name: what follows is no letter.
-    let mut starts = starts.filter(|at| !source[at + heading.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_'));
-    let start = starts.next().ok_or_else(|| format!("there is no `{heading}`"))?;
+    let mut starts = starts.filter(|at| {
+        !source[at + heading.len()..].starts_with(|c: char| c.is_alphanumeric() || c == '_')
+    });
+    let start = starts
+        .next()
+        .ok_or_else(|| format!("there is no `{heading}`"))?;
     let (before, from) = source.split_at(start);
     let open = from.find('{').ok_or("no body")?;
     let end = from.find("\n}").ok_or("no end")?;
@@ -233,13 +289,19 @@ fn body<'s>(source: &'s str, heading: &str) -> std::result::Result<(String, &'s 
     });
     let mut above: Vec<&&str> = above.collect();
     above.reverse();
-    Ok((documentation(above.into_iter().copied()), &from[open + 1..end]))
+    Ok((
+        documentation(above.into_iter().copied()),
+        &from[open + 1..end],
+    ))
 }
 
 /// What doc comments among lines say, without links into the code.
 fn documentation<'s>(lines: impl Iterator<Item = &'s str>) -> String {
     let said = lines.filter_map(|line| line.trim_start().strip_prefix("///"));
-    let words: Vec<&str> = said.map(str::trim).filter(|line| !line.is_empty()).collect();
+    let words: Vec<&str> = said
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+        .collect();
     plain(&words.join(" "))
 }
 
@@ -259,7 +321,10 @@ fn plain(text: &str) -> String {
         let name = name.rsplit("::").next().unwrap_or(name);
         let _ = write!(plain, "`{name}`");
         let after = &inside[end + 1..];
-        rest = match after.strip_prefix('(').and_then(|target| target.split_once(')')) {
+        rest = match after
+            .strip_prefix('(')
+            .and_then(|target| target.split_once(')'))
+        {
             Some((_, after)) => after.to_owned(),
             None => after.to_owned(),
         };
@@ -274,8 +339,14 @@ fn variants(source: &str, name: &str) -> std::result::Result<Vec<Entry>, String>
     let mut above: Vec<&str> = Vec::new();
     for line in body.lines() {
         let code = line.trim_start();
-        let variant: &str = code.split(|c: char| !c.is_alphanumeric()).next().unwrap_or("");
-        if code.starts_with("///") || code.starts_with("#[") || !variant.starts_with(char::is_uppercase) {
+        let variant: &str = code
+            .split(|c: char| !c.is_alphanumeric())
+            .next()
+            .unwrap_or("");
+        if code.starts_with("///")
+            || code.starts_with("#[")
+            || !variant.starts_with(char::is_uppercase)
+        {
             above.push(line);
             continue;
         }
@@ -283,7 +354,8 @@ fn variants(source: &str, name: &str) -> std::result::Result<Vec<Entry>, String>
         if text.is_empty() {
             return Err(format!("`{name}::{variant}` has no documentation"));
         }
-        let shown = shown_name(source, name, variant).ok_or_else(|| format!("`{name}::{variant}` has no name"))?;
+        let shown = shown_name(source, name, variant)
+            .ok_or_else(|| format!("`{name}::{variant}` has no name"))?;
         match entries.iter_mut().find(|entry| entry.name == shown) {
             Some(entry) => {
                 let _ = write!(entry.text, " {text}");
@@ -316,14 +388,20 @@ fn fields(source: &str, name: &str) -> std::result::Result<(String, Vec<Entry>),
     let mut above: Vec<&str> = Vec::new();
     for line in body.lines() {
         let code = line.trim_start();
-        let declared = code.split_once(": ").filter(|_| !code.starts_with("//") && !code.starts_with("#["));
+        let declared = code
+            .split_once(": ")
+            .filter(|_| !code.starts_with("//") && !code.starts_with("#["));
         let Some((field, _)) = declared else {
             above.push(line);
             continue;
         };
         let skipped = above.iter().any(|line| line.contains("serde(skip)"));
-        let renamed = above.iter().find_map(|line| line.split_once("rename = \"")?.1.split('"').next());
-        let field = renamed.unwrap_or_else(|| field.rsplit(' ').next().unwrap_or(field)).to_owned();
+        let renamed = above
+            .iter()
+            .find_map(|line| line.split_once("rename = \"")?.1.split('"').next());
+        let field = renamed
+            .unwrap_or_else(|| field.rsplit(' ').next().unwrap_or(field))
+            .to_owned();
         let text = documentation(above.drain(..));
         if skipped {
             continue;

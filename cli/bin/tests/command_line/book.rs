@@ -137,7 +137,10 @@ fn every_chapter_is_a_page_that_needs_no_network() {
         .map(|file| file.unwrap().file_name().into_string().unwrap())
         .filter(|file| file.ends_with(".md") && file != "SUMMARY.md")
         .collect();
-    let written = book.chapters.iter().filter(|chapter| !chapter.is_generated());
+    let written = book
+        .chapters
+        .iter()
+        .filter(|chapter| !chapter.is_generated());
     let mut listed: Vec<String> = written.map(|chapter| chapter.file.clone()).collect();
     files.sort();
     listed.sort();
@@ -255,7 +258,10 @@ fn every_scene_of_the_book_and_of_the_list_opens_in_the_page() {
             assert!(page.html.contains(&link), "{}: {file}", chapter.file);
         }
     }
-    let gallery = opening.iter().find(|page| page.file == "gallery.html").unwrap();
+    let gallery = opening
+        .iter()
+        .find(|page| page.file == "gallery.html")
+        .unwrap();
     for scene in hangtime_models::scenes() {
         let text = scene.unread.or(scene.source).unwrap();
         let link = format!("href=\"{PAGE}#{}\"", fragment(scene.name, text));
@@ -306,11 +312,17 @@ fn every_status_setting_and_field_has_a_line_in_the_book() {
     let words = words_of_results(&root()).unwrap();
     let listed = rows(chapter("statuses.md"));
     let results = chapter("results.md");
-    let statuses = words.iter().filter(|(title, _)| ["Simulations", "Optimal control"].contains(title));
+    let statuses = words
+        .iter()
+        .filter(|(title, _)| ["Simulations", "Optimal control"].contains(title));
     for (title, entries) in statuses {
         assert!(entries.len() >= 8, "{title}: {entries:?}");
         for entry in entries {
-            assert!(results.contains(&format!("`{}`", entry.name)), "{title}: {}", entry.name);
+            assert!(
+                results.contains(&format!("`{}`", entry.name)),
+                "{title}: {}",
+                entry.name
+            );
         }
     }
     for (_, entries) in &words {
@@ -327,35 +339,64 @@ fn every_status_setting_and_field_has_a_line_in_the_book() {
         ("solver/src/nl/solution.rs", "locally_infeasible"),
         ("cli/src/ending.rs", "memory_limit"),
     ] {
-        assert!(source(file).contains(&format!("\"{name}\"")) && listed.contains(&name), "{file}: {name}");
+        assert!(
+            source(file).contains(&format!("\"{name}\"")) && listed.contains(&name),
+            "{file}: {name}"
+        );
     }
     let settings = rows(chapter("settings.md"));
     for command in ["simulate", "solve", "sweep", "chart", "nlp"] {
         let (_, help) = run(&root(), &[command.to_owned(), "--help".to_owned()]);
-        let options = help.lines().filter_map(|line| line.trim_start().strip_prefix("--"));
-        let options: Vec<&str> = options.filter_map(|line| line.split([' ', '=']).next()).collect();
+        let options = help
+            .lines()
+            .filter_map(|line| line.trim_start().strip_prefix("--"));
+        let options: Vec<&str> = options
+            .filter_map(|line| line.split([' ', '=']).next())
+            .collect();
         assert!(options.len() > 3, "{help}");
-        for option in options.iter().filter(|option| !["help", "version", "watch"].contains(option)) {
+        for option in options
+            .iter()
+            .filter(|option| !["help", "version", "watch"].contains(option))
+        {
             let typed = format!("--{option}");
-            assert!(settings.iter().any(|row| row.split(' ').next() == Some(&typed)), "{command} {typed}");
+            assert!(
+                settings
+                    .iter()
+                    .any(|row| row.split(' ').next() == Some(&typed)),
+                "{command} {typed}"
+            );
         }
     }
     let documents = fields_of_documents(&root()).unwrap();
     let entries = documents.iter().flat_map(|(_, structures)| structures);
-    let known: Vec<&str> = entries.flat_map(|(_, entries)| entries).map(|entry| entry.name.as_str()).collect();
+    let known: Vec<&str> = entries
+        .flat_map(|(_, entries)| entries)
+        .map(|entry| entry.name.as_str())
+        .collect();
     let listed = rows(chapter("columns.md"));
     assert_eq!(listed, known);
     for arguments in [
         &["simulate", "falling-rod", "--gradient", "mu", "--json"][..],
         &["simulate", "thermostat", "--json"],
-        &["solve", "pump-track", "--intervals", "6", "--formulation", "time-freezing", "--json"],
+        &[
+            "solve",
+            "pump-track",
+            "--intervals",
+            "6",
+            "--formulation",
+            "time-freezing",
+            "--json",
+        ],
     ] {
         let mut found = Vec::new();
         fields(&crate::support::json(arguments), &mut found);
         for name in found {
             // Outputs stand in gradients by their names.
             let output = name == "tip" || name == "on";
-            assert!(output || known.contains(&name.as_str()), "{arguments:?}: {name}");
+            assert!(
+                output || known.contains(&name.as_str()),
+                "{arguments:?}: {name}"
+            );
         }
     }
 }
@@ -363,10 +404,18 @@ fn every_status_setting_and_field_has_a_line_in_the_book() {
 #[test]
 fn formulas_are_set_and_what_is_none_is_refused() {
     let set = |formula: &str| mathml(formula, false).unwrap();
-    assert!(set("M^{-1} n").contains("<msup><mi>M</mi><mrow><mrow><mo>\u{2212}</mo><mn>1</mn></mrow></mrow></msup><mi>n</mi>"));
-    assert!(set("v_n^+ \\le 0").contains("<msubsup><mi>v</mi><mi>n</mi><mrow><mo>+</mo></mrow></msubsup><mo>\u{2264}</mo><mn>0</mn>"));
+    assert!(set("M^{-1} n").contains(
+        "<msup><mi>M</mi><mrow><mrow><mo>\u{2212}</mo><mn>1</mn></mrow></mrow></msup><mi>n</mi>"
+    ));
+    assert!(set("v_n^+ \\le 0").contains(
+        "<msubsup><mi>v</mi><mi>n</mi><mrow><mo>+</mo></mrow></msubsup><mo>\u{2264}</mo><mn>0</mn>"
+    ));
     assert!(set("\\frac{1}{2} \\dot{q}").contains("<mfrac><mrow><mn>1</mn></mrow><mrow><mn>2</mn></mrow></mfrac><mover accent=\"true\"><mrow><mi>q</mi></mrow>"));
-    assert!(set("\\begin{cases} a & b \\\\ c & d \\end{cases}").contains("<mtr><mtd><mrow><mi>c</mi></mrow></mtd><mtd><mrow><mi>d</mi></mrow></mtd></mtr>"));
+    assert!(
+        set("\\begin{cases} a & b \\\\ c & d \\end{cases}").contains(
+            "<mtr><mtd><mrow><mi>c</mi></mrow></mtd><mtd><mrow><mi>d</mi></mrow></mtd></mtr>"
+        )
+    );
     for (wrong, said) in [
         ("\\frak{g}", "`\\frak` is not known at letter 5"),
         ("x_", "something is missing"),
@@ -379,11 +428,22 @@ fn formulas_are_set_and_what_is_none_is_refused() {
     }
     // Where a formula stands in the text there is one, and no letter of its notation is left.
     let book = book();
-    let theory = pages(&book).into_iter().find(|page| page.file == "theory.html").unwrap();
+    let theory = pages(&book)
+        .into_iter()
+        .find(|page| page.file == "theory.html")
+        .unwrap();
     assert!(theory.html.matches("<math").count() > 20);
     for page in pages(&book) {
-        let shown: String = page.html.split("alttext=\"").map(|part| part.split_once("\">").map_or(part, |(_, rest)| rest)).collect();
-        assert!(!shown.contains("\\frac") && !shown.contains("\\lambda"), "{}", page.file);
+        let shown: String = page
+            .html
+            .split("alttext=\"")
+            .map(|part| part.split_once("\">").map_or(part, |(_, rest)| rest))
+            .collect();
+        assert!(
+            !shown.contains("\\frac") && !shown.contains("\\lambda"),
+            "{}",
+            page.file
+        );
     }
 }
 
@@ -406,8 +466,15 @@ send();
 #[test]
 fn book_is_searched_in_the_browser() {
     let pages = pages(&book());
-    let page = pages.iter().find(|page| page.file == "search.html").unwrap();
-    assert!(pages.iter().all(|page| page.html.contains("<form action=\"search.html\"")));
+    let page = pages
+        .iter()
+        .find(|page| page.file == "search.html")
+        .unwrap();
+    assert!(
+        pages
+            .iter()
+            .all(|page| page.html.contains("<form action=\"search.html\""))
+    );
     let Some(browser) = browser() else {
         return;
     };
