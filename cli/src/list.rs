@@ -25,6 +25,8 @@ struct SceneEntry {
     name: &'static str,
     title: &'static str,
     group: &'static str,
+    #[serde(skip_serializing_if = "String::is_empty")]
+    about: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     question: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -58,6 +60,27 @@ struct VariantEntry {
     choice: &'static str,
 }
 
+impl Scene {
+    /// What is worth knowing about the scene, a paragraph: the comment below the documentation of its text; empty where there is none.
+    ///
+    /// ```
+    /// let text = "//! A stone falls.\n//\n// It falls freely,\n// into a well.\n\ncoordinates { z: m }";
+    /// let scene = hangtime_cli::Scene::unread("stone", "a stone falls", text);
+    /// assert_eq!(scene.about(), "It falls freely, into a well.");
+    /// ```
+    #[must_use]
+    pub fn about(&self) -> String {
+        let text = self.unread.or(self.source).unwrap_or_default();
+        let below = text.lines().skip_while(|line| line.starts_with("//!"));
+        let comment = below.map_while(|line| line.strip_prefix("//"));
+        let words: Vec<&str> = comment
+            .map(str::trim)
+            .filter(|line| !line.is_empty())
+            .collect();
+        words.join(" ")
+    }
+}
+
 impl SceneEntry {
     fn of(scene: &'static Scene) -> Result<Self, BadInput> {
         let chosen = ChosenScene::new(scene, &[])?;
@@ -67,6 +90,7 @@ impl SceneEntry {
             name: scene.name,
             title: scene.title,
             group: scene.group,
+            about: scene.about(),
             question: question.map(|question| question.asked),
             answer: question.map(|question| question.answer),
             known: question.map(|Question { known, .. }| Known {
@@ -191,6 +215,9 @@ fn by_groups(scenes: &[&'static Scene]) -> String {
 /// All about a scene.
 fn told(scene: &SceneEntry) -> String {
     let mut text = format!("{}\n  {}\n", scene.name, scene.title);
+    for line in wrapped(&scene.about) {
+        let _ = writeln!(text, "  {line}");
+    }
     if let Some((question, answer)) = scene.question.zip(scene.answer) {
         let _ = writeln!(text, "  {question} {answer}");
     }
@@ -208,6 +235,22 @@ fn told(scene: &SceneEntry) -> String {
     let commands = scene.commands.join(", ");
     let _ = writeln!(text, "  for {commands}\n\n{}", parameters(scene));
     text
+}
+
+/// Lines of at most 100 letters, if no word is longer.
+fn wrapped(text: &str) -> Vec<String> {
+    const WIDTH: usize = 100;
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + word.chars().count() < WIDTH => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 fn parameters(scene: &SceneEntry) -> String {

@@ -59,6 +59,7 @@ struct SceneText<'a> {
     name: &'a str,
     text: &'a str,
     title: &'a str,
+    about: String,
     group: &'a str,
     #[serde(skip_serializing_if = "Option::is_none")]
     question: Option<&'a str>,
@@ -74,6 +75,7 @@ impl<'a> SceneText<'a> {
             name,
             text,
             title: "",
+            about: String::new(),
             group,
             question: None,
             answer: None,
@@ -85,6 +87,7 @@ impl<'a> SceneText<'a> {
     fn listed(scene: &Scene) -> Option<Self> {
         Some(Self {
             title: scene.title,
+            about: scene.about(),
             question: scene.question.map(|question| question.asked),
             answer: scene.question.map(|question| question.answer),
             picture: scene.picture,

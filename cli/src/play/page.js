@@ -423,14 +423,14 @@ const openLink = async () => {
 const showGallery = () => {
   const groups = new Map();
   for (const scene of shipped) groups.set(scene.group, [...(groups.get(scene.group) ?? []), scene]);
-  const card = ({ name, title, question, answer, picture }) => {
+  const card = ({ name, title, about, question, answer, picture }) => {
     const button = make("button", { type: "button", className: "card" });
     button.dataset.scene = name;
     const drawing = make("span", { className: "picture" });
     drawing.innerHTML = picture;
     drawing.setAttribute("aria-hidden", "true");
     const told = question ? [make("span", { className: "question", textContent: question }), make("span", { className: "quiet", textContent: answer })] : [];
-    button.append(drawing, make("strong", { textContent: name }), make("span", { textContent: title }), ...told);
+    button.append(drawing, make("strong", { textContent: name }), make("span", { textContent: title }), make("span", { className: "about", textContent: about }), ...told);
     button.addEventListener("click", () => {
       element("gallery").close();
       choose(name);

@@ -92,6 +92,7 @@ pub fn mathml(formula: &str, block: bool) -> Result<String, String> {
     let mut parser = Parser {
         rest: formula.trim(),
         whole: formula.trim(),
+        operand: false,
     };
     let rows = parser.rows(None)?;
     let set = match &rows[..] {
@@ -157,6 +158,8 @@ fn in_line(line: &str) -> Result<String, String> {
 struct Parser<'f> {
     rest: &'f str,
     whole: &'f str,
+    /// Whether what stands before is an operand, of which a minus is taken away; elsewhere it is a sign.
+    operand: bool,
 }
 
 /// Rows of cells, each set.
@@ -224,6 +227,7 @@ impl<'f> Parser<'f> {
     /// A part with what is below and above it.
     fn scripted(&mut self) -> Result<String, String> {
         let base = self.part()?;
+        let operand = self.operand;
         let (mut below, mut above) = (None, String::new());
         loop {
             self.rest = self.rest.trim_start();
@@ -243,6 +247,7 @@ impl<'f> Parser<'f> {
                 _ => break,
             }
         }
+        self.operand = operand;
         let above = (!above.is_empty()).then(|| format!("<mrow>{above}</mrow>"));
         Ok(match (below, above) {
             (None, None) => base,
@@ -255,11 +260,13 @@ impl<'f> Parser<'f> {
     /// One part, or what stands in braces.
     fn argument(&mut self) -> Result<String, String> {
         self.rest = self.rest.trim_start();
+        self.operand = false;
         self.part()
     }
 
     fn braced(&mut self) -> Result<String, String> {
         let mut inner = String::new();
+        self.operand = false;
         loop {
             self.rest = self.rest.trim_start();
             if self.rest.is_empty() {
@@ -274,6 +281,18 @@ impl<'f> Parser<'f> {
     }
 
     fn part(&mut self) -> Result<String, String> {
+        let part = self.atom()?;
+        let space = part.is_empty() || part.starts_with("<mspace");
+        let closes = ["<mo>)</mo>", "<mo>]</mo>", "<mo>|</mo>", "<mo>}</mo>"];
+        if !space {
+            self.operand = !part.starts_with("<mo")
+                || part.starts_with("<mover")
+                || closes.contains(&part.as_str());
+        }
+        Ok(part)
+    }
+
+    fn atom(&mut self) -> Result<String, String> {
         let Some(first) = self.rest.chars().next() else {
             return self.fail("something is missing");
         };
@@ -288,7 +307,8 @@ impl<'f> Parser<'f> {
             '\\' => return self.named(),
             '{' => return self.braced(),
             '}' => return self.fail("a brace is closed that is not open"),
-            '-' => "<mo>\u{2212}</mo>".to_owned(),
+            '-' if self.operand => "<mo>\u{2212}</mo>".to_owned(),
+            '-' => "<mo form=\"prefix\">\u{2212}</mo>".to_owned(),
             letter if letter.is_alphabetic() => format!("<mi>{letter}</mi>"),
             sign => format!("<mo>{}</mo>", escape(&sign.to_string())),
         })
@@ -318,8 +338,9 @@ impl<'f> Parser<'f> {
             }
             "sqrt" => Ok(format!("<msqrt>{}</msqrt>", self.argument()?)),
             "text" | "mathrm" => {
-                let words = self.verbatim()?;
-                Ok(format!("<mtext>{}</mtext>", escape(words)))
+                // Spaces at the ends would be left out.
+                let words = self.verbatim()?.replace(' ', "\u{a0}");
+                Ok(format!("<mtext>{}</mtext>", escape(&words)))
             }
             // Brackets grow by themselves.
             "left" | "right" => Ok(String::new()),

@@ -39,6 +39,10 @@ pub(crate) fn chapter() -> String {
                 "<div class=\"card\" id=\"scene-{name}\">{picture}<b>{}</b><span>{title}</span>",
                 open::anchor(scene.name, source, &name)
             );
+            let about = scene.about();
+            if !about.is_empty() {
+                let _ = write!(text, "<span class=\"about\">{}</span>", escape(&about));
+            }
             if let Some(question) = scene.question {
                 let (asked, answer) = (escape(question.asked), escape(question.answer));
                 let _ = write!(text, "<i>{asked}</i><span class=\"answer\">{answer}</span>");

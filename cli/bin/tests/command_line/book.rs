@@ -269,6 +269,8 @@ fn every_scene_of_the_book_and_of_the_list_opens_in_the_page() {
         for part in [&link, scene.title, drawn] {
             assert!(gallery.html.contains(part), "{}: {part}", scene.name);
         }
+        let about = scene.about().replace('"', "&quot;");
+        assert!(gallery.html.contains(&about), "{}", scene.name);
         if let Some(question) = scene.question {
             let asked = question.asked.replace('"', "&quot;");
             assert!(gallery.html.contains(&asked), "{}", scene.name);
@@ -405,7 +407,7 @@ fn every_status_setting_and_field_has_a_line_in_the_book() {
 fn formulas_are_set_and_what_is_none_is_refused() {
     let set = |formula: &str| mathml(formula, false).unwrap();
     assert!(set("M^{-1} n").contains(
-        "<msup><mi>M</mi><mrow><mrow><mo>\u{2212}</mo><mn>1</mn></mrow></mrow></msup><mi>n</mi>"
+        "<msup><mi>M</mi><mrow><mrow><mo form=\"prefix\">\u{2212}</mo><mn>1</mn></mrow></mrow></msup><mi>n</mi>"
     ));
     assert!(set("v_n^+ \\le 0").contains(
         "<msubsup><mi>v</mi><mi>n</mi><mrow><mo>+</mo></mrow></msubsup><mo>\u{2264}</mo><mn>0</mn>"

@@ -29,6 +29,15 @@ fn scenes_that_ask_are_in_groups_can_be_solved_and_are_in_the_settled_style() {
     let asking: Vec<_> = asking.collect();
     assert!(asking.len() >= 19, "{}", asking.len());
     assert!(scenes.iter().all(|scene| scene["group"] != ""));
+    // A paragraph each, which `list` prints in lines.
+    for scene in scenes {
+        let about = scene["about"].as_str().unwrap_or_default();
+        assert!(
+            about.split_whitespace().count() > 15,
+            "{}: {about}",
+            scene["name"]
+        );
+    }
     for scene in asking {
         let name = scene["name"].as_str().unwrap();
         let commands = scene["commands"].as_array().unwrap();

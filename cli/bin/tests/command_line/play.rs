@@ -275,3 +275,80 @@ fn program_without_its_page_says_how_to_build_it() {
     let refusal = crate::support::refused(&["play"]);
     assert!(refusal.contains("--features play"), "{refusal}");
 }
+
+/// What a script prints in node, line by line as JSON; `None` where there is no node.
+fn node(script: &str) -> Option<Vec<Value>> {
+    let scratch = Scratch::new("play-script");
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("run.mjs");
+    std::fs::write(&file, script).unwrap();
+    let Ok(run) = std::process::Command::new("node").arg(&file).output() else {
+        eprintln!("skipped: no node found, which runs the scripts of the page without a browser");
+        return None;
+    };
+    let errors = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{errors}");
+    let lines = String::from_utf8(run.stdout).unwrap();
+    let lines = lines
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap());
+    Some(lines.collect())
+}
+
+#[test]
+fn links_that_the_book_makes_are_read_by_the_page_and_others_refused() {
+    let text = "// a scene with \u{e4}, \u{1f600} and \"quotes\"\ncoordinates { z: m }\n";
+    let script = format!(
+        "{}\n{}\n
+const read = (hash) => unpackLink(hash).then((scene) => console.log(JSON.stringify(scene)), (error) => console.log(JSON.stringify(error.name)));
+await read({});
+await read(await packLink({{ name: 'own', text: {text:?}, values: {{ m: 2 }} }}));
+const {{ deflateRawSync }} = await import('node:zlib');
+await read('#scene=' + deflateRawSync(Buffer.alloc(5e6)).toString('base64url'));
+await read('#scene=' + 'A'.repeat(2e6));
+await read('#scene=AAAA');
+await read('#scene=' + deflateRawSync(Buffer.from('[1]')).toString('base64url'));
+await read('#elsewhere');
+",
+        include_str!("../../../src/play/store.js"),
+        include_str!("../../../src/play/links.js"),
+        json!(format!("#{}", hangtime_book::fragment("ball", text))),
+    );
+    let Some(read) = node(&script) else { return };
+    assert_eq!(
+        read,
+        [
+            json!({ "name": "ball", "text": text, "values": {} }),
+            json!({ "name": "own", "text": text, "values": { "m": 2 } }),
+            json!("RangeError"),
+            json!("RangeError"),
+            json!("SyntaxError"),
+            json!("SyntaxError"),
+            json!(null),
+        ]
+    );
+}
+
+#[test]
+fn steps_of_a_scene_are_what_was_typed_without_a_pause() {
+    let script = format!(
+        "{}
+const past = new Past('a');
+past.note('ab', 0); past.note('abc', 500); past.note('abcd', 2000);
+const seen = [past.go(1), past.go(-1), past.go(-1), past.go(-1), past.go(1)];
+past.note('x', 9000);
+seen.push(past.has(1), past.has(-1), past.go(-1));
+console.log(JSON.stringify(seen));
+const taken = (name) => ['ball', 'ball-2'].includes(name);
+console.log(JSON.stringify([freeName('ball', taken), freeName('cart', taken), cleanName(' ../a b.hang'), cleanName('\u{fc}')]));
+",
+        include_str!("../../../src/play/store.js")
+    );
+    let Some(lines) = node(&script) else { return };
+    // Nothing lies ahead; then the steps back, the end, and one forward; a new text ends what was ahead.
+    assert_eq!(
+        lines[0],
+        json!([null, "abc", "a", null, "abc", false, true, "abc"])
+    );
+    assert_eq!(lines[1], json!(["ball-3", "cart", "a-b", ""]));
+}

@@ -324,7 +324,10 @@ fn page_shows_the_gallery_reads_points_saves_and_solves_again() {
         let card = cards.iter().find(|card| card[0] == scene.name).unwrap();
         let told = card[2].as_str().unwrap();
         assert_eq!(card[1], !scene.picture.is_empty(), "{}", scene.name);
-        assert!(told.contains(scene.title), "{told}");
+        assert!(
+            told.contains(scene.title) && told.contains(&scene.about()),
+            "{told}"
+        );
         if let Some(question) = scene.question {
             assert!(
                 told.contains(question.asked) && told.contains(question.answer),
