@@ -182,11 +182,17 @@ pub(crate) fn run(scenes: &'static [Scene], arguments: &ListArguments) -> Result
     if !arguments.json && arguments.scenes.is_empty() {
         return Ok(Report::of(by_groups(&asked)));
     }
-    let read = asked.into_iter().map(|scene| match scene.unread {
-        Some(text) => load_unread(scene, text),
-        None => Ok(scene),
+    let entries = asked.into_iter().map(|scene| {
+        let read = match scene.unread {
+            Some(text) => load_unread(scene, text)?,
+            None => scene,
+        };
+        Ok(SceneEntry {
+            // A scene that is read no longer has its text.
+            about: scene.about(),
+            ..SceneEntry::of(read)?
+        })
     });
-    let entries = read.map(|scene| SceneEntry::of(scene?));
     let scenes: Vec<SceneEntry> = entries.collect::<Result<_, BadInput>>()?;
     let text = if arguments.json {
         to_line(&Document {

@@ -15,7 +15,7 @@ document.addEventListener("keydown", (event) => {
   if (turn && !scrolls) document.querySelector(`.turn [rel="${turn}"]`)?.click();
   if (event.key === "c") {
     contents.open = true;
-    contents.querySelector("[aria-current], a").focus();
+    (contents.querySelector("[aria-current]") ?? contents.querySelector("a")).focus();
   }
   if (event.key === "/") {
     event.preventDefault();

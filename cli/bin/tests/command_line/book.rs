@@ -277,7 +277,8 @@ fn every_scene_of_the_book_and_of_the_list_opens_in_the_page() {
         }
     }
     let bare = hangtime_book::pages(&book, false).unwrap();
-    assert!(bare.iter().all(|page| !page.html.contains(PAGE)));
+    let link = format!("{PAGE}#");
+    assert!(bare.iter().all(|page| !page.html.contains(&link)));
 }
 
 /// Words in backticks at the beginning of the rows of tables.
@@ -353,7 +354,7 @@ fn every_status_setting_and_field_has_a_line_in_the_book() {
             .lines()
             .filter_map(|line| line.trim_start().strip_prefix("--"));
         let options: Vec<&str> = options
-            .filter_map(|line| line.split([' ', '=']).next())
+            .filter_map(|line| line.split([' ', '=', '[']).next())
             .collect();
         assert!(options.len() > 3, "{help}");
         for option in options
@@ -435,7 +436,11 @@ fn formulas_are_set_and_what_is_none_is_refused() {
         .find(|page| page.file == "theory.html")
         .unwrap();
     assert!(theory.html.matches("<math").count() > 20);
-    for page in pages(&book) {
+    // The page that searches holds the text as it is written.
+    for page in pages(&book)
+        .iter()
+        .filter(|page| page.file != "search.html")
+    {
         let shown: String = page
             .html
             .split("alttext=\"")
