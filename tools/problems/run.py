@@ -22,6 +22,11 @@ import time
 import sets
 
 LIMIT = {"macmpec": 60, "mpeclib": 60, "nosbench": 120, "cutest": 60}
+TITLES = {
+    "cutest": "How many of the CUTEst problems are solved, beside IPOPT?",
+    "macmpec": "How many of the MacMPEC problems are certified?",
+    "nosbench": "How many programs of nosnoc's collection are certified?",
+}
 NOTES = {
     "macmpec": [
         "The collection of MPECs by Leyffer, as far as its translation to CasADi is public, and the traffic problems TSC from their own",
@@ -121,7 +126,7 @@ def table(name, results, missing, best, limit):
     states = sorted({result["status"] for result in results})
     counts = ", ".join(f"{sum(r['status'] == s for r in results)} {s}" for s in states)
     seconds = statistics.median(result["cpu"] for result in results)
-    lines = [f"# {name}", "", *NOTES.get(name, []), f"`python3 tools/problems/run.py {name}`, one default setting, {limit} s a problem, one problem at a time. "
+    lines = [f"# {TITLES[name]}", "", *NOTES.get(name, []), f"`python3 tools/problems/run.py {name}`, one default setting, {limit} s a problem, one problem at a time. "
              f"{len(results)} problems; {missing} more were not in the clone.", "",
              f"- certified (B or S): {len(solved)} of {len(results)} ({100 * len(solved) / len(results):.1f} %); {counts}",
              *([f"- at the best known value, or better, or infeasible as known: {at_best} of {len(with_best)}"] if with_best else []),
@@ -166,7 +171,7 @@ def compared_table(name, results, missing, limit):
     ratio = statistics.median(r["own"] / max(o["seconds"], 1e-6) for r, o in both)
     iterations = sum(r["iterations"]["interior_point"] for r, _ in both), sum(o["iterations"] for _, o in both)
     residual = max((r["residuals"]["violation_stationarity"] for r in infeasible), default=0.0)
-    lines = [f"# {name}", "", *NOTES.get(name, []),
+    lines = [f"# {TITLES[name]}", "", *NOTES.get(name, []),
              f"`python3 tools/problems/run.py {name}`, one default setting, {limit} s a problem, one problem at a time, against IPOPT of the package "
              f"casadi with MUMPS and default options. {len(results)} problems; {missing} more could not be stated.", "",
              f"- {counts}; `solved` by IPOPT: {len(there)}",

@@ -2,6 +2,7 @@
   await until(idle);
   report.seconds = performance.now() / 1000;
   report.first = look();
+  report.plays = page.player.playing();
   const original = text.value;
   type(original.replace("m*g*z", "m*g*zz"));
   await until(() => !element("messages").hidden);
@@ -23,7 +24,6 @@
   const bomb = await through(new Uint8Array(3e8), new CompressionStream("deflate-raw"));
   report.bomb = await through(bomb, new DecompressionStream("deflate-raw")).then(() => "unpacked", (error) => error.name);
   const press = (key) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
-  report.plays = page.player.playing();
   page.player.pause();
   page.player.show(0);
   press(" ");
