@@ -25,6 +25,7 @@ LIMIT = {"macmpec": 60, "mpeclib": 60, "nosbench": 120, "cutest": 60}
 TITLES = {
     "cutest": "How many of the CUTEst problems are solved, beside IPOPT?",
     "macmpec": "How many of the MacMPEC problems are certified?",
+    "mpeclib": "How many of the MPECLib problems are certified?",
     "nosbench": "How many programs of nosnoc's collection are certified?",
 }
 NOTES = {
