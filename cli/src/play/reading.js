@@ -32,6 +32,8 @@ const reading = (() => {
     document.body.classList.add("reading");
     sheet.replaceChildren(...nodes);
     sheet.scrollTop = 0;
+    // On narrow screens it is below the editor.
+    if (panel.getBoundingClientRect().top > innerHeight) panel.scrollIntoView({ block: "start" });
     panel.setAttribute("aria-label", title);
     element("back").disabled = before.length === 0;
   };
