@@ -102,12 +102,11 @@ mod module {
                 crate::language::chapter(&fs::read_to_string(
                     book.join(ROOT).join(crate::language::SOURCE),
                 )?)
+            } else if crate::language::GENERATED.contains(&file) {
+                // Of what only the book's own program knows.
+                continue;
             } else {
-                // Other chapters that are generated are no files.
-                let Ok(text) = fs::read_to_string(book.join(file)) else {
-                    continue;
-                };
-                text
+                fs::read_to_string(book.join(file))?
             };
             let text = crate::formula::in_markdown(&text)?;
             write!(

@@ -7,7 +7,7 @@ use std::path::Path;
 use pulldown_cmark::{Event, Parser, Tag, TagEnd};
 
 use crate::steps::{self, Step};
-use crate::{gallery, reference};
+use crate::{gallery, language, reference};
 
 /// One chapter.
 #[derive(Debug, Clone)]
@@ -30,7 +30,7 @@ impl Chapter {
     /// Whether the code writes it.
     #[must_use]
     pub fn is_generated(&self) -> bool {
-        self.file == gallery::FILE || reference::FILES.contains(&self.file.as_str())
+        language::GENERATED.contains(&self.file.as_str())
     }
 
     /// The address of its page, `NAME.html`; the first chapter is `index.html`.

@@ -4,6 +4,14 @@
 pub(crate) const SOURCE: &str = "runtime/src/model_macro.md";
 /// The file by which the summary names the chapter.
 pub(crate) const FILE: &str = "language.md";
+/// All chapters that the code writes.
+pub(crate) const GENERATED: [&str; 5] = [
+    FILE,
+    "gallery.md",
+    "settings.md",
+    "statuses.md",
+    "columns.md",
+];
 
 /// The chapter: headings one level down, and of programs the lines that are shown.
 pub(crate) fn chapter(documentation: &str) -> String {

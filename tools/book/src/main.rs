@@ -6,7 +6,7 @@
 //! Scenes open in the page of `hangtime play`, where that was written to the folder above, `out/play.html`, before.
 //!
 //! Figures are made by the commands that the book shows (those with `--out figures`), run by this program itself, and
-//! taken from `docs/charts`. They are left in `docs/book/src/figures` as well, where mdBook looks for them.
+//! taken from `docs/charts`. They are left in `docs/book/src/figures` as well, and chapters that the code writes in `docs/book/src`, where mdBook looks for them.
 
 use std::env;
 use std::ffi::OsString;
@@ -114,6 +114,13 @@ fn build(folder: &Path) -> Result<usize> {
         )));
     }
     copy_figures(&figures, &folder.join("figures"))?;
+    for chapter in book
+        .chapters
+        .iter()
+        .filter(|chapter| chapter.is_generated())
+    {
+        fs::write(source.join(&chapter.file), &chapter.text)?;
+    }
     let opens = bring_page(folder)?;
     let pages = pages(&book, opens).map_err(Error::other)?;
     for page in &pages {

@@ -137,9 +137,6 @@ const DOCUMENTS: [Part; 8] = [
     ),
 ];
 
-/// The chapters, by their files.
-pub(crate) const FILES: [&str; 4] = [language::FILE, "statuses.md", "columns.md", "settings.md"];
-
 /// The text of a generated chapter, by its file; `None` if there is no such chapter.
 ///
 /// # Errors

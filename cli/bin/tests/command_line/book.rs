@@ -132,10 +132,14 @@ fn scenes_commands_and_links_of_the_book_are_as_it_says() {
 #[test]
 fn every_chapter_is_a_page_that_needs_no_network() {
     let book = book();
+    let generated = |file: &str| {
+        let mut chapters = book.chapters.iter();
+        chapters.any(|chapter| chapter.file == file && chapter.is_generated())
+    };
     let mut files: Vec<String> = fs::read_dir(root().join("docs/book/src"))
         .unwrap()
         .map(|file| file.unwrap().file_name().into_string().unwrap())
-        .filter(|file| file.ends_with(".md") && file != "SUMMARY.md")
+        .filter(|file| file.ends_with(".md") && file != "SUMMARY.md" && !generated(file))
         .collect();
     let written = book
         .chapters
