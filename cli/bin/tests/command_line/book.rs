@@ -308,101 +308,114 @@ fn fields(document: &serde_json::Value, found: &mut Vec<String>) {
     }
 }
 
-#[test]
-fn every_status_setting_and_field_has_a_line_in_the_book() {
-    let book = book();
-    let chapter = |file: &str| {
-        let mut chapters = book.chapters.iter();
-        &chapters.find(|chapter| chapter.file == file).unwrap().text
-    };
-    // Statuses that the chapter on results explains, and those that messages of this program know.
-    let words = words_of_results(&root()).unwrap();
-    let listed = rows(chapter("statuses.md"));
-    let results = chapter("results.md");
-    let statuses = words
-        .iter()
-        .filter(|(title, _)| ["Simulations", "Optimal control"].contains(title));
-    for (title, entries) in statuses {
-        assert!(entries.len() >= 8, "{title}: {entries:?}");
-        for entry in entries {
-            assert!(
-                results.contains(&format!("`{}`", entry.name)),
-                "{title}: {}",
-                entry.name
-            );
+/// The text of a chapter.
+fn chapter(file: &str) -> String {
+    let mut chapters = book().chapters.into_iter();
+    chapters.find(|chapter| chapter.file == file).unwrap().text
+}
+
+/// The sources below a folder.
+fn sources(folder: &Path, found: &mut Vec<String>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|end| end == "rs") {
+            found.push(fs::read_to_string(path).unwrap());
         }
     }
-    for (_, entries) in &words {
+}
+
+/// The texts that `fn name` of an enumeration gives, where it has one.
+fn names_of(source: &str, enumeration: &str) -> Vec<String> {
+    let body = source.split_once(&format!("impl {enumeration} {{\n"));
+    let body = body.and_then(|(_, rest)| rest.split("\n}\n").next()?.split_once("fn name("));
+    let arms = body.and_then(|(_, rest)| rest.split("\n    }\n").next());
+    let texts = arms.unwrap_or_default().split('"').skip(1).step_by(2);
+    texts.map(str::to_owned).collect()
+}
+
+#[test]
+fn every_status_has_a_line_in_the_book() {
+    let words = words_of_results(&root()).unwrap();
+    let text = chapter("statuses.md");
+    let listed = rows(&text);
+    let results = chapter("results.md");
+    for (title, entries) in &words {
+        // What to do where one of these is the status is in the chapter on results.
+        let explained = ["Simulations", "Optimal control"].contains(title);
         for entry in entries {
             assert!(listed.contains(&entry.name.as_str()), "{}", entry.name);
+            let told = results.contains(&format!("`{}`", entry.name));
+            assert!(told || !explained, "{title}: {}", entry.name);
         }
     }
     // Every enumeration of statuses in the sources is among them.
-    let source = |file: &str| fs::read_to_string(root().join(file)).unwrap();
-    for (file, name) in [
-        ("runtime/src/simulation/result.rs", "step_failed"),
-        ("runtime/src/ocp/solution.rs", "not_found"),
-        ("runtime/src/estimation/result.rs", "undetermined"),
-        ("solver/src/nl/solution.rs", "locally_infeasible"),
-        ("cli/src/ending.rs", "memory_limit"),
-    ] {
-        assert!(
-            source(file).contains(&format!("\"{name}\"")) && listed.contains(&name),
-            "{file}: {name}"
-        );
+    let mut texts = Vec::new();
+    for folder in ["runtime/src", "solver/src", "cli/src"] {
+        sources(&root().join(folder), &mut texts);
     }
-    let settings = rows(chapter("settings.md"));
-    for command in ["simulate", "solve", "sweep", "chart", "nlp"] {
-        let (_, help) = run(&root(), &[command.to_owned(), "--help".to_owned()]);
-        let options = help
-            .lines()
-            .filter_map(|line| line.trim_start().strip_prefix("--"));
-        let options: Vec<&str> = options
-            .filter_map(|line| line.split([' ', '=', '[']).next())
-            .collect();
-        assert!(options.len() > 3, "{help}");
-        for option in options
-            .iter()
-            .filter(|option| !["help", "version", "watch"].contains(option))
-        {
-            let typed = format!("--{option}");
-            assert!(
-                settings
-                    .iter()
-                    .any(|row| row.split(' ').next() == Some(&typed)),
-                "{command} {typed}"
-            );
+    let mut count = 0;
+    for text in &texts {
+        for rest in text.split("pub enum ").skip(1) {
+            let enumeration = rest.split([' ', '<']).next().unwrap();
+            if !enumeration.ends_with("Status") {
+                continue;
+            }
+            for name in names_of(text, enumeration) {
+                assert!(listed.contains(&name.as_str()), "{enumeration}: {name}");
+                count += 1;
+            }
         }
     }
+    // Simulation, optimal control, estimation, programs.
+    assert!(count >= 31, "{count}");
+    assert!(listed.contains(&"memory_limit"));
+}
+
+#[test]
+fn every_setting_has_a_line_in_the_book() {
+    let text = chapter("settings.md");
+    let settings = rows(&text);
+    for command in ["simulate", "solve", "sweep", "chart", "nlp", "play", "list"] {
+        let (_, help) = run(&root(), &[command.to_owned(), "--help".to_owned()]);
+        let lines = help.lines().map(str::trim_start);
+        let options = lines.filter_map(|line| line.strip_prefix("--"));
+        let options = options.filter_map(|line| line.split([' ', '=', '[']).next());
+        // Of all commands alike.
+        let common = ["help", "version", "watch"];
+        let mut own = options.filter(|option| !common.contains(option)).peekable();
+        assert!(own.peek().is_some(), "{help}");
+        for option in own {
+            let typed = format!("--{option}");
+            let mut rows = settings.iter();
+            let found = rows.any(|row| row.split(' ').next() == Some(&typed));
+            assert!(found, "{command} {typed}");
+        }
+    }
+}
+
+#[test]
+fn every_field_of_a_document_has_a_line_in_the_book() {
     let documents = fields_of_documents(&root()).unwrap();
-    let entries = documents.iter().flat_map(|(_, structures)| structures);
-    let known: Vec<&str> = entries
-        .flat_map(|(_, entries)| entries)
-        .map(|entry| entry.name.as_str())
-        .collect();
-    let listed = rows(chapter("columns.md"));
-    assert_eq!(listed, known);
-    for arguments in [
-        &["simulate", "falling-rod", "--gradient", "mu", "--json"][..],
-        &["simulate", "thermostat", "--json"],
-        &[
-            "solve",
-            "pump-track",
-            "--intervals",
-            "6",
-            "--formulation",
-            "time-freezing",
-            "--json",
-        ],
+    let structures = documents.iter().flat_map(|(_, structures)| structures);
+    let entries = structures.flat_map(|(_, entries)| entries);
+    let known: Vec<&str> = entries.map(|entry| entry.name.as_str()).collect();
+    assert_eq!(rows(&chapter("columns.md")), known);
+    for command in [
+        "simulate falling-rod --gradient mu --json",
+        "simulate thermostat --json",
+        "solve pump-track --intervals 6 --formulation time-freezing --json",
     ] {
+        let arguments: Vec<&str> = command.split(' ').collect();
         let mut found = Vec::new();
-        fields(&crate::support::json(arguments), &mut found);
+        fields(&crate::support::json(&arguments), &mut found);
         for name in found {
             // Outputs stand in gradients by their names.
             let output = name == "tip" || name == "on";
             assert!(
                 output || known.contains(&name.as_str()),
-                "{arguments:?}: {name}"
+                "{command}: {name}"
             );
         }
     }
