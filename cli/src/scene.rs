@@ -210,6 +210,25 @@ impl Scene {
             ..self
         }
     }
+
+    /// What is worth knowing about the scene, a paragraph: the comment below the documentation of its text; empty where there is none.
+    ///
+    /// ```
+    /// let text = "//! A stone falls.\n//\n// It falls freely,\n// into a well.\n\ncoordinates { z: m }";
+    /// let scene = hangtime_cli::Scene::unread("stone", "a stone falls", text);
+    /// assert_eq!(scene.about(), "It falls freely, into a well.");
+    /// ```
+    #[must_use]
+    pub fn about(&self) -> String {
+        let text = self.unread.or(self.source).unwrap_or_default();
+        let below = text.lines().skip_while(|line| line.starts_with("//!"));
+        let comment = below.map_while(|line| line.strip_prefix("//"));
+        let words: Vec<&str> = comment
+            .map(str::trim)
+            .filter(|line| !line.is_empty())
+            .collect();
+        words.join(" ")
+    }
 }
 
 /// Whether a list of scenes can be told apart by their names, and each scene made.

@@ -212,7 +212,7 @@ mod tests {
         let page = PlayPage {
             module: b"module",
             scenes: &[],
-            chapters: &[chapter],
+            chapters: Box::leak(Box::new([chapter])),
         };
         let page = html(&page, &[scene]);
         assert_eq!(
