@@ -35,5 +35,5 @@ pub use links::dead_links;
 pub use open::{PAGE, fragment};
 pub use page::Page;
 pub use pages::pages;
-pub use reference::{Entry, fields_of_documents, words_of_results};
+pub use reference::{Entry, Structure, fields_of_documents, words_of_results};
 pub use steps::{Data, Excerpt, Kind, Run, SceneText, Step};

@@ -18,6 +18,15 @@ pub struct Entry {
     pub text: String,
 }
 
+/// A structure of a document.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Structure {
+    /// What its documentation says.
+    pub about: String,
+    /// Its fields.
+    pub fields: Vec<Entry>,
+}
+
 /// A part of a page: what it is about, and the enumeration or the structures of one source file that it lists.
 struct Part {
     title: &'static str,
@@ -177,7 +186,7 @@ pub fn words_of_results(root: &Path) -> Result<Vec<(&'static str, Vec<Entry>)>> 
 ///
 /// # Errors
 /// As of chapters that are generated: a field without documentation.
-pub fn fields_of_documents(root: &Path) -> Result<Vec<(&'static str, Vec<(String, Vec<Entry>)>)>> {
+pub fn fields_of_documents(root: &Path) -> Result<Vec<(&'static str, Vec<Structure>)>> {
     let parts = DOCUMENTS.iter().map(|part| {
         let source = fs::read_to_string(root.join(part.file))?;
         let mut structures = Vec::new();
@@ -211,9 +220,9 @@ fn columns(root: &Path) -> Result<String> {
     );
     for (title, structures) in fields_of_documents(root)? {
         let _ = write!(text, "\n## {title}\n");
-        for (said, entries) in structures {
-            let _ = write!(text, "\n{said}\n\n");
-            push_table(&mut text, "field", &entries);
+        for Structure { about, fields } in structures {
+            let _ = write!(text, "\n{about}\n\n");
+            push_table(&mut text, "field", &fields);
         }
     }
     Ok(text)
@@ -379,9 +388,9 @@ fn shown_name(source: &str, name: &str, variant: &str) -> Option<String> {
 }
 
 /// What a structure is, and its fields as documents name them.
-fn fields(source: &str, name: &str) -> std::result::Result<(String, Vec<Entry>), String> {
-    let (said, body) = body(source, &format!("struct {name}"))?;
-    let mut entries = Vec::new();
+fn fields(source: &str, name: &str) -> std::result::Result<Structure, String> {
+    let (about, body) = body(source, &format!("struct {name}"))?;
+    let mut fields = Vec::new();
     let mut above: Vec<&str> = Vec::new();
     for line in body.lines() {
         let code = line.trim_start();
@@ -406,10 +415,10 @@ fn fields(source: &str, name: &str) -> std::result::Result<(String, Vec<Entry>),
         if text.is_empty() {
             return Err(format!("`{name}.{field}` has no documentation"));
         }
-        entries.push(Entry { name: field, text });
+        fields.push(Entry { name: field, text });
     }
-    if said.is_empty() {
+    if about.is_empty() {
         return Err(format!("`{name}` has no documentation"));
     }
-    Ok((said, entries))
+    Ok(Structure { about, fields })
 }
