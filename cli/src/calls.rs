@@ -421,9 +421,11 @@ fn told(now: &Progress, best: Option<f64>, contacts: bool) -> String {
         (_, true) => "looking for which contacts happen",
         (_, false) => "looking for a motion",
     };
-    let best = best.map_or("no motion to the goals yet".to_owned(), |best| {
-        format!("best objective so far {best:.6}")
-    });
+    let best = match (now.motion, best) {
+        (Some(motion), _) => format!("best so far {motion}"),
+        (None, Some(best)) => format!("best objective so far {best:.6}"),
+        (None, None) => "no motion to the goals yet".to_owned(),
+    };
     format!(
         "{doing}: {best}, {} tried, {:.0} s",
         counted(now.programs, "motion"),

@@ -49,7 +49,7 @@
 //! Each is usable without those above it.
 
 #[doc(hidden)]
-#[path = "private.rs"]
+#[path = "private/mod.rs"]
 pub mod __private;
 // The macro's output names the crate from outside; the crate's own tests declare scenes as well.
 #[cfg(test)]
@@ -99,4 +99,4 @@ pub use hangtime_macros::model_file;
 #[cfg(target_family = "wasm")]
 pub use hangtime_solver::set_clock;
 pub use hangtime_solver::{InputError, mpcc, nl, nlp};
-pub use progress::{Observer, Progress};
+pub use progress::{BestMotion, Observer, Progress};

@@ -1,7 +1,7 @@
 //! The static description of a scene.
 
+use super::inertia::positions;
 use super::kernel::literal;
-use super::methods::positions;
 use crate::description::{
     Condition, Contact, ContactTerms, Description, Experiment, Measured, OptimalControl, Pattern,
     Picture, Shape, Variable,
