@@ -4,10 +4,14 @@ use std::process::ExitCode;
 
 use hangtime_cli::CommandLine;
 #[cfg(feature = "play")]
-use hangtime_cli::PlayPage;
+use hangtime_cli::{PlayChapter, PlayPage};
 #[cfg(feature = "play")]
 use hangtime_models::scene_texts;
 use hangtime_models::{hard_optima, hard_scenes, peers, scenes};
+
+/// The chapters of the book, as the build script lists them.
+#[cfg(feature = "play")]
+const CHAPTERS: &[PlayChapter] = include!(concat!(env!("OUT_DIR"), "/chapters.rs"));
 
 fn main() -> ExitCode {
     let command_line = CommandLine::new(scenes())
@@ -18,6 +22,7 @@ fn main() -> ExitCode {
     let command_line = command_line.with_page(PlayPage {
         module: include_bytes!(concat!(env!("OUT_DIR"), "/module.gz")),
         scenes: scene_texts(),
+        chapters: CHAPTERS,
     });
     command_line.run(std::env::args_os())
 }

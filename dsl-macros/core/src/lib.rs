@@ -38,7 +38,7 @@ mod testing;
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes, page_name};
 pub use text::TextMistake;
-pub use words::is_word;
+pub use words::{is_word, words};
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
 use description::{Description, Unfit};
