@@ -127,6 +127,8 @@ pub(super) struct Task {
     /// As declared, each one condition for every piece.
     pub(super) constraints: Vec<Vec<scene::Condition>>,
     pub(super) goals: Vec<Vec<scene::Condition>>,
+    /// Unknowns that are the largest of some values.
+    pub(super) epigraphs: Vec<scene::Epigraph>,
     pub(super) free: Vec<Free>,
 }
 

@@ -5,6 +5,7 @@ mod chosen;
 mod dependence;
 mod design;
 mod dry;
+mod epigraph;
 mod friction;
 mod joint;
 mod law;
@@ -323,6 +324,7 @@ fn finish(
         held: Vec::new(),
         remembered,
         remembers: false,
+        lifted: None,
     })
 }
 
@@ -349,6 +351,7 @@ fn along_the_way(task: &scene::OptimalControl) -> Vec<Sym> {
     functions
         .chain(task.running_cost)
         .chain(task.sums.iter().copied())
+        .chain(task.epigraphs.iter().flat_map(|known| known.rows.iter().copied()))
         .collect()
 }
 

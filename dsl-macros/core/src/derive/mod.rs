@@ -24,7 +24,7 @@ mod residual;
 mod simplify;
 
 pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
-pub(crate) use control::ControlEquations;
+pub(crate) use control::{ControlEquations, resets};
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
 pub use held::Given;

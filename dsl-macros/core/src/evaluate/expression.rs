@@ -409,6 +409,9 @@ fn call(
     if text == words::START {
         return at_start(scope, whole, arguments, diagnostics);
     }
+    if text == words::PEAK && !diagnostics.is_poisoned(text) {
+        return peak(scope, whole, arguments, diagnostics);
+    }
     if words::CONTACT_FUNCTIONS.contains(&text) {
         return recorded::of_contact(scope, whole, text, arguments, diagnostics);
     }
@@ -441,9 +444,11 @@ fn sum(
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let argument = recorded::summand(scope, whole, arguments, diagnostics)?;
+    let takes_apart = std::mem::take(&mut scope.takes_apart);
     scope.role = Role::Impact;
     let summed = scalar(scope, argument, diagnostics);
     scope.role = Role::End;
+    scope.takes_apart = takes_apart;
     recorded::sum(scope, argument, summed?, diagnostics)
 }
 
@@ -457,6 +462,22 @@ fn at_start(
     let argument = remembered::argument(scope, whole, arguments, diagnostics)?;
     let known = value(scope, argument, diagnostics)?;
     remembered::at_start(scope, (whole, argument), &known, diagnostics)
+}
+
+/// `peak(expression)`, the largest value over the motion.
+fn peak(
+    scope: &mut Scope,
+    whole: &Expr,
+    arguments: &[Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let argument = remembered::over_the_motion(scope, whole, arguments, diagnostics)?;
+    let takes_apart = std::mem::replace(&mut scope.takes_apart, true);
+    scope.role = Role::Constraint;
+    let known = scalar(scope, argument, diagnostics);
+    scope.role = Role::End;
+    scope.takes_apart = takes_apart;
+    Ok(remembered::peak(scope, whole, known?))
 }
 
 /// A switch of these arguments.
