@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 25] = [
+pub(crate) const STATEMENTS: [&str; 26] = [
     "parameters",
     "coordinates",
     "controls",
@@ -18,6 +18,7 @@ pub(crate) const STATEMENTS: [&str; 25] = [
     "dry",
     "joint",
     "when",
+    "at",
     "start",
     "horizon",
     "constraint",

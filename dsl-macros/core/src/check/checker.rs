@@ -1,5 +1,6 @@
 //! What a declaration has said so far, and what every rule asks of it.
 
+use super::at_times::Moment;
 use crate::ast::{Assignment, Documentation, Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::evaluate::Scope;
@@ -58,6 +59,8 @@ pub(super) struct Checker<'a> {
     pub(super) start: Vec<Assignment>,
     pub(super) horizon: Option<Sym>,
     pub(super) task: Task,
+    /// Times at which conditions hold.
+    pub(super) moments: Vec<Moment>,
     pub(super) shown: Shown,
 }
 

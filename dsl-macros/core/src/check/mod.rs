@@ -1,5 +1,6 @@
 //! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
 
+mod at_times;
 mod checker;
 mod chosen;
 mod dependence;
@@ -62,6 +63,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
+        moments: Vec::new(),
         shown: Shown::default(),
     };
     names::declare_all(&mut checker, &declared.statements);
@@ -118,6 +120,9 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             condition,
             assignments,
         } => resets::when(checker, condition, assignments),
+        Statement::At {
+            time, conditions, ..
+        } => at_times::at(checker, time, conditions),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
         Statement::Minimize { value, .. } if measured::is_misfit(checker, value) => Ok(()),
@@ -270,6 +275,8 @@ fn finish(
     else {
         return Err(Reported);
     };
+    let mut start = start;
+    at_times::finish(&mut checker, &mut start.1);
     // Missing inertia and unused names are most often consequences of other mistakes, but not of units and places.
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);

@@ -1,7 +1,7 @@
 //! Names: what is declared, what may not be, what is taken.
 
 use super::checker::Checker;
-use super::{states, values};
+use super::{at_times, states, values};
 use crate::ast::{Name, Quantity, Statement};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::{Meaning, Value};
@@ -55,6 +55,7 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
             declare(checker, quantities, state);
         }
     }
+    at_times::declare_states(checker, statements);
     checker.scope.state_size = (checker.coordinates.len() + checker.states.len()) as u16;
 }
 
@@ -192,7 +193,7 @@ fn state(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
     Ok(())
 }
 
-fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {
+pub(super) fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {
     if taken < MOST {
         return Ok(());
     }

@@ -75,7 +75,7 @@ pub(super) fn when(
 }
 
 /// E07: a value of an instant, at which a control may jump.
-fn known(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
+pub(super) fn known(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
     let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
     let mut variables = graph::variables(&[value]).into_iter();
     let Some(control) = variables.find(|variable| matches!(variable, Variable::Control(_))) else {
