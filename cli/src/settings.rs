@@ -49,7 +49,8 @@ impl ChosenScene {
         chosen.check_bounds()?;
         chosen.check_coefficients()?;
         let model = &chosen.model;
-        let unknown = model.free_parameters().len() + model.remembered().len() + model.epigraphs().len();
+        let unknown =
+            model.free_parameters().len() + model.remembered().len() + model.epigraphs().len();
         if unknown > 0 {
             chosen.without_compiler();
         }

@@ -1,10 +1,10 @@
 //! What a scene declares, as static data like that of a compiled one.
 
 use hangtime::model::{
-    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Epigraph, Equation, Experiment,
-    FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration, Kernel,
-    Measured, MeasuredQuantity, OptimalControlDeclaration, Over, ParameterDeclaration, Picture, Shape,
-    SparsityPattern, Switching, VariableDeclaration,
+    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Epigraph, Equation,
+    Experiment, FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration,
+    Kernel, Measured, MeasuredQuantity, OptimalControlDeclaration, Over, ParameterDeclaration,
+    Picture, Shape, SparsityPattern, Switching, VariableDeclaration,
 };
 use hangtime_dsl::description::{
     self, Condition, Contact, Description, Joints, OptimalControl, Outputs, Pattern, Rows, Variable,

@@ -6,7 +6,8 @@ use crate::scene::TextScene;
 use crate::scratch::Scratch;
 use crate::system::zeros;
 use hangtime::model::{
-    Declaration, Epigraph, Experiment, Held, Model, ParameterDerivatives, Picture, VariableDeclaration,
+    Declaration, Epigraph, Experiment, Held, Model, ParameterDerivatives, Picture,
+    VariableDeclaration,
 };
 use hangtime_dsl::description::MotionDerivatives;
 

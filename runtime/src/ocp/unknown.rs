@@ -51,7 +51,10 @@ pub(in crate::ocp) fn with_unknowns<'a>(
             "`start(...)` of what is free at the start,".to_owned()
         }
         None => match scene.epigraphs().first() {
-            Some(known) => format!("the largest value in `{}`, which is an unknown,", known.name),
+            Some(known) => format!(
+                "the largest value in `{}`, which is an unknown,",
+                known.name
+            ),
             None => return Ok(None),
         },
     };

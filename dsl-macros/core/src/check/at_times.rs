@@ -4,61 +4,19 @@
 //! has to be what the condition asks for at the end of the motion. A motion that ends before does not keep to it, as the state begins where no
 //! condition holds.
 
-use super::checker::{Checker, Reset};
-use super::resets::known;
+use super::checker::{Checker, Moment, Reset};
+use super::names::recorded;
 use super::rules::smooth;
-use super::{names, states};
-use crate::ast::{Condition, Expr, Name, Relation, Statement};
-use crate::diagnostics::{Checked, Place, Reported};
+use super::states;
+use super::values::of_an_instant;
+use crate::ast::{Condition, Expr, Name, Relation};
+use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::expression;
 use crate::graph::{self, Sym, Variable};
-use crate::scene::{self, Coordinate};
+use crate::scene;
 
 /// What a recorded condition is before its time: it holds neither as an equation nor as an inequality.
 const NOT_YET: f64 = -1.0;
-
-/// A time and its conditions, as far as they are evaluated.
-pub(super) struct Moment {
-    /// In seconds.
-    time: Sym,
-    place: Place,
-    shown: String,
-    /// The states that record its conditions.
-    states: Vec<usize>,
-}
-
-/// Declares the states that record conditions, behind all others.
-pub(super) fn declare_states(checker: &mut Checker<'_>, statements: &[Statement]) {
-    for statement in statements {
-        let Statement::At {
-            time, conditions, ..
-        } = statement
-        else {
-            continue;
-        };
-        for condition in conditions {
-            let name = recorded(condition, time);
-            if names::room(checker, &name, checker.states.len()).is_err() {
-                return;
-            }
-            checker.states.push(Coordinate {
-                name,
-                unit: None,
-                documentation: condition.documentation.clone(),
-                bounds: None,
-            });
-        }
-    }
-}
-
-/// The name of the state that records a condition.
-fn recorded(condition: &Condition, time: &Expr) -> Name {
-    let place = condition.left.place;
-    Name {
-        text: format!("{condition} at {time}"),
-        ident: proc_macro2::Ident::new("at", place.start),
-    }
-}
 
 pub(super) fn at(checker: &mut Checker<'_>, time: &Expr, conditions: &[Condition]) -> Checked<()> {
     let before = checker.diagnostics.mistakes();
@@ -88,7 +46,10 @@ pub(super) fn at(checker: &mut Checker<'_>, time: &Expr, conditions: &[Condition
             ident: proc_macro2::Ident::new("at", time.place.start),
         },
         function: Sym::variable(Variable::Time) - moment.time,
-        values: values.into_iter().map(|(state, value)| (first + state, value)).collect(),
+        values: values
+            .into_iter()
+            .map(|(state, value)| (first + state, value))
+            .collect(),
     });
     checker.moments.push(moment);
     Ok(())
@@ -123,7 +84,7 @@ fn moment(checker: &mut Checker<'_>, time: &Expr) -> Checked<Moment> {
 /// Evaluates a condition and declares what it asks for; the state that records it, and the value that is recorded.
 fn one(checker: &mut Checker<'_>, condition: &Condition, time: &Expr) -> Checked<(usize, Sym)> {
     let mut side = |expr: &Expr| {
-        let value = known(checker, expr)?;
+        let value = of_an_instant(checker, expr)?;
         smooth(value, expr, checker)?;
         Ok(value)
     };
@@ -131,7 +92,9 @@ fn one(checker: &mut Checker<'_>, condition: &Condition, time: &Expr) -> Checked
     let name = recorded(condition, time).text;
     let taken = |state: &usize| {
         let moments = checker.moments.iter();
-        !moments.flat_map(|known| &known.states).any(|other| other == state)
+        !moments
+            .flat_map(|known| &known.states)
+            .any(|other| other == state)
     };
     let mut all = (0..checker.states.len()).filter(taken);
     let state = all.find(|&state| checker.states[state].name.text == name);

@@ -1,6 +1,5 @@
 //! What a declaration has said so far, and what every rule asks of it.
 
-use super::at_times::Moment;
 use crate::ast::{Assignment, Documentation, Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::evaluate::Scope;
@@ -81,6 +80,16 @@ pub(super) struct Reset {
     pub(super) function: Sym,
     /// States and velocities, by their places among the velocities of all coordinates, with their values in declared units.
     pub(super) values: Vec<(usize, Sym)>,
+}
+
+/// A time and its conditions, as far as they are evaluated.
+pub(super) struct Moment {
+    /// In seconds.
+    pub(super) time: Sym,
+    pub(super) place: Place,
+    pub(super) shown: String,
+    /// The states that record its conditions.
+    pub(super) states: Vec<usize>,
 }
 
 /// Dry friction without a surface.

@@ -38,7 +38,8 @@ pub(super) fn peaks(
     for peak in std::mem::take(&mut checker.scope.peaks) {
         for &value in values {
             let slope = slope(value, peak.variable);
-            if !slope.is_structural_zero() && !grows(checker, (slope * weight, place), &peak.shown)? {
+            if !slope.is_structural_zero() && !grows(checker, (slope * weight, place), &peak.shown)?
+            {
                 return Err(refused(checker, place, &peak.shown));
             }
         }
@@ -152,7 +153,9 @@ fn slope(value: Sym, variable: Variable) -> Sym {
 
 /// E12: whether a slope, which depends on parameters alone, is above 0 for the defaults of these.
 fn grows(checker: &mut Checker<'_>, (slope, place): (Sym, Place), shown: &str) -> Checked<bool> {
-    let moves = graph::depends_on(slope, |variable| !matches!(variable, Variable::Parameter(_)));
+    let moves = graph::depends_on(slope, |variable| {
+        !matches!(variable, Variable::Parameter(_))
+    });
     match checker.at_default(slope) {
         Some(value) if !moves && value != 0.0 => return Ok(value > 0.0),
         _ => {}

@@ -358,7 +358,11 @@ fn along_the_way(task: &scene::OptimalControl) -> Vec<Sym> {
     functions
         .chain(task.running_cost)
         .chain(task.sums.iter().copied())
-        .chain(task.epigraphs.iter().flat_map(|known| known.rows.iter().copied()))
+        .chain(
+            task.epigraphs
+                .iter()
+                .flat_map(|known| known.rows.iter().copied()),
+        )
         .collect()
 }
 

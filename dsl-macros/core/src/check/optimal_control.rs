@@ -319,7 +319,9 @@ fn checked_condition(
     let place = condition.left.place.to(condition.right.place);
     let is_peak = |variable| matches!(variable, Variable::Epigraph(_));
     if condition.relation == Relation::Equal && graph::depends_on(function, is_peak) {
-        let message = format!("`{condition}` asks a largest value to be exactly that; ask for at most that much, by `<=`");
+        let message = format!(
+            "`{condition}` asks a largest value to be exactly that; ask for at most that much, by `<=`"
+        );
         return Err(checker.diagnostics.report("E12", place, message));
     }
     epigraph::peaks(checker, &pieces, (place, less), &kinks)?;

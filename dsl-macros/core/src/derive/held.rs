@@ -72,7 +72,8 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         chosen.len() + remembered.len() + lasting.len(),
         scene.controls.len(),
     );
-    let place_of = |list: &[&Epigraph], variable| list.iter().position(|known| known.variable == variable);
+    let place_of =
+        |list: &[&Epigraph], variable| list.iter().position(|known| known.variable == variable);
     let place = |variable: Variable| {
         let k = match variable {
             Variable::Parameter(i) => chosen.iter().position(|&known| known == i)?,
@@ -186,7 +187,8 @@ fn add_conditions(task: &mut OptimalControl, epigraph: &Epigraph) {
     }
     let first = epigraph.rows.len();
     let at_start = epigraph.at_start.iter().enumerate();
-    task.goals.extend(at_start.map(|(k, row)| condition((first + k, row))));
+    task.goals
+        .extend(at_start.map(|(k, row)| condition((first + k, row))));
 }
 
 /// Puts parameters and what is remembered behind the coordinates, with their values at the start.

@@ -3,8 +3,8 @@
 use super::kernel::literal;
 use super::methods::positions;
 use crate::description::{
-    Condition, Contact, ContactTerms, Description, Epigraph, Experiment, Measured, OptimalControl, Pattern,
-    Picture, Shape, Variable,
+    Condition, Contact, ContactTerms, Description, Epigraph, Experiment, Measured, OptimalControl,
+    Pattern, Picture, Shape, Variable,
 };
 use std::fmt::Write;
 

@@ -2,7 +2,7 @@
 
 use super::algebra::{cross_product, inner_product, map, not_a_vector, of_numbers, power, step};
 use super::edges;
-use super::functions::{elementary, velocity_direction};
+use super::functions::{elementary, fades, is_derivative, velocity_direction};
 use super::matrix;
 use super::named;
 use super::recorded;
@@ -233,17 +233,6 @@ fn chain(
         }
     }
     Ok(total)
-}
-
-/// Whether an exponential may make a constant of an expression small: itself, or in a function that the scene declares.
-fn fades(expr: &Expr) -> bool {
-    let called = match &expr.kind {
-        Kind::Call { function, .. } => {
-            function.text == "exp" || !words::is_function(&function.text)
-        }
-        _ => false,
-    };
-    called || expr.children().into_iter().any(fades)
 }
 
 /// Evaluates an expression that must be a number.
@@ -650,18 +639,6 @@ fn time_derivative(
     edges::differentiable(scope, value.components(), shown, diagnostics)?;
     let rates = graph::directional(value.components(), velocity_direction);
     Ok(value.with_components(rates))
-}
-
-/// Whether an expression is a derivative.
-fn is_derivative(expr: &Expr) -> bool {
-    match &expr.kind {
-        Kind::Derivative { .. } => true,
-        Kind::Call {
-            function,
-            arguments,
-        } => function.text == "dot" && arguments.len() == 1,
-        _ => false,
-    }
 }
 
 /// E21: a constant that double precision does not hold.

@@ -132,7 +132,12 @@ fn gate(
         return Err(diagnostics.syntax(time.place, message));
     };
     let middle = match (&lower.kind, &upper.kind) {
-        (Kind::Number { value: low, .. }, Kind::Number { value: high, unit, .. }) => Some(Expr {
+        (
+            Kind::Number { value: low, .. },
+            Kind::Number {
+                value: high, unit, ..
+            },
+        ) => Some(Expr {
             kind: Kind::Number {
                 value: 0.5 * (low + high),
                 text: format!("{}", 0.5 * (low + high)),

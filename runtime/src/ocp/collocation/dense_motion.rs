@@ -1,9 +1,9 @@
 //! The continuous motion of a solved program, and the lows of functions along it.
 
-use crate::model::held::complete_largest;
 use super::layout::SolvedPhase;
 use super::program::Collocation;
 use super::provided;
+use crate::model::held::complete_largest;
 
 /// Points of a phase that are looked at.
 pub(super) const POINTS: usize = 64;

@@ -160,7 +160,9 @@ pub(in crate::ocp) fn parabolas(model: &dyn Model, start: &[f64]) -> Vec<bool> {
                     || point[contact_point::direction(n) + k] != 0.0
                     || entries.any(|&(row, _)| row as usize == 2 + k)
             });
-            let terms = declaration.optimal_control.map(|declared| declared.contacts);
+            let terms = declaration
+                .optimal_control
+                .map(|declared| declared.contacts);
             let mut resets = terms.iter().flat_map(|terms| terms.resets);
             let set = resets.any(|&(_, velocity)| velocity == k);
             affine && free && !pushed && !set

@@ -91,7 +91,9 @@ fn largest_at(
     if first == drive.len() {
         return;
     }
-    let sample = builder.guess.at(builder.guessed_time(interval, guess), true);
+    let sample = builder
+        .guess
+        .at(builder.guessed_time(interval, guess), true);
     let declaration = model.declaration();
     let mut x = sample[..2 * builder.n].to_vec();
     x.extend(drive.iter().map(|&i| builder.program.guessed(i)));

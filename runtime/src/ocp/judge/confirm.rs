@@ -395,8 +395,7 @@ fn planned_events(
 ) -> Vec<(f64, EventKind, usize)> {
     let switches = sequence.switches.iter().enumerate();
     // Where a condition ceases to be true, nothing happens.
-    let happens =
-        |switch: &Switch| !is_condition(model, switch.contact) || sets(model, switch);
+    let happens = |switch: &Switch| !is_condition(model, switch.contact) || sets(model, switch);
     let switches = switches.filter(|(_, switch)| !switch.passes && happens(switch));
     let switches = switches.map(|(index, switch)| {
         let kind = match switch.mode {

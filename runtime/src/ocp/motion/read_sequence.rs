@@ -167,7 +167,8 @@ impl Replay<'_> {
                 sliding_velocity(self.model, contact, &state, motion.time[k])
             };
             for k in 1..motion.time.len() {
-                let (before, after, length) = (below(k - 1), below(k), motion.time[k] - motion.time[k - 1]);
+                let (before, after, length) =
+                    (below(k - 1), below(k), motion.time[k] - motion.time[k - 1]);
                 if before >= 0.0 || after < 0.0 || length <= 0.0 {
                     continue;
                 }

@@ -120,7 +120,12 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         } => {
             if !is_bare(time) {
                 let own = walk.scalar(time)?;
-                walk.expect(time, &own, &Dimension::second(), "conditions hold at a time")?;
+                walk.expect(
+                    time,
+                    &own,
+                    &Dimension::second(),
+                    "conditions hold at a time",
+                )?;
             }
             for condition in conditions {
                 let own = comparison(walk, condition, "both sides of a condition")?;
