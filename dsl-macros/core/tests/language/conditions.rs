@@ -183,7 +183,7 @@ fn conditions_are_formatted_like_the_statements_around_them() {
     let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nminimize peak( x )\nat  gate in 0.5..=2 [s]{x==1 [m],// here\ndot(x)>=0}\nhorizon 3 [s]\n";
     assert_eq!(
         format_text(text, "s").expect("no mistakes"),
-        "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nminimize peak(x)\nat gate in 0.5..=2 [s] {\n    x == 1 [m], // here\n    dot(x) >= 0\n}\nhorizon 3 [s]\n"
+        "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nminimize peak(x)\nat gate in 0.5..=2 [s] {\n    x == 1 [m], // here\n    dot(x) >= 0,\n}\nhorizon 3 [s]\n"
     );
     let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nfree { x }\nminimize (x -start( x ) )^2\nfinally { x==-start(x) + 1 [m] }\n";
     assert_eq!(
