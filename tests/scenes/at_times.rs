@@ -69,7 +69,8 @@ fn time_need_not_be_that_of_a_node() {
 fn time_that_is_free_is_found_in_the_middle() {
     // From rest to rest through p, and by symmetry at rest there: controls 2 a, -a, -a, 2 a at the nodes, with 5 a/8 = p, and the
     // integral of their squares over half of the time is (3 a^2)/3 + a^2/2.
-    let text = mass("at gate in 0.4..=2.9 [s] { x == 0.8 [m] } finally { x == 0 [m], dot(x) == 0 }");
+    let text =
+        mass("at gate in 0.4..=2.9 [s] { x == 0.8 [m] } finally { x == 0 [m], dot(x) == 0 }");
     let solution = solved(&text, 3, ControlShape::Linear);
     let a = 8.0 / 5.0 * 0.8_f64;
     close(solution.objective, 3.0 * a * a);

@@ -71,7 +71,12 @@ fn least_peak_force_is_that_of_two_halves() {
     let found = optimum(&text, 6);
     assert!((found - 4.0 * 1.3 * 0.7 / 9.0).abs() < 1e-9, "{found}");
     // A weight by a parameter, beside another term of no weight.
-    let text = moved(0.7, 3.0, "", &format!("minimize m*peak(max(u, -u))/1 [kg] + 2*(x - way)*1 [N/m] {AT_REST}"));
+    let text = moved(
+        0.7,
+        3.0,
+        "",
+        &format!("minimize m*peak(max(u, -u))/1 [kg] + 2*(x - way)*1 [N/m] {AT_REST}"),
+    );
     close(optimum(&text, 6), 1.3 * 4.0 * 1.3 * 0.7 / 9.0);
 }
 
@@ -110,7 +115,11 @@ fn largest_height_of_a_throw_lies_between_the_nodes_and_counts_from_the_start_on
 #[test]
 fn largest_and_smallest_of_two_at_the_end_are_shared_evenly() {
     // Both masses together get the force F: each F T^2/(4 m).
-    for (cost, sign) in [("max(x, y)", 1.0), ("-min(x, y)", -1.0), ("|x - y| + x + y", 2.0)] {
+    for (cost, sign) in [
+        ("max(x, y)", 1.0),
+        ("-min(x, y)", -1.0),
+        ("|x - y| + x + y", 2.0),
+    ] {
         let text = format!(
             "parameters {{ m: kg = 1.7, f: N = 2.2 }} coordinates {{ x: m, y: m }} controls {{ u: N in -9..=9 }}
             lagrangian m/2*dot(x)^2 + m/2*dot(y)^2 forces {{ x: u, y: f - u }} minimize {cost} horizon 1.4 [s]"

@@ -23,8 +23,8 @@ mod pump_track;
 mod random;
 mod readme;
 mod scene_files;
-mod stability;
 #[path = "../stability/mod.rs"]
+mod stability;
 mod states;
 mod switched;
 mod teaching_models;

@@ -109,12 +109,17 @@ fn thermostat_that_has_to_switch_off_heats_with_the_least_energy() {
         when x >= 21 { on = 0 } when x <= 14 { on = 1 } start { x: 15, on: 1 } minimize integral(power^2)
         finally { x == 20, on == 0 } horizon 4 [s]";
     let off = 4.0 - 10.0 * 1.05_f64.ln();
-    let weight = |from: f64, to: f64| ((-0.1 * (off - to)).exp() - (-0.1 * (off - from)).exp()) / 0.1;
+    let weight =
+        |from: f64, to: f64| ((-0.1 * (off - to)).exp() - (-0.1 * (off - from)).exp()) / 0.1;
     let weights = [0.0, 1.0, 2.0, 3.0].map(|from| weight(from, off.min(from + 1.0)));
     let heat = 21.0 - 15.0 * (-0.1 * off).exp();
     let least = heat * heat / weights.iter().map(|w| w * w).sum::<f64>();
     let solution = optimum(text, 4);
-    assert!((solution.objective - least).abs() < 1e-7 * least, "{} for {least}", solution.objective);
+    assert!(
+        (solution.objective - least).abs() < 1e-7 * least,
+        "{} for {least}",
+        solution.objective
+    );
 }
 
 #[test]
@@ -126,7 +131,10 @@ fn bounce_that_a_condition_sets_is_that_of_a_wall() {
         )
     };
     let set = optimum(&wall("when x >= 1 [m] { dot(x) = -dot(x)/2 }"), 4);
-    let struck = optimum(&wall("surface wall: x <= 1 [m] impact wall: restitution 0.5"), 4);
+    let struck = optimum(
+        &wall("surface wall: x <= 1 [m] impact wall: restitution 0.5"),
+        4,
+    );
     let apart = (set.objective - struck.objective).abs();
     assert!(apart < 1e-8 * struck.objective, "{set} {struck}");
 }
@@ -134,10 +142,13 @@ fn bounce_that_a_condition_sets_is_that_of_a_wall() {
 #[test]
 fn condition_that_comes_true_at_a_jump_of_the_controls_sets_in_the_replay_as_well() {
     // A push of 1 until a time that is a node, and a state that is set there: what is seen then.
-    let text = "states { x, seen } controls { u in 0..=1 } rates { x: u } when t >= 1 [s] { seen = x } minimize integral(u^2)
+    let text = "states { x, seen } controls { u in 0..=1 } rates { x: u*1 [1/s] } when t >= 1 [s] { seen = x } minimize integral(u^2)
         finally { x == 1, seen == 0.25 } horizon 2 [s]";
     let solution = optimum(text, 2);
-    assert!((solution.objective - (0.0625 + 0.5625)).abs() < 1e-9, "{solution}");
+    assert!(
+        (solution.objective - (0.0625 + 0.5625)).abs() < 1e-9,
+        "{solution}"
+    );
 }
 
 #[test]
