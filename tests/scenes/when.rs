@@ -27,6 +27,11 @@ fn escapement_gives_a_pendulum_its_speed_back() {
     for motion in motions(text) {
         assert_eq!(motion.events.len() as f64, count + 1.0);
         assert!(motion.events.iter().all(|e| e.kind == EventKind::When));
+        assert!(
+            motion.residuals.primal < 1e-9,
+            "{}",
+            motion.residuals.primal
+        );
         for (k, event) in motion.events.iter().enumerate() {
             let time = first + k as f64 * period;
             assert!((event.time - time).abs() < 1e-6, "{event} for {time}");
@@ -56,6 +61,11 @@ fn condition_that_an_impact_makes_true_sets_as_well_and_counts() {
 fn what_is_set_may_make_the_next_condition_true_at_once() {
     let text = "states { x, a, b } rates { x: 1 [1/s] } when x >= 1 { a = x + 1 } when a >= 1.5 { b = 2*a } start { b: 1 } horizon 3 [s]";
     for motion in motions(text) {
+        assert!(
+            motion.residuals.primal < 1e-12,
+            "{}",
+            motion.residuals.primal
+        );
         assert!((end(&motion, "a") - 2.0).abs() < 1e-9 && (end(&motion, "b") - 4.0).abs() < 1e-9);
         assert_eq!(motion.events.len(), 2);
     }
