@@ -42,6 +42,38 @@ fn moved(way: f64, time: f64, bounds: &str, judged: &str) -> String {
 
 const AT_REST: &str = "finally { x == way, dot(x) == 0 }";
 
+hangtime::model! {
+    /// A cart that is brought past a place at a time with least fuel.
+    Cart {
+        coordinates { x: m }
+        controls { u: N in -2..=2 }
+        lagrangian dot(x)^2/2*1 [kg]
+        forces { x: u }
+        minimize integral(|u|) + peak(|u|)*2 [s]
+        at 1 [s] { x >= 0.5 [m] }
+        horizon 2 [s]
+    }
+}
+
+#[test]
+fn compiled_scene_is_solved_from_its_text() {
+    let cart = Cart::default();
+    let refusal = solve(&cart).run().expect_err("refused").to_string();
+    assert!(
+        refusal.contains("`hangtime_scene_files::of_model(&scene)`"),
+        "{refusal}"
+    );
+    // 3/8 u_1 + u_2/8 = 1/2 on the two intervals before the time, and (u_1 + u_2)/2 + 2 max(u_1, u_2) is least where both are 1.
+    let scene = hangtime_scene_files::of_model(&cart).expect("its text");
+    let solution = solve(&scene).intervals(4).run().expect("accepted");
+    assert!(solution.status.is_solved(), "{solution}");
+    close(solution.objective, 3.0);
+    // What the scene itself says of it is the value with its kink.
+    let mut values = [0.0];
+    hangtime::model::Model::path_functions(&cart, &[0.0, 0.0, 0.0, 0.0, -1.5, 0.0], &mut values);
+    assert_eq!(values, [1.5]);
+}
+
 #[test]
 fn least_fuel_is_bang_off_bang() {
     // Full force for t1 at both ends, m way = F t1 (T - t1): with t1 a quarter of T no grid of four costs anything.
