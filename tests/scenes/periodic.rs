@@ -203,16 +203,3 @@ fn compass_walker_repeats_its_step_with_the_published_angles_and_rates() {
         assert!((found - wanted).abs() < 1e-5, "{found} for {wanted}");
     }
 }
-
-#[test]
-fn hopper_on_a_spring_repeats_its_jump() {
-    // Flight of 2 sqrt(2 h/g) from the height h above the spring, and the part of a swing about m g/k below its end that lies under it.
-    let text = "parameters { m: kg = 2, g: m/s^2 = 9.81, k: N/m = 900, l: m = 0.5 } coordinates { z: m }
-        lagrangian m/2*dot(z)^2 - m*g*z forces { z: k*max(0 [m], l - z) } minimize time
-        finally { z == start(z), dot(z) == start(dot(z)), time >= 0.4 [s] } start { z: 0.65 } free { z in 0.62..=0.9 } horizon 0.6 [s]";
-    let solution = optimum(text, 3);
-    let (g, h, w) = (9.81_f64, 0.12_f64, (900.0_f64 / 2.0).sqrt());
-    let (speed, below) = ((2.0 * g * h).sqrt(), g / (w * w));
-    let stance = (std::f64::consts::PI + 2.0 * (w * below / speed).atan()) / w;
-    close(solution.objective, 2.0 * speed / g + stance);
-}

@@ -64,6 +64,14 @@ pub(crate) fn first_of_stages(model: &dyn Model) -> usize {
     model.declaration().controls.len() - count
 }
 
+/// The first path constraint that is one of the largest values of an instant, which are unknowns at stages alone: they hold there, and
+/// nowhere else.
+pub(crate) fn first_at_stages(model: &dyn Model) -> usize {
+    let declared = model.declaration().optimal_control;
+    let count: usize = model.held().map_or(0, |held| held.at_stages.iter().sum());
+    declared.map_or(0, |declared| declared.constraints.len()) - count
+}
+
 /// Gives the largest values of an instant in an input vector what they are there.
 pub(crate) fn complete_largest(model: &dyn Model, x: &mut [f64]) {
     let (Some(held), declaration) = (model.held(), model.declaration()) else {
