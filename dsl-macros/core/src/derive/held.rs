@@ -102,9 +102,8 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         let rates = scene.coordinates[n..].iter().map(rate);
         scene.states.extend(rates);
     }
-    for force in &mut scene.forces {
-        *force = one(*force);
-    }
+    let forces = scene.forces.iter_mut();
+    forces.for_each(|force| *force = one(*force));
     for contact in &mut scene.contacts {
         replace_in(contact, n + held, &one);
     }
@@ -114,16 +113,7 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     scene.picture = None;
     // Start values of experiments are for the parameters as they are.
     scene.experiments.clear();
-    let free = scene
-        .free_parameters
-        .iter()
-        .map(|free| (free.index, free.bounds));
-    let free: Vec<(usize, Option<(Sym, Sym)>)> = free
-        .filter_map(|(index, bounds)| {
-            let k = chosen.iter().position(|&known| known == index)?;
-            Some((n + k, Some(bounds)))
-        })
-        .collect();
+    let free = free_ones(&scene, chosen, n);
     scene.optimal_control = scene.optimal_control.map(|task| {
         let of_start = |&(k, bounds): &(usize, _)| {
             let known = remembered.iter().position(|&known| known == k)?;
@@ -147,6 +137,16 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         controls: changing.iter().map(|known| known.rows.len()).collect(),
     });
     scene
+}
+
+/// The free ones among held parameters, by their places behind `n` coordinates, with their ranges.
+fn free_ones(scene: &CheckedScene, chosen: &[u16], n: usize) -> Vec<(usize, Option<(Sym, Sym)>)> {
+    let free = scene.free_parameters.iter();
+    let placed = free.filter_map(|free| {
+        let k = chosen.iter().position(|&known| known == free.index)?;
+        Some((n + k, Some(free.bounds)))
+    });
+    placed.collect()
 }
 
 /// Puts unknowns that are largest values behind the coordinates, where one of them is all that there is, and behind the controls, where
