@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::Scene;
 use hangtime::model::{
-    ConstraintDeclaration, Declaration, ImpactLaw, Model, OptimalControlDeclaration,
+    ConstraintDeclaration, Declaration, ImpactLaw, Model, OptimalControlDeclaration, Over,
     SparsityPattern, Switching,
 };
 
@@ -281,6 +281,18 @@ fn optimal_control(model: &dyn Model, task: &OptimalControlDeclaration) -> Strin
     }
     for goal in task.goals {
         let _ = writeln!(text, "finally     {}", goal.name);
+    }
+    for known in model.epigraphs() {
+        let (what, place) = match known.over {
+            Over::Instants => ("an unknown at each stage", " there"),
+            Over::End => ("one unknown", " at the end"),
+            Over::Motion => ("one unknown", " at each stage"),
+        };
+        let rows = match known.rows {
+            1 => "1 condition".to_owned(),
+            rows => format!("{rows} conditions"),
+        };
+        let _ = writeln!(text, "largest     in {}: {what}, {rows}{place}", known.name);
     }
     if task.free_time {
         text += "free        the final time\n";

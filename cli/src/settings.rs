@@ -48,7 +48,9 @@ impl ChosenScene {
         }
         chosen.check_bounds()?;
         chosen.check_coefficients()?;
-        let unknown = chosen.model.free_parameters().len() + chosen.model.remembered().len();
+        let model = &chosen.model;
+        let unknown =
+            model.free_parameters().len() + model.remembered().len() + model.epigraphs().len();
         if unknown > 0 {
             chosen.without_compiler();
         }

@@ -83,6 +83,8 @@ pub(crate) const GALLERY: &[Scene] = gallery! {
         "gear-shift": "a car shifts at two speeds";
         "turbo-car": "a car with a turbo goes 200 m from rest to rest",
             "How soon is it there?" => "In 12.02 s; in 11.8 s where the controls may change every fifth of a second." (10: 12.0165872356);
+        "hysteresis-car": "a car with a turbo that remembers goes 150 m from rest to rest",
+            "How soon is it there?" => "In 10.23 s; in 10.13 s where the controls may change at any time." (10: 10.2292579113);
         "slide-to-target": "a relay holds one state while the other one goes to its target",
             "With how little effort?" => "0.5 s." (10: 0.5);
         "passing-relay": "a relay that holds back has to be passed",

@@ -1,10 +1,10 @@
 //! What a scene declares, as static data like that of a compiled one.
 
 use hangtime::model::{
-    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation, Experiment,
-    FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration, Kernel,
-    Measured, MeasuredQuantity, OptimalControlDeclaration, ParameterDeclaration, Picture, Shape,
-    SparsityPattern, Switching, VariableDeclaration,
+    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Epigraph, Equation,
+    Experiment, FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration,
+    Kernel, Measured, MeasuredQuantity, OptimalControlDeclaration, Over, ParameterDeclaration,
+    Picture, Shape, SparsityPattern, Switching, VariableDeclaration,
 };
 use hangtime_dsl::description::{
     self, Condition, Contact, Description, Joints, OptimalControl, Outputs, Pattern, Rows, Variable,
@@ -72,6 +72,20 @@ pub(crate) fn picture(picture: &description::Picture) -> Picture {
     }
 }
 
+/// Largest values that optimal control has as unknowns.
+pub(crate) fn epigraphs(scene: &Description) -> &'static [Epigraph] {
+    use description::Over as Declared;
+    list(scene.epigraphs.iter().map(|known| Epigraph {
+        name: text(&known.name),
+        over: match known.over {
+            Declared::Instants => Over::Instants,
+            Declared::End => Over::End,
+            Declared::Motion => Over::Motion,
+        },
+        rows: known.rows,
+    }))
+}
+
 /// The parameters of a described scene that are to be found.
 pub(crate) fn free_parameters(scene: &Description) -> &'static [usize] {
     let free = scene.free_parameters.iter();
@@ -111,6 +125,8 @@ pub(crate) fn held(held: &description::Held) -> Held {
     Held {
         parameters: list(held.parameters.iter().copied()),
         starts: list(held.starts.iter().copied()),
+        largest: held.largest,
+        at_stages: list(held.at_stages.iter().copied()),
         given: list(held.given.iter().map(|given| match *given {
             GivenBy::Start(k) => Given::Start(k),
             GivenBy::Horizon => Given::Horizon,
@@ -232,6 +248,7 @@ fn optimal_control(task: &OptimalControl) -> OptimalControlDeclaration {
             terminal: task.contacts.terminal,
             sums: task.contacts.sums,
             constraints: conditions(&task.contacts.constraints),
+            resets: list(task.contacts.resets.iter().copied()),
             impact_jacobian: pattern(&task.contacts.impact.jacobian),
             impact_hessian: pattern(&task.contacts.impact.hessian),
         },

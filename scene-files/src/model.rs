@@ -6,7 +6,8 @@ use crate::scene::TextScene;
 use crate::scratch::Scratch;
 use crate::system::zeros;
 use hangtime::model::{
-    Declaration, Experiment, Held, Model, ParameterDerivatives, Picture, VariableDeclaration,
+    Declaration, Epigraph, Experiment, Held, Model, ParameterDerivatives, Picture,
+    VariableDeclaration,
 };
 use hangtime_dsl::description::MotionDerivatives;
 
@@ -394,6 +395,10 @@ impl Model for TextScene {
 
     fn remembered(&self) -> &'static [usize] {
         self.shared.remembered
+    }
+
+    fn epigraphs(&self) -> &'static [Epigraph] {
+        self.shared.epigraphs
     }
 
     fn held(&self) -> Option<Held> {

@@ -6,7 +6,7 @@ use crate::inertia::Direction;
 use crate::program::{Program, TooLarge};
 use crate::scratch::Scratch;
 use crate::system::zeros;
-use hangtime::model::{Declaration, Experiment, Held, Picture, VariableDeclaration};
+use hangtime::model::{Declaration, Epigraph, Experiment, Held, Picture, VariableDeclaration};
 use hangtime_dsl::description::{
     Contact, Description, Friction, Functions, Joints, Motion, OptimalControl, Rows, Solver,
     Vectors,
@@ -34,6 +34,7 @@ pub(crate) struct Shared {
     pub(crate) free_parameters: &'static [usize],
     pub(crate) experiments: &'static [Experiment],
     pub(crate) remembered: &'static [usize],
+    pub(crate) epigraphs: &'static [Epigraph],
     pub(crate) held: Option<Held>,
     pub(crate) description: Description,
     programs: Vec<Program>,
@@ -72,6 +73,7 @@ impl TextScene {
                 free_parameters: declaration::free_parameters(&description),
                 experiments: declaration::experiments(&description),
                 remembered: declaration::remembered(&description),
+                epigraphs: declaration::epigraphs(&description),
                 held: description.held.as_ref().map(declaration::held),
                 description,
                 programs,

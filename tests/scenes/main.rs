@@ -1,6 +1,7 @@
 //! Shipped scenes, examples and README: certified solutions, closed forms, and each other.
 
 mod agreement;
+mod at_times;
 mod ball_on_slope;
 mod bike_on_two_wheels;
 mod both;
@@ -12,6 +13,7 @@ mod estimation;
 mod friction;
 mod gradient;
 mod joints;
+mod largest;
 mod many_contacts;
 mod own_command_line;
 mod periodic;

@@ -312,10 +312,6 @@ fn what_optimal_control_does_not_know_of_switches_is_refused_by_name() {
     let refused = solve(&gallery!("passing-relay")).settings(settings).run();
     let why = refused.expect_err("refused").to_string();
     assert!(why.contains("the switch `x >= 0`"), "{why}");
-    let text = "states { x, on } controls { u in -1..=1 } rates { x: u + on } when x >= 1 { on = 1 } minimize time finally { x == 2 }";
-    let refused = solve(&of_text("when.hang", text).expect("no mistakes")).run();
-    let why = refused.expect_err("refused").to_string();
-    assert!(why.contains("`when x >= 1`"), "{why}");
 }
 
 #[test]

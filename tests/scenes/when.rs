@@ -27,6 +27,11 @@ fn escapement_gives_a_pendulum_its_speed_back() {
     for motion in motions(text) {
         assert_eq!(motion.events.len() as f64, count + 1.0);
         assert!(motion.events.iter().all(|e| e.kind == EventKind::When));
+        assert!(
+            motion.residuals.primal < 1e-9,
+            "{}",
+            motion.residuals.primal
+        );
         for (k, event) in motion.events.iter().enumerate() {
             let time = first + k as f64 * period;
             assert!((event.time - time).abs() < 1e-6, "{event} for {time}");
@@ -56,6 +61,11 @@ fn condition_that_an_impact_makes_true_sets_as_well_and_counts() {
 fn what_is_set_may_make_the_next_condition_true_at_once() {
     let text = "states { x, a, b } rates { x: 1 [1/s] } when x >= 1 { a = x + 1 } when a >= 1.5 { b = 2*a } start { b: 1 } horizon 3 [s]";
     for motion in motions(text) {
+        assert!(
+            motion.residuals.primal < 1e-12,
+            "{}",
+            motion.residuals.primal
+        );
         assert!((end(&motion, "a") - 2.0).abs() < 1e-9 && (end(&motion, "b") - 4.0).abs() < 1e-9);
         assert_eq!(motion.events.len(), 2);
     }
@@ -74,6 +84,81 @@ fn thrown_ball_strikes_what_it_is_thrown_at_at_once() {
             end(&motion, "z")
         );
     }
+}
+
+/// The optimum of a scene.
+fn optimum(text: &str, intervals: usize) -> hangtime::ocp::Solution {
+    let scene = of_text("scene.hang", text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let solution = solve(&scene).intervals(intervals).run().expect("accepted");
+    assert!(solution.status.is_solved(), "{solution}");
+    solution
+}
+
+#[test]
+fn car_with_hysteresis_comes_to_its_goal_in_the_time_of_its_closed_form() {
+    // Up to 12 with 4, to 16 with 8; down to 8 with 8, to 0 with 4: 3 + 1/2 s and 1 + 2 s; 1 s at 16 between, on nodes of half a second.
+    let way = 18.0 + 7.0 + 16.0 + 12.0 + 8.0;
+    let text = format!(
+        "parameters {{ way: m = {way} }} states {{ q: m, v: m/s in 0..=16, turbo }} controls {{ u: m/s^2 in -4..=4 }}
+        rates {{ q: v, v: u*(1 + turbo) }} when v >= 12 [m/s] {{ turbo = 1 }} when v <= 8 [m/s] {{ turbo = 0 }}
+        minimize time finally {{ q == way, v == 0 [m/s] }} horizon 8 [s]"
+    );
+    let solution = optimum(&text, 15);
+    // Phases keep a distance of some billionths from nodes.
+    assert!((solution.objective - 7.5).abs() < 1e-7, "{solution}");
+    let events = &solution.motion.as_ref().expect("a motion").events;
+    assert!(events.iter().all(|event| event.kind == EventKind::When));
+    assert_eq!(events.len(), 2);
+}
+
+#[test]
+fn thermostat_that_has_to_switch_off_heats_with_the_least_energy() {
+    // It cools from 21 to 20 for 10 ln(21/20) s; before, the heater brings x from 15 to 21, constant over each of four seconds, of which the last
+    // one counts as a whole: (integral of w u)^2 over the sum of the squares of the integrals of w.
+    let text = "parameters { loss = 0.1 } states { x, on } controls { power in 0..=9 } rates { x: power*on - loss*x }
+        when x >= 21 { on = 0 } when x <= 14 { on = 1 } start { x: 15, on: 1 } minimize integral(power^2)
+        finally { x == 20, on == 0 } horizon 4 [s]";
+    let off = 4.0 - 10.0 * 1.05_f64.ln();
+    let weight =
+        |from: f64, to: f64| ((-0.1 * (off - to)).exp() - (-0.1 * (off - from)).exp()) / 0.1;
+    let weights = [0.0, 1.0, 2.0, 3.0].map(|from| weight(from, off.min(from + 1.0)));
+    let heat = 21.0 - 15.0 * (-0.1 * off).exp();
+    let least = heat * heat / weights.iter().map(|w| w * w).sum::<f64>();
+    let solution = optimum(text, 4);
+    assert!(
+        (solution.objective - least).abs() < 1e-7 * least,
+        "{} for {least}",
+        solution.objective
+    );
+}
+
+#[test]
+fn bounce_that_a_condition_sets_is_that_of_a_wall() {
+    let wall = |law: &str| {
+        format!(
+            "coordinates {{ x: m }} controls {{ u: N in -3..=3 }} lagrangian dot(x)^2*1 [kg] forces {{ x: u }} {law}
+            minimize integral(u^2) finally {{ x == 0.2 [m], dot(x) <= -1.1 [m/s] }} horizon 2 [s]"
+        )
+    };
+    let set = optimum(&wall("when x >= 1 [m] { dot(x) = -dot(x)/2 }"), 4);
+    let struck = optimum(
+        &wall("surface wall: x <= 1 [m] impact wall: restitution 0.5"),
+        4,
+    );
+    let apart = (set.objective - struck.objective).abs();
+    assert!(apart < 1e-8 * struck.objective, "{set} {struck}");
+}
+
+#[test]
+fn condition_that_comes_true_at_a_jump_of_the_controls_sets_in_the_replay_as_well() {
+    // A push of 1 until a time that is a node, and a state that is set there: what is seen then.
+    let text = "states { x, seen } controls { u in 0..=1 } rates { x: u*1 [1/s] } when t >= 1 [s] { seen = x } minimize integral(u^2)
+        finally { x == 1, seen == 0.25 } horizon 2 [s]";
+    let solution = optimum(text, 2);
+    assert!(
+        (solution.objective - (0.0625 + 0.5625)).abs() < 1e-9,
+        "{solution}"
+    );
 }
 
 #[test]

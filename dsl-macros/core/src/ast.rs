@@ -244,6 +244,13 @@ pub(crate) enum Statement {
         condition: Condition,
         assignments: Vec<Assignment>,
     },
+    /// What holds at a time inside of the motion.
+    At {
+        time: Expr,
+        /// The time as a parameter that is to be found, which it names then; the parser declares it by itself.
+        gate: Option<Quantity>,
+        conditions: Vec<Condition>,
+    },
     Start(Vec<Assignment>),
     Horizon {
         keyword: Place,

@@ -104,10 +104,10 @@ impl Writer {
             .iter()
             .rposition(|piece| !piece.is(";") && !piece.is(","));
         let pieces = &pieces[..=ends.unwrap_or(0)];
-        // A profile has its argument and its units before the block, `when` its condition, what is measured its file.
+        // A profile has its argument and its units before the block, `when` its condition, `at` its time, what is measured its file.
         let open = pieces.iter().position(|piece| piece.is("{"));
         let named = |&open: &usize| {
-            open == 1 || ["profile", "measured", "when"].contains(&pieces[0].text.as_str())
+            open == 1 || ["profile", "measured", "when", "at"].contains(&pieces[0].text.as_str())
         };
         let remarks = |head: &[Piece]| head.iter().any(Piece::is_comment);
         let Some(open) = open

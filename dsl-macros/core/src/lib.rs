@@ -276,7 +276,7 @@ fn derived(
     if kind == Parameters::Differentiated {
         scene.differentiated = chosen;
         derive::at_declared_start(&mut scene);
-    } else if !chosen.is_empty() || !scene.remembered.is_empty() {
+    } else if !chosen.is_empty() || !scene.remembered.is_empty() || scene.has_epigraphs() {
         check::without_free_bounds(&scene, &chosen, diagnostics)?;
         scene = derive::with_held(scene, &chosen);
     }

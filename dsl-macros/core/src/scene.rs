@@ -1,7 +1,7 @@
 //! The checked declaration: every expression a node of the graph, in SI units.
 
 use crate::ast::{Documentation, Name, WrittenUnit};
-use crate::graph::{Sym, Variable};
+use crate::graph::{self, Compose, Function, Sym, Variable};
 use hangtime_units::Unit;
 use proc_macro2::TokenStream;
 
@@ -41,6 +41,17 @@ pub(crate) struct CheckedScene {
     pub(crate) remembered: Vec<usize>,
     /// Whether these are coordinates without motion here, behind all others.
     pub(crate) remembers: bool,
+    /// What the largest values in optimal control are here; none where they are not unknowns.
+    pub(crate) lifted: Option<Lifted>,
+}
+
+/// Largest values as unknowns of a program.
+#[derive(Clone, Default)]
+pub(crate) struct Lifted {
+    /// Number of coordinates without motion that are one, the last ones.
+    pub(crate) coordinates: usize,
+    /// Of the last controls, which are one at each instant, the numbers of their conditions, the last constraints.
+    pub(crate) controls: Vec<usize>,
 }
 
 /// A parameter that optimal control is to find.
@@ -80,6 +91,12 @@ impl CheckedScene {
     /// Number of declared coordinates, those of a mechanism.
     pub(crate) fn mechanical(&self) -> usize {
         self.coordinates.len() - self.states.len()
+    }
+
+    /// Whether largest values are unknowns of its optimal control.
+    pub(crate) fn has_epigraphs(&self) -> bool {
+        let task = self.optimal_control.as_ref();
+        task.is_some_and(|task| !task.epigraphs.is_empty())
     }
 
     /// A component of the start, in its declared unit.
@@ -169,6 +186,8 @@ pub(crate) struct OptimalControl {
     /// What is added up over all impacts: `Variable::Sum` counts them.
     pub(crate) sums: Vec<Sym>,
     pub(crate) goals: Vec<Condition>,
+    /// Unknowns that are the largest of some values, which the functions above read as `Epigraph`.
+    pub(crate) epigraphs: Vec<Epigraph>,
     pub(crate) free_time: bool,
     /// Indices into `(q, v)`, increasing, with bounds in declared units.
     pub(crate) free_start: Vec<(usize, Option<(Sym, Sym)>)>,
@@ -181,11 +200,55 @@ impl OptimalControl {
         for condition in lists.into_iter().flatten() {
             condition.function = replace(condition.function);
         }
+        for epigraph in &mut self.epigraphs {
+            let rows = epigraph.rows.iter_mut().chain(&mut epigraph.at_start);
+            rows.for_each(|row| *row = replace(*row));
+        }
         let costs = self.running_cost.iter_mut().chain(&mut self.final_cost);
         costs
             .chain(&mut self.sums)
             .for_each(|value| *value = replace(*value));
     }
+}
+
+/// An unknown that is the largest of some values where less of it is better.
+#[derive(Clone)]
+pub(crate) struct Epigraph {
+    pub(crate) variable: Variable,
+    /// What it stands for, or the term that this stands in, as written.
+    pub(crate) shown: String,
+    pub(crate) over: Over,
+    /// What is not negative: the unknown less each value.
+    pub(crate) rows: Vec<Sym>,
+    /// The same at the start of the motion, as far as it is known there.
+    pub(crate) at_start: Vec<Sym>,
+}
+
+impl Epigraph {
+    /// The largest value, where it belongs to an instant; 0 otherwise.
+    pub(crate) fn value(&self) -> Sym {
+        if self.over == Over::Motion {
+            return Sym::ZERO;
+        }
+        let own = |variable| (variable == self.variable).then_some(Sym::ZERO);
+        let values = graph::substitute(&self.rows, own).into_iter();
+        let largest = values.map(|value| -value).reduce(|a, b| {
+            let apart = (a - b).call(Function::Abs);
+            (a + b + apart).scaled(0.5)
+        });
+        largest.unwrap_or(Sym::ZERO)
+    }
+}
+
+/// When the values are of which an unknown is the largest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Over {
+    /// Each instant, under an integral: one unknown at each stage.
+    Instants,
+    /// The end of the motion.
+    End,
+    /// All of the motion.
+    Motion,
 }
 
 /// `function >= 0` or `function == 0`.

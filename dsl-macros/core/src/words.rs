@@ -1,7 +1,7 @@
 //! Every word of the language.
 
 /// Words that begin a statement.
-pub(crate) const STATEMENTS: [&str; 25] = [
+pub(crate) const STATEMENTS: [&str; 26] = [
     "parameters",
     "coordinates",
     "controls",
@@ -18,6 +18,7 @@ pub(crate) const STATEMENTS: [&str; 25] = [
     "dry",
     "joint",
     "when",
+    "at",
     "start",
     "horizon",
     "constraint",
@@ -304,6 +305,9 @@ pub(crate) fn is_function(text: &str) -> bool {
 
 /// The running cost in an objective.
 pub(crate) const INTEGRAL: &str = "integral";
+
+/// The largest value of a quantity over the motion, in an objective and in a goal; its name may be taken by declarations.
+pub(crate) const PEAK: &str = "peak";
 
 /// What adds a function of impulses up over all impacts; its name may be taken by declarations.
 pub(crate) const SUM: &str = "sum";

@@ -292,7 +292,8 @@ pub struct OptimalControlDeclaration {
 /// impulses the same of the velocities that an impact provides.
 ///
 /// The *impact functions* are what is added up over all impacts, followed by conditions on impacts; they read
-/// `(x, r, s)` with those velocities, and no velocities or controls of `x`.
+/// `(x, r, s)` with those velocities, and no velocities or controls of `x`. Behind them stand the values that conditions set where they come
+/// true, which read coordinates, velocities and the time.
 #[derive(Debug, Clone, Copy)]
 pub struct ContactTerms {
     /// Whether path functions read `(x, r, s)` instead of `x`.
@@ -303,6 +304,9 @@ pub struct ContactTerms {
     pub sums: usize,
     /// Conditions on each impact of a contact that they read, in the order of their functions.
     pub constraints: &'static [ConstraintDeclaration],
+    /// What conditions that come true set, [`Switching::Resets`], in the order of their functions: the contact that each is, and the
+    /// index of the velocity.
+    pub resets: &'static [(usize, usize)],
     /// Pattern of the Jacobian of the impact functions.
     pub impact_jacobian: SparsityPattern,
     /// Pattern (lower triangle) of the Hessian of the weighted impact functions.
@@ -316,6 +320,7 @@ impl ContactTerms {
         terminal: false,
         sums: 0,
         constraints: &[],
+        resets: &[],
         impact_jacobian: SparsityPattern::EMPTY,
         impact_hessian: SparsityPattern::EMPTY,
     };
@@ -323,13 +328,19 @@ impl ContactTerms {
     /// Number of impact functions.
     #[must_use]
     pub const fn impact_functions(&self) -> usize {
+        self.of_impacts() + self.resets.len()
+    }
+
+    /// Number of those that impacts have: all but what conditions set.
+    #[must_use]
+    pub const fn of_impacts(&self) -> usize {
         self.sums + self.constraints.len()
     }
 
     /// Whether anything is read.
     #[must_use]
     pub const fn any(&self) -> bool {
-        self.path || self.terminal || self.impact_functions() > 0
+        self.path || self.terminal || self.of_impacts() > 0
     }
 }
 

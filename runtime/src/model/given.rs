@@ -11,6 +11,12 @@ pub struct Held {
     /// Components of the start `(q, v)` of the scene itself that the coordinates behind those are, and decide: those of
     /// [`Model::remembered`](super::Model::remembered).
     pub starts: &'static [usize],
+    /// Number of coordinates behind those that are largest values, the [`Model::epigraphs`](super::Model::epigraphs) of the end and of the
+    /// whole motion.
+    pub largest: usize,
+    /// Of the last controls, which are largest values of each instant, the numbers of their conditions, which are the last path
+    /// constraints: each a function that is the control less a value.
+    pub at_stages: &'static [usize],
     /// What of start, horizon and laws depends on them; the start, the horizon and the laws of the model itself have the values
     /// that the parameters were given.
     pub given: &'static [Given],
@@ -24,7 +30,7 @@ impl Held {
     /// Number of coordinates without motion.
     #[must_use]
     pub const fn count(&self) -> usize {
-        self.parameters.len() + self.starts.len()
+        self.parameters.len() + self.starts.len() + self.largest
     }
 }
 

@@ -57,3 +57,39 @@ pub(crate) fn with_laws(model: &dyn Model, q: &[f64]) -> Option<Box<dyn Model>> 
     }
     Some(own)
 }
+
+/// The place among the controls of the first that is a value of each stage, and not of an interval: a largest value.
+pub(crate) fn first_of_stages(model: &dyn Model) -> usize {
+    let count = model.held().map_or(0, |held| held.at_stages.len());
+    model.declaration().controls.len() - count
+}
+
+/// The first path constraint that is one of the largest values of an instant, which are unknowns at stages alone: they hold there, and
+/// nowhere else.
+pub(crate) fn first_at_stages(model: &dyn Model) -> usize {
+    let declared = model.declaration().optimal_control;
+    let count: usize = model.held().map_or(0, |held| held.at_stages.iter().sum());
+    declared.map_or(0, |declared| declared.constraints.len()) - count
+}
+
+/// Gives the largest values of an instant in an input vector what they are there.
+pub(crate) fn complete_largest(model: &dyn Model, x: &mut [f64]) {
+    let (Some(held), declaration) = (model.held(), model.declaration()) else {
+        return;
+    };
+    let Some(declared) = declaration.optimal_control else {
+        return;
+    };
+    let mut values = vec![0.0; declared.path_functions()];
+    let all: usize = held.at_stages.iter().sum();
+    let mut row = declared.path_functions() - all;
+    let first = 2 * declaration.coordinates.len() + first_of_stages(model);
+    // Each reads those before it alone.
+    for (k, &rows) in held.at_stages.iter().enumerate() {
+        x[first + k] = 0.0;
+        model.path_functions(x, &mut values);
+        let own = values[row..row + rows].iter();
+        x[first + k] = own.fold(f64::NEG_INFINITY, |most, value| most.max(-value));
+        row += rows;
+    }
+}

@@ -49,6 +49,7 @@
 
 mod control_piece;
 mod declaration;
+mod epigraph;
 mod experiment;
 mod frame;
 mod given;
@@ -74,6 +75,7 @@ pub use declaration::{
     OptimalControlDeclaration, ParameterDeclaration, SparsityPattern, Switching,
     VariableDeclaration,
 };
+pub use epigraph::{Epigraph, Over};
 pub use experiment::{Experiment, Measured, MeasuredQuantity};
 pub use given::{Given, Held};
 pub use parameter_derivatives::ParameterDerivatives;
@@ -351,6 +353,13 @@ pub trait Model: Send + Sync {
     /// `start(...)`; the functions of this scene read the declared start there, and those of [`with_held`](Self::with_held) the one
     /// that is found.
     fn remembered(&self) -> &'static [usize] {
+        &[]
+    }
+
+    /// Largest values in the objective and in goals, which optimal control has as unknowns: functions of this scene have the values
+    /// themselves in their place, with a kink (of a largest value over the motion 0), and those of [`with_held`](Self::with_held)
+    /// unknowns.
+    fn epigraphs(&self) -> &'static [Epigraph] {
         &[]
     }
 

@@ -110,8 +110,6 @@ impl Problem {
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
         InitialValueProblem::check_at_once(model, "optimal control")?;
-        let remedy = "simulate it under given controls, or write what happens there as phases of several scenes";
-        InitialValueProblem::check_resets(model, "optimal control", remedy)?;
         let remedy = "give the contact one coefficient, as in `friction mu`, and dry friction a bound of positions and time";
         InitialValueProblem::check_friction(model, "optimal control", remedy)?;
         let (lower, upper) = bounds(model);

@@ -50,7 +50,13 @@ pub(in crate::ocp) fn with_unknowns<'a>(
         None if !scene.remembered().is_empty() => {
             "`start(...)` of what is free at the start,".to_owned()
         }
-        None => return Ok(None),
+        None => match scene.epigraphs().first() {
+            Some(known) => format!(
+                "the largest value in `{}`, which is an unknown,",
+                known.name
+            ),
+            None => return Ok(None),
+        },
     };
     if matches!(settings.formulation, Formulation::TimeFreezing(_)) {
         return Err(refusal::unsupported(
@@ -161,6 +167,8 @@ fn extended(
     let start = problem.start();
     let remembered = scene.remembered().iter().map(|&k| start[k]);
     problem.q.extend(values.chain(remembered));
+    let largest = model.held().map_or(0, |held| held.largest);
+    problem.q.resize(problem.q.len() + largest, 0.0);
     problem.v.resize(problem.q.len(), 0.0);
     if let Horizon::Fixed(horizon) = problem.horizon
         && held::place(model, Given::Horizon).is_some()
@@ -202,6 +210,9 @@ impl Unknown<'_> {
                 })
             })
             .collect();
+        let controls = scene.declaration().controls.len();
+        let own = solution.controls.iter_mut();
+        own.for_each(|controls_then| controls_then.truncate(controls));
         motion.leave_held_out(&*scene);
         solution
     }

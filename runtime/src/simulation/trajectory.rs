@@ -72,7 +72,9 @@ impl Trajectory {
     pub(super) fn leave_held_out(&mut self, scene: &dyn Model) {
         self.columns.take();
         self.outputs.take();
-        let n = scene.declaration().coordinates.len();
+        let declaration = scene.declaration();
+        let (n, m) = (declaration.coordinates.len(), declaration.controls.len());
+        self.u.iter_mut().for_each(|u| u.truncate(m));
         for states in [&mut self.q, &mut self.v] {
             states.iter_mut().for_each(|state| state.truncate(n));
         }

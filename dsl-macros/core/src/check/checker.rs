@@ -58,6 +58,8 @@ pub(super) struct Checker<'a> {
     pub(super) start: Vec<Assignment>,
     pub(super) horizon: Option<Sym>,
     pub(super) task: Task,
+    /// Times at which conditions hold.
+    pub(super) moments: Vec<Moment>,
     pub(super) shown: Shown,
 }
 
@@ -78,6 +80,16 @@ pub(super) struct Reset {
     pub(super) function: Sym,
     /// States and velocities, by their places among the velocities of all coordinates, with their values in declared units.
     pub(super) values: Vec<(usize, Sym)>,
+}
+
+/// A time and its conditions, as far as they are evaluated.
+pub(super) struct Moment {
+    /// In seconds.
+    pub(super) time: Sym,
+    pub(super) place: Place,
+    pub(super) shown: String,
+    /// The states that record its conditions.
+    pub(super) states: Vec<usize>,
 }
 
 /// Dry friction without a surface.
@@ -127,6 +139,8 @@ pub(super) struct Task {
     /// As declared, each one condition for every piece.
     pub(super) constraints: Vec<Vec<scene::Condition>>,
     pub(super) goals: Vec<Vec<scene::Condition>>,
+    /// Unknowns that are the largest of some values.
+    pub(super) epigraphs: Vec<scene::Epigraph>,
     pub(super) free: Vec<Free>,
 }
 

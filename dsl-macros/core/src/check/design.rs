@@ -50,6 +50,8 @@ pub(super) fn finish(
     }
     let mut functions = dynamics.to_vec();
     for contact in contacts {
+        functions.extend(contact.reset.iter().map(|known| known.1));
+        functions.extend(contact.friction.iter().map(|known| known.sliding));
         functions.extend(contact.restitution);
         functions.extend(contact.friction.iter().map(|known| known.coefficient));
         functions.extend(contact.friction.iter().filter_map(|known| known.kinetic));
@@ -83,6 +85,7 @@ fn functions_of(task: &OptimalControl) -> Vec<Sym> {
     let lists = [&task.constraints, &task.at_impacts, &task.goals];
     let conditions = lists.into_iter().flatten();
     let mut functions: Vec<Sym> = conditions.map(|known: &Condition| known.function).collect();
+    functions.extend(task.epigraphs.iter().flat_map(|known| &known.rows));
     functions.extend(task.running_cost);
     functions.extend(task.final_cost);
     functions.extend(&task.sums);

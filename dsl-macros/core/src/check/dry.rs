@@ -135,6 +135,9 @@ pub(super) fn append(
     let conditions = task.constraints.iter_mut().chain(&mut task.goals);
     let conditions = conditions.flatten();
     conditions.for_each(|condition| place(&mut condition.function));
+    let epigraphs = task.epigraphs.iter_mut();
+    let rows = epigraphs.flat_map(|known| known.rows.iter_mut().chain(&mut known.at_start));
+    rows.for_each(&place);
     for dry in std::mem::take(&mut checker.laws.dry) {
         contacts.push(Contact {
             unit: units.get(&dry.name.text).copied(),

@@ -1,10 +1,12 @@
 //! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
 
+mod at_times;
 mod checker;
 mod chosen;
 mod dependence;
 mod design;
 mod dry;
+mod epigraph;
 mod friction;
 mod joint;
 mod law;
@@ -60,6 +62,7 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         start: Vec::new(),
         horizon: None,
         task: Task::default(),
+        moments: Vec::new(),
         shown: Shown::default(),
     };
     names::declare_all(&mut checker, &declared.statements);
@@ -116,6 +119,9 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             condition,
             assignments,
         } => resets::when(checker, condition, assignments),
+        Statement::At {
+            time, conditions, ..
+        } => at_times::at(checker, time, conditions),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
         Statement::Minimize { value, .. } if measured::is_misfit(checker, value) => Ok(()),
@@ -268,6 +274,8 @@ fn finish(
     else {
         return Err(Reported);
     };
+    let mut start = start;
+    at_times::finish(&mut checker, &mut start.1);
     // Missing inertia and unused names are most often consequences of other mistakes, but not of units and places.
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
@@ -323,6 +331,7 @@ fn finish(
         held: Vec::new(),
         remembered,
         remembers: false,
+        lifted: None,
     })
 }
 
@@ -349,6 +358,11 @@ fn along_the_way(task: &scene::OptimalControl) -> Vec<Sym> {
     functions
         .chain(task.running_cost)
         .chain(task.sums.iter().copied())
+        .chain(
+            task.epigraphs
+                .iter()
+                .flat_map(|known| known.rows.iter().copied()),
+        )
         .collect()
 }
 

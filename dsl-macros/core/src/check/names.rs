@@ -2,7 +2,7 @@
 
 use super::checker::Checker;
 use super::{states, values};
-use crate::ast::{Name, Quantity, Statement};
+use crate::ast::{Condition, Expr, Name, Quantity, Statement};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::{Meaning, Value};
 use crate::graph::{Compose, Sym, Variable};
@@ -55,6 +55,7 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
             declare(checker, quantities, state);
         }
     }
+    declare_recorded(checker, statements);
     checker.scope.state_size = (checker.coordinates.len() + checker.states.len()) as u16;
 }
 
@@ -190,6 +191,39 @@ fn state(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
         bounds: None,
     });
     Ok(())
+}
+
+/// Declares the states that record conditions, behind all others.
+fn declare_recorded(checker: &mut Checker<'_>, statements: &[Statement]) {
+    for statement in statements {
+        let Statement::At {
+            time, conditions, ..
+        } = statement
+        else {
+            continue;
+        };
+        for condition in conditions {
+            let name = recorded(condition, time);
+            if room(checker, &name, checker.states.len()).is_err() {
+                return;
+            }
+            checker.states.push(Coordinate {
+                name,
+                unit: None,
+                documentation: condition.documentation.clone(),
+                bounds: None,
+            });
+        }
+    }
+}
+
+/// The name of the state that records a condition.
+pub(super) fn recorded(condition: &Condition, time: &Expr) -> Name {
+    let place = condition.left.place;
+    Name {
+        text: format!("{condition} at {time}"),
+        ident: proc_macro2::Ident::new("at", place.start),
+    }
 }
 
 fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {

@@ -2,13 +2,13 @@
 
 use super::checker::{Checker, Cost, Free, Task};
 use super::rules::smooth;
-use super::{pieces, states, units, values};
+use super::{epigraph, pieces, states, units, values};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::expression;
-use crate::evaluate::{Role, at_impacts};
+use crate::evaluate::{Kink, Role, at_impacts};
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{self, OptimalControl};
+use crate::scene::{self, OptimalControl, Over};
 use crate::words;
 
 pub(super) fn minimize(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
@@ -119,9 +119,12 @@ fn running_term(
     weight: Sym,
     cost: &mut Cost,
 ) -> Checked<()> {
+    checker.scope.takes_apart = true;
     let value = in_role(checker, Role::Running, |checker| {
         expression::scalar(&mut checker.scope, expr, checker.diagnostics)
-    })?;
+    });
+    checker.scope.takes_apart = false;
+    let value = value?;
     if !moves(checker, value) {
         return Err(meaningless(
             checker,
@@ -143,13 +146,17 @@ fn running_term(
         ));
     }
     smooth(value, expr, checker)?;
+    let value = epigraph::lifted(checker, (value, expr), weight, Over::Instants)?;
     let known = cost.running.unwrap_or(Sym::ZERO);
     cost.running = Some(known + weight * value);
     Ok(())
 }
 
 fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
-    let value = at_the_end(checker, expr, "the final cost")?;
+    checker.scope.takes_apart = true;
+    let value = at_the_end(checker, expr, "the final cost");
+    checker.scope.takes_apart = false;
+    let value = value?;
     if !moves(checker, value) {
         return Err(meaningless(
             checker,
@@ -159,6 +166,7 @@ fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Co
             ),
         ));
     }
+    let value = epigraph::lifted(checker, (value, expr), weight, Over::End)?;
     let known = cost.terminal.unwrap_or(Sym::ZERO);
     cost.terminal = Some(known + weight * value);
     Ok(())
@@ -170,7 +178,7 @@ fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym
     let value = in_role(checker, Role::End, |checker| {
         expression::scalar(&mut checker.scope, expr, checker.diagnostics)
     })?;
-    let control = graph::variables(&[value])
+    let control = within(value, &checker.scope.kinks)
         .into_iter()
         .find(|variable| matches!(variable, Variable::Control(_)));
     if let Some(variable) = control {
@@ -192,6 +200,17 @@ fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym
         smooth(sum, expr, checker)?;
     }
     Ok(value)
+}
+
+/// The variables of a value and of the maxima in it.
+fn within(value: Sym, kinks: &[Kink]) -> Vec<Variable> {
+    let mut all = vec![value];
+    for kink in kinks.iter().rev() {
+        if graph::variables(&all).contains(&kink.variable) {
+            all.extend(&kink.parts);
+        }
+    }
+    graph::variables(&all).into_iter().collect()
 }
 
 fn in_role<T>(checker: &mut Checker<'_>, role: Role, run: impl FnOnce(&mut Checker<'_>) -> T) -> T {
@@ -279,6 +298,7 @@ fn checked_condition(
         Relation::AtMost => right - left,
         Relation::AtLeast | Relation::Equal => left - right,
     };
+    let kinks = checker.scope.kinks.clone();
     let mut pieces = pieces::all_hold(function, (&condition.left, &condition.right), checker)?;
     if pieces.len() > 1 {
         // What always holds, as `0 <= 1` of `max(x, 0) <= 1`, is no condition.
@@ -295,6 +315,16 @@ fn checked_condition(
             ),
         ));
     }
+    let less = Sym::number(-1.0);
+    let place = condition.left.place.to(condition.right.place);
+    let is_peak = |variable| matches!(variable, Variable::Epigraph(_));
+    if condition.relation == Relation::Equal && graph::depends_on(function, is_peak) {
+        let message = format!(
+            "`{condition}` asks a largest value to be exactly that; ask for at most that much, by `<=`"
+        );
+        return Err(checker.diagnostics.report("E12", place, message));
+    }
+    epigraph::peaks(checker, &pieces, (place, less), &kinks)?;
     let several = pieces.len() > 1;
     let conditions = pieces.into_iter().enumerate();
     let conditions = conditions.map(|(k, function)| scene::Condition {
@@ -375,6 +405,7 @@ pub(super) fn optimal_control(
         mut constraints,
         mut goals,
         mut free,
+        epigraphs,
     } = std::mem::take(&mut checker.task);
     if cost.is_none() && constraints.is_empty() && goals.is_empty() && free.is_empty() {
         return None;
@@ -400,6 +431,7 @@ pub(super) fn optimal_control(
         at_impacts,
         sums: std::mem::take(&mut checker.scope.sums),
         goals,
+        epigraphs,
         free_time: checker.scope.used.contains(words::FINAL_TIME),
         free_start: free
             .into_iter()

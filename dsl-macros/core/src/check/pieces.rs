@@ -7,7 +7,7 @@
 use super::checker::Checker;
 use crate::ast::Expr;
 use crate::derive::simplify;
-use crate::diagnostics::{Checked, Reported};
+use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::Kink;
 use crate::graph::{self, Sym, Variable};
 use std::collections::HashSet;
@@ -71,7 +71,17 @@ pub(super) fn all_hold(
     checker: &mut Checker<'_>,
 ) -> Checked<Vec<Sym>> {
     let kinks = std::mem::take(&mut checker.scope.kinks);
-    let message = match taken_apart(function, &kinks) {
+    all_pieces(function, left.place.to(right.place), checker, &kinks)
+}
+
+/// The same with known maxima and minima.
+pub(super) fn all_pieces(
+    function: Sym,
+    place: Place,
+    checker: &mut Checker<'_>,
+    kinks: &[Kink],
+) -> Checked<Vec<Sym>> {
+    let message = match taken_apart(function, kinks) {
         Ok(groups) if groups.iter().all(|group| group.len() == 1) => {
             let mut seen = HashSet::new();
             let all = groups.into_iter().flatten();
@@ -87,7 +97,6 @@ pub(super) fn all_hold(
         }
         Err(_) => "the condition has too many pieces; write several conditions",
     };
-    let place = left.place.to(right.place);
     Err(checker.diagnostics.report("E12", place, message))
 }
 

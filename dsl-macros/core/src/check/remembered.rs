@@ -1,6 +1,7 @@
 //! `start(...)` in what is judged of a motion: which components of the start are to be found and remembered, and which are given.
 
 use super::checker::Checker;
+use crate::diagnostics::Place;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{Condition, OptimalControl};
 
@@ -12,6 +13,8 @@ pub(super) fn starts(
     start: &(Vec<Sym>, Vec<Sym>),
 ) -> Vec<usize> {
     let read = std::mem::take(&mut checker.scope.starts);
+    // What has no text is read by the language itself.
+    let said_to_read = |known: &&(u16, String, Place)| !known.1.is_empty();
     let Some(task) = task.filter(|_| !read.is_empty()) else {
         return Vec::new();
     };
@@ -30,7 +33,7 @@ pub(super) fn starts(
     task.map_functions(replace);
     let mut said = false;
     for (k, shown, place) in &read {
-        if given(*k).is_some() && !said {
+        if given(*k).is_some() && !said && !shown.is_empty() {
             said = true;
             let name = checker.component(usize::from(*k));
             let message = format!(
@@ -47,7 +50,7 @@ pub(super) fn starts(
     };
     let mut conditions = task.constraints.iter().chain(&task.goals);
     if let Some(condition) = conditions.find(same)
-        && let Some((_, _, place)) = read.first()
+        && let Some((_, _, place)) = read.iter().find(said_to_read)
     {
         let message = format!(
             "`{}` is the same for every motion, as nothing in it is free at the start; list what is to be found in `free {{ ... \

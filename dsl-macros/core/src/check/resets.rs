@@ -4,10 +4,10 @@
 
 use super::checker::{Checker, Reset};
 use super::rules::smooth;
-use super::{states, values};
+use super::states;
+use super::values::{self, of_an_instant};
 use crate::ast::{Assignment, Condition, Expr, Name, Relation};
 use crate::diagnostics::{Checked, Reported};
-use crate::evaluate::expression;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Action, Contact};
 
@@ -18,7 +18,7 @@ pub(super) fn when(
 ) -> Checked<()> {
     let before = checker.diagnostics.mistakes();
     let mut side = |expr: &Expr| {
-        let value = known(checker, expr)?;
+        let value = of_an_instant(checker, expr)?;
         smooth(value, expr, checker)?;
         Ok(value)
     };
@@ -74,24 +74,10 @@ pub(super) fn when(
     Ok(())
 }
 
-/// E07: a value of an instant, at which a control may jump.
-fn known(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
-    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
-    let mut variables = graph::variables(&[value]).into_iter();
-    let Some(control) = variables.find(|variable| matches!(variable, Variable::Control(_))) else {
-        return Ok(value);
-    };
-    let message = format!(
-        "`{expr}` depends on {}, which may jump where the condition comes true; use what moves and the time",
-        checker.in_words(control)
-    );
-    Err(checker.diagnostics.report("E07", expr.place, message))
-}
-
 /// The velocity or state that is set, by its place among all velocities, and its value in its declared unit.
 fn set(checker: &mut Checker<'_>, assignment: &Assignment) -> Checked<(usize, Sym)> {
     let name = &assignment.target;
-    let value = known(checker, &assignment.value);
+    let value = of_an_instant(checker, &assignment.value);
     let (index, unit) = match states::index(checker, name) {
         Some(state) if !assignment.velocity => {
             let unit = checker.states[state].unit.clone();

@@ -484,3 +484,17 @@ pub(crate) fn is_bare(expr: &Expr) -> bool {
         _ => false,
     }
 }
+
+/// E07: a value of an instant, at which a control may jump.
+pub(super) fn of_an_instant(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
+    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let mut variables = graph::variables(&[value]).into_iter();
+    let Some(control) = variables.find(|variable| matches!(variable, Variable::Control(_))) else {
+        return Ok(value);
+    };
+    let message = format!(
+        "`{expr}` depends on {}, which may jump where the condition comes true; use what moves and the time",
+        checker.in_words(control)
+    );
+    Err(checker.diagnostics.report("E07", expr.place, message))
+}

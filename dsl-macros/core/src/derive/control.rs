@@ -18,13 +18,22 @@ pub(crate) struct ControlEquations {
     /// Final cost, then terminal conditions; functions of coordinates, velocities and final time, and then of the sums
     /// over impacts.
     pub(crate) terminal: Explicit,
-    /// What is added up over impacts, then conditions on them; functions of the input vector with what contacts provide,
+    /// What is added up over impacts, then conditions on them, then what conditions that come true set; functions of the input vector with what contacts provide,
     /// here the impulses.
     pub(crate) impact: Explicit,
     /// Whether path functions read what contacts provide, behind the input vector.
     pub(crate) path_reads_forces: bool,
     /// Whether terminal functions read the same, last.
     pub(crate) terminal_reads_forces: bool,
+}
+
+/// What conditions set: the contact that each is, the velocity, and its value.
+pub(crate) fn resets(scene: &CheckedScene) -> impl Iterator<Item = (usize, usize, Sym)> {
+    let contacts = scene.contacts.iter().enumerate();
+    contacts.flat_map(|(contact, known)| {
+        let values = known.reset.iter();
+        values.map(move |&(velocity, value)| (contact, velocity, value))
+    })
 }
 
 /// Derives the functions of optimal control.
@@ -42,6 +51,7 @@ pub(super) fn equations(
         .iter()
         .copied()
         .chain(task.at_impacts.iter().map(|known| known.function))
+        .chain(resets(scene).map(|(_, _, value)| value))
         .collect();
     let reads = |functions: &[Sym], of: fn(Variable) -> bool| {
         functions

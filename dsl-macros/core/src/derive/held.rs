@@ -7,10 +7,12 @@
 
 use super::explicit::Explicit;
 use super::simplify::simplify;
-use crate::ast::WrittenUnit;
+use crate::ast::{Documentation, WrittenUnit};
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{CheckedScene, Condition, Contact, Coordinate, OptimalControl};
+use crate::scene::{
+    CheckedScene, Condition, Contact, Coordinate, Epigraph, Lifted, OptimalControl, Over,
+};
 use hangtime_units::Unit;
 
 /// What a function of parameters gives, by the index of a component of the start `(q, v)` or of a contact.
@@ -26,7 +28,8 @@ pub enum Given {
     Friction(usize),
 }
 
-/// Puts the declared start in the place of what functions of optimal control read of it: guesses of what is to be found there.
+/// Puts the declared start in the place of what functions of optimal control read of it: guesses of what is to be found there; and
+/// largest values in the place of the unknowns that they are, but for those over the motion, which no function of an instant is: 0.
 pub(crate) fn at_declared_start(scene: &mut CheckedScene) {
     let Some(mut task) = scene.optimal_control.take() else {
         return;
@@ -39,6 +42,17 @@ pub(crate) fn at_declared_start(scene: &mut CheckedScene) {
             })[0]
         });
     }
+    let known = std::mem::take(&mut task.epigraphs);
+    task.map_functions(|mut value| {
+        // What contains others was made after them.
+        for epigraph in known.iter().rev() {
+            value = graph::substitute(&[value], |variable| {
+                (variable == epigraph.variable).then(|| epigraph.value())
+            })[0];
+        }
+        value
+    });
+    task.epigraphs = known;
     scene.optimal_control = Some(task);
 }
 
@@ -48,7 +62,18 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     let mut scene = scene;
     let n = scene.coordinates.len();
     let remembered = scene.remembered.clone();
-    let held = chosen.len() + remembered.len();
+    let epigraphs = match &mut scene.optimal_control {
+        Some(task) => std::mem::take(&mut task.epigraphs),
+        None => Vec::new(),
+    };
+    let known = |&&Epigraph { over, .. }: &&Epigraph| over == Over::Instants;
+    let (changing, lasting): (Vec<&Epigraph>, Vec<&Epigraph>) = epigraphs.iter().partition(known);
+    let (held, controls) = (
+        chosen.len() + remembered.len() + lasting.len(),
+        scene.controls.len(),
+    );
+    let place_of =
+        |list: &[&Epigraph], variable| list.iter().position(|known| known.variable == variable);
     let place = |variable: Variable| {
         let k = match variable {
             Variable::Parameter(i) => chosen.iter().position(|&known| known == i)?,
@@ -56,12 +81,17 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
                 let known = |&known: &usize| known == usize::from(k);
                 chosen.len() + remembered.iter().position(known)?
             }
+            Variable::Epigraph(_) => match place_of(&changing, variable) {
+                Some(k) => return Some(Sym::variable(Variable::Control((controls + k) as u16))),
+                None => chosen.len() + remembered.len() + place_of(&lasting, variable)?,
+            },
             _ => return None,
         };
         Some(Sym::variable(Variable::Coordinate((n + k) as u16)))
     };
     let one = |value: Sym| graph::substitute(&[value], place)[0];
     add_coordinates(&mut scene, chosen);
+    add_unknowns(&mut scene, (&changing, &lasting));
     scene.lagrangian = one(scene.lagrangian);
     if scene.states.is_empty() {
         let rates = (0..held).map(|k| Sym::variable(Variable::Velocity((n + k) as u16)));
@@ -72,9 +102,8 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         let rates = scene.coordinates[n..].iter().map(rate);
         scene.states.extend(rates);
     }
-    for force in &mut scene.forces {
-        *force = one(*force);
-    }
+    let forces = scene.forces.iter_mut();
+    forces.for_each(|force| *force = one(*force));
     for contact in &mut scene.contacts {
         replace_in(contact, n + held, &one);
     }
@@ -89,16 +118,7 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     scene.picture = None;
     // Start values of experiments are for the parameters as they are.
     scene.experiments.clear();
-    let free = scene
-        .free_parameters
-        .iter()
-        .map(|free| (free.index, free.bounds));
-    let free: Vec<(usize, Option<(Sym, Sym)>)> = free
-        .filter_map(|(index, bounds)| {
-            let k = chosen.iter().position(|&known| known == index)?;
-            Some((n + k, Some(bounds)))
-        })
-        .collect();
+    let free = free_ones(&scene, chosen, n);
     scene.optimal_control = scene.optimal_control.map(|task| {
         let of_start = |&(k, bounds): &(usize, _)| {
             let known = remembered.iter().position(|&known| known == k)?;
@@ -106,13 +126,74 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         };
         let (mut free, mut task) = (free, task);
         free.extend(task.free_start.iter().filter_map(of_start));
+        let first = n + chosen.len() + remembered.len();
+        free.extend((first..n + held).map(|k| (k, None)));
+        for epigraph in lasting.iter().chain(&changing) {
+            add_conditions(&mut task, epigraph);
+        }
         // What is remembered decides them.
         task.free_start.retain(|free| !remembered.contains(&free.0));
         task_with(task, (n, held), free, &one)
     });
     scene.held = chosen.to_vec();
     scene.remembers = !remembered.is_empty();
+    scene.lifted = (!epigraphs.is_empty()).then(|| Lifted {
+        coordinates: lasting.len(),
+        controls: changing.iter().map(|known| known.rows.len()).collect(),
+    });
     scene
+}
+
+/// The free ones among held parameters, by their places behind `n` coordinates, with their ranges.
+fn free_ones(scene: &CheckedScene, chosen: &[u16], n: usize) -> Vec<(usize, Option<(Sym, Sym)>)> {
+    let free = scene.free_parameters.iter();
+    let placed = free.filter_map(|free| {
+        let k = chosen.iter().position(|&known| known == free.index)?;
+        Some((n + k, Some(free.bounds)))
+    });
+    placed.collect()
+}
+
+/// Puts unknowns that are largest values behind the coordinates, where one of them is all that there is, and behind the controls, where
+/// there is one at each instant.
+fn add_unknowns(scene: &mut CheckedScene, (changing, lasting): (&[&Epigraph], &[&Epigraph])) {
+    let named = |shown: &str| {
+        let mut name = scene.name.clone();
+        name.text = format!("largest of {shown}");
+        Coordinate {
+            name,
+            unit: None,
+            documentation: Documentation::default(),
+            bounds: None,
+        }
+    };
+    let coordinates: Vec<Coordinate> = lasting.iter().map(|known| named(&known.shown)).collect();
+    let controls: Vec<Coordinate> = changing.iter().map(|known| named(&known.shown)).collect();
+    scene.coordinates.extend(coordinates);
+    scene.controls.extend(controls);
+    for values in [&mut scene.start.0, &mut scene.start.1, &mut scene.forces] {
+        values.resize(scene.coordinates.len(), Sym::ZERO);
+    }
+}
+
+/// Adds what an unknown that is a largest value is at least.
+fn add_conditions(task: &mut OptimalControl, epigraph: &Epigraph) {
+    let condition = |(k, &function): (usize, &Sym)| Condition {
+        name: format!("largest of {}.{}", epigraph.shown, k + 1),
+        documentation: Documentation::default(),
+        function,
+        equality: false,
+        unit: None,
+    };
+    let rows = epigraph.rows.iter().enumerate().map(condition);
+    match epigraph.over {
+        Over::End => task.goals.extend(rows),
+        Over::Motion | Over::Instants => task.constraints.extend(rows),
+    }
+    let first = epigraph.rows.len();
+    let at_start = epigraph.at_start.iter().enumerate();
+    task.goals
+        .extend(at_start.map(|(k, row)| condition((first + k, row))));
 }
 
 /// Puts parameters and what is remembered behind the coordinates, with their values at the start.
@@ -153,6 +234,8 @@ fn replace_in(contact: &mut Contact, coordinates: usize, one: &impl Fn(Sym) -> S
         all.for_each(|component| *component = one(*component));
         components.resize(coordinates, Sym::ZERO);
     }
+    let resets = contact.reset.iter_mut();
+    resets.for_each(|(_, value)| *value = one(*value));
     let loads = contact.loads.iter_mut();
     loads.for_each(|(_, factor)| *factor = one(*factor));
     if let Some(friction) = &mut contact.friction {
@@ -249,7 +332,8 @@ pub(super) fn moving(scene: &CheckedScene) -> usize {
     } else {
         0
     };
-    scene.coordinates.len() - scene.held.len() - remembered
+    let lifted = scene.lifted.as_ref().map_or(0, |lifted| lifted.coordinates);
+    scene.coordinates.len() - scene.held.len() - remembered - lifted
 }
 
 /// What a variable becomes along the motion: coordinates from `moving` on do not change.

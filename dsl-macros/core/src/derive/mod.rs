@@ -27,7 +27,7 @@ mod simplify;
 mod stepwise;
 
 pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
-pub(crate) use control::ControlEquations;
+pub(crate) use control::{ControlEquations, resets};
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
 pub use held::Given;

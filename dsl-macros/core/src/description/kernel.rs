@@ -172,6 +172,7 @@ fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operatio
         | Variable::Unknown(i)
         | Variable::Argument(i)
         | Variable::Switch(i)
+        | Variable::Epigraph(i)
         | Variable::Start(i) => Operation::Weight(u32::from(i)),
     }
 }

@@ -23,7 +23,7 @@ pub use builder::{Inertia, Pattern, System, Vectors};
 pub use contact::{Contact, Friction, Rows, SolvedRows, Solver};
 pub(crate) use declared::text as documentation_text;
 pub use declared::{Parameter, Variable};
-pub use design::{FreeParameters, Held};
+pub use design::{Epigraph, FreeParameters, Held, Over};
 pub use joint::{Joint, Joints};
 pub use kernel::{Kernel, Operation};
 pub use measured::{Experiment, MeasuredQuantity};
@@ -86,6 +86,8 @@ pub struct Description {
     pub experiments: Vec<Experiment>,
     /// Components of the start `(q, v)` that are to be found and that functions of optimal control read, increasing.
     pub remembered: Vec<usize>,
+    /// Largest values that optimal control has as unknowns; where the parameters are held, none.
+    pub epigraphs: Vec<Epigraph>,
     /// The parameters that are coordinates without motion; none unless they were asked for.
     pub held: Option<Held>,
     /// All straight-line functions.
@@ -191,6 +193,7 @@ impl Description {
             free_parameters,
             experiments,
             remembered: scene.remembered.clone(),
+            epigraphs: design::epigraphs(scene),
             held,
             kernels: builder.kernels,
             systems: builder.systems,

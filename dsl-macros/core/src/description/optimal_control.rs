@@ -2,7 +2,7 @@
 
 use super::builder::{Builder, Pattern};
 use super::declared::{inferred, text};
-use crate::derive::{ControlEquations, Explicit};
+use crate::derive::{ControlEquations, Explicit, resets};
 use crate::graph::Sym;
 use crate::scene;
 
@@ -43,6 +43,8 @@ pub struct ContactTerms {
     pub sums: usize,
     /// Conditions on impacts, in the order of their functions.
     pub constraints: Vec<Condition>,
+    /// What conditions that come true set, in the order of their functions behind those of impacts: the contact that each is, and the velocity.
+    pub resets: Vec<(usize, usize)>,
     /// What is added up, and the conditions, of the input vector with the velocities `(r, s)` that an impact provides
     /// behind it.
     pub impact: Functions,
@@ -124,6 +126,9 @@ pub(super) fn optimal_control(
             terminal: derived.terminal_reads_forces,
             sums: declared.sums.len(),
             constraints: conditions(&declared.at_impacts),
+            resets: resets(builder.scene)
+                .map(|(contact, velocity, _)| (contact, velocity))
+                .collect(),
             impact,
         },
     }

@@ -292,6 +292,7 @@ impl Printer<'_> {
             Variable::JointHeld(i) => self.joint("held", i),
             Variable::Switch(i) => format!("s{i}"),
             Variable::Start(i) => format!("start{i}"),
+            Variable::Epigraph(i) => format!("largest{i}"),
             Variable::Multiplier(i) => format!("lambda{i}"),
             Variable::Unknown(i) => format!("a{i}"),
             Variable::Argument(i) => {

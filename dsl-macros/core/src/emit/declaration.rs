@@ -3,8 +3,8 @@
 use super::inertia::positions;
 use super::kernel::literal;
 use crate::description::{
-    Condition, Contact, ContactTerms, Description, Experiment, Measured, OptimalControl, Pattern,
-    Picture, Shape, Variable,
+    Condition, Contact, ContactTerms, Description, Epigraph, Experiment, Measured, OptimalControl,
+    Pattern, Picture, Shape, Variable,
 };
 use std::fmt::Write;
 
@@ -240,12 +240,13 @@ fn optimal_control(task: Option<&OptimalControl>) -> String {
 
 fn contact_terms(terms: &ContactTerms) -> String {
     format!(
-        "::hangtime::model::ContactTerms {{ path: {}, terminal: {}, sums: {}, constraints: &[{}], impact_jacobian: {}, \
+        "::hangtime::model::ContactTerms {{ path: {}, terminal: {}, sums: {}, constraints: &[{}], resets: &{:?}, impact_jacobian: {}, \
          impact_hessian: {} }}",
         terms.path,
         terms.terminal,
         terms.sums,
         conditions(&terms.constraints),
+        terms.resets,
         pattern(&terms.impact.jacobian),
         pattern(&terms.impact.hessian)
     )
@@ -271,4 +272,15 @@ fn pattern(pattern: &Pattern) -> String {
         pattern.columns,
         positions(&pattern.entries)
     )
+}
+
+/// Largest values that optimal control has as unknowns.
+pub(super) fn epigraphs(known: &[Epigraph]) -> String {
+    let written = known.iter().map(|known| {
+        format!(
+            "::hangtime::model::Epigraph {{ name: {:?}, over: ::hangtime::model::Over::{:?}, rows: {} }},",
+            known.name, known.over, known.rows
+        )
+    });
+    written.collect()
 }

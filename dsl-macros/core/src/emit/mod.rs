@@ -277,6 +277,13 @@ fn free_parameters(derived: &Description) -> String {
             "fn remembered(&self) -> &'static [__usize] {{ &{remembered:?} }}"
         );
     }
+    if !derived.epigraphs.is_empty() {
+        let epigraphs = declaration::epigraphs(&derived.epigraphs);
+        let _ = write!(
+            written,
+            "fn epigraphs(&self) -> &'static [::hangtime::model::Epigraph] {{ &[{epigraphs}] }}"
+        );
+    }
     let Some(free) = &derived.free_parameters else {
         return written;
     };

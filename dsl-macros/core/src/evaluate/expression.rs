@@ -2,7 +2,7 @@
 
 use super::algebra::{cross_product, inner_product, map, not_a_vector, of_numbers, power, step};
 use super::edges;
-use super::functions::{elementary, velocity_direction};
+use super::functions::{elementary, fades, is_derivative, velocity_direction};
 use super::matrix;
 use super::named;
 use super::recorded;
@@ -235,17 +235,6 @@ fn chain(
     Ok(total)
 }
 
-/// Whether an exponential may make a constant of an expression small: itself, or in a function that the scene declares.
-fn fades(expr: &Expr) -> bool {
-    let called = match &expr.kind {
-        Kind::Call { function, .. } => {
-            function.text == "exp" || !words::is_function(&function.text)
-        }
-        _ => false,
-    };
-    called || expr.children().into_iter().any(fades)
-}
-
 /// Evaluates an expression that must be a number.
 pub(crate) fn scalar(
     scope: &mut Scope,
@@ -409,6 +398,9 @@ fn call(
     if text == words::START {
         return at_start(scope, whole, arguments, diagnostics);
     }
+    if text == words::PEAK && !diagnostics.is_poisoned(text) {
+        return peak(scope, whole, arguments, diagnostics);
+    }
     if words::CONTACT_FUNCTIONS.contains(&text) {
         return recorded::of_contact(scope, whole, text, arguments, diagnostics);
     }
@@ -441,9 +433,11 @@ fn sum(
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let argument = recorded::summand(scope, whole, arguments, diagnostics)?;
+    let takes_apart = std::mem::take(&mut scope.takes_apart);
     scope.role = Role::Impact;
     let summed = scalar(scope, argument, diagnostics);
     scope.role = Role::End;
+    scope.takes_apart = takes_apart;
     recorded::sum(scope, argument, summed?, diagnostics)
 }
 
@@ -457,6 +451,22 @@ fn at_start(
     let argument = remembered::argument(scope, whole, arguments, diagnostics)?;
     let known = value(scope, argument, diagnostics)?;
     remembered::at_start(scope, (whole, argument), &known, diagnostics)
+}
+
+/// `peak(expression)`, the largest value over the motion.
+fn peak(
+    scope: &mut Scope,
+    whole: &Expr,
+    arguments: &[Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let argument = remembered::over_the_motion(scope, whole, arguments, diagnostics)?;
+    let takes_apart = std::mem::replace(&mut scope.takes_apart, true);
+    scope.role = Role::Constraint;
+    let known = scalar(scope, argument, diagnostics);
+    scope.role = Role::End;
+    scope.takes_apart = takes_apart;
+    Ok(remembered::peak(scope, whole, known?))
 }
 
 /// A switch of these arguments.
@@ -629,18 +639,6 @@ fn time_derivative(
     edges::differentiable(scope, value.components(), shown, diagnostics)?;
     let rates = graph::directional(value.components(), velocity_direction);
     Ok(value.with_components(rates))
-}
-
-/// Whether an expression is a derivative.
-fn is_derivative(expr: &Expr) -> bool {
-    match &expr.kind {
-        Kind::Derivative { .. } => true,
-        Kind::Call {
-            function,
-            arguments,
-        } => function.text == "dot" && arguments.len() == 1,
-        _ => false,
-    }
 }
 
 /// E21: a constant that double precision does not hold.

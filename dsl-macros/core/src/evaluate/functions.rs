@@ -1,6 +1,8 @@
 //! The elementary functions by name, and the direction of time.
 
+use crate::ast::{Expr, Kind};
 use crate::graph::{Compose, Function, Sym, Variable};
+use crate::words;
 
 /// The direction in which time moves the variables, velocities held.
 pub(crate) fn velocity_direction(variable: Variable) -> Sym {
@@ -18,4 +20,27 @@ pub(super) fn elementary(name: &str) -> Option<Box<dyn Fn(Sym) -> Sym>> {
     }
     Function::named(name)
         .map(|function| -> Box<dyn Fn(Sym) -> Sym> { Box::new(move |x| x.call(function)) })
+}
+
+/// Whether an exponential may make a constant of an expression small: itself, or in a function that the scene declares.
+pub(super) fn fades(expr: &Expr) -> bool {
+    let called = match &expr.kind {
+        Kind::Call { function, .. } => {
+            function.text == "exp" || !words::is_function(&function.text)
+        }
+        _ => false,
+    };
+    called || expr.children().into_iter().any(fades)
+}
+
+/// Whether an expression is a derivative.
+pub(super) fn is_derivative(expr: &Expr) -> bool {
+    match &expr.kind {
+        Kind::Derivative { .. } => true,
+        Kind::Call {
+            function,
+            arguments,
+        } => function.text == "dot" && arguments.len() == 1,
+        _ => false,
+    }
 }

@@ -12,6 +12,15 @@ pub(crate) struct Kink {
     pub(crate) parts: Vec<Sym>,
 }
 
+/// The largest value of a quantity over the motion.
+#[derive(Clone)]
+pub(crate) struct Peak {
+    pub(crate) variable: Variable,
+    pub(crate) value: Sym,
+    /// As written, with `peak`.
+    pub(crate) shown: String,
+}
+
 /// A function of the motion whose sign switches what acts.
 #[derive(Clone)]
 pub(crate) struct Switch {

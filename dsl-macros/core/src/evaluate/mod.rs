@@ -16,7 +16,7 @@ mod value;
 pub(crate) use edges::has_edge;
 pub(crate) use expression::{BUDGET, unrepresentable};
 pub(crate) use functions::velocity_direction;
-pub(crate) use kink::{Kink, Switch};
+pub(crate) use kink::{Kink, Peak, Switch};
 pub(crate) use recorded::{FIRST_DRY, at_impacts};
 pub(crate) use scope::{Contents, Meaning, Role, Scope, UserFunction};
 pub(crate) use value::Value;

@@ -1,5 +1,6 @@
-//! `start(...)`: what a quantity is at the start of the motion, in what is judged of it.
+//! `start(...)` and `peak(...)`: what a quantity is at the start of the motion, and at most over all of it, in what is judged of it.
 
+use super::kink::Peak;
 use super::scope::{Role, Scope};
 use super::value::Value;
 use crate::ast::Expr;
@@ -61,4 +62,46 @@ pub(super) fn at_start(
         place(variable).map(|k| Sym::variable(Variable::Start(k)))
     });
     Ok(known.with_components(components))
+}
+
+/// What `peak(...)` is asked of, where that has a meaning.
+pub(super) fn over_the_motion<'e>(
+    scope: &Scope,
+    whole: &Expr,
+    arguments: &'e [Expr],
+    diagnostics: &mut Diagnostics,
+) -> Checked<&'e Expr> {
+    let [argument] = arguments else {
+        let message = format!("`peak` takes 1 argument, found {}", arguments.len());
+        return Err(diagnostics.report("E02", whole.place, message));
+    };
+    let why = match scope.role {
+        Role::End => return Ok(argument),
+        Role::Constraint => {
+            "a `constraint` holds all the time by itself; write what is inside of `peak` in its place"
+        }
+        Role::Running => {
+            "an integral adds up over the motion what is one number of it; leave `peak` in front of it, as a term by itself"
+        }
+        _ => "it judges a motion as a whole, in `minimize` and `finally`",
+    };
+    let message = format!("`{whole}` is the largest value over the motion: {why}");
+    Err(diagnostics.report("E15", whole.place, message))
+}
+
+/// The unknown that is the largest value of this one over the motion.
+pub(super) fn peak(scope: &mut Scope, whole: &Expr, value: Sym) -> Value {
+    let shown = whole.to_string();
+    let known = scope.peaks.iter().find(|known| known.shown == shown);
+    if let Some(known) = known {
+        return Value::Scalar(Sym::variable(known.variable));
+    }
+    let variable = Variable::Epigraph(scope.epigraphs);
+    scope.epigraphs += 1;
+    scope.peaks.push(Peak {
+        variable,
+        value,
+        shown,
+    });
+    Value::Scalar(Sym::variable(variable))
 }

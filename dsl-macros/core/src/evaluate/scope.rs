@@ -1,6 +1,6 @@
 //! Names in force: what they stand for, and what is said of those that are not declared.
 
-use super::kink::{Kink, Switch, has_switch};
+use super::kink::{Kink, Peak, Switch, has_switch};
 use super::value::Value;
 use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
@@ -97,6 +97,10 @@ pub(crate) struct Scope {
     pub(crate) recorded: BTreeMap<String, Contents>,
     /// Components of the start `(q, v)` that are read by `start(...)`, as written there.
     pub(crate) starts: Vec<(u16, String, Place)>,
+    /// Largest values over the motion that were asked for since these were last looked at.
+    pub(crate) peaks: Vec<Peak>,
+    /// Number of unknowns that the language made for largest values.
+    pub(crate) epigraphs: u16,
     /// What is added up over all impacts.
     pub(crate) sums: Vec<Sym>,
     /// Arguments of the functions being evaluated, innermost last.

@@ -52,6 +52,8 @@ pub(crate) enum Variable {
     JointHeld(u16),
     /// Component of the start `(q, v)` of the motion, in declared units; none is left in what is derived.
     Start(u16),
+    /// An unknown that the language makes for the largest of some values, in SI units; none is left in what is derived.
+    Epigraph(u16),
     /// Sign of a function that switches what acts, or its size; none is left in what is derived.
     Switch(u16),
     /// Stands for the argument of a function while it is differentiated.

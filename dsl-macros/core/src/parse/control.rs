@@ -5,9 +5,11 @@ use super::documentation::documentation;
 use super::expression::{compared, expression};
 use super::pieces::{block, entries, name, range, target};
 use crate::ast::{
-    Assignment, Condition, Documentation, FreeStart, Name, Quantity, Relation, Statement,
+    Assignment, Condition, Documentation, Expr, FreeStart, Kind, Name, Quantity, Relation,
+    Statement, WrittenUnit,
 };
 use crate::diagnostics::{Checked, Diagnostics, Reported};
+use hangtime_units::Unit;
 
 /// `finally { condition, ... }`.
 pub(super) fn finally(
@@ -86,6 +88,87 @@ pub(super) fn when(
     Ok(Statement::When {
         condition,
         assignments,
+    })
+}
+
+/// `at time { condition, ... }`, or `at name in lower..=upper { condition, ... }` at a time that is to be found.
+pub(super) fn at(
+    cursor: &mut Cursor,
+    word: &Name,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Statement> {
+    let time = expression(cursor, diagnostics)?;
+    let gate = match range(cursor, diagnostics)? {
+        Some(bounds) => Some(gate(cursor, &time, bounds, diagnostics)?),
+        None => None,
+    };
+    let inner = block(cursor, word, diagnostics)?;
+    let before = diagnostics.mistakes();
+    let conditions = entries(inner, diagnostics, |cursor, diagnostics| {
+        let documentation = documentation(cursor, diagnostics);
+        condition(cursor, documentation, diagnostics)
+    });
+    if conditions.is_empty() && diagnostics.mistakes() > before {
+        return Err(Reported);
+    }
+    Ok(Statement::At {
+        time,
+        gate,
+        conditions,
+    })
+}
+
+/// The time of conditions as a parameter that is to be found; it begins in the middle of its range unless it has a value.
+fn gate(
+    cursor: &mut Cursor,
+    time: &Expr,
+    (lower, upper): (Expr, Expr),
+    diagnostics: &mut Diagnostics,
+) -> Checked<Quantity> {
+    let Kind::Name(name) = &time.kind else {
+        let message = format!(
+            "a time that is to be found has a name, as in `at gate in {lower}..={upper} {{ ... }}`"
+        );
+        return Err(diagnostics.syntax(time.place, message));
+    };
+    let middle = match (&lower.kind, &upper.kind) {
+        (
+            Kind::Number { value: low, .. },
+            Kind::Number {
+                value: high, unit, ..
+            },
+        ) => Some(Expr {
+            kind: Kind::Number {
+                value: 0.5 * (low + high),
+                text: format!("{}", 0.5 * (low + high)),
+                unit: unit.clone(),
+            },
+            ..upper.clone()
+        }),
+        _ => None,
+    };
+    let value = match cursor.eat_symbol("=") {
+        true => Some(expression(cursor, diagnostics)?),
+        false => middle,
+    };
+    if value.is_none() {
+        let message = format!(
+            "the time `{0}` needs a value to begin with, as in `at {0} in {lower}..={upper} = {upper} {{ ... }}`",
+            name.text
+        );
+        return Err(diagnostics.syntax(name.place(), message));
+    }
+    let second = WrittenUnit {
+        text: "s".to_owned(),
+        unit: Unit::mechanical(0, 0, 1),
+    };
+    Ok(Quantity {
+        documentation: Documentation::default(),
+        name: name.clone(),
+        unit: Some(second),
+        bounds: Some((lower, upper)),
+        value,
+        free: true,
     })
 }
 

@@ -20,7 +20,13 @@ pub(super) fn statements(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> 
             break;
         }
         match statement(cursor, documentation, diagnostics) {
-            Ok(statement) => statements.push(statement),
+            Ok(mut statement) => {
+                if let Statement::At { gate, .. } = &mut statement {
+                    let gate = gate.take().map(|gate| Statement::Parameters(vec![gate]));
+                    statements.extend(gate);
+                }
+                statements.push(statement);
+            }
             Err(Reported) => skip_to_statement(cursor),
         }
         while cursor.eat_symbol(";") || cursor.eat_symbol(",") {}
@@ -119,6 +125,7 @@ fn statement(
         "dry" => law::dry_friction(cursor, documentation, diagnostics),
         "joint" => joint::joint(cursor, documentation, diagnostics),
         "when" => control::when(cursor, &word, documentation, diagnostics),
+        "at" => control::at(cursor, &word, diagnostics),
         "start" => Ok(Statement::Start(assignments(cursor, &word, diagnostics)?)),
         "horizon" => {
             let value = expression(cursor, diagnostics)?;

@@ -37,6 +37,25 @@ texts! {
         "E04: `x` is a coordinate, and bodies do not jump; set its velocity, `dot(x) = ...`, or a state";
     velocity_in_another_unit: with_rate "when x >= 1 [m] { dot(x) = 1 [m] }" =>
         "E03: units differ: `1 [m]` is in m, where m/s is needed (`dot(x)` is set to it)";
+    place_at_a_time: solved "at 0.5 [s] { x == 1 [m], dot(x) >= 0 }" => "accepted";
+    place_at_a_time_that_is_found: solved "at gate in 0.2..=0.9 [s] { x == 1 [m] }" => "accepted";
+    time_in_another_unit: solved "at 0.5 [m] { x == 1 [m] }" =>
+        "E03: units differ: `0.5 [m]` is in m, where s is needed (conditions hold at a time)";
+    place_at_a_time_in_another_unit: solved "at 0.5 [s] { x == 1 [s] }" =>
+        "E03: units differ: `x` is in m, `1 [s]` is in s; both sides of a condition must agree";
+    time_that_moves: solved "at x*1 [s/m] { x == 1 [m] }" =>
+        "E15: `at x*1 [s/m]` depends on the coordinate `x`; a time is a number or follows from parameters, and one that is to be found is written `at gate in 0.5..=2 [s] { ... }`";
+    time_before_the_motion: solved "at 0 [s] { x == 1 [m] }" =>
+        "E17: `at 0 [s]` is at 0 s, where the motion has not begun; what holds at the start is written in `start`";
+    time_after_the_motion: solved "at 1.5 [s] { x == 1 [m] }" =>
+        "E17: `at 1.5 [s]` is at 1.5 s, and the motion ends at 1 s; what holds at its end is written in `finally`";
+    control_at_a_time: solved "at 0.5 [s] { u <= 1 [N] }" =>
+        "E07: `u` depends on the control `u`, which may jump where the condition comes true; use what moves and the time";
+    condition_at_a_time_that_stays: solved "at 0.5 [s] { t <= 1 [s] }" =>
+        "E15: `t <= 1 [s]` is the same for every motion, so it is no condition; use coordinates, velocities or states";
+    time_that_is_found_without_a_name: solved "at 0.5 in 0.2..=0.9 [s] { x == 1 [m] }" =>
+        "a time that is to be found has a name, as in `at gate in 0.2..=0.9 [s] { ... }`";
+    nothing_at_a_time: solved "at 0.5 [s] { }" => "`at 0.5 [s]` asks for nothing; write what holds then, as in `at 0.5 [s] { x == 1 }`";
     state_that_is_set_twice: with_rate "when x >= 1 [m] { on = 1, on = 0 }" => "`on` is set twice at once; keep one";
     condition_that_sets_nothing: with_rate "when x >= 1 [m] { }" =>
         "`when x >= 1 [m]` sets nothing; write what it sets, as in `{ on = 1 }`";
@@ -113,11 +132,58 @@ fn start_that_is_free_is_a_coordinate_that_decides_it_and_nothing_where_it_is_no
 }
 
 #[test]
+fn largest_values_are_unknowns_of_what_is_solved_and_values_of_what_is_described() {
+    use hangtime_dsl::description::Over;
+    let text = "coordinates { x: m } controls { u: N } lagrangian dot(x)^2/2*1 [kg] forces { x: u } horizon 1 [s]
+        minimize integral(|u|) + peak(max(x, 2*x))*1 [N s/m] + |x - 1 [m]|*1 [N s/m]";
+    let (plain, _) = describe_text(text, "s").expect("no mistakes");
+    assert_eq!((plain.coordinates.len(), plain.controls.len()), (1, 1));
+    let known: Vec<(&str, Over, usize)> = plain
+        .epigraphs
+        .iter()
+        .map(|known| (known.name.as_str(), known.over, known.rows))
+        .collect();
+    assert_eq!(
+        known,
+        [
+            ("|u|", Over::Instants, 2),
+            ("peak(max(x, 2*x))", Over::Motion, 2),
+            ("|x - 1 [m]|*1 [N s/m]", Over::End, 2)
+        ]
+    );
+    let task = plain.optimal_control.as_ref().expect("a task");
+    assert_eq!((task.constraints.len(), task.goals.len()), (0, 0));
+    let (held, _) = describe_held(text, "s", &[]).expect("no mistakes");
+    assert_eq!((held.coordinates.len(), held.controls.len()), (3, 2));
+    let known = held.held.as_ref().expect("unknowns");
+    assert_eq!((known.largest, &known.at_stages[..]), (2, &[2][..]));
+    let task = held.optimal_control.as_ref().expect("a task");
+    // Over the motion and at each instant; at the end, and of the peak at the start.
+    assert_eq!((task.constraints.len(), task.goals.len()), (2 + 2, 2 + 2));
+    // What has none is as before.
+    let (plain, _) = describe_held(
+        &text
+            .replace("|u|", "u^2/1 [N]")
+            .replace("peak(max(x, 2*x))", "x")
+            .replace("|x - 1 [m]|", "x"),
+        "s",
+        &[],
+    )
+    .expect("no mistakes");
+    assert!(plain.held.is_none() && plain.epigraphs.is_empty());
+}
+
+#[test]
 fn conditions_are_formatted_like_the_statements_around_them() {
     let text = "states{x,on}\nrates{x:1 [1/s]+on / 3 [s]}\nwhen  x>=1{on=1}// once\nwhen x<=0 { on=0,x=  x+1}\n";
     assert_eq!(
         format_text(text, "s").expect("no mistakes"),
         "states { x, on }\nrates { x: 1 [1/s] + on/3[s] }\nwhen x >= 1 { on = 1 } // once\nwhen x <= 0 { on = 0, x = x + 1 }\n"
+    );
+    let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nminimize peak( x )\nat  gate in 0.5..=2 [s]{x==1 [m],// here\ndot(x)>=0}\nhorizon 3 [s]\n";
+    assert_eq!(
+        format_text(text, "s").expect("no mistakes"),
+        "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nminimize peak(x)\nat gate in 0.5..=2 [s] {\n    x == 1 [m], // here\n    dot(x) >= 0,\n}\nhorizon 3 [s]\n"
     );
     let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nfree { x }\nminimize (x -start( x ) )^2\nfinally { x==-start(x) + 1 [m] }\n";
     assert_eq!(

@@ -275,10 +275,29 @@ texts! {
         "E13: a root or norm of velocities is not differentiable at rest; square it, as in `|dot(p)|^2`";
 
     // E15 and what else optimal control knows
-    size_of_a_control: cart "minimize integral(abs(u))" =>
-        "E12: `abs` has a kink or a jump, which an objective must not have; for the size of a control declare two that are at least 0, and add up their sum, or square it";
-    size_of_a_control_in_bars: cart "minimize integral(|u|)" =>
-        "E12: `|u|` of a number has a kink at 0, which an objective must not have; for the size of a control declare two that are at least 0, and add up their sum, or square it";
+    size_of_a_control: cart "minimize integral(abs(u))" => "accepted";
+    size_of_a_control_in_bars: cart "minimize integral(|u|)" => "accepted";
+    size_that_is_to_be_large: cart "minimize -integral(|u|)" =>
+        "E12: `|u|` would be better the larger a maximum, a size or a peak is, or the smaller a minimum: each of their parts leads to an optimum of its own, which no condition tells apart; write the part that is meant, or ask for it in `constraint` or `finally`";
+    smallest_that_is_to_be_small: cart "minimize integral(u^2) + min(y, 2*y)*1 [N^2 s/m]" =>
+        "E12: `min(y, 2*y)*1 [N^2 s/m]` would be better the larger a maximum, a size or a peak is, or the smaller a minimum: each of their parts leads to an optimum of its own, which no condition tells apart; write the part that is meant, or ask for it in `constraint` or `finally`";
+    power_of_a_peak: cart "minimize peak(y)^2" =>
+        "E12: `peak(y)`: `max`, `min`, `|x|` and `peak` are added up in an objective, with numbers and parameters as factors, whose sign is known; write another factor or a power inside, as in `|w*x|` and `peak(x^2)`";
+    size_times_what_moves: cart "minimize integral(y*|u|)" =>
+        "E12: `y*|u|`: `max`, `min`, `|x|` and `peak` are added up in an objective, with numbers and parameters as factors, whose sign is known; write another factor or a power inside, as in `|w*x|` and `peak(x^2)`";
+    peak_in_a_constraint: cart "minimize integral(u^2) constraint low: peak(y) <= 1 [m]" =>
+        "E15: `peak(y)` is the largest value over the motion: a `constraint` holds all the time by itself; write what is inside of `peak` in its place";
+    peak_under_an_integral: cart "minimize integral(peak(y))" =>
+        "E15: `peak(y)` is the largest value over the motion: an integral adds up over the motion what is one number of it; leave `peak` in front of it, as a term by itself";
+    peak_of_two: cart "minimize peak(y, u)" => "E02: `peak` takes 1 argument, found 2";
+    peak_that_is_a_value: cart "minimize integral(u^2) finally { peak(y) == 1 [m] }" =>
+        "E12: `peak(y) == 1 [m]` asks a largest value to be exactly that; ask for at most that much, by `<=`";
+    peak_that_is_to_be_large: cart "minimize integral(u^2) finally { peak(y) >= 1 [m] }" =>
+        "E12: `peak(y)` would be better the larger a maximum, a size or a peak is, or the smaller a minimum: each of their parts leads to an optimum of its own, which no condition tells apart; write the part that is meant, or ask for it in `constraint` or `finally`";
+    peak_in_another_unit: cart "minimize integral(u^2) finally { peak(y) <= 1 [s] }" =>
+        "E03: units differ: `peak(y)` is in m, `1 [s]` is in s; both sides of a terminal condition must agree";
+    control_in_a_maximum_at_the_end: cart "minimize max(u, 2*u)*1 [m]" =>
+        "E15: the final cost depends on the control `u`, which acts over a time and has no value at the final instant; write `integral(max(u, 2*u)*1 [m])`";
     larger_of_two_at_the_end: cart "minimize integral(u^2) finally { max(y, 2*y) <= 1 [m] }" => "accepted";
     size_in_a_constraint: cart "minimize integral(u^2) constraint slow: |dot(y)| <= 1 [m/s]" => "accepted";
     one_of_two_in_a_constraint: cart "minimize integral(u^2) constraint fast: |dot(y)| >= 1 [m/s]" =>

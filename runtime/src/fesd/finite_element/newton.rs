@@ -9,6 +9,9 @@ use crate::rk::ButcherTableau;
 
 /// Relative change of the state that ends Newton's method.
 const CONVERGED: f64 = 2e-16;
+/// Residual beyond which that before a last step says nothing of what is left after it: of forces that act on nothing, as of the bound of a
+/// condition that sets something, which no change of the state shows.
+const BEFORE_THE_STEP: f64 = 1e-6;
 /// Relative change below which an iteration that no longer contracts has reached rounding error.
 const ROUNDING: f64 = 1e-12;
 /// Rounding error of the gaps, as a relative change, above which it hides the convergence.
@@ -214,6 +217,10 @@ fn iterate(element: &mut FiniteElement<'_>, apart: bool) -> Result<(), ElementEr
             || (change <= rounding_of_gaps(element) && !still_contracts(element, contraction));
         let forces = relative_change_of_forces(element);
         if states && (forces <= FORCES || forces >= 0.3 * last_forces) {
+            if element.residual_norm > BEFORE_THE_STEP {
+                // What is reported is what is left, and not what the last step has taken away.
+                return evaluate_residual(element);
+            }
             update_stages(element);
             return Ok(());
         }

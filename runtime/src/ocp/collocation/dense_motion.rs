@@ -3,6 +3,7 @@
 use super::layout::SolvedPhase;
 use super::program::Collocation;
 use super::provided;
+use crate::model::held::complete_largest;
 
 /// Points of a phase that are looked at.
 pub(super) const POINTS: usize = 64;
@@ -96,6 +97,7 @@ impl<'p, 'm> DenseMotion<'p, 'm> {
                 let slots = input[plain..].iter_mut();
                 slots.zip(provided).for_each(|(slot, value)| *slot = value);
             }
+            complete_largest(model, &mut input);
             model.path_functions(&input, &mut values);
             let value = values[first + constraint];
             if is_equality { -value.abs() } else { value }

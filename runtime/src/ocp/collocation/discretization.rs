@@ -165,7 +165,12 @@ pub(in crate::ocp) fn parabolas(model: &dyn Model, start: &[f64]) -> Vec<bool> {
                     || point[contact_point::direction(n) + k] != 0.0
                     || entries.any(|&(row, _)| row as usize == 2 + k)
             });
-            affine && free && !pushed
+            let terms = declaration
+                .optimal_control
+                .map(|declared| declared.contacts);
+            let mut resets = terms.iter().flat_map(|terms| terms.resets);
+            let set = resets.any(|&(_, velocity)| velocity == k);
+            affine && free && !pushed && !set
         })
         .collect()
 }

@@ -8,6 +8,7 @@ use super::turns::Turns;
 use super::{friction_rows, provided};
 use crate::model::held::is_held;
 use crate::model::{ContactDeclaration, contact_point};
+use crate::ocp::motion::mode::sets;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::frame::state_name;
 use crate::ocp::program::kernel::Kernel;
@@ -76,8 +77,58 @@ pub(super) fn let_go(builder: &mut Builder, instant: &Instant) {
     enter(builder, instant);
 }
 
-/// Sets the modes after a switch.
+/// Sets the modes after a switch, and the velocities that conditions set there which come true.
 pub(super) fn enter(builder: &mut Builder, instant: &Instant) {
+    modes_after(builder, instant);
+    for switch in instant.all() {
+        if sets(builder.setting.model, switch) {
+            set(builder, switch.contact);
+        }
+    }
+}
+
+/// The velocities that a condition sets: those right before as it says, in the place of the present ones.
+fn set(builder: &mut Builder, contact: usize) {
+    let Setting { model, units, .. } = builder.setting;
+    let (n, declaration) = (builder.n, model.declaration());
+    let Some(declared) = declaration.optimal_control else {
+        return;
+    };
+    let terms = declared.contacts;
+    let before = builder.state.clone();
+    let read = before.iter().chain(&builder.before);
+    let mut x: Vec<f64> = read.map(|&i| builder.program.guessed(i)).collect();
+    x.resize(declaration.impact_inputs(), 0.0);
+    let mut values = vec![0.0; terms.impact_functions()];
+    model.impact_functions(&x, &mut values);
+    let mut uses = Vec::new();
+    for (index, &(of, velocity)) in terms.resets.iter().enumerate() {
+        if of != contact {
+            continue;
+        }
+        let (function, k) = (terms.of_impacts() + index, n + velocity);
+        let name = format!(
+            "set of {} by `{}`",
+            state_name(model, k),
+            declaration.contacts[contact].name
+        );
+        let program = &mut builder.program;
+        let variable = program.variable(name.clone(), FREE, values[function], units.states[k]);
+        let row = program.row_in(units.states[k], name, 0.0, 0.0);
+        program.linear(row, variable, 1.0);
+        uses.push((row, function, -1.0));
+        builder.state[k] = variable;
+    }
+    let (q, v) = before.split_at(n);
+    let nothing = vec![None; 2 * declaration.contacts.len()];
+    let inputs = [q, v, &builder.before[..]];
+    builder
+        .program
+        .block_behind(&Kernel::Impact, inputs, &nothing, None, uses);
+}
+
+/// Sets the modes after a switch.
+fn modes_after(builder: &mut Builder, instant: &Instant) {
     for switch in instant.all() {
         builder.modes[switch.contact] = switch.mode;
         if switch.passes {
@@ -134,7 +185,7 @@ pub(super) fn close(builder: &mut Builder, instant: &Instant, label: &str, time:
     let of_contacts: Vec<(usize, usize)> = acting.into_iter().zip(impulses).collect();
     provided::in_impact(builder, first, &of_contacts, label);
     touch_rows(builder, instant, label);
-    enter(builder, instant);
+    modes_after(builder, instant);
     builder.state = after;
 }
 

@@ -52,6 +52,10 @@ impl Left {
                 continue;
             }
             let before = modes[switch.contact];
+            if switch.sets {
+                // What is set decides how its function goes on, which may jump.
+                continue;
+            }
             self.turns
                 .start(switch, before, instant.first.closes, jumps);
         }
@@ -171,6 +175,7 @@ fn switch_at_start(
             before.clone_from(&builder.state);
         } else if jumps {
             impact_map::enter(builder, &instant);
+            before.clone_from(&builder.state);
         } else {
             // Controls that do not jump let go of a contact where its force vanishes.
             impact_map::let_go(builder, &instant);

@@ -8,7 +8,7 @@ use super::stage_inputs::{Elapsed, drive_at, drive_within};
 use super::turns::Turns;
 use super::{cut_rows, friction_rows, provided, start_conditions};
 use crate::model::Pieces;
-use crate::model::held::is_held;
+use crate::model::held::{first_at_stages, is_held};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::program::frame::{Provided, force_name, state_name};
@@ -460,6 +460,9 @@ fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) 
     } = builder.setting;
     let n = builder.n;
     let label = element.label();
+    let declared = builder.setting.model.declaration().optimal_control;
+    let constraints = declared.map_or(0, |declared| declared.constraints.len());
+    let at_stages = first_at_stages(builder.setting.model)..constraints;
     for (m, stage) in phase.stages.iter().enumerate() {
         let (q, v) = stage.state.split_at(n);
         let (frame, program) = (&builder.frame, &mut builder.program);
@@ -469,17 +472,18 @@ fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) 
         if places.path != PathPoints::Ends || m + 1 == phase.stages.len() {
             let place = format!("at stage {m} of {label}");
             frame.path_rows(program, inputs, known, &place);
+        } else if !at_stages.is_empty() {
+            let place = format!("at stage {m} of {label}");
+            let chosen: Vec<usize> = at_stages.clone().collect();
+            frame.path_rows_of(program, &chosen, inputs, known, &place);
         }
     }
     if element.is_first_of_motion() {
         start_conditions::path_rows(builder, phase);
         return;
     }
-    let declaration = builder.setting.model.declaration();
-    let declared = declaration.optimal_control;
-    let constraints = 0..declared.map_or(0, |declared| declared.constraints.len());
-    let at_start = provided::at_start(declaration);
-    let chosen: Vec<usize> = constraints
+    let at_start = provided::at_start(builder.setting.model.declaration());
+    let chosen: Vec<usize> = (0..at_stages.start)
         .filter(|&i| places.path == PathPoints::Both || at_start(i))
         .collect();
     if !chosen.is_empty() {

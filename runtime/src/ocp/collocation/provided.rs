@@ -224,7 +224,7 @@ pub(super) fn in_impact(
     let (declaration, terms) = (model.declaration(), terms(model));
     let pattern = terms.impact_jacobian;
     let (inputs, contacts) = (declaration.inputs(), declaration.contacts);
-    if terms.impact_functions() == 0 {
+    if terms.of_impacts() == 0 {
         return;
     }
     let reads = |row: Option<usize>, k: usize| {

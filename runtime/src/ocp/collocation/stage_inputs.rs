@@ -6,7 +6,8 @@
 
 use super::builder::Builder;
 use super::discretization::Lengths;
-use super::layout::Phase;
+use super::layout::{FREE, Phase};
+use crate::model::held::{complete_largest, first_of_stages};
 use crate::ocp::motion::control_grid::ControlShape;
 
 /// A moment in an interval: the time passed since its start as a sum of `coefficient variable`.
@@ -57,6 +58,7 @@ pub(in crate::ocp) fn drive_at(
     place: &str,
 ) -> Vec<usize> {
     let mut drive = controls_at(builder, interval, elapsed, guess, place);
+    largest_at(builder, (interval, guess), &mut drive, place);
     if builder.setting.model.declaration().explicit_time {
         let share = 1.0 / builder.setting.problem.intervals as f64;
         let mut terms = match builder.setting.lengths {
@@ -74,6 +76,36 @@ pub(in crate::ocp) fn drive_at(
         drive.push(builder.frame.time(&mut builder.program, name, &terms, time));
     }
     drive
+}
+
+/// Puts unknowns of this moment in the place of the controls that are largest values of an instant; `guess` is the share of the interval as
+/// far as it is known.
+fn largest_at(
+    builder: &mut Builder,
+    (interval, guess): (usize, f64),
+    drive: &mut [usize],
+    place: &str,
+) {
+    let model = builder.setting.model;
+    let first = first_of_stages(model);
+    if first == drive.len() {
+        return;
+    }
+    let sample = builder
+        .guess
+        .at(builder.guessed_time(interval, guess), true);
+    let declaration = model.declaration();
+    let mut x = sample[..2 * builder.n].to_vec();
+    x.extend(drive.iter().map(|&i| builder.program.guessed(i)));
+    x.resize(declaration.path_inputs(), 0.0);
+    complete_largest(model, &mut x);
+    for (k, variable) in drive.iter_mut().enumerate().skip(first) {
+        let program = &mut builder.program;
+        let name = format!("`{}` {place}", declaration.controls[k].name);
+        let unit = program.unit(*variable);
+        program.bound(*variable, 0.0, 0.0);
+        *variable = program.variable(name, FREE, x[2 * builder.n + k], unit);
+    }
 }
 
 /// The controls at a moment of an interval; `guess` is its share of the interval as far as it is known.
@@ -110,10 +142,14 @@ fn controls_at(
         tau
     });
     let guessed = builder.guess.controls.at(interval as f64 + guess);
-    let names = model.declaration().controls.iter();
+    let names = model.declaration().controls.iter().enumerate();
     let controls = names.zip(from.iter().zip(&to)).zip(guessed);
+    let first = first_of_stages(model);
     controls
-        .map(|((control, (&from, &to)), guessed)| {
+        .map(|(((k, control), (&from, &to)), guessed)| {
+            if k >= first {
+                return from;
+            }
             let name = format!("`{}` {place}", control.name);
             let unit = program.unit(from);
             let u = program.variable(name.clone(), free, guessed, unit);

@@ -4,7 +4,7 @@ use super::builder::Builder;
 use super::discretization::Setting;
 use super::layout::Phase;
 use super::provided;
-use crate::model::held::{is_held, moving};
+use crate::model::held::{first_at_stages, is_held, moving};
 use crate::model::{Given, contact_point};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::mode::{sliding_velocity, zero_velocity};
@@ -184,7 +184,7 @@ pub(in crate::ocp) fn path_rows(builder: &mut Builder, phase: &Phase) {
     // The start may be where a condition is violated the most.
     let free = |column: usize| declared.free_start.contains(&column);
     let forces = provided::at_start(declaration);
-    let chosen: Vec<usize> = (0..declared.constraints.len())
+    let chosen: Vec<usize> = (0..first_at_stages(builder.setting.model))
         .filter(|&i| {
             let inequality = !declared.constraints[i].equality;
             linear && reads(i, &controls) || forces(i) || inequality && reads(i, &free)

@@ -15,7 +15,8 @@ use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::effort::Effort;
-use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::mode::{is_condition, sets};
+use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
 use crate::ocp::previous::Previous;
 use crate::ocp::program::runner::Runner;
@@ -407,9 +408,12 @@ fn planned_events(
     interval: f64,
 ) -> Vec<(f64, EventKind, usize)> {
     let switches = sequence.switches.iter().enumerate();
-    let switches = switches.filter(|(_, switch)| !switch.passes);
+    // Where a condition ceases to be true, nothing happens.
+    let happens = |switch: &Switch| !is_condition(model, switch.contact) || sets(model, switch);
+    let switches = switches.filter(|(_, switch)| !switch.passes && happens(switch));
     let switches = switches.map(|(index, switch)| {
         let kind = match switch.mode {
+            _ if is_condition(model, switch.contact) => EventKind::When,
             _ if Sequence::takes_over(&sequence.switches, index) => EventKind::Contact,
             _ if switch.closes => EventKind::Impact,
             ContactMode::Open => EventKind::LiftOff,

@@ -3,6 +3,7 @@
 //! The plan keeps conditions at its stages, and the forces there are less accurate than the motion. So they are looked at
 //! once more with the forces and impulses of the event-driven simulation, and so is the objective that contains them.
 
+use crate::model::held::complete_largest;
 use crate::model::{ConstraintDeclaration, Model, contact_point};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::model_input::drive;
@@ -180,6 +181,7 @@ fn path_input(model: &dyn Model, replay: &Simulation, k: usize) -> Vec<f64> {
     if model.declaration().path_inputs() > x.len() {
         x.extend(forces(model, replay, k, &x));
     }
+    complete_largest(model, &mut x);
     x
 }
 
@@ -238,7 +240,7 @@ fn along(model: &dyn Model, replay: &Simulation) -> Vec<Looked> {
 fn in_impacts(model: &dyn Model, replay: &Simulation) -> (Vec<f64>, Vec<Looked>) {
     let declaration = model.declaration();
     let terms = declaration.optimal_control.map(|d| d.contacts);
-    let Some(terms) = terms.filter(|terms| terms.impact_functions() > 0) else {
+    let Some(terms) = terms.filter(|terms| terms.of_impacts() > 0) else {
         return (Vec::new(), Vec::new());
     };
     let mut sums = vec![0.0; terms.sums];

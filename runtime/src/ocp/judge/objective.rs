@@ -7,6 +7,7 @@
 //! with fewer than three instants has cubics. What every second instant gives tells the error: that is no difference from the plan.
 
 use crate::model::Model;
+use crate::model::held::complete_largest;
 use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::drive;
 use crate::simulation::Simulation;
@@ -116,6 +117,7 @@ fn integral(
                 let mut x = state(replay, near, time);
                 x.extend(drive(model, &controls.at(time / length), time));
                 x.resize(model.declaration().path_inputs(), 0.0);
+                complete_largest(model, &mut x);
                 model.path_functions(&x, &mut values);
                 let weight = 0.5 * (to - from) * weight;
                 sum += weight * values[0];

@@ -1,6 +1,7 @@
 //! What decides the mode of a contact: its friction, and how it slides.
 
 use super::model_input::drive;
+use super::sequence::Switch;
 use crate::model::{Model, Switching, tangent_point};
 use crate::simulation::{ContactMode, Direction};
 
@@ -22,6 +23,18 @@ pub(in crate::ocp) fn closed_mode(frictional: bool, velocity: f64, zero: f64) ->
 pub(in crate::ocp) fn is_passed(model: &dyn Model, contact: usize) -> bool {
     let switch = model.declaration().contacts[contact].switch;
     switch.is_some_and(Switching::passes)
+}
+
+/// Whether a contact is a condition that sets velocities where it comes true.
+pub(in crate::ocp) fn is_condition(model: &dyn Model, contact: usize) -> bool {
+    model.declaration().contacts[contact].switch == Some(Switching::Resets)
+}
+
+/// Whether velocities are set at a switch.
+pub(in crate::ocp) fn sets(model: &dyn Model, switch: &Switch) -> bool {
+    // Its friction is against minus the function, which comes to be positive where it begins to slip backward.
+    let comes_true = switch.mode == ContactMode::Slip(Direction::Backward);
+    is_condition(model, switch.contact) && (switch.sets || comes_true)
 }
 
 /// Whether friction acts on a contact.

@@ -1,12 +1,12 @@
 //! Contact sequences read from motions.
 
-use super::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
+use super::mode::{closed_mode, is_condition, is_frictional, sliding_velocity, zero_velocity};
 
 use super::sequence::{Place, Sequence, Switch};
 use super::trajectory::Trajectory;
 use crate::model::{Model, Pieces};
 use crate::simulation::ContactMode;
-use crate::simulation::{Event, EventKind, Simulation};
+use crate::simulation::{Direction, Event, EventKind, Simulation};
 
 /// Events nearer to an interval end than this share of the interval lie on it.
 pub(in crate::ocp) const AT_THE_END: f64 = 1e-7;
@@ -71,6 +71,11 @@ impl Replay<'_> {
                 .map(|index| self.switch(index))
                 .collect(),
         };
+        let ceasing = self.ceasing();
+        if !ceasing.is_empty() {
+            sequence.switches.extend(ceasing);
+            sequence.switches.sort_by(|a, b| a.time.total_cmp(&b.time));
+        }
         // A contact that stays closed may report another impact, and one that was only touched an opening.
         let mut modes = sequence.initially.clone();
         sequence.switches.retain(|switch| {
@@ -96,25 +101,27 @@ impl Replay<'_> {
         let closes = matches!(event.kind, EventKind::Impact | EventKind::Contact);
         let slides = matches!(
             event.kind,
-            EventKind::Stick | EventKind::Slip | EventKind::Slide | EventKind::Switch
+            EventKind::Stick
+                | EventKind::Slip
+                | EventKind::Slide
+                | EventKind::Switch
+                | EventKind::When
         );
         let leads = |other: &Event| {
             let kind = match other.kind {
                 EventKind::Impact => true,
-                EventKind::Stick | EventKind::Slip | EventKind::Slide | EventKind::Switch => slides,
+                EventKind::Stick
+                | EventKind::Slip
+                | EventKind::Slide
+                | EventKind::Switch
+                | EventKind::When => slides,
                 EventKind::LiftOff => event.kind == EventKind::Contact,
-                EventKind::Contact | EventKind::When => false,
+                EventKind::Contact => false,
             };
             kind && other.time == event.time && other.contact != contact
         };
         let time = event.time / self.interval;
-        let nearest = time.round();
-        let at_jump = nearest > 0.0 && (time - nearest).abs() < AT_THE_END;
-        let (interval, place) = if at_jump {
-            (nearest, Place::Start)
-        } else {
-            (time.floor(), Place::Inside)
-        };
+        let (interval, place) = self.placed(time);
         Switch {
             contact,
             closes,
@@ -125,12 +132,58 @@ impl Replay<'_> {
                 zero_velocity(&event.v_after, self.usual_velocity()),
             ),
             passes: false,
+            sets: event.kind == EventKind::When,
             accompanies: events[..index].iter().any(leads)
                 || event.kind == EventKind::Contact && events[index..].iter().any(leads),
-            interval: (interval as usize).min(self.intervals - 1),
+            interval,
             place,
             time,
         }
+    }
+
+    /// The interval of a time in units of intervals, and the place in it.
+    fn placed(&self, time: f64) -> (usize, Place) {
+        let nearest = time.round();
+        let at_jump = nearest > 0.0 && (time - nearest).abs() < AT_THE_END;
+        let (interval, place) = if at_jump {
+            (nearest, Place::Start)
+        } else {
+            (time.floor(), Place::Inside)
+        };
+        ((interval as usize).min(self.intervals - 1), place)
+    }
+
+    /// Where conditions cease to be true, which is no event.
+    fn ceasing(&self) -> Vec<Switch> {
+        let motion = &self.simulation.trajectory;
+        let mut found = Vec::new();
+        for contact in 0..self.model.declaration().contacts.len() {
+            if !is_condition(self.model, contact) {
+                continue;
+            }
+            // Friction against minus the function: while the condition is true, it slips backward.
+            let below = |k: usize| {
+                let state = [&motion.q[k][..], &motion.v[k]].concat();
+                sliding_velocity(self.model, contact, &state, motion.time[k])
+            };
+            for k in 1..motion.time.len() {
+                let (before, after, length) =
+                    (below(k - 1), below(k), motion.time[k] - motion.time[k - 1]);
+                if before >= 0.0 || after < 0.0 || length <= 0.0 {
+                    continue;
+                }
+                let time = motion.time[k - 1] + length * before / (before - after);
+                let time = time / self.interval;
+                let (interval, place) = self.placed(time);
+                let mode = ContactMode::Slip(Direction::Forward);
+                found.push(Switch {
+                    interval,
+                    place,
+                    ..Switch::inside(contact, false, mode, time)
+                });
+            }
+        }
+        found
     }
 }
 
@@ -184,6 +237,7 @@ pub(in crate::ocp) fn of_elements(
                 mode: is,
                 impulse: is,
                 passes: false,
+                sets: false,
                 accompanies: !closes && !is.is_open() && switches.iter().any(slides),
                 interval,
                 place: if at_jump { Place::Start } else { Place::Inside },

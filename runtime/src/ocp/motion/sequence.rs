@@ -27,6 +27,8 @@ pub(in crate::ocp) struct Switch {
     pub(in crate::ocp) closes: bool,
     /// Whether the contact, which is open, acts from now on in place of another piece of its edge.
     pub(in crate::ocp) passes: bool,
+    /// Whether it is a condition that comes true and sets velocities, whatever it is afterwards.
+    pub(in crate::ocp) sets: bool,
     /// What the contact does afterwards.
     pub(in crate::ocp) mode: ContactMode,
     /// How it slides right after the impulse that belongs to the switch, if one does: its own, or that of the impact
@@ -76,6 +78,7 @@ impl Switch {
             contact,
             closes,
             passes: false,
+            sets: false,
             mode,
             impulse: mode,
             accompanies: false,
@@ -126,7 +129,7 @@ impl Switch {
         if self.passes {
             return before.is_open();
         }
-        before.is_open() == self.closes && (self.closes || before != self.mode)
+        before.is_open() == self.closes && (self.closes || self.sets || before != self.mode)
     }
 }
 
@@ -270,7 +273,7 @@ impl Sequence {
         let mut modes = self.initially.clone();
         self.switches.retain(|switch| {
             let before = std::mem::replace(&mut modes[switch.contact], switch.mode);
-            switch.closes || switch.passes || before != switch.mode
+            switch.closes || switch.passes || switch.sets || before != switch.mode
         });
         self
     }

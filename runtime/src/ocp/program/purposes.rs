@@ -8,7 +8,7 @@ use crate::model::Declaration;
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Beginnings of the names of variables and rows, without the names that the scene gives.
-const BEGINNINGS: [(&str, Purpose); 33] = [
+const BEGINNINGS: [(&str, Purpose); 34] = [
     ("final time", Purpose::FinalTime),
     ("initial ", Purpose::FreeStart),
     ("time ", Purpose::ExplicitTime),
@@ -31,6 +31,7 @@ const BEGINNINGS: [(&str, Purpose); 33] = [
     ("slip of", Purpose::Friction),
     ("length of", Purpose::SwitchTime),
     ("opening of", Purpose::SwitchTime),
+    ("set of", Purpose::SwitchTime),
     ("departure of", Purpose::SwitchTime),
     ("touch of", Purpose::SwitchTime),
     ("impact o", Purpose::Impact),

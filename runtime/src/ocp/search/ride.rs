@@ -2,6 +2,7 @@
 //! called infeasible.
 
 use super::replay::simulated;
+use crate::model::held;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
@@ -158,6 +159,7 @@ pub(super) fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
     let mut input = z[..2 * n].to_vec();
     input.extend(drive(model, controls, z[2 * n]));
     input.resize(model.declaration().path_inputs(), 0.0);
+    held::complete_largest(model, &mut input);
     model.path_functions(&input, &mut values);
     let own = &values[usize::from(declared.running_cost)..];
     let mut constraints = declared.constraints.iter().zip(own);

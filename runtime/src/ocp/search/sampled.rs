@@ -549,6 +549,7 @@ impl Way {
         let mut input = state.to_vec();
         input.extend(drive(model, controls, time));
         input.resize(model.declaration().path_inputs(), 0.0);
+        held::complete_largest(model, &mut input);
         model.path_functions(&input, &mut values);
         let own = &values[usize::from(declared.running_cost)..];
         let constraints = declared.constraints.iter().zip(own);

@@ -515,16 +515,14 @@ impl<'a> Integration<'a> {
         }
         // An impact changes velocities and forces: what has vanished before it may not have done so after.
         let vanished = vanished.filter(|_| impact.struck.is_empty());
-        contact_mode::change(
-            &mut self.dynamics,
-            &mut self.probe,
-            self.t,
-            &mut self.y,
-            &impact.resting,
-            vanished,
-            outlook,
-        )
-        .map_err(|problem| self.place().undetermined(problem))?;
+        let (mut again, resting) = (true, &impact.resting);
+        while again {
+            let (dynamics, probe, y) = (&mut self.dynamics, &mut self.probe, &mut self.y);
+            contact_mode::change(dynamics, probe, self.t, y, resting, vanished, outlook)
+                .map_err(|problem| self.place().undetermined(problem))?;
+            let now = (self.t, &mut self.y[..]);
+            again = !at_start && resets::set_turned(&mut self.dynamics, now, &previously, &mut set);
+        }
         if at_start {
             self.result.initial_modes = self.dynamics.contact_modes();
         }

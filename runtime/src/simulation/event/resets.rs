@@ -39,3 +39,29 @@ pub(super) fn set(
         set.push(i);
     }
 }
+
+/// Sets what those conditions ask for that have come true since the mode `previously` without an event of theirs: their functions vanish at
+/// the present state and rise from there on, as where a step ends at a jump of the controls. Adds them to those `set`; whether there is any.
+pub(super) fn set_turned(
+    dynamics: &mut Dynamics<'_>,
+    (t, y): (f64, &mut [f64]),
+    previously: &[ContactState],
+    set: &mut Vec<usize>,
+) -> bool {
+    let (n, model) = (dynamics.n, dynamics.model);
+    let [below, above] = [Direction::Forward, Direction::Backward].map(ContactState::Slip);
+    let declared = model.declaration().contacts.iter().enumerate();
+    let turned = declared.filter(|&(i, known)| {
+        let turns = previously[i] == below && dynamics.state(i) == above;
+        known.switch == Some(Switching::Resets) && turns && !set.contains(&i)
+    });
+    let turned: Vec<usize> = turned.map(|(i, _)| i).collect();
+    for &i in &turned {
+        dynamics.load(t, y);
+        let mut velocities = y[n..2 * n].to_vec();
+        model.reset(i, dynamics.input(), &mut velocities);
+        y[n..2 * n].copy_from_slice(&velocities);
+    }
+    set.extend(&turned);
+    !turned.is_empty()
+}

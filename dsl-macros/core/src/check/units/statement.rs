@@ -115,6 +115,24 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             let _: Checked<Dimension> = comparison(walk, condition, "both sides of a condition");
             each(walk, assignments, reset)
         }
+        Statement::At {
+            time, conditions, ..
+        } => {
+            if !is_bare(time) {
+                let own = walk.scalar(time)?;
+                walk.expect(
+                    time,
+                    &own,
+                    &Dimension::second(),
+                    "conditions hold at a time",
+                )?;
+            }
+            for condition in conditions {
+                let own = comparison(walk, condition, "both sides of a condition")?;
+                walk.goals.push(own);
+            }
+            Ok(())
+        }
         Statement::Start(assignments) => starts(walk, assignments),
         Statement::Horizon { value, .. } => horizon(walk, value),
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),

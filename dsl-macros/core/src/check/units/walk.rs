@@ -396,7 +396,7 @@ impl Walk<'_> {
                 Ok(Units::Scalar(own.times(&Dimension::second())))
             }
             (words::SUM, [argument]) => self.scalar(argument).map(Units::Scalar),
-            (words::START, [argument]) => self.units(argument),
+            (words::START | words::PEAK, [argument]) => self.units(argument),
             ("dot", [left, right]) => {
                 let (own, its) = (self.units(left)?, self.units(right)?);
                 self.inner(left, &own, &its)

@@ -1,0 +1,107 @@
+//! Conditions at times inside of a motion, given and to be found, against closed forms.
+
+use hangtime::ocp::Solution;
+use hangtime::prelude::*;
+use hangtime_scene_files::of_text;
+
+use super::both::motions;
+
+fn solved(text: &str, intervals: usize, controls: ControlShape) -> Solution {
+    let scene = of_text("scene.hang", text).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let solution = solve(&scene)
+        .intervals(intervals)
+        .controls(controls)
+        .run()
+        .expect("accepted");
+    assert!(solution.status.is_solved(), "{solution}");
+    solution
+}
+
+/// What the solver lets pass of values of the order of one.
+const DIGITS: f64 = 1e-8;
+
+fn close(found: f64, wanted: f64) {
+    assert!((found - wanted).abs() < DIGITS, "{found} for {wanted}");
+}
+
+fn mass(conditions: &str) -> String {
+    format!(
+        "coordinates {{ x: m }} controls {{ u: m/s^2 }} lagrangian dot(x)^2/2*1 [kg] forces {{ x: u*1 [kg] }}
+        minimize integral(u^2) {conditions} horizon 3 [s]"
+    )
+}
+
+/// `c' G^-1 c` of two conditions.
+fn least(g: [[f64; 2]; 2], c: [f64; 2]) -> f64 {
+    let determinant = g[0][0] * g[1][1] - g[0][1] * g[1][0];
+    (c[0] * c[0] * g[1][1] - 2.0 * c[0] * c[1] * g[0][1] + c[1] * c[1] * g[0][0]) / determinant
+}
+
+#[test]
+fn way_through_a_place_at_a_time_is_a_cubic_spline() {
+    // x(t) is the integral of (t - s) u(s): of these two functions for t = 1 and t = 3 the products are integrated. The best u is linear with a
+    // kink at 1, where a node is.
+    let text = mass("at 1 [s] { x == 0.8 [m] } finally { x == -0.5 [m] }");
+    let solution = solved(&text, 3, ControlShape::Linear);
+    let g = [[1.0 / 3.0, 8.0 / 6.0], [8.0 / 6.0, 9.0]];
+    close(solution.objective, least(g, [0.8, -0.5]));
+    let motion = solution.motion.expect("a motion");
+    close(motion.at(1.0).expect("inside")["x"], 0.8);
+    assert_eq!(motion.events.len(), 1);
+}
+
+#[test]
+fn time_need_not_be_that_of_a_node() {
+    // Constant controls on intervals of 1 s: the same with the integrals over these.
+    let text = mass("at 1.3 [s] { x == 0.8 [m] } finally { x == -0.5 [m] }");
+    let until = |t: f64, k: f64| {
+        let (from, to) = ((t - k).max(0.0), (t - k - 1.0).max(0.0));
+        (from * from - to * to) / 2.0
+    };
+    let rows = [1.3, 3.0].map(|t| [0.0, 1.0, 2.0].map(|k| until(t, k)));
+    let product = |a: [f64; 3], b: [f64; 3]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let g = [0, 1].map(|i| [0, 1].map(|j| product(rows[i], rows[j])));
+    let solution = solved(&text, 3, ControlShape::Constant);
+    close(solution.objective, least(g, [0.8, -0.5]));
+}
+
+#[test]
+fn time_that_is_free_is_found_in_the_middle() {
+    // From rest to rest through p, and by symmetry at rest there: controls 2 a, -a, -a, 2 a at the nodes, with 5 a/8 = p, and the
+    // integral of their squares over half of the time is (3 a^2)/3 + a^2/2.
+    let text =
+        mass("at gate in 0.4..=2.9 [s] { x == 0.8 [m] } finally { x == 0 [m], dot(x) == 0 }");
+    let solution = solved(&text, 3, ControlShape::Linear);
+    let a = 8.0 / 5.0 * 0.8_f64;
+    close(solution.objective, 3.0 * a * a);
+    let gate = &solution.parameters[0];
+    assert_eq!(gate.name, "gate");
+    assert!((gate.value - 1.5).abs() < 1e-5, "{}", gate.value);
+}
+
+#[test]
+fn inequalities_and_several_conditions_hold_at_one_time() {
+    // At rest at 0.3 after 1 s, by two pushes of half a second, u and -u with u/4 = 0.3; nothing is asked for after it.
+    let text = mass("at 1 [s] { x >= 0.3 [m], dot(x) == 0 [m/s], x <= 2 [m] }");
+    let solution = solved(&text, 6, ControlShape::Constant);
+    close(solution.objective, 1.2 * 1.2);
+}
+
+#[test]
+fn condition_of_a_time_after_the_end_is_not_kept() {
+    // The motion must last until then, and its last phase a little: way and bound alone would take 2 s.
+    let text = "coordinates { x: m } controls { u: m/s^2 in -1..=1 } lagrangian dot(x)^2/2*1 [kg] forces { x: u*1 [kg] }
+        minimize time at 2.5 [s] { x <= 1 [m] } finally { x == 1 [m], dot(x) == 0 } horizon 3 [s]";
+    let scene = of_text("scene.hang", text).expect("a scene");
+    let solution = solve(&scene).intervals(4).run().expect("accepted");
+    assert!((2.5..2.502).contains(&solution.objective), "{solution}");
+}
+
+#[test]
+fn simulation_records_what_is_asked_for() {
+    let text = "coordinates { x: m } lagrangian dot(x)^2/2*1 [kg] start { dot(x): 2 } at 0.75 [s] { x >= 1 [m] } horizon 2 [s]";
+    for motion in motions(text) {
+        let end = motion.at(2.0).expect("its end");
+        assert!((end["x >= 1 [m] at 0.75 [s]"] - 0.5).abs() < 1e-9);
+    }
+}
