@@ -444,7 +444,10 @@ mod tests {
             out.copy_from_slice(&all[..out.len()]);
         };
         let hessian = |x: &[f64], w: &[f64], out: &mut [f64]| {
-            let normal = w.get(3..).map_or([0.0; 2], |w| [w[1], -x[1].sin() * w[2]]);
+            let normal = match w.len() {
+                6 => [w[4], -x[1].sin() * w[5]],
+                _ => [0.0; 2],
+            };
             out.copy_from_slice(&[normal[0], 2.0 * w[2] + normal[1]]);
         };
         let count = if bordered { 2 } else { 1 };

@@ -110,13 +110,9 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         held: &[],
         joints: &joints,
     };
+    let (formulas, stepwise) = factors(&inertia, n)?;
     let order = inertia.size();
     let singular = |coordinate| Failure::SingularMass { coordinate };
-    let formulas = (n <= EXPLICIT && joints.is_empty())
-        .then(|| Factorization::of(&mass, n))
-        .transpose()
-        .map_err(singular)?;
-    let stepwise = inertia.cheaply_factorized().map_err(singular)?;
     let written_out = stepwise.as_ref().filter(|_| order <= WRITTEN_OUT);
     let motion = || {
         implicit::motion(
@@ -127,18 +123,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
             &inputs,
         )
     };
-    let weights: Vec<Sym> = (0..n).map(Implicit::multiplier).collect();
-    let by_elimination =
-        |factors: &Factorization| residual::derivatives(&motion(), factors, &weights, &inputs);
-    let acceleration = match (&formulas, written_out) {
-        (Some(formulas), Some(factors)) => {
-            let values = formulas.solve(&right);
-            let written_out = || by_elimination(factors);
-            Solution::Explicit(Explicit::cheapest(values, written_out, &inputs))
-        }
-        (None, Some(factors)) => Solution::Explicit(by_elimination(factors)),
-        (_, None) => Solution::Implicit(motion()),
-    };
+    let acceleration = accelerated(motion, (&formulas, written_out), &right, &inputs);
     let forces = joint::equations(scene, &inertia, (stepwise.as_ref(), &right), &inputs);
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
     let mechanism = contact::Mechanism {
@@ -177,6 +162,41 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         joints: forces,
         optimal_control,
     })
+}
+
+/// The inertia by factors: of few coordinates as formulas, of more with every intermediate result as one quantity.
+fn factors(
+    inertia: &implicit::Locked<'_>,
+    n: usize,
+) -> Result<(Option<Factorization>, Option<Factorization>), Failure> {
+    let singular = |coordinate| Failure::SingularMass { coordinate };
+    let formulas = (n <= EXPLICIT && inertia.joints.is_empty())
+        .then(|| Factorization::of(inertia.mass, n))
+        .transpose()
+        .map_err(singular)?;
+    let stepwise = inertia.cheaply_factorized().map_err(singular)?;
+    Ok((formulas, stepwise))
+}
+
+/// The acceleration, of a `motion` with this right-hand side, by formulas or by factors where there are such.
+fn accelerated(
+    motion: impl Fn() -> Implicit,
+    (formulas, written_out): (&Option<Factorization>, Option<&Factorization>),
+    right: &[Sym],
+    inputs: &[Variable],
+) -> Solution {
+    let weights: Vec<Sym> = (0..right.len()).map(Implicit::multiplier).collect();
+    let by_elimination =
+        |factors: &Factorization| residual::derivatives(&motion(), factors, &weights, inputs);
+    match (formulas, written_out) {
+        (Some(formulas), Some(factors)) => {
+            let values = formulas.solve(right);
+            let written_out = || by_elimination(factors);
+            Solution::Explicit(Explicit::cheapest(values, written_out, inputs))
+        }
+        (None, Some(factors)) => Solution::Explicit(by_elimination(factors)),
+        (_, None) => Solution::Implicit(motion()),
+    }
 }
 
 /// What the motion without contact is made of.

@@ -9,15 +9,13 @@ pub(super) const PRIVATE: &str = "::hangtime::__private";
 
 /// The call that writes a direction and gives the inverse inertia along its normal.
 pub(super) fn direction(name: &str, out: &str) -> String {
-    format!(
-        "__{name}_with(self, |inertia, vectors| {PRIVATE}::direction(inertia, vectors, x, {out}))"
-    )
+    format!("__{name}_with(self, |__i, __v| {PRIVATE}::direction(__i, __v, x, {out}))")
 }
 
 /// The call that writes derivatives of a direction at these places.
 pub(super) fn jacobian(name: &str, places: &str, out: &str) -> String {
     format!(
-        "__{name}_with(self, |inertia, vectors| {PRIVATE}::direction_jacobian(inertia, vectors, x, ({places}, 0), \
+        "__{name}_with(self, |__i, __v| {PRIVATE}::direction_jacobian(__i, __v, x, ({places}, 0), \
          {out}))"
     )
 }
@@ -25,7 +23,7 @@ pub(super) fn jacobian(name: &str, places: &str, out: &str) -> String {
 /// The call that writes second derivatives of a weighted direction at these places.
 pub(super) fn hessian(name: &str, weights: &str, places: &str, out: &str) -> String {
     format!(
-        "__{name}_with(self, |inertia, vectors| {PRIVATE}::direction_hessian(inertia, vectors, (x, {weights}), {places}, \
+        "__{name}_with(self, |__i, __v| {PRIVATE}::direction_hessian(__i, __v, (x, {weights}), {places}, \
          {out}))"
     )
 }
@@ -60,7 +58,8 @@ fn vectors(rows: &Rows) -> Option<&Vectors> {
 /// A kernel as a closure over the scene `p`.
 fn closure(description: &Description, kernel: usize) -> String {
     let kernel = function(description, kernel);
-    format!("&|x: &[__f64], y: &[__f64], out: &mut [__f64]| {kernel}(p, x, y, out)")
+    // Names of arguments of closures stay what they are.
+    format!("&|__a: &[__f64], __b: &[__f64], __c: &mut [__f64]| {kernel}(p, __a, __b, __c)")
 }
 
 fn nonzeros(description: &Description, (kernel, places): &(usize, Vec<(usize, usize)>)) -> String {
@@ -90,7 +89,7 @@ fn of_vectors(description: &Description, vectors: &Vectors, scene: &str, code: &
         code,
         "fn __{}_with<T>(p: &{scene}, work: impl ::core::ops::FnOnce(&{PRIVATE}::Inertia<'_>, &{PRIVATE}::Columns<'_>) \
          -> T) -> T {{
-            __inertia_with(p, |inertia| work(inertia, &{PRIVATE}::Columns {{ count: {}, bordered: {}, values: {}, \
+            __inertia_with(p, |__i| work(__i, &{PRIVATE}::Columns {{ count: {}, bordered: {}, values: {}, \
          jacobian: {}, hessian: {} }}))
         }}",
         vectors.name,
