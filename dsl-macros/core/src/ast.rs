@@ -248,7 +248,7 @@ pub(crate) enum Statement {
     At {
         time: Expr,
         /// The time as a parameter that is to be found, which it names then; the parser declares it by itself.
-        gate: Option<Quantity>,
+        gate: Option<Box<Quantity>>,
         conditions: Vec<Condition>,
     },
     Start(Vec<Assignment>),

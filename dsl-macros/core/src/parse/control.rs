@@ -99,7 +99,7 @@ pub(super) fn at(
 ) -> Checked<Statement> {
     let time = expression(cursor, diagnostics)?;
     let gate = match range(cursor, diagnostics)? {
-        Some(bounds) => Some(gate(cursor, &time, bounds, diagnostics)?),
+        Some(bounds) => Some(Box::new(gate(cursor, &time, bounds, diagnostics)?)),
         None => None,
     };
     let inner = block(cursor, word, diagnostics)?;

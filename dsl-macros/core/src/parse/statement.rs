@@ -22,7 +22,7 @@ pub(super) fn statements(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> 
         match statement(cursor, documentation, diagnostics) {
             Ok(mut statement) => {
                 if let Statement::At { gate, .. } = &mut statement {
-                    let gate = gate.take().map(|gate| Statement::Parameters(vec![gate]));
+                    let gate = gate.take().map(|gate| Statement::Parameters(vec![*gate]));
                     statements.extend(gate);
                 }
                 statements.push(statement);
