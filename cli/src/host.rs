@@ -542,6 +542,7 @@ impl HostRun {
             rows: ROWS,
             index: None,
             facts,
+            charts: Vec::new(),
             further: Vec::new(),
         }
         .contents()

@@ -7,6 +7,8 @@ mod hard_optima;
 mod measure;
 mod optimum;
 mod peers;
+mod reading;
+mod searches;
 mod side_by_side;
 mod simulation;
 mod stability;
@@ -14,18 +16,21 @@ mod study;
 mod sweep;
 mod verdict;
 
+use std::path::Path;
+
 use crate::arguments::ChartArguments;
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::output::OutputDirectory;
-use crate::page::{Page, Section};
+use crate::page::{Block, Figure, Page, Section};
 use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::table::table;
 
 use crate::{ControlScene, HardOptimum, HardScene, Scene};
+use optimum::Known;
 use peers::Peers;
-use study::{Charted, charted};
+use study::{Charted, Study, charted, listed};
 
 /// What the program knows that can be charted.
 pub(crate) struct Listed {
@@ -62,8 +67,7 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
         }
         if bounds.asked().is_none() {
             let chosen = ChosenScene::new(scene, &arguments.settings)?;
-            let known = scene.best_known.filter(|_| arguments.settings.is_empty());
-            let optimum = optimum::chart(&chosen, &optimum::GRIDS, known, &bounds)?;
+            let optimum = optimum::chart(&chosen, &optimum::ALL, known(scene, arguments), &bounds)?;
             optimum.into_iter().for_each(|chart| drawn.add(chart));
         }
     }
@@ -90,6 +94,26 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
     // Every figure is also on the page; the pages and data are what one looks for.
     report.text += &written;
     Ok(report)
+}
+
+/// Errors over CPU time of one simulation, for the page of published results: what to read off the chart, and the chart. The
+/// `settings` are those of the scene; other programs are known by the stored runs, and by those in the output directory. `None`
+/// where there is nothing to measure against.
+pub(crate) fn opening(
+    scene: &'static Scene,
+    settings: &[String],
+    (peers, out): (&str, &Path),
+    bounds: &Bounds,
+) -> Result<Option<(String, Figure)>, BadInput> {
+    let chosen = ChosenScene::new(scene, settings)?;
+    // The listed one with these parameters, which is the one that other programs ran.
+    let listed = listed(scene)?.into_iter();
+    let mut same = listed.filter(|study| study.chosen.parameters() == chosen.parameters());
+    let study = match same.next() {
+        Some(study) => study,
+        None => Study::new(chosen, None, None)?,
+    };
+    simulation::opening(&study, &Peers::of(peers, out)?, bounds)
 }
 
 /// What was drawn so far.
@@ -131,6 +155,18 @@ impl Drawn {
     }
 }
 
+/// What is known of the optimum of a scene, if its parameters are those for which it is known.
+fn known(scene: &Scene, arguments: &ChartArguments) -> Known {
+    if arguments.settings.is_empty() {
+        Known {
+            any: scene.best_known,
+            on: scene.question.map(|question| question.known),
+        }
+    } else {
+        Known::default()
+    }
+}
+
 /// The page: of one scene, or of all with an overview.
 fn page(
     charted: &[Charted],
@@ -138,16 +174,18 @@ fn page(
     mut sections: Vec<Section>,
     overview: Vec<Vec<String>>,
 ) -> (String, String) {
-    if overview.len() > 1 {
-        let first = Section {
+    let lead = if overview.len() > 1 {
+        Section {
             heading: "Overview".to_owned(),
-            text: simulation::overview_text(overview.len()),
-            header: simulation::overview_header(),
-            rows: overview,
+            blocks: vec![
+                Block::Text(simulation::overview_text(overview.len())),
+                Block::table(simulation::overview_header(), overview),
+            ],
             ..Section::default()
-        };
-        sections.insert(0, first);
-    }
+        }
+    } else {
+        sections.remove(0)
+    };
     let (title, name) = match charted {
         [one] => (
             format!("{}: accuracy and its price", one.scene.name),
@@ -157,8 +195,9 @@ fn page(
     };
     let page = Page {
         title,
-        introduction: simulation::LEGEND.to_owned(),
+        lead: vec![lead],
         sections,
+        notes: vec![simulation::LEGEND.to_owned()],
         links: links.into_iter().filter(|link| *link != name).collect(),
     };
     let html = page.html();

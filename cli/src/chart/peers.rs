@@ -8,6 +8,7 @@ use super::measure::{Measured, Order, Point};
 use super::study::{Reference, distance};
 use super::sweep::{Group, Sweep};
 use crate::failure::BadInput;
+use crate::figure::Look;
 
 /// Where fresh ones are looked for.
 const FILE: &str = "peers.csv";
@@ -123,7 +124,7 @@ impl Peers {
             let point = run.point(&reference.coordinates);
             match lines.iter_mut().find(|(curve, _)| *curve == run.curve) {
                 Some((_, line)) => line.points.push(point),
-                None => lines.push((&run.curve, run.line(lines.len(), point))),
+                None => lines.push((&run.curve, run.line(point))),
             }
         }
         lines.into_iter().map(|(_, line)| line).collect()
@@ -157,17 +158,18 @@ impl PeerRun {
                 f64::NAN
             },
             seconds: self.seconds,
+            half: f64::NAN,
             counts: None,
             status: self.how,
         }
     }
 
-    fn line(&self, before: usize, point: Point) -> Measured {
+    fn line(&self, point: Point) -> Measured {
         Measured {
             sweep: Sweep {
                 name: format!("{}, {} {}", self.curve, self.how, self.date),
-                colour: before,
-                dashed: true,
+                look: Look::of(&self.curve).dashed(),
+                charted: true,
                 group: Group::Peers,
                 compared: false,
                 theory: "-".to_owned(),
