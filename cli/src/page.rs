@@ -80,6 +80,8 @@ pub(crate) struct Table {
 
 /// Letters from which on a cell is prose, with lines of its own.
 const PROSE: usize = 44;
+/// Columns from which on a table has smaller letters, so that all of it is seen on a screen of 1280 px.
+const WIDE: usize = 12;
 /// Sections from which on a page has a list of them.
 const CONTENTS: usize = 4;
 
@@ -102,14 +104,16 @@ th:first-child,td:first-child{text-align:left;white-space:pre}
 th:first-child,td:first-child{position:sticky;left:0;background:#ffffff}
 th:not(:first-child){white-space:normal;vertical-align:bottom}
 .dense th,.dense td{padding:.08rem .5rem}
+.wide table{font-size:.78rem}
+.wide th,.wide td{padding:.25rem .3rem}
 td.prose,td.prose:first-child{text-align:left;white-space:normal;min-width:18rem}
 nav a,.pages a{display:inline-block;margin:0 1rem .3rem 0}
 summary{cursor:pointer;margin:.5rem 0;font-weight:600}
 a{color:inherit}
 code{font-family:ui-monospace,monospace;font-size:.93em}
-@media (max-width:47rem){.two{display:none}.slim{display:inline}table{font-size:.78rem}th,td{padding:.2rem .35rem}}
+@media screen and (max-width:47rem){.two{display:none}.slim{display:inline}.players:has(figure+figure) :is(.readings,#events,#events1){display:none}table{font-size:.78rem}th,td{padding:.2rem .35rem}}
 @media screen and (prefers-color-scheme:dark){body,th:first-child,td:first-child{color:#dfe3ea;background:#14171c}}
-@media print{:root{color-scheme:light}body{margin:0;max-width:none}figure,tr,.player{break-inside:avoid}nav,.pages,.panel,#events{display:none}}
+@media print{:root{color-scheme:light}body{margin:0;max-width:none}.players{grid-template-columns:1fr 1fr}figure,tr,.player{break-inside:avoid}nav,.pages,.players .panel{display:none}}
 ";
 
 impl Page {
@@ -126,7 +130,7 @@ impl Page {
         let mut html = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n\
-             <title>{title}</title>\n<style>\n{STYLE}{player}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
+             <title>{title}</title>\n<style>\n{player}{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n"
         );
         let mut writer = Writer {
             html: &mut html,
@@ -137,12 +141,13 @@ impl Page {
             writer.section(section);
             writer.html.push_str("</section>\n");
         }
-        writer.contents(&self.sections, &self.links);
+        writer.contents(&self.sections);
         for (index, section) in self.sections.iter().enumerate() {
             let _ = write!(writer.html, "<section id=\"s{index}\">");
             writer.section(section);
             writer.html.push_str("</section>\n");
         }
+        writer.links(&self.links);
         for note in &self.notes {
             let _ = writeln!(html, "<p>{}</p>", prose(note));
         }
@@ -220,8 +225,8 @@ struct Writer<'h> {
 }
 
 impl Writer<'_> {
-    /// What else the page and its directory have.
-    fn contents(&mut self, sections: &[Section], links: &[String]) {
+    /// What else the page has.
+    fn contents(&mut self, sections: &[Section]) {
         if sections.len() >= CONTENTS {
             let links = sections.iter().enumerate().map(|(index, section)| {
                 format!("<a href=\"#s{index}\">{}</a>", escape(&section.heading))
@@ -229,6 +234,10 @@ impl Writer<'_> {
             let links = links.collect::<Vec<_>>().join(" ");
             let _ = writeln!(self.html, "<nav>{links}</nav>");
         }
+    }
+
+    /// What else its directory has.
+    fn links(&mut self, links: &[String]) {
         if !links.is_empty() {
             let links = links.iter().map(|page| {
                 let name = page.trim_end_matches(".html");
@@ -328,8 +337,13 @@ impl Table {
         let rows = self.rows.iter().map(|cells| row("td", cells));
         let _ = writeln!(
             html,
-            "<div class=\"table{}\"><table>\n{}{}</table></div>",
+            "<div class=\"table{}{}\"><table>\n{}{}</table></div>",
             if self.dense { " dense" } else { "" },
+            if self.header.len() >= WIDE {
+                " wide"
+            } else {
+                ""
+            },
             row("th", &self.header),
             rows.collect::<String>()
         );
@@ -375,11 +389,11 @@ mod tests {
         let places: Vec<usize> = [
             "<svg/>",
             "<code>first</code> words",
-            "Other pages",
             "<td>1</td>",
             "<td><code>2</code></td>",
             "<summary>more",
             "inside",
+            "Other pages",
             "<code>d</code> means &lt; e",
         ]
         .map(|words| {

@@ -3,7 +3,7 @@
 use cpu_time::ProcessTime;
 use hangtime::simulation::{Counts, SimulationStatus};
 
-use super::study::{Reference, Study, distance, size};
+use super::study::{Reference, Study, distance, end, size};
 use super::sweep::{SLOPE_POINTS, Sweep};
 use crate::arguments::MethodArguments;
 use crate::bounds::Bounds;
@@ -183,9 +183,7 @@ fn measure(
         Err(error) => return Err(chosen.refuse(&error)),
     };
     let simulation = runs.fastest;
-    let solved = simulation.status == SimulationStatus::Solved;
-    let last = simulation.trajectory.q.last().filter(|_| solved);
-    let error = last.map_or(f64::NAN, |q| distance(q, reference));
+    let error = end(&simulation).map_or(f64::NAN, |end| distance(&end, reference));
     let status = match simulation.status {
         SimulationStatus::Interrupted(_) if bounds.asked().is_none() => GIVEN_UP,
         _ => simulation.status.name(),

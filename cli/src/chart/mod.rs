@@ -47,7 +47,17 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
         return stability::run(listed.scenes, listed.hard, listed.hard_optima, arguments);
     }
     let charted = charted(listed.scenes, arguments)?;
-    let peers = Peers::of(listed.peers, &arguments.out)?;
+    let (peers, fresh, left_out) = match &arguments.peers {
+        None => (
+            Peers::of(listed.peers, &arguments.out)?,
+            String::new(),
+            String::new(),
+        ),
+        Some(script) => {
+            let names: Vec<&str> = charted.iter().map(|charted| charted.scene.name).collect();
+            Peers::measured_by(script, &names, listed.peers)?
+        }
+    };
     let directory = OutputDirectory::open(&arguments.out)?;
     let bounds = Bounds::watch("chart", &arguments.limits);
     let mut drawn = Drawn::default();
@@ -79,7 +89,11 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
         diagnoses: drawn.diagnoses,
         ..Report::default()
     };
+    report.text += &left_out;
     let mut files = drawn.files;
+    if !fresh.is_empty() {
+        files.push((peers::FILE.to_owned(), fresh));
+    }
     if !drawn.sections.is_empty() {
         let links = directory.pages();
         files.push(page(&charted, links, drawn.sections, drawn.overview));
@@ -174,17 +188,21 @@ fn page(
     mut sections: Vec<Section>,
     overview: Vec<Vec<String>>,
 ) -> (String, String) {
-    let lead = if overview.len() > 1 {
-        Section {
-            heading: "Overview".to_owned(),
-            blocks: vec![
-                Block::Text(simulation::overview_text(overview.len())),
-                Block::table(simulation::overview_header(), overview),
-            ],
-            ..Section::default()
+    let overview = (overview.len() > 1).then(|| Section {
+        heading: "Overview".to_owned(),
+        blocks: vec![
+            Block::Text(simulation::overview_text(overview.len())),
+            Block::table(simulation::overview_header(), overview),
+        ],
+        ..Section::default()
+    });
+    // The chart of the first simulation is what a page of one scene opens with.
+    let lead = match overview {
+        Some(overview) if charted.len() > 1 => overview,
+        overview => {
+            sections.extend(overview);
+            sections.remove(0)
         }
-    } else {
-        sections.remove(0)
     };
     let (title, name) = match charted {
         [one] => (

@@ -43,10 +43,10 @@ pub(super) fn reading(measured: &[Measured], uncertainty: f64, unit: Option<&str
             there.iter().find(|(line, _)| line.sweep.name == CONTROLLED),
         ),
         (
-            "the fastest other program, ",
+            "of other programs, ",
             there.iter().find(|(line, _)| is_peer(line)),
         ),
-        ("the slowest that gets there, ", slowest),
+        ("the last one, ", slowest),
     ];
     let mut told = vec![&first.sweep.name];
     for (what, line) in others {
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!(
             words,
             "At an error of 1e-6 m, a is there first, after 2.0 ms; finite elements (default) takes 3.0 ms, 1.5 times as long; \
-             the fastest other program, c takes 250.0 ms, 125 times as long; with the settings tried, d (3e-4) do not come as near."
+             of other programs, c takes 250.0 ms, 125 times as long; with the settings tried, d (3e-4) do not come as near."
         );
         // Where the reference is known to 1e-5, nothing is said below 1e-4.
         assert!(reading(&lines, 1e-5, None).starts_with("At an error of 1e-4, a is there first"));

@@ -40,6 +40,8 @@ pub(super) fn chart(
     let title = study.title();
     let mut measured = measure_all(study, &reference, sweeps(), bounds, of_many)?;
     measured.extend(peers.measured(&title, &reference));
+    // Those that are drawn first, then the schemes one by one.
+    measured.sort_by_key(|line| !line.sweep.charted);
     let error = study.error();
     let against = format!(
         "measured against {}, known to {:.0e}",
@@ -416,8 +418,7 @@ fn csv(error: &str, measured: &[Measured]) -> String {
 pub(super) fn overview_text(studies: usize) -> String {
     format!(
         "{studies} simulations. Orders measured through impacts, take-offs and stick, beside 5 in theory, and the CPU time of each \
-         method for an error of {:.0e}; `-` means that no run reached it. {CONTROLLED} is what `simulate` does by default. \
-         Every table and figure stands below.",
+         method for an error of {:.0e}; a dash means that no run reached it. {CONTROLLED} is what `simulate` does by default.",
         TARGETS[1]
     )
 }

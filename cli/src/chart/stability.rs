@@ -5,7 +5,7 @@ use hangtime::simulation::{InitialValueProblem, InputError, Simulation, Simulati
 
 use super::hard_optima;
 use super::side_by_side::side_by_side;
-use super::study::{Reference, Study, charted, distance};
+use super::study::{Reference, Study, charted, distance, end};
 use super::verdict::{Row, Verdict, reading, sums, sums_header};
 use crate::arguments::{ChartArguments, FormulationName, Method, MethodArguments};
 use crate::bounds::Bounds;
@@ -44,7 +44,7 @@ fn methods() -> Vec<(&'static str, MethodArguments)> {
         ..MethodArguments::default()
     };
     vec![
-        ("finite elements (default)", of(Method::Fesd)),
+        ("finite elements (default)", MethodArguments::default()),
         ("time-freezing", formulation(FormulationName::TimeFreezing)),
         (
             "complementarity, 20 steps",
@@ -366,12 +366,20 @@ fn judged(run: &Simulation, horizon: f64, reference: &[f64], uncertainty: f64) -
         values.fold(0.0_f64, |largest, value| largest.max(value.abs()))
     };
     let trajectory = &run.trajectory;
-    let size = largest(&mut trajectory.q.iter().flatten().chain(reference));
-    let way = size.max(horizon * largest(&mut trajectory.v.iter().flatten()));
-    let Some(end) = trajectory.q.last().filter(|_| size > 0.0) else {
+    let mechanical = run.declaration.mechanical();
+    let coordinates = trajectory.q.iter().flat_map(|q| &q[..mechanical]);
+    let states = trajectory.v.iter().flat_map(|v| &v[mechanical..]);
+    let speeds = trajectory.v.iter().flat_map(|v| &v[..mechanical]);
+    let size = largest(&mut coordinates.chain(states).chain(reference));
+    let way = size.max(horizon * largest(&mut speeds.into_iter()));
+    let Some(end) = end(run).filter(|_| size > 0.0) else {
         return Verdict::Right(0.0);
     };
-    let error = distance(end, reference);
+    // What is not known as well as that says nothing of who is right.
+    if uncertainty > BOUND * size {
+        return Verdict::Unknown;
+    }
+    let error = distance(&end, reference);
     let kept = |share: f64| error <= (share * size).max(ROUNDING * way) + uncertainty;
     let relative = error / size;
     let estimated = run.error_estimate.map(|estimate| ESTIMATED * estimate);

@@ -222,10 +222,14 @@ impl Reference {
     }
 }
 
-/// Coordinates at the end of a solved run.
-fn end(simulation: &Simulation) -> Option<Vec<f64>> {
+/// Coordinates and states at the end of a solved run.
+pub(super) fn end(simulation: &Simulation) -> Option<Vec<f64>> {
+    let trajectory = &simulation.trajectory;
     let solved = simulation.status == SimulationStatus::Solved;
-    simulation.trajectory.q.last().filter(|_| solved).cloned()
+    let (q, v) = (trajectory.q.last()?, trajectory.v.last()?);
+    // A state is kept as a velocity.
+    let mechanical = simulation.declaration.mechanical();
+    solved.then(|| [&q[..mechanical], &v[mechanical..]].concat())
 }
 
 /// Largest coordinate, at least one.

@@ -236,6 +236,9 @@ impl LogLog<'_> {
             );
         }
         let middle = f64::midpoint(top, bottom);
+        // What stands behind a semicolon is said where there is space.
+        let short = self.x.split(';').next().unwrap_or(self.x);
+        let label = if layout.below { short } else { self.x };
         let _ = write!(
             svg,
             "<path class=\"axis\" d=\"M{left} {top}V{bottom}H{right}\"/>\
@@ -243,7 +246,7 @@ impl LogLog<'_> {
              <text transform=\"translate({} {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
             f64::midpoint(left, right),
             bottom + 3.0 * letter,
-            escape(self.x),
+            escape(label),
             1.2 * letter,
             escape(self.y)
         );

@@ -119,22 +119,22 @@ pub(super) fn decimals(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.10}"))
 }
 
-/// Most decimals that are written.
-const MOST_DECIMALS: f64 = 12.0;
-/// Digits of a value of whose error nothing is known.
-const DIGITS: i32 = 6;
+/// Digits of a value of whose error nothing is known, and most digits: beyond them the difference itself says more.
+const DIGITS: [f64; 2] = [6.0, 8.0];
 
-/// A value with the digits that matter: down to the first one that its error may change, or six where nothing is known of
-/// that.
+/// A value with the digits that matter: down to the first one that its error may change, but not more than eight; six where
+/// nothing is known of that.
 pub(super) fn significant(value: f64, error: Option<f64>) -> String {
-    let power = |x: f64| x.abs().log10().floor();
+    // The place behind the point of the digit with this power of ten.
+    let place = |x: f64| -x.abs().log10().floor();
+    let first = if value == 0.0 { 0.0 } else { place(value) };
+    let most = first + DIGITS[1] - 1.0;
     let decimals = match error.filter(|error| error.is_finite()) {
-        Some(0.0) => MOST_DECIMALS,
-        Some(error) => -power(error),
-        None if value == 0.0 => 0.0,
-        None => f64::from(DIGITS - 1) - power(value),
+        Some(0.0) => most,
+        Some(error) => place(error).min(most),
+        None => first + DIGITS[0] - 1.0,
     };
-    format!("{value:.*}", decimals.clamp(0.0, MOST_DECIMALS) as usize)
+    format!("{value:.*}", decimals.max(0.0) as usize)
 }
 
 #[cfg(test)]
@@ -142,13 +142,13 @@ mod tests {
     use super::significant;
 
     #[test]
-    fn digits_end_where_the_error_begins() {
+    fn digits_end_where_the_error_begins_and_are_eight_at_most() {
         assert_eq!(significant(35.828_043_575, Some(-2.4e-1)), "35.8");
-        assert_eq!(significant(1.785_438_154_1, Some(7.5e-11)), "1.78543815410");
-        assert_eq!(significant(35.110_734_819_3, Some(-3.1e-9)), "35.110734819");
+        assert_eq!(significant(1.785_438_154_1, Some(7.5e-11)), "1.7854382");
+        assert_eq!(significant(35.110_734_819_3, Some(-3.1e-9)), "35.110735");
         assert_eq!(significant(16.510_246_358, None), "16.5102");
-        assert_eq!(significant(0.0, None), "0");
+        assert_eq!(significant(0.0, None), "0.00000");
         assert_eq!(significant(1234.5, Some(20.0)), "1234");
-        assert_eq!(significant(0.5, Some(0.0)), "0.500000000000");
+        assert_eq!(significant(0.5, Some(0.0)), "0.50000000");
     }
 }

@@ -64,7 +64,7 @@ pub(super) fn ride(
         )));
     }
     let caption = format!(
-        "{title}: across in {:.3} s, {intervals} control intervals, {} of CPU time",
+        "{title}: {:.3} s, found on {intervals} control intervals in {} of CPU time",
         solution.horizon,
         seconds(solution.seconds.total)
     );

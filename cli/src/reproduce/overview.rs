@@ -14,7 +14,7 @@ use crate::table::{seconds, table};
 pub(super) const INDEX: (&str, &str) = ("index.html", "all published results");
 /// What words mean.
 pub(super) const NOTE: &str = "Each section shows a published motion beside the same motion computed here. Numbers end at the \
-    first digit that their error changes; without a better value to compare with they have six. Certified values come from quadrature or Taylor series in at least 25 digits; best known values are the best \
+    first digit that their error changes, or after eight; without a better value to compare with they have six. Certified values come from quadrature or Taylor series in at least 25 digits; best known values are the best \
     local optima that any search has found. The residual of a simulation is its largest violated equation or sign \
     condition; that of an optimum is the distance at the end between the plan and an independent event-driven \
     simulation under its controls.";
