@@ -112,7 +112,7 @@ fn missing(charted: &[&Measured], target: f64) -> String {
         String::new()
     };
     format!(
-        "; with the settings tried, {}{others} do not come as near",
+        "; not as near with the settings tried: {}{others}",
         names.join(", ")
     )
 }
@@ -166,7 +166,7 @@ mod tests {
         assert_eq!(
             words,
             "At an error of 1e-6 m, a is there first, after 2.0 ms; finite elements (default) takes 3.0 ms, 1.5 times as long; \
-             of other programs, c takes 250.0 ms, 125 times as long; with the settings tried, d (3e-4) do not come as near."
+             of other programs, c takes 250.0 ms, 125 times as long; not as near with the settings tried: d (3e-4)."
         );
         // Where the reference is known to 1e-5, nothing is said below 1e-4.
         assert!(reading(&lines, 1e-5, None).starts_with("At an error of 1e-4, a is there first"));
