@@ -181,7 +181,8 @@ def sweep(
     worker; one that was cut is computed anew. Neighbours may stay in a local optimum that a start from nothing leaves.
 
     ``store`` is the path of a CSV file: rows are kept there and not computed again, also by ``hangtime sweep --resume``,
-    whose table is the same.
+    whose table is the same. With a name that ends with .parquet (``pip install 'hangtime[parquet]'``) rows are kept in a CSV
+    file beside it until all are known.
     """
     if not isinstance(scene, Scene):
         raise Mistake(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
@@ -200,25 +201,9 @@ def sweep(
         tuple(_checked(name) for name in record),
     )
     plan = _plan(*spec)
-    rows, lines, file = None, [], None
-    if store is not None:
-        try:
-            rows = os.fspath(store)
-            if not isinstance(rows, str) or not rows.endswith(".csv"):
-                # Rows are appended one by one, which other formats do not allow.
-                raise Mistake(
-                    f"error: `store`: found {store!r}; give a name that ends with .csv; "
-                    "table.to_pandas() writes other formats"
-                )
-            lines = _stored(rows, plan)
-            file = open(rows, "a", encoding="utf-8", newline="")
-        except Mistake:
-            raise
-        except (OSError, TypeError, ValueError) as error:
-            raise Mistake(f"error: `store`: {error}; give the path of a file that can be written") from None
+    kept = None if store is None else _opened(store, plan)
+    lines = [] if kept is None else kept.lines
     try:
-        if file is not None and rows is not None and not os.path.getsize(rows):
-            file.write(plan.header + "\n")
         own = None
         missing = len(lines) < len(plan)
         if missing and executor is not None and not callable(getattr(executor, "submit", None)):
@@ -232,16 +217,18 @@ def sweep(
         try:
             for row in _computed(own if executor is None else executor, spec, plan, len(lines)):
                 lines.append(row)
-                if file is not None:
-                    file.write(row + "\n")
-                    file.flush()
+                if kept is not None:
+                    kept.add(row)
         finally:
             if own is not None:
                 own.shutdown(cancel_futures=True)
     finally:
-        if file is not None:
-            file.close()
-    return Sweep(plan.header, lines, list(over))
+        if kept is not None:
+            kept.close()
+    table = Sweep(plan.header, lines, list(over))
+    if kept is not None:
+        kept.finish(table)
+    return table
 
 
 def _axis(name: Any, values: Any) -> str:
@@ -285,19 +272,105 @@ def _computed(executor: Any, spec: tuple, plan: Any, done: int) -> Iterable[str]
             future.cancel()
 
 
-def _stored(path: str, plan: Any) -> List[str]:
-    """Rows that are stored already; what a killed run left of a row is cut off."""
+class _Store:
+    """Rows of a sweep in a CSV file, each as soon as it is known.
+
+    To a Parquet file no rows can be added: there they are kept in a CSV file beside it until all are known, and the whole
+    table replaces that. Its metadata hold the rows as texts, from which it is read again to the last digit.
+    """
+
+    def __init__(self, path: str, plan: Any):
+        self._parquet = path if path.endswith(".parquet") else None
+        rows = path if self._parquet is None else path + ".csv"
+        text = None
+        if self._parquet is not None:
+            arrow = _arrow()
+            if os.path.exists(path):
+                text = (arrow.read_schema(path).metadata or {}).get(_ROWS, b"")
+        self._rows: Optional[str] = rows if text is None else None
+        self.lines = _read(path, _cut(rows) if text is None else text, plan)
+        if text is not None and len(self.lines) < len(plan):
+            raise _of_another(path)
+        self._file = None if self._rows is None else open(rows, "a", encoding="utf-8", newline="")
+        if self._file is not None and not os.path.getsize(rows):
+            self._file.write(plan.header + "\n")
+
+    def add(self, row: str) -> None:
+        if self._file is not None:
+            self._file.write(row + "\n")
+            self._file.flush()
+
+    def close(self) -> None:
+        if self._file is not None:
+            self._file.close()
+
+    def finish(self, table: Sweep) -> None:
+        """Writes the table, where rows alone do not make it up."""
+        if self._parquet is None or self._rows is None:
+            return
+        import pyarrow
+
+        columns = pyarrow.Table.from_pandas(table.to_pandas(), preserve_index=False)
+        columns = columns.replace_schema_metadata({**(columns.schema.metadata or {}), _ROWS: table.csv.encode()})
+        whole = self._parquet + ".new"
+        _arrow().write_table(columns, whole)
+        os.replace(whole, self._parquet)
+        os.remove(self._rows)
+
+
+#: Key of the metadata of a Parquet file under which the rows stand as texts.
+_ROWS = b"hangtime.rows"
+
+
+def _arrow() -> Any:
+    try:
+        import pandas  # noqa: F401
+        from pyarrow import parquet
+    except ImportError:
+        raise Mistake(
+            "error: `store`: Parquet files need pandas and pyarrow: pip install 'hangtime[parquet]'; "
+            "or give a name that ends with .csv"
+        ) from None
+    return parquet
+
+
+def _opened(store: Any, plan: Any) -> _Store:
+    try:
+        path = os.fspath(store)
+        if not isinstance(path, str) or not path.endswith((".csv", ".parquet")):
+            raise Mistake(
+                f"error: `store`: found {store!r}; give a name that ends with .csv or .parquet; "
+                "table.to_pandas() writes other formats"
+            )
+        return _Store(path, plan)
+    except Mistake:
+        raise
+    except (OSError, TypeError, ValueError) as error:
+        raise Mistake(f"error: `store`: {error}; give the path of a file that can be written") from None
+
+
+def _cut(path: str) -> bytes:
+    """What is stored already; what a killed run left of a row is cut off."""
     if not os.path.exists(path):
-        return []
+        return b""
     with open(path, "rb+") as file:
         text = file.read()
         whole = text.rfind(b"\n") + 1
         file.truncate(whole)
-    lines = text[:whole].decode("utf-8", "replace").splitlines()
+    return text[:whole]
+
+
+def _read(path: str, text: bytes, plan: Any) -> List[str]:
+    """The rows of a stored table."""
+    lines = text.decode("utf-8", "replace").splitlines()
     if not lines:
         return []
     rows = lines[1:]
     fits = lines[0] == plan.header and len(rows) <= len(plan)
     if not fits or any(not row.startswith(f"{k},") or not row.endswith("," + plan.mark) for k, row in enumerate(rows)):
-        raise Mistake(f"error: store `{path}` holds rows of another sweep; give another file, or remove it")
+        raise _of_another(path)
     return rows
+
+
+def _of_another(path: str) -> Mistake:
+    return Mistake(f"error: store `{path}` holds rows of another sweep; give another file, or remove it")

@@ -45,9 +45,33 @@ def test_store_is_resumed_where_it_was_cut_and_refuses_other_sweeps(ball, tmp_pa
         with pytest.raises(ht.Mistake, match="another sweep"):
             ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store, method="event")
     with pytest.raises(ht.Mistake, match="ends with .csv"):
-        ht.sweep(ball, OVER, record=RECORD, store=tmp_path / "s.parquet")
+        ht.sweep(ball, OVER, record=RECORD, store=tmp_path / "s.feather")
     # What is stored is not computed again: no executor is asked.
     assert ht.sweep(ball, OVER, record=RECORD, executor=object(), store=store).csv == whole
+
+
+def test_parquet_is_written_when_all_rows_are_known_and_read_to_the_last_digit(ball, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    pytest.importorskip("pyarrow")
+    store, rows = tmp_path / "s.parquet", tmp_path / "s.parquet.csv"
+    with ThreadPoolExecutor(2) as executor:
+        table = ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store)
+    assert not rows.exists()
+    pandas.testing.assert_frame_equal(pandas.read_parquet(store), table.to_pandas())
+    # What is stored is not computed again: no executor is asked.
+    assert ht.sweep(ball, OVER, record=RECORD, executor=object(), store=store).csv == table.csv
+    with pytest.raises(ht.Mistake, match="another sweep"):
+        ht.sweep(ball, OVER, record=RECORD, store=store, method="event")
+    # A killed run has left rows beside it.
+    store.unlink()
+    rows.write_text(table.csv[: len(table.csv) // 2])
+    with ThreadPoolExecutor(2) as executor:
+        assert ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store).csv == table.csv
+    assert store.exists() and not rows.exists()
+    # A file of others holds none of its rows.
+    table.to_pandas().to_parquet(store)
+    with pytest.raises(ht.Mistake, match="another sweep"):
+        ht.sweep(ball, OVER, record=RECORD, store=store)
 
 
 def test_store_of_either_is_resumed_by_the_other(command, ball, ball_file, tmp_path):
