@@ -91,28 +91,13 @@ impl ResultFiles<'_> {
             result: json.to_owned(),
             plays: false,
         });
-        // What moves first, then charts, then numbers.
-        let mut blocks: Vec<Block> = player
-            .map(|player| Block::Players(vec![player]))
-            .into_iter()
-            .collect();
         let drawn = figures.iter().map(|(_, svg)| Block::figure(svg.clone()));
-        blocks.extend(drawn);
-        blocks.extend(charts.iter().map(|(_, chart)| Block::Figure(chart.clone())));
-        blocks.push(Block::table(
-            vec![String::new(), String::new()],
-            facts.into_iter().map(Vec::from).collect(),
-        ));
-        blocks.push(Block::Text(format!(
-            "{}. Parameters: {}.",
-            chosen.scene.title,
-            chosen.parameters().join(", ")
-        )));
+        let charted = charts.iter().map(|(_, chart)| Block::Figure(chart.clone()));
         let page = Page {
             title: title.clone(),
             lead: vec![Section {
                 heading: String::new(),
-                blocks,
+                blocks: blocks(player, drawn.chain(charted).collect(), facts, about(chosen)),
                 files: index
                     .iter()
                     .map(|(file, what)| (String::from(*file), String::from(*what)))
@@ -130,4 +115,27 @@ impl ResultFiles<'_> {
         files.push((format!("{stem}.html"), page.html()));
         files
     }
+}
+
+/// What the scene is, and at which parameters.
+fn about(chosen: &ChosenScene) -> String {
+    let parameters = chosen.parameters().join(", ");
+    format!("{}. Parameters: {parameters}.", chosen.scene.title)
+}
+
+/// What moves first, then charts, then numbers, then what they are about.
+fn blocks(
+    player: Option<Player>,
+    figures: Vec<Block>,
+    facts: Vec<[String; 2]>,
+    about: String,
+) -> Vec<Block> {
+    let player = player.map(|player| Block::Players(vec![player]));
+    let mut blocks: Vec<Block> = player.into_iter().chain(figures).collect();
+    blocks.push(Block::table(
+        vec![String::new(), String::new()],
+        facts.into_iter().map(Vec::from).collect(),
+    ));
+    blocks.push(Block::Text(about));
+    blocks
 }
