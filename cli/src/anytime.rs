@@ -56,7 +56,8 @@ pub(crate) fn figure(title: &str, searches: &[Search], best: f64) -> Figure {
     let curves = searches.iter().map(|search| {
         let point = |x: f64, objective: f64, what: &str| Dot {
             x,
-            y: (objective - best).max(0.0),
+            // Nothing is to be seen far below the tolerance.
+            y: (objective - best).max(0.1 * tolerated(best)),
             half: None,
             note: format!("{}: {what} {objective} after {}", search.name, seconds(x)),
         };

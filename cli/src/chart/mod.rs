@@ -64,6 +64,11 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
     let many: usize = charted.iter().map(|charted| charted.studies.len()).sum();
     let mut done = 0;
     for Charted { scene, studies } in &charted {
+        // A scene that lists no simulation is there for its optimum, which is seen first.
+        let optimum_first = scene.charted.is_empty();
+        if optimum_first {
+            drawn.add_optimum(scene, arguments, &bounds)?;
+        }
         for study in studies {
             if bounds.asked().is_none() {
                 done += 1;
@@ -75,10 +80,8 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
                 drawn.add(simulation::chart(study, &peers, &bounds, &of_many)?);
             }
         }
-        if bounds.asked().is_none() {
-            let chosen = ChosenScene::new(scene, &arguments.settings)?;
-            let optimum = optimum::chart(&chosen, &optimum::ALL, known(scene, arguments), &bounds)?;
-            optimum.into_iter().for_each(|chart| drawn.add(chart));
+        if !optimum_first {
+            drawn.add_optimum(scene, arguments, &bounds)?;
         }
     }
     if arguments.scenes.is_empty() && !listed.controlled.is_empty() && bounds.asked().is_none() {
@@ -143,6 +146,22 @@ struct Drawn {
 }
 
 impl Drawn {
+    /// The searches and optima of a scene with an objective.
+    fn add_optimum(
+        &mut self,
+        scene: &'static Scene,
+        arguments: &ChartArguments,
+        bounds: &Bounds,
+    ) -> Result<(), BadInput> {
+        if bounds.asked().is_none() {
+            let chosen = ChosenScene::new(scene, &arguments.settings)?;
+            let known = known(scene, arguments);
+            let optimum = optimum::chart(&chosen, &optimum::ALL, known, bounds)?;
+            optimum.into_iter().for_each(|chart| self.add(chart));
+        }
+        Ok(())
+    }
+
     fn add(&mut self, chart: drawn::Chart) {
         if chart.overview.is_none() {
             self.solved.push_str(&chart.text);
