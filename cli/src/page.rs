@@ -384,7 +384,10 @@ mod tests {
         );
         let page = page(
             vec![Block::figure("<svg/>"), text("`first` words")],
-            vec![table, Block::Fold("more".to_owned(), vec![text("inside")])],
+            vec![
+                table,
+                Block::Fold("more".to_owned(), vec![text("within it")]),
+            ],
         );
         let places: Vec<usize> = [
             "<svg/>",
@@ -392,7 +395,7 @@ mod tests {
             "<td>1</td>",
             "<td><code>2</code></td>",
             "<summary>more",
-            "inside",
+            "within it",
             "Other pages",
             "<code>d</code> means &lt; e",
         ]

@@ -516,12 +516,12 @@ mod tests {
         assert!(svg.contains("class=\"slim\"") && svg.contains("width=\"358\""));
         let heights: Vec<f64> = svg
             .split("<text x=\"50\" y=\"")
-            .skip(1)
-            .map(|rest| rest.split('"').next().unwrap().parse().unwrap())
+            .filter_map(|rest| rest.split_once("\">one</text>"))
+            .filter_map(|(height, _)| height.parse().ok())
             .collect();
         assert_eq!(heights.len(), 2);
         assert!(heights[1] - heights[0] >= LABEL_HEIGHT - 0.11);
-        assert_eq!(svg.matches("\"/><path class=\"half\"").count(), 2);
+        assert_eq!(svg.matches("class=\"half\"").count(), 4);
         let path = |from: &str| -> String {
             let (_, rest) = svg.split_once(from).unwrap();
             rest.split('"').next().unwrap().to_owned()
