@@ -80,8 +80,10 @@ pub(crate) struct Table {
 
 /// Letters from which on a cell is prose, with lines of its own.
 const PROSE: usize = 44;
-/// Columns from which on a table has smaller letters, so that all of it is seen on a screen of 1280 px.
-const WIDE: usize = 12;
+/// Width of a letter and of the space around a cell, and the width that a table may have on a screen of 1280 px.
+const LETTER: usize = 8;
+const AROUND: usize = 16;
+const SEEN: usize = 1150;
 /// Sections from which on a page has a list of them.
 const CONTENTS: usize = 4;
 
@@ -106,6 +108,7 @@ th:not(:first-child){white-space:normal;vertical-align:bottom}
 .dense th,.dense td{padding:.08rem .5rem}
 .wide table{font-size:.78rem}
 .wide th,.wide td{padding:.25rem .3rem}
+.wide td:not(:first-child){white-space:normal}
 td.prose,td.prose:first-child{text-align:left;white-space:normal;min-width:18rem}
 nav a,.pages a{display:inline-block;margin:0 1rem .3rem 0}
 summary{cursor:pointer;margin:.5rem 0;font-weight:600}
@@ -318,6 +321,20 @@ impl Writer<'_> {
 }
 
 impl Table {
+    /// About how wide it is with one line a cell [px]; what is too wide has smaller letters, and cells of several lines.
+    fn width(&self) -> usize {
+        let columns = self.header.iter().enumerate().map(|(index, head)| {
+            let words = head.split_whitespace().map(str::len);
+            let cells = self
+                .rows
+                .iter()
+                .filter_map(|row| Some(row.get(index)?.len()));
+            let letters = words.chain(cells.filter(|length| *length <= PROSE)).max();
+            AROUND + LETTER * letters.unwrap_or_default()
+        });
+        columns.sum()
+    }
+
     /// As HTML, if it has columns.
     fn write(&self, html: &mut String) {
         if self.header.is_empty() {
@@ -339,11 +356,7 @@ impl Table {
             html,
             "<div class=\"table{}{}\"><table>\n{}{}</table></div>",
             if self.dense { " dense" } else { "" },
-            if self.header.len() >= WIDE {
-                " wide"
-            } else {
-                ""
-            },
+            if self.width() > SEEN { " wide" } else { "" },
             row("th", &self.header),
             rows.collect::<String>()
         );
