@@ -286,6 +286,28 @@ fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_sche
     assert!(!page.contains("NaN"));
 }
 
+/// The name at the end of a line has the colour of its method in every figure of a page.
+fn assert_one_colour_a_method(page: &str) {
+    let mut colours: Vec<(String, &str)> = Vec::new();
+    for label in page.split("<text class=\"k").skip(1) {
+        let (colour, rest) = label.split_once('"').unwrap();
+        let (_, name) = rest.split_once('>').unwrap();
+        let name = name.split(['<', ':']).next().unwrap().to_owned();
+        match colours.iter().find(|(known, _)| *known == name) {
+            Some((_, known)) => assert_eq!(*known, colour, "{name}"),
+            None => colours.push((name, colour)),
+        }
+    }
+    let of = |name: &str| {
+        let found = colours.iter().find(|(known, _)| known == name);
+        found.unwrap_or_else(|| panic!("{name}: {colours:?}")).1
+    };
+    // Variants of one method have its colour, other methods another one.
+    assert_eq!(of("Radau-3"), of("finite elements (default)"));
+    assert_eq!(of("time-freezing Radau-3"), of("time-freezing, controlled"));
+    assert_ne!(of("event-driven"), of("finite elements (default)"));
+}
+
 /// Opens folds and looks.
 const VISITOR: &str = r##"
 <script>
@@ -370,6 +392,17 @@ fn chart_of_several_scenes_is_one_page_with_an_overview_and_orders_through_every
         "only name spaces"
     );
     assert!(read("chart-drop.csv").lines().count() > 150);
+    assert_one_colour_a_method(&page);
+    assert!(
+        !page.contains('`'),
+        "words are set as code, without backticks"
+    );
+    // What to read off a chart, the chart, and the table after it.
+    for study in page.split("<section id=").skip(1) {
+        let places = [" is there first, after ", "class=\"chart\"", "<table"];
+        let places = places.map(|words| study.find(words).unwrap_or_else(|| panic!("{words}")));
+        assert!(places.is_sorted(), "{places:?}");
+    }
     assert_readable(&scratch, &page, 4);
 }
 
