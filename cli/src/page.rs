@@ -80,6 +80,8 @@ pub(crate) struct Table {
 
 /// Letters from which on a cell is prose, with lines of its own.
 const PROSE: usize = 44;
+/// Letters of the lines of such a cell, at least.
+const LEAST_PROSE: usize = 36;
 /// Width of a letter and of the space around a cell, and the width that a table may have on a screen of 1280 px.
 const LETTER: usize = 8;
 const AROUND: usize = 16;
@@ -329,7 +331,8 @@ impl Table {
                 .rows
                 .iter()
                 .filter_map(|row| Some(row.get(index)?.len()));
-            let letters = words.chain(cells.filter(|length| *length <= PROSE)).max();
+            let prose = |length| if length > PROSE { LEAST_PROSE } else { length };
+            let letters = words.chain(cells.map(prose)).max();
             AROUND + LETTER * letters.unwrap_or_default()
         });
         columns.sum()
