@@ -260,9 +260,12 @@ pub(crate) struct SolveArguments {
     /// free [default: what the scene declares].
     #[arg(long, value_name = "TIME[UNIT]", value_parser = duration, allow_negative_numbers = true)]
     pub(crate) horizon: Option<f64>,
-    /// Control intervals of equal physical length [default: 30].
+    /// Control intervals [default: 30].
     #[arg(long, value_name = "N", value_parser = intervals, allow_negative_numbers = true)]
     pub(crate) intervals: Option<usize>,
+    /// Where control intervals begin and end.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) grid: GridName,
     /// Controls on each interval.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) controls: ControlsName,
@@ -292,6 +295,16 @@ pub(crate) struct SolveArguments {
     pub(crate) result: ResultArguments,
     #[command(flatten)]
     pub(crate) limits: LimitArguments,
+}
+
+/// Where the control intervals of `solve` begin and end.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum GridName {
+    /// At equal distances in time.
+    #[default]
+    Equal,
+    /// Divided among the phases between contacts: controls may change where contacts do.
+    Aligned,
 }
 
 /// What the controls of `solve` are on an interval.

@@ -61,8 +61,6 @@ impl Drop for Progress {
 pub(crate) struct SolveProgress {
     bar: ProgressBar,
     next: Instant,
-    /// Best objective of all programs, whichever start they belong to.
-    best: Option<f64>,
 }
 
 impl SolveProgress {
@@ -76,7 +74,6 @@ impl SolveProgress {
         Self {
             bar,
             next: Instant::now(),
-            best: None,
         }
     }
 
@@ -87,12 +84,9 @@ impl SolveProgress {
             self.bar.set_message("stopping");
             return false;
         }
-        if let Some(best) = progress.best {
-            self.best = Some(self.best.map_or(best, |known| known.min(best)));
-        }
         if now >= self.next {
             self.next = now + PATIENCE;
-            self.bar.set_message(line(progress, self.best));
+            self.bar.set_message(progress.to_string());
         }
         true
     }
@@ -125,18 +119,4 @@ impl Drop for SolveProgress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
-}
-
-/// One iteration in words.
-fn line(progress: &hangtime::Progress, best: Option<f64>) -> String {
-    let best = best.map_or_else(String::new, |best| format!(", best objective {best:.7}"));
-    format!(
-        "{}: program {}, iteration {}, residuals primal {:.0e} dual {:.0e} complementarity {:.0e}{best}",
-        progress.step,
-        progress.programs + 1,
-        progress.iterations,
-        progress.residuals.primal,
-        progress.residuals.dual,
-        progress.residuals.complementarity,
-    )
 }

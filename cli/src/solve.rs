@@ -8,7 +8,7 @@ use hangtime::ocp::{ControlShape, Solution, Source};
 use hangtime::simulation::{EventKind, Trajectory};
 
 use crate::anytime::{self, Search};
-use crate::arguments::{ControlsName, SolveArguments, SolveFormulation};
+use crate::arguments::{ControlsName, GridName, SolveArguments, SolveFormulation};
 use crate::bounds::Bounds;
 use crate::ending::Ending;
 use crate::failure::BadInput;
@@ -102,6 +102,9 @@ fn stem(chosen: &ChosenScene, arguments: &SolveArguments) -> String {
     }
     if arguments.controls != ControlsName::default() {
         stem = format!("{stem}-{}", name_of(arguments.controls));
+    }
+    if arguments.grid != GridName::default() {
+        stem = format!("{stem}-{}", name_of(arguments.grid));
     }
     stem
 }
@@ -307,20 +310,17 @@ fn switches(declaration: &Declaration, solution: &Solution) -> String {
 
 /// The controls of every interval, or at every node.
 fn controls(declaration: &Declaration, solution: &Solution) -> String {
-    let (place, intervals) = match solution.shape {
-        ControlShape::Constant => (["interval", "from [s]"], solution.controls.len()),
-        ControlShape::Linear => (
-            ["node", "at [s]"],
-            solution.controls.len().saturating_sub(1),
-        ),
+    let place = match solution.shape {
+        ControlShape::Constant => ["interval", "from [s]"],
+        ControlShape::Linear => ["node", "at [s]"],
     };
     let header = place.map(str::to_owned).into_iter();
     let controls = declaration.controls.iter();
     let header = header.chain(controls.map(|control| headed(control.name, control.unit)));
-    let length = solution.horizon / intervals.max(1) as f64;
-    let rows = solution.controls.iter().enumerate().map(|(k, controls)| {
+    let timed = solution.controls.iter().zip(&solution.control_times);
+    let rows = timed.enumerate().map(|(k, (controls, time))| {
         let values = controls.iter().map(|u| format!("{u:.6}"));
-        [k.to_string(), format!("{:.6}", k as f64 * length)]
+        [k.to_string(), format!("{time:.6}")]
             .into_iter()
             .chain(values)
             .collect()

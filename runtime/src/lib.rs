@@ -99,4 +99,4 @@ pub use hangtime_macros::model_file;
 #[cfg(target_family = "wasm")]
 pub use hangtime_solver::set_clock;
 pub use hangtime_solver::{InputError, mpcc, nl, nlp};
-pub use progress::{Observer, Progress};
+pub use progress::{BestMotion, Observer, Progress};

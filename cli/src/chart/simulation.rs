@@ -18,6 +18,8 @@ use crate::table::{seconds, table};
 
 /// Errors whose price is listed: in CPU time, and in counts for the middle one.
 const TARGETS: [f64; 3] = [1e-3, 1e-6, 1e-9];
+/// Most letters of a number on a page.
+const LONGEST_NUMBER: usize = 8;
 /// What the shade of a figure means.
 const UNCERTAIN: &str = "below the uncertainty of the reference";
 
@@ -385,7 +387,11 @@ impl Drawings<'_> {
                 Block::folded_table(
                     "Every run",
                     RUNS.map(str::to_owned).into(),
-                    self.measured.iter().flat_map(Measured::runs).collect(),
+                    self.measured
+                        .iter()
+                        .flat_map(Measured::runs)
+                        .map(shortened)
+                        .collect(),
                 ),
                 Block::Text(about),
             ],
@@ -406,6 +412,15 @@ impl Drawings<'_> {
             ("time-freezing", of(Group::TimeFreezing, "time-freezing")),
         ]
     }
+}
+
+/// A row with numbers of four digits; all digits are in the data.
+fn shortened(row: Vec<String>) -> Vec<String> {
+    let short = |cell: String| match cell.parse::<f64>() {
+        Ok(value) if cell.len() > LONGEST_NUMBER => format!("{value:.3e}"),
+        _ => cell,
+    };
+    row.into_iter().map(short).collect()
 }
 
 fn csv(error: &str, measured: &[Measured]) -> String {

@@ -2,8 +2,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    Excess, Formulation, FoundParameter, Improvement, Margin, Optimum, Settings, Solution, Source,
-    TimeFreezingReport,
+    ControlNodes, Excess, Formulation, FoundParameter, Improvement, Margin, Optimum, Settings,
+    Solution, Source, TimeFreezingReport,
 };
 use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
@@ -32,6 +32,9 @@ pub(crate) struct SolverSettings {
     pub(crate) intervals: usize,
     /// What the controls are on an interval: constant or linear.
     pub(crate) control_shape: &'static str,
+    /// Whether intervals are divided among phases.
+    #[serde(skip)]
+    aligned: bool,
     /// Finite elements: of a phase, or of an interval with time-freezing.
     pub(crate) elements: usize,
     /// Starts that may be solved side by side.
@@ -65,6 +68,7 @@ impl SolverSettings {
             stages,
             intervals,
             control_shape: settings.controls.name(),
+            aligned: settings.grid == ControlNodes::Aligned,
             elements,
             starts: settings.starts(),
             words: settings.searches_words(),
@@ -319,6 +323,9 @@ pub(crate) struct SolutionDocument<'a> {
     resimulated_objective: Option<f64>,
     starts: usize,
     controls: &'a [Vec<f64>],
+    /// Where they are not of equal length.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    control_times: Option<&'a [f64]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     gradient: Option<OptimumGradientEntry<'a>>,
     #[serde(with = "ResidualsEntry")]
@@ -389,6 +396,7 @@ impl<'a> SolutionDocument<'a> {
                 .filter(|cost| cost.is_finite()),
             starts: solution.starts,
             controls: &solution.controls,
+            control_times: Some(&solution.control_times[..]).filter(|_| method.aligned),
             gradient: solution
                 .gradient
                 .as_ref()

@@ -4,7 +4,7 @@ use hangtime::Observer;
 use hangtime::estimation::{self, Estimate, Measurements, Settings};
 use std::path::Path;
 
-use crate::arguments::{ControlsName, SearchName, SolveArguments, SolveFormulation};
+use crate::arguments::{ControlsName, GridName, SearchName, SolveArguments, SolveFormulation};
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::json::EstimateDocument;
@@ -71,6 +71,7 @@ fn refuse_others(arguments: &SolveArguments) -> Result<(), BadInput> {
         ("--gradient", !arguments.gradient.is_empty()),
         ("--horizon", arguments.horizon.is_some()),
         ("--intervals", arguments.intervals.is_some()),
+        ("--grid", arguments.grid != GridName::default()),
         ("--controls", arguments.controls != ControlsName::default()),
         (
             "--formulation",

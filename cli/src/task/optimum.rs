@@ -2,12 +2,14 @@
 
 use hangtime::Observer;
 use hangtime::ocp::{
-    self, ControlShape, Formulation, Guess, Horizon, Previous, Problem, SearchSpace, Settings,
-    Solution, Stationarity, TimeFreezingSettings,
+    self, ControlNodes, ControlShape, Formulation, Guess, Horizon, Previous, Problem, SearchSpace,
+    Settings, Solution, Stationarity, TimeFreezingSettings,
 };
 use hangtime::rk::Scheme;
 
-use crate::arguments::{ControlsName, SchemeName, SearchName, SolveArguments, SolveFormulation};
+use crate::arguments::{
+    ControlsName, GridName, SchemeName, SearchName, SolveArguments, SolveFormulation,
+};
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::json::{SolutionDocument, SolverSettings};
@@ -112,6 +114,10 @@ fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
     settings.search = match arguments.search {
         SearchName::Grids => SearchSpace::Grids,
         SearchName::Words => SearchSpace::Words,
+    };
+    settings.grid = match arguments.grid {
+        GridName::Equal => ControlNodes::Equal,
+        GridName::Aligned => ControlNodes::Aligned,
     };
     settings.controls = match arguments.controls {
         ControlsName::Constant => ControlShape::Constant,

@@ -98,7 +98,9 @@ pub use motion::control_grid::ControlShape;
 pub use previous::Previous;
 pub use problem::{Horizon, Problem};
 pub use rules::{RULES, Rule, RulePart};
-pub use settings::{Formulation, Guess, PathPoints, SearchSpace, Settings, TimeFreezingSettings};
+pub use settings::{
+    ControlNodes, Formulation, Guess, PathPoints, SearchSpace, Settings, TimeFreezingSettings,
+};
 pub use size::program_sizes;
 pub use solution::{
     Counts, Excess, FoundParameter, Improvement, Margin, Miss, Nearest, Optimum, OptimumGradient,

@@ -62,6 +62,15 @@ impl Previous {
         })
     }
 
+    /// It as it is.
+    pub(in crate::ocp) fn as_candidate(&self) -> Candidate {
+        Candidate {
+            objective: f64::INFINITY,
+            sequence: self.sequence.clone(),
+            trajectory: self.trajectory.clone(),
+        }
+    }
+
     /// Number of control intervals.
     pub(in crate::ocp) fn intervals(&self) -> usize {
         self.trajectory.controls.intervals()
@@ -70,6 +79,11 @@ impl Previous {
     /// Controls of each interval, or at the nodes.
     pub(in crate::ocp) fn controls(&self) -> Vec<Vec<f64>> {
         self.trajectory.controls.values().to_vec()
+    }
+
+    /// When each interval begins and the last one ends \[s\].
+    pub(in crate::ocp) fn control_times(&self) -> Vec<f64> {
+        self.trajectory.controls.times(self.trajectory.horizon)
     }
 
     /// The motion on another number of intervals.

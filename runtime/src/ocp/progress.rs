@@ -4,6 +4,7 @@ use hangtime_solver::clock::Instant;
 use hangtime_solver::nlp::IterationInfo;
 
 use super::solution::Counts;
+use crate::progress::BestMotion;
 use crate::{Observer, Progress};
 
 /// The observer, and whether it has asked to stop.
@@ -43,6 +44,11 @@ impl<'o> Watch<'o> {
         self.progress.step = step;
         self.progress.programs = counts.programs;
         self.progress.best = best;
+    }
+
+    /// Takes note of a motion that may be the best.
+    pub(in crate::ocp) fn found(&mut self, motion: BestMotion) {
+        self.progress.motion = BestMotion::better(self.progress.motion, Some(motion));
     }
 
     /// Reports work on something other than a program; `false` stops it.

@@ -111,6 +111,28 @@ pub enum SearchSpace {
     Grids,
 }
 
+/// Where the control intervals of [`Formulation::Phases`] begin and end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ControlNodes {
+    /// At equal distances, as of a controller with a clock: contacts change within them.
+    #[default]
+    Equal,
+    /// Divided among the phases between two contacts, of equal length in each: controls may change where contacts do, so that the same
+    /// number of them leads further. Certificates are of the words that the multipliers point to.
+    Aligned,
+}
+
+impl ControlNodes {
+    /// Name used on the command line and in JSON.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Equal => "equal",
+            Self::Aligned => "aligned",
+        }
+    }
+}
+
 /// How a problem is transcribed; change fields of [`TimeFreezingSettings::default`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -213,6 +235,8 @@ pub struct Settings {
     pub search: SearchSpace,
     /// Controls on each interval; default constant.
     pub controls: ControlShape,
+    /// Where intervals begin and end; default [`ControlNodes::Equal`].
+    pub grid: ControlNodes,
     /// Where the global phase starts; default [`Guess::Straight`].
     pub guess: Guess,
     /// Number of starts that are solved side by side, the first one with these settings, the others with other guesses and
@@ -278,6 +302,7 @@ impl Default for Settings {
         Self {
             formulation: Formulation::default(),
             search: SearchSpace::default(),
+            grid: ControlNodes::default(),
             controls: ControlShape::default(),
             guess: Guess::default(),
             starts: None,
@@ -352,6 +377,13 @@ impl Settings {
             }
         }
         rules::check(&self.without)?;
+        let on_words = self.searches_words() && self.controls == ControlShape::Constant;
+        if self.grid == ControlNodes::Aligned && !on_words {
+            return Err(InputError::new(
+                "optimal control: intervals that are aligned with phases are of constant controls and found over words; \
+                 leave out the other search, formulation, starts, guess or linear controls, or take an equal grid",
+            ));
+        }
         for (what, value) in [
             ("starts", self.starts()),
             ("elements", self.elements),

@@ -393,8 +393,11 @@ pub struct Solution {
     pub excess: Vec<Excess>,
     /// Distances that hold the plan back, the dearest first.
     pub margins: Vec<Margin>,
-    /// Controls of each interval, all of equal length, or at each node where they are linear in between.
+    /// Controls of each interval, or at each node where they are linear in between.
     pub controls: Vec<Vec<f64>>,
+    /// When each interval begins and the last one ends \[s\]: at equal distances, unless [`Settings::grid`](super::Settings::grid) is
+    /// [`ControlNodes::Aligned`](super::ControlNodes::Aligned).
+    pub control_times: Vec<f64>,
     /// What the controls are on an interval.
     pub shape: ControlShape,
     /// Finite elements of a phase in each interval: more than asked for where the re-simulation wanted them.
@@ -497,6 +500,7 @@ impl Solution {
             margins: Vec::new(),
             excess: Vec::new(),
             controls: Vec::new(),
+            control_times: Vec::new(),
             shape: ControlShape::default(),
             elements: Vec::new(),
             motion: None,
@@ -525,7 +529,11 @@ impl Solution {
         if self.controls.is_empty() {
             return ControlSignal::Zero;
         }
-        signal(self.shape, self.horizon, self.controls.clone())
+        signal(
+            self.shape,
+            self.control_times.clone(),
+            self.controls.clone(),
+        )
     }
 
     /// Contacts that are struck right after the end of the re-simulated motion, and their normal velocity `v_n` before that, in the

@@ -105,6 +105,11 @@ pub(in crate::ocp) struct Span {
 }
 
 impl<'a> Lengths<'a> {
+    /// Whether phases have control intervals of their own.
+    pub(in crate::ocp) fn are_of_phases(self) -> bool {
+        matches!(self, Self::Phases(_))
+    }
+
     /// The phase that an interval belongs to, and its place there.
     pub(in crate::ocp) fn span(self, interval: usize) -> Option<(&'a Span, usize)> {
         let Self::Phases(spans) = self else {

@@ -29,6 +29,8 @@ pub(in crate::ocp) struct Collocation<'a> {
     /// Variables of the controls on each interval, or at each node.
     pub(in crate::ocp) controls: Vec<Vec<usize>>,
     pub(in crate::ocp) shape: ControlShape,
+    /// Whether control intervals have the lengths of what the motion is made up of, instead of equal ones.
+    pub(in crate::ocp) aligned: bool,
     /// Variables of how far goals are missed, where they may be.
     pub(in crate::ocp) missed: Vec<usize>,
 }
@@ -182,6 +184,16 @@ impl Collocation<'_> {
             .collect()
     }
 
+    /// Where each control interval begins and the last one ends, as shares of the motion.
+    fn nodes(&self, point: &[f64]) -> Vec<f64> {
+        let horizon = self.horizon_at(&self.program.physical(point));
+        let mut nodes = vec![1.0; self.controls.len() + 1];
+        for (phase, solved) in self.phases.iter().zip(self.solved(point)).rev() {
+            nodes[phase.interval] = solved.start / horizon;
+        }
+        nodes
+    }
+
     /// The motion and the sequence with its times at a solver's point.
     pub(in crate::ocp) fn result(&self, point: &[f64]) -> (Trajectory, Sequence) {
         let x = self.program.physical(point);
@@ -190,6 +202,10 @@ impl Collocation<'_> {
         let controls = self.controls.iter();
         let controls = controls.map(|controls| controls.iter().map(|&u| x[u]).collect());
         let controls = ControlGrid::new(self.shape, controls.collect());
+        let controls = match self.aligned {
+            true => controls.with_nodes(self.nodes(point)),
+            false => controls,
+        };
         let intervals = controls.intervals() as f64;
         let mut trajectory = Trajectory {
             horizon,

@@ -23,6 +23,7 @@ use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::repair::certificate;
 use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::solution::{Solution, Status};
+use crate::progress::BestMotion;
 use crate::rk::ButcherTableau;
 use crate::simulation::ContactMode;
 use crate::simulation::{
@@ -107,9 +108,21 @@ pub(in crate::ocp) fn judge<'a>(
         };
         (plan, solution) = Plan::judged(runner, setting, &coarse, again)?;
     }
-    match plan.judged_as_simulated(runner, setting, &elements, &solution)? {
-        Some(other) => Ok(other),
-        None => plan.released(runner, setting, &elements, solution),
+    let solution = match plan.judged_as_simulated(runner, setting, &elements, &solution)? {
+        Some(other) => other,
+        None => plan.released(runner, setting, &elements, solution)?,
+    };
+    report(runner, &solution);
+    Ok(solution)
+}
+
+/// Tells the observer of a motion that is confirmed.
+pub(in crate::ocp) fn report(runner: &mut Runner, solution: &Solution) {
+    if matches!(solution.status, Status::Solved | Status::Uncertified) {
+        let closes = |kind: EventKind| matches!(kind, EventKind::Impact | EventKind::Contact);
+        let events = solution.planned_events.iter();
+        let contacts = events.filter(|(_, kind, _)| closes(*kind)).count();
+        runner.found(BestMotion::new(contacts, solution.objective, true));
     }
 }
 
@@ -279,7 +292,7 @@ fn excess_of(plan: &Local, objective: f64) -> f64 {
 }
 
 /// Re-simulates a plan and compares.
-fn confirm(
+pub(in crate::ocp) fn confirm(
     runner: &Runner,
     setting: Setting,
     elements: &[usize],
@@ -343,6 +356,7 @@ fn confirm(
         margins,
         excess: forces::excess(&forces, excess(program, &solution.x, limits)),
         controls: trajectory.controls.values().to_vec(),
+        control_times: trajectory.controls.times(trajectory.horizon),
         shape: trajectory.controls.shape(),
         elements: elements.to_vec(),
         previous: Some(Previous::new(trajectory.clone(), sequence.clone())),

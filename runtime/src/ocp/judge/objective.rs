@@ -88,9 +88,10 @@ fn integral(
 ) -> (f64, f64) {
     let motion = &replay.trajectory;
     let length = horizon / controls.intervals() as f64;
+    let ends = controls.times(horizon);
     let same = |a: f64, b: f64| (a - b).abs() <= SAME_TIME * horizon;
     let is_break = |time: f64| {
-        same((time / length).round() * length, time)
+        ends.iter().any(|&end| same(end, time))
             || replay.events.iter().any(|event| same(event.time, time))
     };
     let functions = model.declaration().optimal_control;
@@ -113,9 +114,7 @@ fn integral(
             for (node, weight) in GAUSS {
                 let time = 0.5 * (from + to) + 0.5 * (to - from) * node;
                 let mut x = state(replay, near, time);
-                let place = time / length;
-                let interval = (place as usize).min(controls.intervals() - 1);
-                x.extend(drive(model, &controls.within(interval, place), time));
+                x.extend(drive(model, &controls.at(time / length), time));
                 x.resize(model.declaration().path_inputs(), 0.0);
                 model.path_functions(&x, &mut values);
                 let weight = 0.5 * (to - from) * weight;

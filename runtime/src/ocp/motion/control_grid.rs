@@ -1,4 +1,4 @@
-//! Controls over equal intervals: constant on each, or linear between nodes.
+//! Controls over the intervals of a motion, of equal length as a rule: constant on each, or linear between nodes.
 
 use crate::simulation::ControlSignal;
 
@@ -52,12 +52,34 @@ pub(in crate::ocp) struct ControlGrid {
     shape: ControlShape,
     /// One vector an interval, or one more where they are linear.
     values: Vec<Vec<f64>>,
+    /// Where intervals begin and the last one ends, as shares of the motion; without them all are of equal length.
+    nodes: Option<Vec<f64>>,
 }
 
 impl ControlGrid {
     /// At least one interval.
     pub(in crate::ocp) fn new(shape: ControlShape, values: Vec<Vec<f64>>) -> Self {
-        Self { shape, values }
+        Self {
+            shape,
+            values,
+            nodes: None,
+        }
+    }
+
+    /// The same with intervals that begin at these shares of the motion, the last of them its end.
+    pub(in crate::ocp) fn with_nodes(self, nodes: Vec<f64>) -> Self {
+        Self {
+            nodes: Some(nodes),
+            ..self
+        }
+    }
+
+    /// When each interval begins and the last one ends, of a motion of that length \[s\].
+    pub(in crate::ocp) fn times(&self, horizon: f64) -> Vec<f64> {
+        match &self.nodes {
+            Some(nodes) => nodes.iter().map(|share| horizon * share).collect(),
+            None => equal_times(self.intervals(), horizon),
+        }
     }
 
     /// Constant on each interval.
@@ -86,10 +108,15 @@ impl ControlGrid {
         &self.values[0]
     }
 
-    /// Controls at `place`, in units of intervals, on the later side of a jump.
+    /// Controls at `place`, in units of intervals of equal length, on the later side of a jump.
     pub(in crate::ocp) fn at(&self, place: f64) -> Vec<f64> {
         let last = self.intervals() - 1;
-        self.within((place.max(0.0) as usize).min(last), place)
+        let Some(nodes) = &self.nodes else {
+            return self.within((place.max(0.0) as usize).min(last), place);
+        };
+        let share = place / self.intervals() as f64;
+        let interval = nodes.partition_point(|node| *node <= share).max(1) - 1;
+        self.values[interval.min(last)].clone()
     }
 
     /// Controls at a place of that interval, at its end on the earlier side of a jump.
@@ -107,7 +134,8 @@ impl ControlGrid {
     /// The controls in another shape, on another number of intervals: those at the middle of each interval, or at the
     /// nodes, where a jump is met halfway.
     pub(in crate::ocp) fn resampled(&self, shape: ControlShape, intervals: usize) -> Self {
-        if shape == self.shape && intervals == self.intervals() {
+        let equal = self.nodes.is_none();
+        if equal && shape == self.shape && intervals == self.intervals() {
             return self.clone();
         }
         let length = self.intervals() as f64 / intervals as f64;
@@ -128,12 +156,12 @@ impl ControlGrid {
                 })
                 .collect(),
         };
-        Self { shape, values }
+        Self::new(shape, values)
     }
 
     /// The controls as a signal over `horizon`.
     pub(in crate::ocp) fn signal(&self, horizon: f64) -> ControlSignal {
-        signal(self.shape, horizon, self.values.clone())
+        signal(self.shape, self.times(horizon), self.values.clone())
     }
 
     /// The controls of one interval as a signal that starts with it.
@@ -143,29 +171,26 @@ impl ControlGrid {
             ControlShape::Linear => 2,
         };
         let values = self.values[interval..interval + count].to_vec();
-        signal(self.shape, length, values)
+        signal(self.shape, equal_times(1, length), values)
     }
 }
 
-/// The signal of controls on equal intervals of a motion of length `horizon`.
+/// When intervals of equal length begin and the last one ends \[s\].
+fn equal_times(intervals: usize, horizon: f64) -> Vec<f64> {
+    let time = |k: usize| match k == intervals {
+        true => horizon,
+        false => horizon * k as f64 / intervals as f64,
+    };
+    (0..=intervals).map(time).collect()
+}
+
+/// The signal of controls on intervals between these times \[s\], of which the last is no beginning of one.
 pub(in crate::ocp) fn signal(
     shape: ControlShape,
-    horizon: f64,
+    mut times: Vec<f64>,
     values: Vec<Vec<f64>>,
 ) -> ControlSignal {
-    let intervals = match shape {
-        ControlShape::Constant => values.len(),
-        ControlShape::Linear => values.len() - 1,
-    };
-    let times = (0..values.len())
-        .map(|k| {
-            if k == intervals {
-                horizon
-            } else {
-                horizon * k as f64 / intervals as f64
-            }
-        })
-        .collect();
+    times.truncate(values.len());
     match shape {
         ControlShape::Constant => ControlSignal::PiecewiseConstant { times, values },
         ControlShape::Linear => ControlSignal::PiecewiseLinear { times, values },

@@ -10,6 +10,7 @@ use crate::ocp::effort::Effort;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::Counts;
+use crate::progress::BestMotion;
 use crate::refusal;
 use crate::simulation::InputError;
 
@@ -103,6 +104,11 @@ impl<'s> Runner<'s> {
     /// Reports work on something other than a program; `false` if the observer asks to stop.
     pub(in crate::ocp) fn goes_on(&mut self, step: &'static str) -> bool {
         self.watch.goes_on(step)
+    }
+
+    /// Tells the observer of a motion that may be the best.
+    pub(in crate::ocp) fn found(&mut self, motion: BestMotion) {
+        self.watch.found(motion);
     }
 
     /// Whether the observer has asked to stop, or the programs are used up.

@@ -17,11 +17,12 @@ mod words;
 use self::impossible::Shown;
 use super::global::time_freezing::refuse_switches;
 use super::problem::Problem;
-use super::settings::{Formulation, Guess, Settings};
+use super::settings::{ControlNodes, Formulation, Guess, Settings};
 use super::solution::{Solution, Status};
 use super::unknown::with_unknowns;
 use crate::Observer;
 use crate::model::Model;
+use crate::refusal;
 use crate::simulation::InputError;
 
 /// Solves an optimal control problem; `observer` is called after every interior point iteration and may stop it.
@@ -57,6 +58,10 @@ fn solve_given(
     problem.check(model)?;
     if matches!(settings.formulation, Formulation::TimeFreezing(_)) {
         refuse_switches(model)?;
+    }
+    if settings.grid == ControlNodes::Aligned && model.declaration().controls.is_empty() {
+        let what = "a grid that is aligned with phases, of a scene without controls,";
+        return Err(refusal::unsupported(what, "take an equal one"));
     }
     let problem = &problem.on_the_ground(model);
     let search = matches!(settings.formulation, Formulation::Phases)

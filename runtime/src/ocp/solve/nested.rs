@@ -9,7 +9,7 @@
 //! several are asked for, what it ends at is among the candidates, and so is what as many as are usually enough do.
 //! The motion that is returned is polished at last; the search goes on from those that are not.
 
-use super::one_grid::Known;
+use super::one_grid::{Known, Trace};
 use super::optima::{
     Found, NO_MOTION, costs_the_same, ends_at_no_time, is_better, is_same, rank, result, sort,
 };
@@ -410,7 +410,8 @@ fn looked_again(
 
 /// The best motion with its neighbours decided, and the next one where it costs hardly more, as its neighbours may lead further; those
 /// after it where it is not confirmed, or not proved and the next one costs the same, or where neighbours have led to a better motion:
-/// then those that starts came to are not optima yet, and a poorer one may lead further.
+/// then those that starts came to are not optima yet, and a poorer one may lead further. One that comes through what was passed on the
+/// way to a motion that is proved leads there as well, and ends.
 pub(super) fn decided(
     task: &Task,
     found: Vec<Found>,
@@ -419,6 +420,7 @@ pub(super) fn decided(
 ) -> Result<Option<Found>, InputError> {
     let mut best: Option<Found> = None;
     let mut improved = false;
+    let mut passed = Known::default();
     let first = found.first().map(|first| &first.solution);
     let close = first.map_or(f64::NAN, |best| best.objective + best.tolerated(CLOSE));
     for (index, one) in found.into_iter().enumerate() {
@@ -435,7 +437,10 @@ pub(super) fn decided(
             break;
         }
         let before = one.solution.objective;
-        let one = judged(task, one, effort, seen)?;
+        let (one, trace) = judged(task, one, (effort, passed.from(index)), seen)?;
+        if one.solution.status == Status::Solved {
+            passed.extend(trace.known);
+        }
         improved = one.solution.objective < before - one.solution.tolerated(IMPROVED);
         if best.as_ref().is_none_or(|best| is_better(&one, best)) {
             best = Some(one);
@@ -449,9 +454,9 @@ pub(super) fn decided(
 fn judged(
     task: &Task,
     one: Found,
-    effort: Effort,
+    (effort, passed): (Effort, Known),
     seen: &mut Vec<Found>,
-) -> Result<Found, InputError> {
+) -> Result<(Found, Trace), InputError> {
     let Solution {
         status,
         stationarity,
@@ -462,16 +467,16 @@ fn judged(
     let open = matches!(status, Status::Uncertified | Status::Unconfirmed);
     let solved = status == Status::Solved;
     if !(open || solved) || task.observer.stopped() {
-        return Ok(one);
+        return Ok((one, Trace::default()));
     }
     let known = Known {
         proved: solved.then_some(Proved {
             stationarity,
             objective,
         }),
-        ..Known::default()
+        ..passed
     };
-    let (carried, _) = task.carry(&one, effort, known)?;
+    let (carried, trace) = task.carry(&one, effort, known)?;
     let better = rank(&carried.solution).0 == 0
         && carried.solution.objective < objective - carried.solution.tolerated(UNPOLISHED);
     let worse = carried.solution.objective > unpolished;
@@ -479,10 +484,10 @@ fn judged(
         let mut carried = carried;
         leave_its_work(&mut carried);
         seen.push(carried);
-        return Ok(one);
+        return Ok((one, trace));
     }
     seen.push(carried.clone());
-    Ok(carried)
+    Ok((carried, trace))
 }
 
 /// At most so many of the best distinct motions, which go on, the best first, after a plan that would be better than these if

@@ -171,6 +171,7 @@ pub(super) fn on_grid(solution: &Solution, intervals: usize) -> Option<Solution>
             .flat_map(|&elements| std::iter::repeat_n(elements, factor))
             .collect(),
         controls: resampled.controls(),
+        control_times: resampled.control_times(),
         previous: Some(resampled),
         ..solution.clone()
     })

@@ -2,6 +2,7 @@
 
 use std::sync::Mutex;
 
+use crate::progress::BestMotion;
 use crate::{Observer, Progress};
 
 /// The caller's observer, and what it knows of all runs.
@@ -12,8 +13,9 @@ struct Shared<'a, 'o> {
     stopped: bool,
     /// Iterations and programs of each run.
     runs: Vec<(usize, usize)>,
-    /// The best objective of all runs.
+    /// The best objective of all runs, and the best motion.
     best: Option<f64>,
+    motion: Option<BestMotion>,
 }
 
 impl<'a, 'o> SharedObserver<'a, 'o> {
@@ -23,6 +25,7 @@ impl<'a, 'o> SharedObserver<'a, 'o> {
             stopped: false,
             runs: Vec::new(),
             best: None,
+            motion: None,
         }))
     }
 
@@ -49,10 +52,12 @@ impl<'a, 'o> SharedObserver<'a, 'o> {
             .into_iter()
             .flatten()
             .reduce(f64::min);
+        shared.motion = BestMotion::better(shared.motion, progress.motion);
         let mut all = *progress;
         all.iterations = shared.runs.iter().map(|run| run.0).sum();
         all.programs = shared.runs.iter().map(|run| run.1).sum();
         all.best = shared.best;
+        all.motion = shared.motion;
         shared.stopped = !(shared.observer)(&all);
         !shared.stopped
     }

@@ -63,6 +63,7 @@ fn state_on(solution: &mut Solution, intervals: usize) {
     if let Some(previous) = &solution.previous {
         let resampled = previous.resampled(intervals);
         solution.controls = resampled.controls();
+        solution.control_times = resampled.control_times();
         solution.previous = Some(resampled);
         let elements = solution.elements.iter().sum::<usize>();
         solution.elements = vec![elements.div_ceil(intervals); intervals];

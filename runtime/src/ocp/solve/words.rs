@@ -10,10 +10,10 @@ use super::optima::{Found, is_better, result, sort};
 use super::run::Task;
 use super::shared_observer::SharedObserver;
 use crate::model::Model;
-use crate::ocp::collocation::discretization::{Setting, parabolas};
+use crate::ocp::collocation::discretization::{Lengths, Setting, parabolas};
 use crate::ocp::effort::Effort;
 use crate::ocp::global::guess::guess;
-use crate::ocp::judge::confirm::judge;
+use crate::ocp::judge::confirm::{confirm, judge, report};
 use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
@@ -21,8 +21,9 @@ use crate::ocp::progress::Watch;
 use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::sampled::drawing_range;
-use crate::ocp::settings::{Guess, Settings};
+use crate::ocp::settings::{ControlNodes, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
+use crate::ocp::words::aligned::{Aligned, Followed, followed};
 use crate::ocp::words::beginnings::beginnings;
 use crate::ocp::words::off_grid::Timed;
 use crate::ocp::words::on_grid::{Grid, Placed};
@@ -46,6 +47,8 @@ const LEAST: usize = 8;
 const CARRIED: usize = 2;
 /// Motions that go on to the judge.
 const JUDGED: usize = 3;
+/// By how much elements become more at most where intervals are aligned with phases and a motion is not confirmed.
+const FINEST: usize = 8;
 
 /// Solves on the grid of the problem by way of words.
 pub(super) fn solve(
@@ -54,6 +57,9 @@ pub(super) fn solve(
     settings: &Settings,
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
+    if settings.grid == ControlNodes::Aligned {
+        return solve_aligned(model, problem, settings, observer);
+    }
     let (best, mut seen, stopped) = {
         let observer = SharedObserver::new(observer);
         let task = Task {
@@ -107,6 +113,27 @@ pub(super) fn solve(
         starts,
         ..result(vec![found], seen, stopped)
     })
+}
+
+/// The same with control intervals that are aligned with phases.
+fn solve_aligned(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    observer: &mut Observer<'_>,
+) -> Result<Solution, InputError> {
+    let observer = SharedObserver::new(observer);
+    let task = Task {
+        model,
+        problem,
+        settings,
+        observer: &observer,
+    };
+    let mut found = found_by_words(&task)?;
+    let seen = found.clone();
+    sort(&mut found);
+    found.truncate(1);
+    Ok(result(found, seen, observer.stopped()))
 }
 
 /// What was found on grids, with the work of what was looked at before.
@@ -180,7 +207,10 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
             elements: &elements,
         })
         .collect();
-    let mut found = judged(&mut runner, &words, &grids, finer)?;
+    let mut found = match settings.grid {
+        ControlNodes::Equal => judged(&mut runner, &words, &grids, finer)?,
+        ControlNodes::Aligned => aligned(&mut runner, &words, &grids, finer)?,
+    };
     let (counts, mut seconds) = (runner.counts, runner.seconds);
     if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
         seconds.total = elapsed.as_secs_f64();
@@ -195,6 +225,106 @@ fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
         (one.solution.counts, one.solution.seconds) = work;
     }
     Ok(found)
+}
+
+/// What the best words come to with the intervals divided among their phases, and the words that these lead to, or else what they come to
+/// on equal intervals does; at least one, which may be without a motion.
+fn aligned<'a>(
+    runner: &mut Runner,
+    words: &[Timed],
+    grids: &[Grid<'a, 'a>],
+    finer: &'a [ButcherTableau],
+) -> Result<Vec<Found>, InputError> {
+    let mut found: Vec<Found> = Vec::new();
+    let mut least = f64::INFINITY;
+    for (start, (word, grid)) in words.iter().zip(grids).enumerate() {
+        let enough = start >= PLACED && least.is_finite();
+        if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
+            continue;
+        }
+        let Some(aligned) = Aligned::of(word, grid.setting.problem.intervals) else {
+            continue;
+        };
+        let Some(solution) = confirmed(runner, grid.setting, aligned)? else {
+            continue;
+        };
+        if matches!(solution.status, Status::Solved | Status::Uncertified) {
+            least = least.min(solution.objective);
+        }
+        found.push(Found {
+            start,
+            source: Source::Words,
+            solution,
+        });
+    }
+    let equal = match found.is_empty() {
+        true => judged(runner, words, grids, finer)?,
+        false => Vec::new(),
+    };
+    for (plan, grid) in equal.iter().zip(grids) {
+        let Some(previous) = &plan.solution.previous else {
+            continue;
+        };
+        if let Some(aligned) = Aligned::of_plan(previous.as_candidate())
+            && let Some(solution) = confirmed(runner, grid.setting, aligned)?
+        {
+            found.push(Found { solution, ..*plan });
+        }
+    }
+    if found.is_empty() {
+        let mut none = nothing();
+        let times = grids.first().map(|grid| grid.setting.final_times());
+        none.solution.final_times = times.map_or((f64::NAN, f64::NAN), |t| (t.shortest, t.longest));
+        found.push(none);
+    }
+    Ok(found)
+}
+
+/// No motion.
+fn nothing() -> Found {
+    Found {
+        start: 0,
+        source: Source::Words,
+        solution: Solution::without_motion(Status::NotFound, Vec::new(), Counts::default()),
+    }
+}
+
+/// The best of the words that a word leads to, with so many elements that its re-simulation confirms it, as far as they become more.
+fn confirmed(
+    runner: &mut Runner,
+    setting: Setting,
+    aligned: Aligned,
+) -> Result<Option<Solution>, InputError> {
+    let mut elements = runner.settings.elements;
+    let Some(Followed {
+        aligned,
+        stationarity,
+    }) = followed(runner, setting, (aligned, elements))?
+    else {
+        return Ok(None);
+    };
+    let mut best = None;
+    while elements <= FINEST * runner.settings.elements && !runner.stopped() {
+        let spans = aligned.spans(setting, elements);
+        let Ok(local) = aligned.solved(runner, setting, &spans)? else {
+            break;
+        };
+        let local = local.polished(runner);
+        let counts = vec![elements; setting.problem.intervals];
+        let setting = Setting {
+            lengths: Lengths::Phases(&spans),
+            ..setting
+        };
+        let solution = confirm(runner, setting, &counts, &local, stationarity)?;
+        report(runner, &solution);
+        let unconfirmed = solution.status == Status::Unconfirmed;
+        best = Some(solution);
+        if !unconfirmed {
+            break;
+        }
+        elements *= 2;
+    }
+    Ok(best)
 }
 
 /// What the best words come to on the grid, judged; at least one, which may be without a motion.
@@ -228,12 +358,7 @@ fn judged<'a>(
         });
     }
     if found.is_empty() {
-        let none = Solution::without_motion(Status::NotFound, Vec::new(), Counts::default());
-        found.push(Found {
-            start: 0,
-            source,
-            solution: none,
-        });
+        found.push(nothing());
     }
     Ok(found)
 }

@@ -13,6 +13,7 @@
 //! on_grid      the best words with their switches in, at and around the ends of the control intervals
 //! ```
 
+pub(in crate::ocp) mod aligned;
 pub(in crate::ocp) mod beginnings;
 mod edits;
 pub(in crate::ocp) mod library;

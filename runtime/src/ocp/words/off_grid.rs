@@ -147,6 +147,30 @@ impl Motion {
 
 /// The spans of the phases of a draft.
 fn spans(draft: &Draft, problem: &Problem, fineness: Fineness) -> Vec<Span> {
+    let pieces = |_, share: f64| {
+        let pieces = (fineness.pieces as f64 * share).round() as usize;
+        fineness.least.max(pieces)
+    };
+    let mut spans = spans_with(draft, problem, pieces);
+    let total: f64 = spans.iter().map(|span| span.to - span.from).sum();
+    for span in &mut spans {
+        let piece = (span.to - span.from) / (total * span.pieces as f64);
+        span.elements = ((ELEMENTS * piece - ROUNDED).ceil() as usize).max(1);
+        span.free = fineness.free;
+        span.longest = span
+            .free
+            .then_some(LONGEST * span.elements as f64 / ELEMENTS);
+    }
+    spans
+}
+
+/// The spans of the phases of a draft with so many control intervals by index and share of the motion, of equal length in a phase, of one
+/// finite element.
+pub(super) fn spans_with(
+    draft: &Draft,
+    problem: &Problem,
+    pieces: impl Fn(usize, f64) -> usize,
+) -> Vec<Span> {
     let phases = draft.phases();
     let total: f64 = phases.iter().map(|(from, to)| to - from).sum();
     let stretch = match problem.horizon {
@@ -154,16 +178,13 @@ fn spans(draft: &Draft, problem: &Problem, fineness: Fineness) -> Vec<Span> {
         Horizon::Free { .. } => 1.0,
     };
     let mut begin = 0.0;
-    let spans = phases.into_iter().map(|(_, to)| {
+    let spans = phases.into_iter().enumerate().map(|(index, (_, to))| {
         let from = begin;
         let to = to.max(from + LEAST * total);
         begin = to;
-        let share = (to - from) / total;
         Span {
-            pieces: fineness
-                .least
-                .max((fineness.pieces as f64 * share).round() as usize),
-            free: fineness.free,
+            pieces: pieces(index, (to - from) / total),
+            free: false,
             from,
             to,
             duration: stretch * (to - from),
@@ -171,16 +192,7 @@ fn spans(draft: &Draft, problem: &Problem, fineness: Fineness) -> Vec<Span> {
             elements: 1,
         }
     });
-    let mut spans: Vec<Span> = spans.collect();
-    let total: f64 = spans.iter().map(|span| span.to - span.from).sum();
-    for span in &mut spans {
-        let piece = (span.to - span.from) / (total * span.pieces as f64);
-        span.elements = ((ELEMENTS * piece - ROUNDED).ceil() as usize).max(1);
-        span.longest = span
-            .free
-            .then_some(LONGEST * span.elements as f64 / ELEMENTS);
-    }
-    spans
+    spans.collect()
 }
 
 /// Solves the program of a draft from a motion; `None` where it has no order or no solution.
@@ -265,7 +277,7 @@ pub(super) fn solved(
 }
 
 /// A solved program as a word with its times.
-fn read(
+pub(super) fn read(
     program: &Collocation,
     solution: &nlp::Solution,
     (draft, counts): (&Draft, &[usize]),

@@ -8,6 +8,7 @@ use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Settings;
+use crate::progress::BestMotion;
 use crate::rk::ButcherTableau;
 
 /// Most programs of a search, and programs without a gain after which it ends.
@@ -227,6 +228,10 @@ impl<'a, 'r> Words<'a, 'r> {
         let seen = &mut self.seen[place];
         seen.merit = seen.merit.min(merit);
         if improves {
+            if self.solved[index].missed <= NO_MISS {
+                let objective = self.solved[index].objective;
+                runner.found(BestMotion::new(draft.word.closings(), objective, false));
+            }
             seen.won += 1;
             self.best = Some(index);
         }

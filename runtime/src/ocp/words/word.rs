@@ -38,6 +38,14 @@ impl Word {
         self.instants.len() + usize::from(!self.ends_with_impact)
     }
 
+    /// Number of contacts that close on the way.
+    pub(super) fn closings(&self) -> usize {
+        let switches = self.instants.iter().flatten();
+        switches
+            .filter(|switch| switch.closes && !switch.passes)
+            .count()
+    }
+
     /// Modes of the contacts in each phase, and after an impact that ends the motion.
     pub(super) fn modes(&self) -> Vec<Vec<ContactMode>> {
         let mut modes = self.initially.clone();
