@@ -180,3 +180,22 @@ pub(crate) fn chain(n: usize) -> String {
         each(n, ", ", |i| format!("q{i}: {:.2}", 0.8 + 0.02 * i as f64)),
     )
 }
+
+/// An elastic bar of `n` masses and springs that flies onto a wall.
+pub(crate) fn bar(n: usize) -> String {
+    let spring = |i: usize| format!("k*{n}/2*(x{} - x{i} - {} [m])^2", i + 1, 1.0 / n as f64);
+    let springs = match n {
+        1 => String::new(),
+        _ => format!(" - {}", each(n - 1, " - ", spring)),
+    };
+    format!(
+        "parameters {{ m: kg = 1, k: N/m = 100 }} coordinates {{ {} }} lagrangian {}{springs} surface wall: x1 >= 0 \
+         impact wall: inelastic start {{ {} }} horizon 1 [s]",
+        each(n, ", ", |i| format!("x{i}: m")),
+        each(n, " + ", |i| format!("m/{n}/2*dot(x{i})^2")),
+        each(n, ", ", |i| format!(
+            "x{i}: {:.6} [m], dot(x{i}): -1 [m/s]",
+            0.1 + (i - 1) as f64 / n as f64
+        )),
+    )
+}

@@ -1,53 +1,58 @@
-//! How load time and simulation grow with the number of bodies and contacts.
+//! How load time, simulation and memory grow with the number of bodies and contacts.
 //!
 //! ```sh
 //! cargo bench --bench contacts                            # all families and methods
 //! cargo bench --bench contacts -- --family discs --limit 60 --most 20
+//! cargo bench --bench contacts -- --out growth --peers peers.csv
 //! ```
 //!
 //! A row is a family of scenes with `n` bodies: contacts, CPU time to load the text, then of one run of each method, with the
-//! exponent of that in the number of contacts since the row before. A method that takes longer than the limit \[s\], or
+//! exponent of that in the number of contacts since the row before (of bodies where contacts do not grow), and the most memory that
+//! loading and running took. Each cell is measured in a program of its own. A method that takes longer than the limit \[s\], or
 //! does not solve a scene, is not asked for larger ones; what it ends with stands in its place.
+//!
+//! `--out` writes the rows as `contacts.csv` and as a chart, `contacts.svg`, into that folder; `--peers` adds the rows of a file of
+//! the same columns, as `tools/peers/contacts.py` writes them.
 
+mod chart;
 mod families;
+mod measure;
+mod row;
 
-use std::time::Instant;
-
-use hangtime::model::Model;
-use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Moreau, Simulator};
-use hangtime_solver::clock::ThreadTime;
+use row::{Row, exponent};
+use std::path::Path;
 
 /// A family of scenes.
-struct Family {
+pub(crate) struct Family {
     /// Its name.
-    name: &'static str,
+    pub(crate) name: &'static str,
     /// The scene of `n` bodies.
-    text: fn(usize) -> String,
+    pub(crate) text: fn(usize) -> String,
     /// Numbers of bodies that are measured.
-    sizes: &'static [usize],
+    pub(crate) sizes: &'static [usize],
 }
 
 /// All families.
-const FAMILIES: [Family; 7] = [
+pub(crate) const FAMILIES: [Family; 8] = [
     Family {
         name: "cradle, elastic",
         text: |n| families::row(n, "restitution 1", 1.0),
-        sizes: &[5, 10, 20, 50, 100],
+        sizes: &[2, 5, 10, 20, 50, 100, 200],
     },
     Family {
         name: "row, inelastic",
         text: |n| families::row(n, "inelastic", 1.0),
-        sizes: &[5, 10, 20, 50, 100],
+        sizes: &[2, 5, 10, 20, 50, 100, 200],
     },
     Family {
         name: "tower of boxes",
         text: families::tower,
-        sizes: &[5, 10, 20, 50],
+        sizes: &[2, 5, 10, 20, 50, 100],
     },
     Family {
         name: "stack of boxes that tilt",
         text: |n| families::stack(n, None),
-        sizes: &[2, 5, 10, 20],
+        sizes: &[2, 5, 10, 20, 50, 100],
     },
     Family {
         name: "blocks on a rough floor",
@@ -62,7 +67,12 @@ const FAMILIES: [Family; 7] = [
     Family {
         name: "chain above a floor",
         text: families::chain,
-        sizes: &[2, 5, 10],
+        sizes: &[2, 5, 10, 20, 40, 60, 100],
+    },
+    Family {
+        name: "elastic bar",
+        text: families::bar,
+        sizes: &[2, 5, 10, 20, 50, 100, 200],
     },
 ];
 
@@ -72,101 +82,75 @@ fn option(name: &str) -> Option<String> {
     arguments.nth(1)
 }
 
-/// CPU time of a call \[s\].
-fn timed<T>(call: impl FnOnce() -> T) -> (T, f64) {
-    let clock = ThreadTime::try_now();
-    let result = call();
-    let elapsed = clock.and_then(|clock| clock.try_elapsed());
-    (
-        result,
-        elapsed.map_or(f64::NAN, |elapsed| elapsed.as_secs_f64()),
-    )
-}
-
-/// One run, its CPU time, and how it ended.
-fn run(method: &dyn Simulator, model: &dyn Model, limit: f64) -> (f64, String) {
-    let begin = Instant::now();
-    let mut over = false;
-    let (result, seconds) = timed(|| {
-        let problem = InitialValueProblem::of(model, None)?;
-        method.simulate(model, &problem, &mut |_| {
-            over = begin.elapsed().as_secs_f64() > limit;
-            !over
-        })
-    });
-    let ended = match result {
-        _ if over => "limit".to_owned(),
-        Ok(run) if run.status.is_solved() => String::new(),
-        Ok(run) => run.status.name().to_owned(),
-        Err(error) => error.to_string(),
-    };
-    (seconds, ended)
-}
-
-/// The rows of a family.
-fn measure(family: &Family, most: usize, limit: f64) {
-    let methods: [(&str, &dyn Simulator); 3] = [
-        ("default", &Fesd::default()),
-        ("event", &EventDriven::default()),
-        ("moreau", &Moreau::default()),
-    ];
-    let mut last: [Option<(f64, f64)>; 3] = [None; 3];
-    let mut stopped = [false; 3];
+/// The rows of a family, which are printed as they are measured.
+fn measured(family: &Family, most: usize, limit: f64) -> Vec<Row> {
+    let mut rows: Vec<Row> = Vec::new();
+    let mut stopped = [false; measure::METHODS.len()];
     println!("\n{}", family.name);
-    println!("     n contacts   load [s]   default [s]  exp    event [s]  exp   moreau [s]  exp");
+    println!(
+        "     n contacts   load [s]   default [s]  exp    event [s]  exp   moreau [s]  exp  memory [MB]"
+    );
     for &n in family.sizes.iter().filter(|&&n| n <= most) {
-        let text = (family.text)(n);
-        let (scene, load) = timed(|| hangtime_scene_files::of_text("scene.hang", &text));
-        let scene = match scene {
-            Ok(scene) => scene,
-            Err(error) => {
-                let line = error.to_string();
-                println!(
-                    "{n:6}          {load:9.3}   {}",
-                    line.lines().next().unwrap_or_default()
-                );
-                break;
-            }
-        };
-        let contacts = scene.declaration().contacts.len();
-        print!("{n:6} {contacts:8}  {load:9.3}");
-        for (k, (_, method)) in methods.iter().enumerate() {
-            if stopped[k] {
-                print!("            -     ");
+        let mut known: Option<Row> = None;
+        let mut memory = 0.0_f64;
+        let mut line = String::new();
+        for (method, stopped) in measure::METHODS.into_iter().zip(&mut stopped) {
+            if *stopped {
+                line.push_str("            -     ");
                 continue;
             }
-            let (seconds, ended) = run(*method, &scene, limit);
-            if !ended.is_empty() {
-                stopped[k] = true;
-                print!("  {ended:>16}");
-                continue;
+            let row = measure::in_a_program(family.name, n, method, limit);
+            memory = memory.max(row.memory);
+            if row.ended.is_empty() {
+                *stopped = row.seconds > limit;
+                let before = rows
+                    .iter()
+                    .rfind(|before| before.method == method && before.ended.is_empty());
+                line.push_str(&match before.and_then(|before| exponent(before, &row)) {
+                    Some(exponent) => format!("  {:11.4} {exponent:4.1}", row.seconds),
+                    None => format!("  {:11.4}     ", row.seconds),
+                });
+            } else {
+                *stopped = true;
+                line.push_str(&format!("  {:>16}", row.ended));
             }
-            let exponent = last[k].map(|(before, then): (f64, f64)| {
-                (seconds / then).ln() / (contacts as f64 / before).ln()
-            });
-            last[k] = Some((contacts as f64, seconds));
-            stopped[k] = seconds > limit;
-            match exponent {
-                Some(exponent) => print!("  {seconds:11.4} {exponent:4.1}"),
-                None => print!("  {seconds:11.4}     "),
-            }
+            known = Some(row.clone());
+            rows.push(row);
         }
-        println!();
+        let Some(row) = known else { break };
+        println!(
+            "{n:6} {:8}  {:9.3}{line}  {memory:11.1}",
+            row.contacts, row.load
+        );
     }
+    rows
 }
 
 fn main() {
-    let limit = option("--limit")
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(30.0);
-    let most = option("--most")
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(usize::MAX);
+    if let Some(child) = measure::child() {
+        println!("{}", child.line());
+        return;
+    }
+    let number = |name: &str| option(name).and_then(|text| text.parse::<f64>().ok());
+    let limit = number("--limit").unwrap_or(30.0);
+    let most = number("--most").map_or(usize::MAX, |most| most as usize);
     let wanted = option("--family").unwrap_or_default();
-    for family in FAMILIES
-        .iter()
+    let families = FAMILIES.iter();
+    let mut rows: Vec<Row> = families
         .filter(|family| family.name.contains(&wanted))
-    {
-        measure(family, most, limit);
+        .flat_map(|family| measured(family, most, limit))
+        .collect();
+    if let Some(peers) = option("--peers").and_then(|file| std::fs::read_to_string(file).ok()) {
+        rows.extend(peers.lines().filter_map(Row::read));
+    }
+    if let Some(folder) = option("--out") {
+        let folder = Path::new(&folder);
+        let written = std::fs::create_dir_all(folder)
+            .and_then(|()| std::fs::write(folder.join("contacts.csv"), row::table(&rows)))
+            .and_then(|()| std::fs::write(folder.join("contacts.svg"), chart::drawn(&rows)));
+        match written {
+            Ok(()) => println!("\n{}", folder.join("contacts.svg").display()),
+            Err(error) => eprintln!("{}: {error}", folder.display()),
+        }
     }
 }

@@ -10,12 +10,24 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// How the book sets its formulas; its package is none that this one could depend on, as it is not published.
+#[cfg(feature = "play")]
+#[expect(unreachable_pub, reason = "in the book's package it is public")]
+#[path = "../../tools/book/src/formula.rs"]
+mod formula;
+
+/// The reference of the language, likewise.
+#[cfg(feature = "play")]
+#[path = "../../tools/book/src/language.rs"]
+mod language;
+
 #[cfg(feature = "play")]
 mod module {
     use std::env;
     use std::error::Error;
+    use std::fmt::Write as _;
     use std::fs::{self, File};
-    use std::path::PathBuf;
+    use std::path::{Path, PathBuf};
     use std::process::Command;
 
     use flate2::Compression;
@@ -36,6 +48,11 @@ mod module {
         "../../units/src",
         "../src",
     ];
+
+    /// The book, from the folder of this package.
+    const BOOK: &str = "../../docs/book/src";
+    /// The root of the repository, from the book.
+    const ROOT: &str = "../../..";
 
     pub(crate) fn build() -> Result<(), Box<dyn Error>> {
         let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").ok_or("no manifest")?);
@@ -66,6 +83,37 @@ mod module {
         let mut packed = GzEncoder::new(File::create(out.join("module.gz"))?, Compression::best());
         packed.write_all(&module)?;
         packed.finish()?;
+        let book = here.join(BOOK);
+        println!("cargo:rerun-if-changed={BOOK}");
+        fs::write(out.join("chapters.rs"), chapters(&book)?)?;
         Ok(())
+    }
+
+    /// The chapters that the summary of the book links to, as an array in Rust.
+    fn chapters(book: &Path) -> Result<String, Box<dyn Error>> {
+        let mut array = String::from("&[");
+        for line in fs::read_to_string(book.join("SUMMARY.md"))?.lines() {
+            let link = line
+                .split_once('[')
+                .and_then(|(_, rest)| rest.split_once("]("));
+            let Some((title, file)) = link else { continue };
+            let file = file.trim_end_matches(')');
+            let text = if file == crate::language::FILE {
+                crate::language::chapter(&fs::read_to_string(
+                    book.join(ROOT).join(crate::language::SOURCE),
+                )?)
+            } else if crate::language::GENERATED.contains(&file) {
+                // Of what only the book's own program knows.
+                continue;
+            } else {
+                fs::read_to_string(book.join(file))?
+            };
+            let text = crate::formula::in_markdown(&text)?;
+            write!(
+                array,
+                "PlayChapter {{ file: {file:?}, title: {title:?}, text: {text:?} }},"
+            )?;
+        }
+        Ok(array + "]")
     }
 }

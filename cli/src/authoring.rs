@@ -13,7 +13,7 @@ use crate::scene_file::{EXTENSION, formatted, is_path, read};
 use crate::table::counted;
 
 /// A scene to begin with; it simulates and solves as it stands.
-const TEMPLATE: &str = include_str!("template.hang");
+pub(crate) const TEMPLATE: &str = include_str!("template.hang");
 
 /// Reports the mistakes of a scene file.
 pub(crate) fn check(arguments: &CheckArguments) -> Result<Report, BadInput> {

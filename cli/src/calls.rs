@@ -4,7 +4,9 @@
 //! for number.
 
 use clap::Parser as _;
+use hangtime::Progress;
 use hangtime::model::{Declaration, Model as _};
+use hangtime::ocp::Previous;
 use hangtime::simulation::Simulation;
 use hangtime_scene_files::{SceneError, TextMistake};
 use serde::{Deserialize, Serialize};
@@ -20,12 +22,13 @@ use crate::failure::{BadInput, did_you_mean};
 use crate::json::to_line;
 use crate::scene_file::{EXTENSION, entry};
 use crate::settings::ChosenScene;
+use crate::table::counted;
 use crate::task::{OptimumTask, SimulationTask, optimum_facts, simulation_facts};
 
 /// Progress is told this often [s].
 const PATIENCE: f64 = 0.1;
 /// The calls, by name.
-const CALLS: [&str; 5] = ["check", "explain", "fmt", "simulate", "solve"];
+const CALLS: [&str; 6] = ["check", "explain", "fmt", "page", "simulate", "solve"];
 
 /// Answers calls, one after the other.
 ///
@@ -34,7 +37,11 @@ const CALLS: [&str; 5] = ["check", "explain", "fmt", "simulate", "solve"];
 /// | `check` | `scene` (names, units, values and equations) and `warnings`, or `mistakes` and `report` |
 /// | `explain` | `text`, as the command prints it |
 /// | `fmt` | `text`, the scene in the settled style |
-/// | `simulate`, `solve` | `result` (the JSON of the command), `facts` (what its page tells), `motion` (what it plays) |
+/// | `page` | `text`, the page in Markdown about the mistake whose code is the `name` of the request |
+/// | `simulate`, `solve` | `result` (the JSON of the command), `facts` (what its page tells), `motion` (what it plays), `warm` |
+///
+/// A `solve` whose request has `"warm": true` starts from the motion of the last one, where that was of the same scene, and says so by
+/// `warm`; without it, it starts from nothing, as the command does.
 ///
 /// A call that is refused has the answer `refusal`, one line that says what, where and how to mend it.
 ///
@@ -56,6 +63,8 @@ const CALLS: [&str; 5] = ["check", "explain", "fmt", "simulate", "solve"];
 pub struct Calls {
     /// The scene of the last call, so that a text is derived once while its parameters change.
     last: Option<Known>,
+    /// The scene that was solved last, and its plan.
+    plan: Option<(&'static Scene, Previous)>,
 }
 
 #[derive(Debug)]
@@ -77,6 +86,9 @@ struct Request<'a> {
     /// What would stand behind the scene on the command line.
     #[serde(default)]
     settings: Vec<String>,
+    /// Whether a solve may start from the last plan.
+    #[serde(default)]
+    warm: bool,
 }
 
 /// What a host gets.
@@ -98,6 +110,8 @@ enum Answer {
         result: Box<RawValue>,
         facts: Vec<[String; 2]>,
         motion: Option<Box<RawValue>>,
+        /// Whether it started from the plan before.
+        warm: bool,
     },
     Refused {
         refusal: String,
@@ -145,6 +159,7 @@ struct SceneEntry {
     title: &'static str,
     parameters: Vec<NumberEntry>,
     coordinates: Vec<NameEntry>,
+    states: Vec<NameEntry>,
     controls: Vec<NameEntry>,
     contacts: Vec<NameEntry>,
     /// Whether there is an optimal control problem.
@@ -197,6 +212,7 @@ impl SceneEntry {
             title: scene.title,
             parameters: parameters.collect(),
             coordinates: variables(&declaration.coordinates[..declaration.mechanical()]),
+            states: variables(declaration.states),
             controls: variables(declaration.controls),
             contacts: contacts.collect(),
             solvable: declaration.optimal_control.is_some(),
@@ -239,6 +255,9 @@ impl Calls {
             ))
             .into());
         }
+        if request.call == "page" {
+            return mistake_page(&request.name);
+        }
         if request.call == "fmt" {
             let file = format!("{}.{EXTENSION}", request.name);
             let formatted = hangtime_scene_files::format_text(&file, &request.text);
@@ -259,7 +278,14 @@ impl Calls {
             Some(Command::Solve(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
                 let mut task = OptimumTask::new(chosen, &arguments)?;
-                Ok(solved(&mut task, progress)?)
+                let warm = self.warm(scene, request.warm);
+                if let Some(plan) = warm {
+                    task.start_from(plan);
+                }
+                let warm = warm.is_some();
+                let (answer, plan) = solved(&mut task, warm, progress)?;
+                self.plan = plan.map(|plan| (scene, plan));
+                Ok(answer)
             }
             Some(Command::Explain(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
@@ -274,6 +300,12 @@ impl Calls {
                 })
             }
         }
+    }
+
+    /// The plan that a solve of a scene may start from, where it is asked to.
+    fn warm(&self, scene: &'static Scene, asked: bool) -> Option<&Previous> {
+        let (solved, plan) = self.plan.as_ref()?;
+        (asked && std::ptr::eq(*solved, scene)).then_some(plan)
     }
 
     /// The scene of a request.
@@ -295,6 +327,20 @@ impl Calls {
             scene,
         });
         Ok(scene)
+    }
+}
+
+/// The page about a mistake.
+fn mistake_page(code: &str) -> Result<Answer, Answer> {
+    match hangtime_dsl::explanation(code) {
+        Some(page) => Ok(Answer::Text {
+            text: page.to_owned(),
+        }),
+        None => Err(BadInput::new(format!(
+            "there is no page about `{code}`{}; give a code such as E03, or `syntax`",
+            did_you_mean(code, hangtime_dsl::mistake_codes())
+        ))
+        .into()),
     }
 }
 
@@ -322,7 +368,8 @@ fn simulated(
     let simulation = task.run(&mut |now| {
         if now.seconds >= next {
             next = now.seconds + PATIENCE;
-            progress(Some(now.time / horizon), &now.to_string());
+            let done = format!("{:.3} s of {horizon:.3} s of the motion", now.time);
+            progress(Some(now.time / horizon), &done);
         }
         true
     })?;
@@ -332,27 +379,58 @@ fn simulated(
         result: raw(task.json(&simulation, gradient.as_ref(), &ending)),
         facts: simulation_facts(&task.method, &simulation, &ending),
         motion: drawn(&task.chosen, Some(&simulation)),
+        warm: false,
     })
 }
 
+/// An optimum, and the plan that the next one may start from.
 fn solved(
     task: &mut OptimumTask,
+    warm: bool,
     progress: &mut (dyn FnMut(Option<f64>, &str) + Send),
-) -> Result<Answer, BadInput> {
+) -> Result<(Answer, Option<Previous>), BadInput> {
     let mut next = PATIENCE;
+    let mut best = None;
+    let contacts = !task.chosen.model.declaration().contacts.is_empty();
     let solution = task.run(&mut |now| {
+        best = now.best.or(best);
         if now.seconds >= next {
             next = now.seconds + PATIENCE;
-            progress(None, &now.to_string());
+            progress(None, &told(now, best, contacts));
         }
         true
     })?;
     let ending = Ending::of(&solution);
-    Ok(Answer::Done {
+    let answer = Answer::Done {
         result: raw(task.json(&solution, &ending)),
         facts: optimum_facts(&task.method, &solution, &ending),
         motion: drawn(&task.chosen, solution.motion.as_ref()),
-    })
+        warm,
+    };
+    Ok((answer, solution.previous))
+}
+
+/// What a solve does, in words of its problem: what it looks for, how many motions it has computed, and the best of them.
+fn told(now: &Progress, best: Option<f64>, contacts: bool) -> String {
+    let doing = match (now.step, contacts) {
+        ("start", _) => "getting ready",
+        ("random motions", _) => "trying random motions",
+        ("reachable states", _) => "looking how far the controls reach",
+        ("collocation", true) => "computing when the contacts of one order happen",
+        ("collocation", false) => "computing the motion",
+        (_, true) => "looking for which contacts happen",
+        (_, false) => "looking for a motion",
+    };
+    let best = match (now.motion, best) {
+        (Some(motion), _) => format!("best so far {motion}"),
+        (None, Some(best)) => format!("best objective so far {best:.6}"),
+        (None, None) => "no motion to the goals yet".to_owned(),
+    };
+    format!(
+        "{doing}: {best}, {} tried, {:.0} s",
+        counted(now.programs, "motion"),
+        now.seconds
+    )
 }
 
 fn drawn(chosen: &ChosenScene, simulation: Option<&Simulation>) -> Option<Box<RawValue>> {

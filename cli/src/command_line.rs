@@ -12,7 +12,7 @@ use crate::chart::Listed;
 use crate::failure::{BadInput, visible};
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, printed, refuse};
 use crate::scene_file::is_path;
-use crate::{ControlScene, HardOptimum, HardScene, OpeningRide, PlayPage, Scene};
+use crate::{CommandSettings, ControlScene, HardOptimum, HardScene, OpeningRide, PlayPage, Scene};
 use crate::{
     ampl, authoring, chart, explain, list, play, profile, program, reproduce, scene, shell,
     simulate, solve, sweep, watch,
@@ -201,6 +201,12 @@ impl CommandLine {
             .after_help(format!("Without a command, `{default}` runs.\n{after}"))
     }
 
+    /// Every command with its options, for books.
+    #[must_use]
+    pub fn settings() -> Vec<CommandSettings> {
+        shell::settings(&Arguments::command())
+    }
+
     fn charted(&self) -> Listed {
         Listed {
             scenes: self.scenes,
@@ -240,7 +246,7 @@ impl CommandLine {
             Some(Command::Fmt(arguments)) => authoring::format(&arguments),
             Some(Command::New(arguments)) => authoring::new(&arguments),
             Some(Command::Profile(arguments)) => profile::run(&arguments),
-            Some(Command::Play(arguments)) => play::run(self.page, &arguments),
+            Some(Command::Play(arguments)) => play::run(scenes, self.page, &arguments),
             Some(Command::Reproduce(arguments)) => {
                 reproduce::run(scenes, &self.opening(), &arguments)
             }

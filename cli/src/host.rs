@@ -16,6 +16,7 @@ use hangtime::simulation::{Gradient, Simulation};
 use crate::arguments::{
     Arguments, ExplainArguments, LimitArguments, SimulateArguments, SolveArguments,
 };
+use crate::drawing::Drawing;
 use crate::ending::{Ending, Stop};
 use crate::failure::BadInput;
 use crate::files::ResultFiles;
@@ -25,6 +26,7 @@ use crate::numbers::ROWS;
 use crate::scene_file::{EXTENSION, entry, is_path, read_text};
 use crate::settings::{ChosenScene, find};
 use crate::task::{FitTask, OptimumTask, SimulationTask, optimum_facts, simulation_facts};
+use crate::thumbnail::thumbnail;
 use crate::{PublishedData, Scene};
 
 /// Why something was refused: what the command line prints on its standard error stream, without the last line end.
@@ -480,12 +482,15 @@ impl HostRun {
     /// Name and unit of every column of a part; a number has an empty unit.
     #[must_use]
     pub fn quantities(&self, part: &str) -> Vec<(String, String)> {
-        let chosen = match &self.work {
+        quantities(self.chosen().model.as_ref(), part)
+    }
+
+    fn chosen(&self) -> &ChosenScene {
+        match &self.work {
             Work::Simulated(task, ..) => &task.chosen,
             Work::Planned(task, _) => &task.chosen,
             Work::Fitted(task, _) => &task.chosen,
-        };
-        quantities(chosen.model.as_ref(), part)
+        }
     }
 
     fn motion(&self) -> Option<&Simulation> {
@@ -494,6 +499,15 @@ impl HostRun {
             Work::Planned(_, solution) => solution.motion.as_ref(),
             Work::Fitted(_, estimate) => estimate.experiments.first().map(|known| &known.motion),
         }
+    }
+
+    /// A small picture of the motion as SVG, for lists of scenes; `None` where nothing moved.
+    #[must_use]
+    pub fn thumbnail(&self) -> Option<String> {
+        let chosen = self.chosen();
+        let model = chosen.model.as_ref();
+        let drawing = Drawing::of(model, chosen.scene.name);
+        thumbnail(drawing.as_ref(), model, self.motion()?)
     }
 
     /// What the command prints with `--json`, in one line.

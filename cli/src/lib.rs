@@ -93,6 +93,8 @@ mod spreadsheet;
 #[cfg(feature = "terminal")]
 mod sweep;
 #[cfg(feature = "terminal")]
+mod thumbnail;
+#[cfg(feature = "terminal")]
 mod timing;
 #[cfg(feature = "terminal")]
 mod watch;
@@ -107,7 +109,7 @@ pub use host::{HostRun, HostScene, Refusal, options};
 pub use host_program::{HostProgram, program_options};
 pub use json::Columns;
 #[cfg(feature = "terminal")]
-pub use play::PlayPage;
+pub use play::{PlayChapter, PlayPage};
 pub use published::{
     ComparedValue, Measure, PublishedCase, PublishedCurve, PublishedData, PublishedDataError,
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
@@ -116,5 +118,7 @@ pub use scene::{
     Charted, ClosedForm, ControlScene, HardOptimum, HardScene, OpeningRide, Question, Right,
     RightOptimum, Scene, Variant, parameter,
 };
+#[cfg(feature = "terminal")]
+pub use shell::CommandSettings;
 #[cfg(feature = "terminal")]
 pub use sweep::{SweepPlan, SweepWork};

@@ -25,6 +25,8 @@ struct SceneEntry {
     name: &'static str,
     title: &'static str,
     group: &'static str,
+    #[serde(skip_serializing_if = "String::is_empty")]
+    about: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     question: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -67,6 +69,7 @@ impl SceneEntry {
             name: scene.name,
             title: scene.title,
             group: scene.group,
+            about: scene.about(),
             question: question.map(|question| question.asked),
             answer: question.map(|question| question.answer),
             known: question.map(|Question { known, .. }| Known {
@@ -158,11 +161,17 @@ pub(crate) fn run(scenes: &'static [Scene], arguments: &ListArguments) -> Result
     if !arguments.json && arguments.scenes.is_empty() {
         return Ok(Report::of(by_groups(&asked)));
     }
-    let read = asked.into_iter().map(|scene| match scene.unread {
-        Some(text) => load_unread(scene, text),
-        None => Ok(scene),
+    let entries = asked.into_iter().map(|scene| {
+        let read = match scene.unread {
+            Some(text) => load_unread(scene, text)?,
+            None => scene,
+        };
+        Ok(SceneEntry {
+            // A scene that is read no longer has its text.
+            about: scene.about(),
+            ..SceneEntry::of(read)?
+        })
     });
-    let entries = read.map(|scene| SceneEntry::of(scene?));
     let scenes: Vec<SceneEntry> = entries.collect::<Result<_, BadInput>>()?;
     let text = if arguments.json {
         to_line(&Document {
@@ -191,6 +200,9 @@ fn by_groups(scenes: &[&'static Scene]) -> String {
 /// All about a scene.
 fn told(scene: &SceneEntry) -> String {
     let mut text = format!("{}\n  {}\n", scene.name, scene.title);
+    for line in wrapped(&scene.about) {
+        let _ = writeln!(text, "  {line}");
+    }
     if let Some((question, answer)) = scene.question.zip(scene.answer) {
         let _ = writeln!(text, "  {question} {answer}");
     }
@@ -208,6 +220,22 @@ fn told(scene: &SceneEntry) -> String {
     let commands = scene.commands.join(", ");
     let _ = writeln!(text, "  for {commands}\n\n{}", parameters(scene));
     text
+}
+
+/// Lines of at most 100 letters, if no word is longer.
+fn wrapped(text: &str) -> Vec<String> {
+    const WIDTH: usize = 100;
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + word.chars().count() < WIDTH => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 fn parameters(scene: &SceneEntry) -> String {

@@ -20,21 +20,30 @@ use crate::table::counted;
 /// The settings of a method, as JSON and people read them; what the method does not have is absent.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub(crate) struct MethodSettings {
+    /// Name of the method.
     name: &'static str,
+    /// Runge-Kutta scheme.
     #[serde(skip_serializing_if = "Option::is_none")]
     scheme: Option<&'static str>,
+    /// Its stages.
     #[serde(skip_serializing_if = "Option::is_none")]
     stages: Option<usize>,
+    /// Steps over the horizon.
     #[serde(skip_serializing_if = "Option::is_none")]
     steps: Option<usize>,
+    /// Finite elements of a step.
     #[serde(skip_serializing_if = "Option::is_none")]
     elements: Option<usize>,
+    /// Whether contacts end where their forces vanish.
     #[serde(skip_serializing_if = "Option::is_none")]
     exit_condition: Option<bool>,
+    /// How the equations of a step are solved.
     #[serde(skip_serializing_if = "Option::is_none")]
     formulation: Option<String>,
+    /// Tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<f64>,
+    /// Width of the smoothed step functions.
     #[serde(skip_serializing_if = "Option::is_none")]
     width: Option<f64>,
 }

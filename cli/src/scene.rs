@@ -19,12 +19,16 @@ pub struct Scene {
     pub text: Option<&'static TextScene>,
     /// The text of its file, if it is one that is read only where it is asked for.
     pub unread: Option<&'static str>,
+    /// The text of the file from which it was compiled, if it was.
+    pub source: Option<&'static str>,
     /// Where the files that it names are looked for; empty for the present folder.
     pub folder: &'static str,
     /// The group in which it is listed.
     pub group: &'static str,
     /// What one may ask of it, if it is there to be looked at.
     pub question: Option<Question>,
+    /// A small picture of its motion, as [`HostRun::thumbnail`](crate::HostRun::thumbnail) makes it; empty if there is none.
+    pub picture: &'static str,
     /// Published results that the scene reproduces.
     pub published: &'static [PublishedCase],
     /// Published sizes of its optimal control problem, as other programs transcribe it.
@@ -166,9 +170,11 @@ impl Scene {
             variants,
             text: None,
             unread: None,
+            source: None,
             folder: "",
             group: "",
             question: None,
+            picture: "",
             published: &[],
             published_sizes: &[],
             charted: &[],
@@ -186,10 +192,25 @@ impl Scene {
         }
     }
 
+    /// The same with the text of the file from which it was compiled.
+    #[must_use]
+    pub const fn compiled_from(self, source: &'static str) -> Self {
+        Self {
+            source: Some(source),
+            ..self
+        }
+    }
+
     /// The same in a group of the list.
     #[must_use]
     pub const fn in_group(self, group: &'static str) -> Self {
         Self { group, ..self }
+    }
+
+    /// The same with a picture of its motion.
+    #[must_use]
+    pub const fn pictured(self, picture: &'static str) -> Self {
+        Self { picture, ..self }
     }
 
     /// The same with what one may ask of it.
@@ -199,6 +220,25 @@ impl Scene {
             question: Some(question),
             ..self
         }
+    }
+
+    /// What is worth knowing about the scene, a paragraph: the comment below the documentation of its text; empty where there is none.
+    ///
+    /// ```
+    /// let text = "//! A stone falls.\n//\n// It falls freely,\n// into a well.\n\ncoordinates { z: m }";
+    /// let scene = hangtime_cli::Scene::unread("stone", "a stone falls", text);
+    /// assert_eq!(scene.about(), "It falls freely, into a well.");
+    /// ```
+    #[must_use]
+    pub fn about(&self) -> String {
+        let text = self.unread.or(self.source).unwrap_or_default();
+        let below = text.lines().skip_while(|line| line.starts_with("//!"));
+        let comment = below.map_while(|line| line.strip_prefix("//"));
+        let words: Vec<&str> = comment
+            .map(str::trim)
+            .filter(|line| !line.is_empty())
+            .collect();
+        words.join(" ")
     }
 }
 

@@ -9,6 +9,77 @@ use crate::failure::{BadInput, did_you_mean};
 use crate::report::Report;
 use crate::scene_file::EXTENSION;
 
+/// A command of the program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CommandSettings {
+    /// Its name.
+    pub name: String,
+    /// What it does.
+    pub about: String,
+    /// Its arguments and options, as they are typed, and what each means, with its choices and its default.
+    pub options: Vec<(String, String)>,
+}
+
+/// The commands of the program and their options; those that are hidden are left out.
+pub(crate) fn settings(parser: &clap::Command) -> Vec<CommandSettings> {
+    let commands = parser
+        .get_subcommands()
+        .filter(|command| !command.is_hide_set());
+    let settings = commands.map(|command| {
+        let arguments = command
+            .get_arguments()
+            .filter(|argument| !argument.is_hide_set());
+        CommandSettings {
+            name: command.get_name().to_owned(),
+            about: command
+                .get_about()
+                .map(ToString::to_string)
+                .unwrap_or_default(),
+            options: arguments.map(option).collect(),
+        }
+    });
+    settings.collect()
+}
+
+/// An argument as it is typed, and what it means.
+fn option(argument: &clap::Arg) -> (String, String) {
+    let values = argument.get_value_names().unwrap_or_default();
+    let taken = argument.get_action().takes_values();
+    let values: Vec<&str> = values
+        .iter()
+        .filter(|_| taken)
+        .map(|name| name.as_str())
+        .collect();
+    let typed = match argument.get_long() {
+        Some(long) => [&[format!("--{long}").as_str()], &values[..]]
+            .concat()
+            .join(" "),
+        None => values.join(" "),
+    };
+    let mut text = argument
+        .get_help()
+        .map(ToString::to_string)
+        .unwrap_or_default();
+    let choices = argument.get_possible_values();
+    let choices = choices
+        .iter()
+        .filter(|choice| taken && !choice.is_hide_set());
+    let choices = choices.map(|choice| match choice.get_help() {
+        Some(help) => format!("`{}`: {help}", choice.get_name()),
+        None => format!("`{}`", choice.get_name()),
+    });
+    let choices: Vec<String> = choices.collect();
+    if !choices.is_empty() {
+        text += &format!(" Choices: {}.", choices.join("; "));
+    }
+    let defaults = argument.get_default_values().iter().filter(|_| taken);
+    let defaults: Vec<_> = defaults.map(|value| value.to_string_lossy()).collect();
+    if !defaults.is_empty() {
+        text += &format!(" Default: `{}`.", defaults.join(" "));
+    }
+    (typed, text)
+}
+
 /// The commands that take scenes.
 const SCENE_COMMANDS: [&str; 4] = ["simulate", "solve", "chart", "explain"];
 

@@ -11,6 +11,7 @@ macro_rules! gallery {
         &[$($(
             Scene::unread($name, $title, include_str!(concat!("../gallery/", $name, ".hang")))
                 .in_group($group)
+                .pictured(include_str!(concat!("../pictures/", $name, ".svg")))
                 $(.asking(Question { asked: $asked, answer: $answer, known: ($intervals, $best) }))?,
         )*)*]
     };

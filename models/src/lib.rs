@@ -47,18 +47,26 @@ pub const fn peers() -> &'static str {
 #[must_use]
 pub fn scenes() -> &'static [Scene] {
     static SCENES: LazyLock<Vec<Scene>> = LazyLock::new(|| {
-        let compiled = [
-            ski_jump::SCENE.in_group("publication"),
-            pump_track::SCENE.in_group("publication"),
-            bouncing_ball::SCENE.in_group("flights and bounces"),
-            incline::SCENE.in_group("friction"),
-            elastic_box::SCENE.in_group("flights and bounces"),
-            rough_ball::SCENE.in_group("flights and bounces"),
-            stick_slip::SCENE.in_group("friction"),
-            hills::SCENE.in_group("flights and bounces"),
-            falling_rod::SCENE.in_group("friction"),
-            three_blocks::SCENE.in_group("friction"),
-        ];
+        macro_rules! grouped {
+            ($($scene:ident $file:literal $picture:literal $group:literal;)*) => {
+                [$($scene::SCENE
+                    .in_group($group)
+                    .compiled_from(include_str!(concat!("../scenes/", $file, ".hang")))
+                    .pictured(include_str!(concat!("../pictures/", $picture, ".svg"))),)*]
+            };
+        }
+        let compiled = grouped! {
+            ski_jump "ski-jump" "ski-jump" "publication";
+            pump_track "pump-track" "pump-track" "publication";
+            bouncing_ball "bouncing-ball" "bouncing-ball" "flights and bounces";
+            incline "incline" "incline" "friction";
+            elastic_box "elastic-box" "box" "flights and bounces";
+            rough_ball "rough-ball" "rough-ball" "flights and bounces";
+            stick_slip "stick-slip" "stick-slip" "friction";
+            hills "hills" "hills" "flights and bounces";
+            falling_rod "falling-rod" "falling-rod" "friction";
+            three_blocks "three-blocks" "three-blocks" "friction";
+        };
         [&compiled, gallery::GALLERY].concat()
     });
     &SCENES

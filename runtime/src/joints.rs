@@ -15,6 +15,8 @@ use crate::model::{Model, contact_point, joint_rows, tangent_point};
 
 /// Newton steps of one projection.
 const STEPS: usize = 8;
+/// Share of the distance before a step above which directions are computed anew.
+const CONTRACTS: f64 = 0.1;
 /// Roundings of a row that are none.
 const ROUNDINGS: f64 = 4.0;
 /// Pivot of `S`, scaled to a unit diagonal, below which a row follows from those before it.
@@ -41,15 +43,16 @@ pub(crate) struct Joints<'a> {
     /// `g` and `w` of all rows, held or not.
     values: Vec<f64>,
     jacobian: Vec<f64>,
-    /// `dw/dv` and `dw/dq` of the rows that are held, row-major.
+    /// `dw/dv` of the rows that are held, row-major.
     gradients: Vec<f64>,
-    turning: Vec<f64>,
     /// Columns of `D`, one after the other.
     directions: Vec<f64>,
     mass: Vec<f64>,
     pivots: Vec<usize>,
     inner: Vec<f64>,
     inner_pivots: Vec<usize>,
+    /// Of all rows.
+    forces: Vec<f64>,
 }
 
 impl<'a> Joints<'a> {
@@ -80,12 +83,12 @@ impl<'a> Joints<'a> {
             values: vec![0.0; 2 * kinds.len()],
             jacobian: vec![0.0; entries],
             gradients: vec![0.0; count * n],
-            turning: vec![0.0; count * n],
             directions: vec![0.0; count * n],
             mass: vec![0.0; n * n],
             pivots: vec![0; n],
             inner: vec![0.0; count * count],
             inner_pivots: vec![0; count],
+            forces: vec![0.0; count],
             held,
         }
     }
@@ -131,11 +134,6 @@ impl<'a> Joints<'a> {
         &self.gradients
     }
 
-    /// `dw/dq`, one row after the other.
-    pub(crate) fn turning(&self) -> &[f64] {
-        &self.turning
-    }
-
     /// Columns of `D`, one after the other.
     pub(crate) fn directions(&self) -> &[f64] {
         &self.directions
@@ -147,23 +145,18 @@ impl<'a> Joints<'a> {
         self.model.joints(x, &mut self.values);
         self.model.joints_jacobian(x, &mut self.jacobian);
         self.gradients.fill(0.0);
-        self.turning.fill(0.0);
         let Some(joints) = self.model.declaration().joints else {
             return;
         };
         for (&(row, column), value) in joints.jacobian.entries.iter().zip(&self.jacobian) {
             let (row, column) = (row as usize, column as usize);
-            if row < self.rows || column >= 2 * n {
+            if row < self.rows || !(n..2 * n).contains(&column) {
                 continue;
             }
             let Ok(place) = self.held.binary_search(&(row - self.rows)) else {
                 continue;
             };
-            if column < n {
-                self.turning[place * n + column] = *value;
-            } else {
-                self.gradients[place * n + column - n] = *value;
-            }
+            self.gradients[place * n + column - n] = *value;
         }
     }
 
@@ -259,6 +252,118 @@ impl<'a> Joints<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Moves `q` and `v`, which nearly fulfil the joints, onto them as [`Self::project_positions`] and [`Self::project_velocities`] do, along
+    /// the directions of the first point as long as they lead there: those of the next ones differ by no more than what it is moved by.
+    pub(crate) fn settle(&mut self, x: &mut [f64], time: f64) -> Result<(), JointError> {
+        let n = self.n;
+        self.evaluate(x);
+        self.couple(x)?;
+        for velocities in [false, true] {
+            let mut previous = f64::INFINITY;
+            for _ in 0..STEPS {
+                let (mut worst, mut moves) = (0.0_f64, false);
+                for place in 0..self.count() {
+                    if !velocities && !self.positions[place] {
+                        continue;
+                    }
+                    let value = self.off(place, velocities).abs();
+                    let gradient = &self.gradients[place * n..(place + 1) * n];
+                    let terms = gradient
+                        .iter()
+                        .zip(&x[n..2 * n])
+                        .map(|(g, v)| (g * v).abs());
+                    let rounding = if velocities {
+                        f64::EPSILON * terms.sum::<f64>()
+                    } else {
+                        self.rounding(place, x, time)
+                    };
+                    moves |= value > ROUNDINGS * rounding;
+                    // NaN is the worst.
+                    worst = if value <= worst { worst } else { value };
+                }
+                if !worst.is_finite() {
+                    return Err(JointError::NotClosed);
+                }
+                if !moves || worst >= previous {
+                    break;
+                }
+                if worst > CONTRACTS * previous {
+                    self.couple(x)?;
+                }
+                previous = worst;
+                for place in 0..self.count() {
+                    let moved = velocities || self.positions[place];
+                    self.forces[place] = if moved {
+                        self.off(place, velocities)
+                    } else {
+                        0.0
+                    };
+                }
+                solve_sparse(&self.inner, &mut self.forces);
+                let part = if velocities { n..2 * n } else { 0..n };
+                for (force, along) in self.forces.iter().zip(self.directions.chunks_exact(n)) {
+                    for (value, d) in x[part.clone()].iter_mut().zip(along) {
+                        *value -= force * d;
+                    }
+                }
+                self.evaluate(x);
+            }
+        }
+        Ok(())
+    }
+
+    /// `M^-1 G'` of the rows last evaluated, one column after the other, into the directions, and the factors of `S`. Few rows of a
+    /// mechanism share a body, so that both matrices are mostly zeros.
+    fn couple(&mut self, x: &[f64]) -> Result<(), JointError> {
+        let (n, count) = (self.n, self.count());
+        self.model.mass_matrix(x, &mut self.mass);
+        if factorize_sparse(&mut self.mass, n) <= 0.0 {
+            return Err(JointError::NotClosed);
+        }
+        self.directions.copy_from_slice(&self.gradients);
+        for column in self.directions.chunks_exact_mut(n) {
+            solve_sparse(&self.mass, column);
+        }
+        for i in 0..count {
+            for j in 0..=i {
+                let gradient = &self.gradients[i * n..(i + 1) * n];
+                let column = &self.directions[j * n..(j + 1) * n];
+                self.inner[i * count + j] = dot(gradient, column);
+            }
+        }
+        if factorize_sparse(&mut self.inner, count) > DEPENDENT {
+            Ok(())
+        } else {
+            Err(JointError::Singular)
+        }
+    }
+
+    /// The smallest pivot of `S` at `x`, to the largest entry: how far the rows are from depending on each other and from vanishing, about; 0
+    /// where they do.
+    pub(crate) fn least_pivot(&mut self, x: &[f64]) -> f64 {
+        let (n, count) = (self.n, self.count());
+        self.evaluate(x);
+        if self.couple(x).is_err() {
+            return 0.0;
+        }
+        let rows = self
+            .gradients
+            .chunks_exact(n)
+            .zip(self.directions.chunks_exact(n));
+        let largest = rows.fold(0.0_f64, |most, (row, along)| most.max(dot(row, along)));
+        let pivots = (0..count).map(|i| self.inner[i * count + i]);
+        pivots.fold(f64::INFINITY, f64::min) / largest
+    }
+
+    /// `g` or `w` of a row that is held.
+    fn off(&self, place: usize, velocity: bool) -> f64 {
+        if velocity {
+            self.velocity(place)
+        } else {
+            self.position(place)
+        }
     }
 
     /// Moves `v` onto `w = 0`, which is linear in it.
@@ -366,6 +471,64 @@ fn smallest(model: &dyn Model, x: &[f64], forces: &mut [f64]) {
     match least {
         Ok(least) => forces.copy_from_slice(least.as_slice()),
         Err(_) => forces.fill(f64::NAN),
+    }
+}
+
+/// `L D L'` of a positive definite matrix, row-major, whose lower triangle is read and becomes `L` with `D` on its diagonal; what is zero
+/// costs nothing. The smallest pivot as a share of its entry; 0 where one is not positive.
+fn factorize_sparse(matrix: &mut [f64], n: usize) -> f64 {
+    let diagonal: Vec<f64> = (0..n).map(|i| matrix[i * n + i]).collect();
+    let mut least = f64::INFINITY;
+    for j in 0..n {
+        let pivot = matrix[j * n + j];
+        if !(pivot > 0.0 && pivot.is_finite()) {
+            return 0.0;
+        }
+        least = least.min(pivot / diagonal[j]);
+        for i in j + 1..n {
+            let entry = matrix[i * n + j];
+            if entry == 0.0 {
+                continue;
+            }
+            let factor = entry / pivot;
+            for k in j + 1..=i {
+                // Rows before this one are divided already.
+                let other = if k < i {
+                    matrix[k * n + j] * pivot
+                } else {
+                    entry
+                };
+                if other != 0.0 {
+                    matrix[i * n + k] -= factor * other;
+                }
+            }
+            matrix[i * n + j] = factor;
+        }
+    }
+    least
+}
+
+/// Solves with the factors of [`factorize_sparse`].
+fn solve_sparse(factors: &[f64], x: &mut [f64]) {
+    let n = x.len();
+    for j in 0..n {
+        let known = x[j];
+        if known != 0.0 {
+            for i in j + 1..n {
+                x[i] -= factors[i * n + j] * known;
+            }
+        }
+    }
+    for i in 0..n {
+        x[i] /= factors[i * n + i];
+    }
+    for i in (0..n).rev() {
+        let known = x[i];
+        if known != 0.0 {
+            for (value, factor) in x[..i].iter_mut().zip(&factors[i * n..]) {
+                *value -= factor * known;
+            }
+        }
     }
 }
 

@@ -49,7 +49,7 @@
 //! Each is usable without those above it.
 
 #[doc(hidden)]
-#[path = "private.rs"]
+#[path = "private/mod.rs"]
 pub mod __private;
 // The macro's output names the crate from outside; the crate's own tests declare scenes as well.
 #[cfg(test)]

@@ -221,6 +221,7 @@ pub(crate) fn kernels(
         "free_hessian",
         "contact_hessian_",
         "tangent_hessian_",
+        "joints_hessian",
         "path_hessian",
         "terminal_hessian",
     ];

@@ -203,6 +203,7 @@ fn joints(joints: &Joints) -> JointsDeclaration {
             documentation: text(&joint.documentation),
         })),
         jacobian: pattern(&joints.pattern),
+        hessian: pattern(&joints.hessian_pattern),
     }
 }
 

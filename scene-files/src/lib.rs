@@ -28,6 +28,7 @@
 mod again;
 mod declaration;
 mod derivatives;
+mod inertia;
 mod model;
 mod places;
 mod program;

@@ -110,12 +110,14 @@ impl Model for TextScene {
         let Some(contact) = self.contact_of(contact) else {
             return point.fill(f64::NAN);
         };
-        self.point(contact.point, &contact.rows, x, point);
+        let solved = self.point(contact.point, &contact.rows, x, point);
         let n = self.description().coordinates.len();
         let normal = 4..4 + n;
-        if let Some(solved) = &contact.rows.solved {
-            let size = self.description().systems[solved.system].size;
-            Scratch::lend(|scratch| point[3] = 1.0 / scratch.solution.y[2 * size - 1]);
+        if let Some(inverse_inertia) = solved {
+            // Of dry friction it is a formula.
+            if !contact.dry {
+                point[3] = inverse_inertia;
+            }
         } else if contact.inertia_from_motion
             && let MotionDerivatives::System(system) = self.motion().derivatives
         {
@@ -169,7 +171,7 @@ impl Model for TextScene {
             .friction_of(contact)
             .and_then(|known| known.across.as_ref())
         {
-            Some((kernel, rows)) => self.point(*kernel, rows, x, point),
+            Some((kernel, rows)) => _ = self.point(*kernel, rows, x, point),
             None => point.fill(f64::NAN),
         }
     }
@@ -195,7 +197,7 @@ impl Model for TextScene {
 
     fn tangent(&self, contact: usize, x: &[f64], point: &mut [f64]) {
         match self.friction_of(contact) {
-            Some(friction) => self.point(friction.tangent, &friction.rows, x, point),
+            Some(friction) => _ = self.point(friction.tangent, &friction.rows, x, point),
             None => point.fill(f64::NAN),
         }
     }
@@ -238,6 +240,12 @@ impl Model for TextScene {
     fn joints_jacobian(&self, x: &[f64], values: &mut [f64]) {
         if let Some(joints) = &self.description().joints {
             self.evaluate(joints.jacobian, x, &[], values);
+        }
+    }
+
+    fn joints_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
+        if let Some(joints) = &self.description().joints {
+            self.evaluate(joints.hessian, x, multipliers, values);
         }
     }
 

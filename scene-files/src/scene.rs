@@ -2,12 +2,14 @@
 
 use crate::again::{self, Again};
 use crate::declaration;
+use crate::inertia::Direction;
 use crate::program::{Program, TooLarge};
 use crate::scratch::Scratch;
 use crate::system::zeros;
 use hangtime::model::{Declaration, Experiment, Held, Picture, VariableDeclaration};
 use hangtime_dsl::description::{
-    Contact, Description, Friction, Functions, Joints, Motion, OptimalControl, Rows,
+    Contact, Description, Friction, Functions, Joints, Motion, OptimalControl, Rows, Solver,
+    Vectors,
 };
 use std::sync::{Arc, Mutex};
 
@@ -208,17 +210,46 @@ impl TextScene {
         scratch.others = cross;
     }
 
-    /// What is known at a point: a kernel, and the solution of a linear system behind it.
-    pub(crate) fn point(&self, kernel: usize, rows: &Rows, x: &[f64], point: &mut [f64]) {
+    /// What is known at a point: a kernel, and a direction behind it that is solved for. Gives the inverse inertia along the
+    /// normal if that follows from it.
+    pub(crate) fn point(
+        &self,
+        kernel: usize,
+        rows: &Rows,
+        x: &[f64],
+        point: &mut [f64],
+    ) -> Option<f64> {
         self.evaluate(kernel, x, &[], point);
-        let Some(solved) = &rows.solved else { return };
-        let first = self.description().kernels[kernel].outputs.len();
-        let size = self.description().systems[solved.system].size;
-        Scratch::lend(|scratch| {
-            self.solve(scratch, solved.system, x);
-            let rest = &mut point[first..];
-            rest.copy_from_slice(&scratch.solution.y[size..][..rest.len()]);
-        });
+        let solved = rows.solved.as_ref()?;
+        let rest = &mut point[self.description().kernels[kernel].outputs.len()..];
+        match &solved.by {
+            Solver::Inertia(vectors) => self.direction(vectors, x, |own| own.value(rest)),
+            &Solver::System(system) => Scratch::lend(|scratch| {
+                let size = self.description().systems[system].size;
+                self.solve(scratch, system, x);
+                rest.copy_from_slice(&scratch.solution.y[size..][..rest.len()]);
+                1.0 / scratch.solution.y[2 * size - 1]
+            }),
+        }
+    }
+
+    /// Lends a direction that is solved for with the inertia of the scene.
+    fn direction<T>(
+        &self,
+        vectors: &Vectors,
+        x: &[f64],
+        work: impl FnOnce(&Direction<'_>) -> T,
+    ) -> Option<T> {
+        let description = self.description();
+        let shared = description.inertia.as_ref()?;
+        let direction = Direction {
+            shared,
+            inputs: description.columns(),
+            evaluate: &|kernel, x, y, out| self.evaluate(kernel, x, y, out),
+            vectors,
+            x,
+        };
+        Some(work(&direction))
     }
 
     pub(crate) fn rows_jacobian(&self, rows: &Rows, x: &[f64], values: &mut [f64]) {
@@ -226,13 +257,19 @@ impl TextScene {
         self.evaluate(kernel, x, &[], values);
         let Some(solved) = &rows.solved else { return };
         let first = self.description().kernels[kernel].outputs.len();
-        Scratch::lend(|scratch| {
-            self.differentiate(scratch, solved.system, x);
-            let below = &rows.jacobian.entries[first..];
-            scratch
-                .solution
-                .gather(below, solved.formulas, &mut values[first..]);
-        });
+        let below = (&rows.jacobian.entries[first..], solved.formulas);
+        let values = &mut values[first..];
+        match &solved.by {
+            Solver::Inertia(vectors) => {
+                self.direction(vectors, x, |own| own.jacobian(below, values));
+            }
+            &Solver::System(system) => {
+                Scratch::lend(|scratch| {
+                    self.differentiate(scratch, system, x);
+                    scratch.solution.gather(below.0, below.1, values);
+                });
+            }
+        }
     }
 
     pub(crate) fn rows_hessian(
@@ -246,9 +283,19 @@ impl TextScene {
         let Some(solved) = &rows.solved else {
             return self.evaluate(kernel, x, multipliers, values);
         };
+        let weights = &multipliers[solved.formulas..];
+        let places = &rows.hessian.entries[..];
+        match &solved.by {
+            Solver::Inertia(vectors) => {
+                self.direction(vectors, x, |own| own.hessian(weights, places, values));
+            }
+            &Solver::System(system) => {
+                Scratch::lend(|scratch| {
+                    self.second(scratch, (system, weights), x, (places, values));
+                });
+            }
+        }
         Scratch::lend(|scratch| {
-            let weighted = (solved.system, &multipliers[solved.formulas..]);
-            self.second(scratch, weighted, x, (&rows.hessian.entries, values));
             let geometry = self.values(scratch, kernel, (x, multipliers));
             for (&place, value) in solved.places.iter().zip(&geometry) {
                 values[place] += value;

@@ -8,6 +8,8 @@ use crate::{members, workspace};
 
 /// Most lines of a release in the changelog, without the empty ones: what a reader takes in.
 const RELEASE: usize = 60;
+/// Most lines of all documents outside of the book, and of one page of `docs/experiments`.
+const DOCUMENTS: (usize, usize) = (1500, 120);
 /// What every package that can be published says of itself.
 const FIELDS: [&str; 7] = [
     "description",
@@ -166,6 +168,76 @@ fn releases_in_the_changelog_are_of_readable_length() {
         assert!(
             lines <= RELEASE,
             "{title}: {lines} lines; at most {RELEASE}"
+        );
+    }
+}
+
+/// Files below a folder with this ending, without those of the book.
+fn documents(folder: &Path, ending: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").path())
+    {
+        if entry.is_dir() && !entry.ends_with("book") {
+            found.extend(documents(&entry, ending));
+        } else if entry.extension().is_some_and(|end| end == ending) {
+            found.push(entry);
+        }
+    }
+    found
+}
+
+#[test]
+fn documents_are_of_readable_length_and_their_tables_are_there() {
+    let (most, page) = DOCUMENTS;
+    let docs = workspace().join("docs");
+    let pages = documents(&docs, "md");
+    let root =
+        ["README.md", "CONTRIBUTING.md", "ARCHITECTURE.md"].map(|file| workspace().join(file));
+    let lines = |file: &PathBuf| text(file).lines().count();
+    let all: usize = pages.iter().chain(&root).map(lines).sum();
+    assert!(
+        all <= most,
+        "{all} lines outside of the book; say in {most} what a reader needs"
+    );
+    let mut linked = Vec::new();
+    for file in &pages {
+        assert!(
+            lines(file) <= page,
+            "{}: more than {page} lines; one page a question",
+            file.display()
+        );
+        let folder = file.parent().expect("a folder");
+        for target in text(file)
+            .split("](")
+            .skip(1)
+            .filter_map(|rest| rest.split(')').next())
+        {
+            let target = folder.join(target.split('#').next().unwrap_or_default());
+            assert!(target.exists(), "{}: {}", file.display(), target.display());
+            linked.push(target);
+        }
+    }
+    for table in documents(&docs, "csv") {
+        assert!(
+            linked.contains(&table),
+            "no page leads to {}",
+            table.display()
+        );
+        let columns = |line: &str| {
+            line.split('"')
+                .step_by(2)
+                .map(|part| part.matches(',').count())
+                .sum::<usize>()
+        };
+        let rows = text(&table);
+        let mut counts = rows.lines().map(columns);
+        let heading = counts.next().expect("a heading");
+        assert!(
+            counts.all(|count| count == heading),
+            "{}: rows of other lengths",
+            table.display()
         );
     }
 }

@@ -92,6 +92,47 @@ fn accelerations_and_directions_fulfil_the_rates_of_joints() {
 }
 
 #[test]
+fn second_derivatives_of_joints_are_differences_of_the_first() {
+    for model in [&Rod::default() as &dyn Model, &Wheel::default()] {
+        let declaration = model.declaration();
+        let joints = declaration.joints.expect("joints");
+        let (inputs, outputs) = (declaration.inputs(), 2 * joints.rows());
+        let x: Vec<f64> = (0..inputs).map(|i| (0.7 + i as f64).sin()).collect();
+        let weights: Vec<f64> = (0..outputs).map(|k| (1.0 + k as f64).cos()).collect();
+        // The gradient of the weighted sum.
+        let gradient = |x: &[f64]| {
+            let mut values = vec![0.0; joints.jacobian.entries.len()];
+            model.joints_jacobian(x, &mut values);
+            let mut gradient = vec![0.0; inputs];
+            for (&(row, column), value) in joints.jacobian.entries.iter().zip(values) {
+                gradient[column as usize] += weights[row as usize] * value;
+            }
+            gradient
+        };
+        let mut hessian = vec![0.0; inputs * inputs];
+        let mut values = vec![0.0; joints.hessian.entries.len()];
+        model.joints_hessian(&x, &weights, &mut values);
+        for (&(i, j), value) in joints.hessian.entries.iter().zip(values) {
+            hessian[i as usize * inputs + j as usize] = value;
+        }
+        for j in 0..inputs {
+            let moved = |step: f64| {
+                let mut x = x.clone();
+                x[j] += step;
+                gradient(&x)
+            };
+            let (before, after) = (moved(-1e-5), moved(1e-5));
+            for i in j..inputs {
+                // A central difference of numbers of the order of one.
+                let slope = (after[i] - before[i]) / 2e-5;
+                let off = (slope - hessian[i * inputs + j]).abs();
+                assert!(off < 1e-8, "{}, {i}, {j}: {off:e}", declaration.name);
+            }
+        }
+    }
+}
+
+#[test]
 fn scenes_without_joints_carry_nothing_of_them() {
     let rod = Rod::default();
     let text = rod.text().expect("a text");

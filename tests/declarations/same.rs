@@ -113,6 +113,11 @@ fn assert_joints(pair: Pair<'_>, x: &[f64]) {
     pair.both("joints, jacobian", entries, |model, out| {
         model.joints_jacobian(x, out)
     });
+    let weights: Vec<f64> = (0..2 * rows).map(|k| (1.0 + k as f64).sin()).collect();
+    let entries = joints.hessian.entries.len();
+    pair.both("joints, Hessian", entries, |model, out| {
+        model.joints_hessian(x, &weights, out)
+    });
     pair.both("forces of joints", rows, |model, out| {
         model.joint_forces(x, out)
     });

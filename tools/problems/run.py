@@ -2,11 +2,12 @@
 """Solves a public problem set and writes a table of it: `python3 tools/problems/run.py macmpec` or `nosbench`.
 
 Fetches what is missing into target/problems (git, and the Python package casadi, which states the problems), builds the
-program, solves every problem with its default settings, and writes docs/experiments/SET.md. Clones that are there already
+program, solves every problem with its default settings, and writes docs/experiments/SET.md with the table SET.csv. Clones that are there already
 are named by --clone.
 """
 
 import argparse
+import csv
 import json
 import os
 import pathlib
@@ -21,6 +22,12 @@ import time
 import sets
 
 LIMIT = {"macmpec": 60, "mpeclib": 60, "nosbench": 120, "cutest": 60}
+TITLES = {
+    "cutest": "How many of the CUTEst problems are solved, beside IPOPT?",
+    "macmpec": "How many of the MacMPEC problems are certified?",
+    "mpeclib": "How many of the MPECLib problems are certified?",
+    "nosbench": "How many programs of nosnoc's collection are certified?",
+}
 NOTES = {
     "macmpec": [
         "The collection of MPECs by Leyffer, as far as its translation to CasADi is public, and the traffic problems TSC from their own",
@@ -120,7 +127,7 @@ def table(name, results, missing, best, limit):
     states = sorted({result["status"] for result in results})
     counts = ", ".join(f"{sum(r['status'] == s for r in results)} {s}" for s in states)
     seconds = statistics.median(result["cpu"] for result in results)
-    lines = [f"# {name}", "", *NOTES.get(name, []), f"`python3 tools/problems/run.py {name}`, one default setting, {limit} s a problem, one problem at a time. "
+    lines = [f"# {TITLES[name]}", "", *NOTES.get(name, []), f"`python3 tools/problems/run.py {name}`, one default setting, {limit} s a problem, one problem at a time. "
              f"{len(results)} problems; {missing} more were not in the clone.", "",
              f"- certified (B or S): {len(solved)} of {len(results)} ({100 * len(solved) / len(results):.1f} %); {counts}",
              *([f"- at the best known value, or better, or infeasible as known: {at_best} of {len(with_best)}"] if with_best else []),
@@ -165,7 +172,7 @@ def compared_table(name, results, missing, limit):
     ratio = statistics.median(r["own"] / max(o["seconds"], 1e-6) for r, o in both)
     iterations = sum(r["iterations"]["interior_point"] for r, _ in both), sum(o["iterations"] for _, o in both)
     residual = max((r["residuals"]["violation_stationarity"] for r in infeasible), default=0.0)
-    lines = [f"# {name}", "", *NOTES.get(name, []),
+    lines = [f"# {TITLES[name]}", "", *NOTES.get(name, []),
              f"`python3 tools/problems/run.py {name}`, one default setting, {limit} s a problem, one problem at a time, against IPOPT of the package "
              f"casadi with MUMPS and default options. {len(results)} problems; {missing} more could not be stated.", "",
              f"- {counts}; `solved` by IPOPT: {len(there)}",
@@ -177,6 +184,13 @@ def compared_table(name, results, missing, limit):
              "| problem | variables | rows | status | residual | objective | iterations | CPU [ms] | IPOPT | objective | iterations | CPU [ms] |",
              "|---|---:|---:|---|---:|---:|---:|---:|---|---:|---:|---:|"]
     return "\n".join(lines + [compared_row(result, other) for result, other in results]) + "\n"
+
+
+def parted(name, text):
+    """A page that links to its table, and the rows of that."""
+    head, rows = text[: text.index("| problem")], text[text.index("| problem"):].splitlines()
+    cells = [[cell.strip() for cell in row.strip("| ").split("|")] for row in rows]
+    return f"{head}The table is [{name}.csv]({name}.csv).\n", [cells[0], *cells[2:]]
 
 
 def main():
@@ -207,7 +221,11 @@ def main():
         print(compared_row(*results[-1]) if compares else row(result, best.get(path.stem)), flush=True)
     text = compared_table(arguments.set, results, missing, limit) if compares else table(arguments.set, results, missing, best, limit)
     if not arguments.only and not arguments.sample:
-        (sets.ROOT / "docs" / "experiments" / f"{arguments.set}.md").write_text(text)
+        page, rows = parted(arguments.set, text)
+        folder = sets.ROOT / "docs" / "experiments"
+        (folder / f"{arguments.set}.md").write_text(page)
+        with open(folder / f"{arguments.set}.csv", "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
     print(text[: text.index("| problem")])
 
 

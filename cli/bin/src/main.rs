@@ -2,9 +2,9 @@
 
 use std::process::ExitCode;
 
-#[cfg(feature = "play")]
-use hangtime_cli::PlayPage;
 use hangtime_cli::{CommandLine, OpeningRide};
+#[cfg(feature = "play")]
+use hangtime_cli::{PlayChapter, PlayPage};
 #[cfg(feature = "play")]
 use hangtime_models::scene_texts;
 use hangtime_models::{hard_optima, hard_scenes, peers, scenes};
@@ -16,6 +16,10 @@ const BIKE: OpeningRide = OpeningRide {
     starts: 1,
 };
 
+/// The chapters of the book, as the build script lists them.
+#[cfg(feature = "play")]
+const CHAPTERS: &[PlayChapter] = include!(concat!(env!("OUT_DIR"), "/chapters.rs"));
+
 fn main() -> ExitCode {
     let command_line = CommandLine::new(scenes())
         .with_hard(hard_scenes())
@@ -26,6 +30,7 @@ fn main() -> ExitCode {
     let command_line = command_line.with_page(PlayPage {
         module: include_bytes!(concat!(env!("OUT_DIR"), "/module.gz")),
         scenes: scene_texts(),
+        chapters: CHAPTERS,
     });
     command_line.run(std::env::args_os())
 }

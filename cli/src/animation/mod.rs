@@ -289,7 +289,7 @@ fn shown(simulation: &Simulation) -> impl Iterator<Item = &Event> {
     simulation.events.iter().take(MOST_EVENTS)
 }
 
-/// The states of the frames: evenly spaced, and one at each event.
+/// The states of the frames: evenly spaced, and where something jumps one before and one after it, so that a step is drawn as a step.
 fn states(model: &dyn Model, simulation: &Simulation) -> Vec<State> {
     let trajectory = &simulation.trajectory;
     let (Some(&first), Some(&last)) = (trajectory.time.first(), trajectory.time.last()) else {
@@ -300,11 +300,39 @@ fn states(model: &dyn Model, simulation: &Simulation) -> Vec<State> {
         .round();
     let even = (0..=count as usize).map(|k| first + (last - first) * (k as f64 / count));
     let events = shown(simulation).map(|event| event.time);
+    let jumps = jumps(&trajectory.time);
+    let jump = |t: f64| {
+        jumps
+            .iter()
+            .any(|&(before, _)| trajectory.time[before] == t)
+    };
     let mut times: Vec<f64> = even.chain(events).map(|t| t.clamp(first, last)).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let states = times.iter().filter_map(|&t| state_at(model, trajectory, t));
-    states.collect()
+    times.retain(|&t| !jump(t));
+    let smooth = times.iter().filter_map(|&t| state_at(model, trajectory, t));
+    let sides = jumps.iter().flat_map(|&(before, after)| [before, after]);
+    let sides = sides.map(|k| State::of(model, trajectory, k));
+    let mut states: Vec<State> = smooth.chain(sides).collect();
+    // Stable: the side before a jump stays before the one after it.
+    states.sort_by(|a, b| a.time.total_cmp(&b.time));
+    states
+}
+
+/// The instants right before and right after each jump: of those that have the same time, the first and the last.
+fn jumps(time: &[f64]) -> Vec<(usize, usize)> {
+    let mut jumps: Vec<(usize, usize)> = Vec::new();
+    for k in 1..time.len() {
+        if time[k] != time[k - 1] || time[k] == time[0] {
+            continue;
+        }
+        match jumps.last_mut() {
+            Some((_, after)) if *after == k - 1 => *after = k,
+            _ => jumps.push((k - 1, k)),
+        }
+    }
+    jumps.truncate(MOST_EVENTS);
+    jumps
 }
 
 /// Left, right, bottom and top of what is shown.

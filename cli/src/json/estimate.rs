@@ -15,15 +15,20 @@ use crate::settings::ChosenScene;
 /// The parameters that were found, by name.
 struct FoundEntries<'a>(&'a [EstimatedParameter]);
 
+/// A parameter that was found.
 #[derive(Serialize)]
 struct FoundEntry {
+    /// The value that was found.
     value: f64,
+    /// Its unit.
     unit: &'static str,
-    /// Null where the measurements do not determine it, and at a bound.
+    /// Its standard deviation. Null where the measurements do not determine it, and at a bound.
     deviation: Option<f64>,
+    /// The range in which it was looked for.
     range: (f64, f64),
+    /// The end of the range at which it is, `lower` or `upper`; null within it.
     at_bound: Option<&'static str>,
-    /// Of the misfit by it.
+    /// Derivative of the misfit by it.
     gradient: f64,
 }
 
@@ -49,16 +54,22 @@ impl Serialize for FoundEntries<'_> {
 /// Two symmetric matrices over the parameters.
 #[derive(Serialize)]
 struct MatricesEntry<'a> {
+    /// Names of rows and columns.
     parameters: Vec<&'static str>,
+    /// Covariance.
     covariance: &'a [Vec<f64>],
+    /// Correlation.
     correlation: Vec<Vec<f64>>,
 }
 
 /// A direction in which nothing is determined.
 #[derive(Serialize)]
 struct DirectionEntry<'a> {
+    /// The direction in words.
     text: &'a str,
+    /// The parameters that change along it.
     parameters: Vec<&'static str>,
+    /// By how much.
     changes: Vec<f64>,
 }
 
@@ -76,22 +87,32 @@ impl<'a> DirectionEntry<'a> {
 /// One experiment beside its motion.
 #[derive(Serialize)]
 struct ExperimentEntry<'a> {
+    /// Name of the experiment.
     name: &'static str,
+    /// File of its measurements.
     file: &'static str,
+    /// When something was measured \[s\].
     time: &'a [f64],
+    /// What was measured.
     quantities: Vec<MeasuredEntry>,
+    /// What happens in the motion that was found.
     events: Vec<EventEntry<'a>>,
 }
 
+/// A measured quantity.
 #[derive(Serialize)]
 struct MeasuredEntry {
+    /// What was measured.
     name: &'static str,
+    /// Its unit.
     unit: &'static str,
+    /// Standard deviation of a measurement.
     within: f64,
-    /// Null where nothing was measured.
+    /// Measured values. Null where nothing was measured.
     measured: Vec<f64>,
+    /// Values of the motion that was found.
     computed: Vec<f64>,
-    /// In standard deviations.
+    /// Their difference, in standard deviations.
     residuals: Vec<f64>,
 }
 
@@ -121,9 +142,13 @@ impl<'a> ExperimentEntry<'a> {
 /// Where searches ended.
 #[derive(Serialize)]
 struct LocalEntry<'a> {
+    /// Its misfit.
     objective: f64,
+    /// Its values of the parameters.
     values: &'a [f64],
+    /// Whether the conditions of an optimum hold there.
     optimal: bool,
+    /// How many starts led to it.
     starts: usize,
 }
 
@@ -138,14 +163,19 @@ impl<'a> LocalEntry<'a> {
     }
 }
 
+/// Counts.
 #[derive(Serialize)]
 struct EstimateCounts {
+    /// Steps of Levenberg and Marquardt.
     steps: usize,
+    /// Simulations.
     simulations: usize,
 }
 
+/// CPU times \[s\].
 #[derive(Serialize)]
 struct TotalSeconds {
+    /// All.
     total: f64,
 }
 
@@ -154,31 +184,55 @@ struct TotalSeconds {
 // Many fields: the names of the JSON contract.
 #[derive(Serialize)]
 pub(crate) struct EstimateDocument<'a> {
+    /// Version of the layout of the document.
     schema: u32,
+    /// Name of the scene.
     scene: &'static str,
+    /// Values of the parameters in their declared units, by name, and the choice of the form of the scene.
     parameters: ParameterValues<'a>,
+    /// The parameters that were found, by name.
     free: FoundEntries<'a>,
+    /// Length of the motion \[s\].
     horizon: Option<f64>,
+    /// How the run ended.
     status: &'static str,
+    /// Where and why it ended early.
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<&'a str>,
+    /// What happened, in the order of time.
     events: Vec<EventEntry<'a>>,
+    /// The instants of the motion, at most as many as `--rows` allows.
     trajectory: TrajectoryEntry<'a>,
+    /// The last of them.
     #[serde(rename = "final")]
     last: Option<FinalEntry<'a>>,
+    /// The misfit.
     objective: f64,
+    /// How many numbers were measured.
     measurements: usize,
+    /// Root mean square of the residuals with the degrees of freedom that are left: about 1 where deviations are declared as they are.
     spread: f64,
+    /// Distance from the optimum of the linear problem there, in standard deviations of what was found.
     distance: f64,
+    /// What the measurements tell of the parameters.
     knowledge: MatricesEntry<'a>,
+    /// Directions in which they tell nothing.
     undetermined: Vec<DirectionEntry<'a>>,
+    /// Measurements beside the motion that was found.
     experiments: Vec<ExperimentEntry<'a>>,
+    /// From how many values it was looked for.
     starts: usize,
+    /// Where the searches ended, best first.
     optima: Vec<LocalEntry<'a>>,
+    /// What the run took, counted.
     iterations: EstimateCounts,
+    /// CPU time \[s\].
     seconds: TotalSeconds,
+    /// What one might want to know about this run, in sentences.
     notes: Vec<String>,
+    /// Name and unit of every column of the trajectory.
     quantities: QuantitiesEntry,
+    /// What contacts do from the start on.
     initially: Vec<InitialEntry>,
 }
 

@@ -9,15 +9,19 @@ use serde::{Serialize, Serializer};
 /// Matrices with a row for each value, and a column for each quantity that it is differentiated by.
 #[derive(Serialize)]
 pub(super) struct GradientEntry<'a> {
+    /// What is differentiated by: the columns.
     with_respect_to: &'a [String],
+    /// Of the end of the motion.
     #[serde(rename = "final")]
     last: LastEntry<'a>,
+    /// Of the times of events, a row an event.
     event_times: &'a [Vec<f64>],
-    /// By name, with a row for each row of the trajectory.
+    /// Of outputs, by name, a row for each row of the trajectory.
     outputs: BTreeMap<&'static str, Vec<&'a [f64]>>,
-    /// Only of scenes that declare one that reads nothing of contacts.
+    /// Of the objective. Only of scenes that declare one that reads nothing of contacts.
     #[serde(skip_serializing_if = "Option::is_none")]
     objective: Option<&'a [f64]>,
+    /// `true`, or why there is no derivative.
     exists: Existence<'a>,
     /// Of the end to both sides, only where there are no others.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -27,14 +31,19 @@ pub(super) struct GradientEntry<'a> {
 /// Null where there is no derivative to that side.
 #[derive(Serialize)]
 struct OneSidedEntry<'a> {
+    /// Below the value of the parameter; null where there is none.
     below: SideEntry<'a>,
+    /// Above it; null where there is none.
     above: SideEntry<'a>,
 }
 
+/// Derivatives to one side.
 #[derive(Serialize)]
 struct SideEntry<'a> {
+    /// Of the end of the motion.
     #[serde(rename = "final")]
     last: LastEntry<'a>,
+    /// Of the objective.
     #[serde(skip_serializing_if = "Option::is_none")]
     objective: Option<&'a [f64]>,
 }
@@ -48,11 +57,14 @@ impl<'a> SideEntry<'a> {
     }
 }
 
+/// Derivatives of the end.
 #[derive(Serialize)]
 struct LastEntry<'a> {
+    /// Of coordinates.
     q: &'a [Vec<f64>],
+    /// Of velocities.
     v: &'a [Vec<f64>],
-    /// Only for scenes that declare states.
+    /// Of states. Only for scenes that declare states.
     #[serde(skip_serializing_if = "<[Vec<f64>]>::is_empty")]
     states: &'a [Vec<f64>],
 }

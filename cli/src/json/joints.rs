@@ -14,6 +14,7 @@ pub(super) struct JointsEntry {
 /// The force of a joint in each row: a number, or as many as it has equations.
 #[derive(Serialize)]
 struct Forces {
+    /// Its force at each instant: a number, or as many as it has equations.
     force: Vec<Force>,
 }
 

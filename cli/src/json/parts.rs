@@ -66,11 +66,16 @@ impl Serialize for ParameterValues<'_> {
     }
 }
 
+/// Where and why a run ended early.
 #[derive(Serialize)]
 pub(super) struct DiagnosisEntry<'a> {
+    /// Time that was reached \[s\].
     time: f64,
+    /// Step in which it ended, from 0.
     step: usize,
+    /// The contact concerned, if one can be named.
     contact: Option<&'static str>,
+    /// What happened, and what to change.
     message: &'a str,
 }
 
@@ -90,21 +95,28 @@ impl<'a> DiagnosisEntry<'a> {
     }
 }
 
+/// An event.
 #[derive(Serialize)]
 pub(super) struct EventEntry<'a> {
+    /// When \[s\].
     time: f64,
+    /// What: `impact`, `lift_off`, `contact`, `stick`, `slip`, `switch`, `slide`, `when`.
     kind: &'static str,
+    /// The contact or switch.
     contact: &'static str,
+    /// Coordinates.
     q: &'a [f64],
+    /// Velocities right before it.
     v_before: &'a [f64],
+    /// Velocities right after it.
     v_after: &'a [f64],
-    /// Only for scenes that declare states.
+    /// States of first order. Only for scenes that declare states.
     #[serde(skip_serializing_if = "<[f64]>::is_empty")]
     states: &'a [f64],
-    /// Only of impacts.
+    /// Impulse of each contact. Only of impacts.
     #[serde(skip_serializing_if = "<[f64]>::is_empty")]
     contact_impulse: &'a [f64],
-    /// Only of impacts in scenes with friction.
+    /// Impulse of the friction of each contact. Only of impacts in scenes with friction.
     #[serde(skip_serializing_if = "<[f64]>::is_empty")]
     friction_impulse: &'a [f64],
 }
@@ -136,7 +148,9 @@ impl<'a> EventEntry<'a> {
 /// What a contact does from the start on: of none of these there is an event.
 #[derive(Serialize)]
 pub(super) struct InitialEntry {
+    /// The contact or switch.
     contact: &'static str,
+    /// What it does: open, closed, sticking, or slipping forward or backward; of a switch the sign of its function, or `sliding`.
     mode: String,
 }
 
@@ -162,19 +176,25 @@ impl InitialEntry {
 /// The instants of a trajectory, thinned to the number asked for.
 #[derive(Default, Serialize)]
 pub(super) struct TrajectoryEntry<'a> {
+    /// Time \[s\]; the same twice in a row where something jumps.
     time: Vec<f64>,
+    /// Time of the time-freezing system \[s\]; that of the motion with other formulations.
     numerical_time: Vec<f64>,
+    /// Coordinates.
     q: Vec<&'a [f64]>,
+    /// Velocities.
     v: Vec<&'a [f64]>,
-    /// Only for scenes that declare states.
+    /// States of first order. Only for scenes that declare states.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     states: Vec<&'a [f64]>,
+    /// Controls.
     u: Vec<&'a [f64]>,
+    /// Normal force of each contact.
     contact_force: Vec<&'a [f64]>,
-    /// Only for scenes with friction.
+    /// Friction force of each contact. Only for scenes with friction.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     friction_force: Vec<&'a [f64]>,
-    /// Only for scenes that declare outputs.
+    /// What the scene declares in `outputs`. Only for scenes that declare outputs.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     outputs: Vec<Vec<f64>>,
 }
@@ -236,22 +256,28 @@ impl<'a> TrajectoryEntry<'a> {
 /// Name and unit of every column of a trajectory.
 #[derive(Serialize)]
 pub(super) struct QuantitiesEntry {
+    /// Unit of the time.
     time: &'static str,
+    /// Of coordinates.
     q: Vec<QuantityEntry>,
+    /// Of velocities.
     v: Vec<QuantityEntry>,
-    /// Only for scenes that declare states.
+    /// Of states. Only for scenes that declare states.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     states: Vec<QuantityEntry>,
+    /// Of controls.
     u: Vec<QuantityEntry>,
+    /// Of normal forces.
     contact_force: Vec<QuantityEntry>,
-    /// Only for scenes with friction.
+    /// Of friction forces. Only for scenes with friction.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     friction_force: Vec<QuantityEntry>,
-    /// Only for scenes that declare outputs.
+    /// Of outputs. Only for scenes that declare outputs.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     outputs: Vec<QuantityEntry>,
 }
 
+/// A column.
 #[derive(Serialize)]
 struct QuantityEntry {
     /// Name of the coordinate, control or contact; of a velocity `dy/dt`.
@@ -280,52 +306,80 @@ impl QuantitiesEntry {
     }
 }
 
+/// The state at the end.
 #[derive(Serialize)]
 pub(super) struct FinalEntry<'a> {
+    /// Time \[s\].
     time: f64,
+    /// Coordinates.
     q: &'a [f64],
+    /// Velocities.
     v: &'a [f64],
-    /// Only for scenes that declare states.
+    /// States of first order. Only for scenes that declare states.
     #[serde(skip_serializing_if = "<[f64]>::is_empty")]
     states: &'a [f64],
 }
 
+/// Residuals.
 #[derive(Serialize)]
 #[serde(remote = "Residuals")]
 pub(super) struct ResidualsEntry {
+    /// Largest violation of an equation or a bound, scaled.
     primal: f64,
+    /// Largest violation of the conditions on multipliers or forces, scaled.
     dual: f64,
+    /// Largest product of the two sides of a pair, scaled.
     complementarity: f64,
 }
 
+/// The size of a system or a program.
 #[derive(Serialize)]
 #[serde(remote = "ProblemSize")]
 pub(crate) struct SizeEntry {
+    /// Variables.
     variables: usize,
+    /// Equations.
     equalities: usize,
+    /// Inequalities.
     inequalities: usize,
+    /// Complementarity pairs.
     complementarities: usize,
+    /// Entries of the Jacobian that are not zero by structure.
     jacobian_nonzeros: usize,
+    /// Entries of the lower triangle of the Hessian that are not zero by structure.
     hessian_nonzeros: usize,
 }
 
+/// Counts.
 #[derive(Serialize)]
 #[serde(remote = "Counts")]
 pub(super) struct IterationsEntry {
+    /// Iterations of the interior point method.
     interior_point: usize,
+    /// Iterations of crossovers, with the sides of all pairs fixed.
     crossover: usize,
+    /// Iterations of Newton's method in steps.
     newton: usize,
+    /// Factorizations.
     factorizations: usize,
+    /// Evaluations of the model.
     evaluations: usize,
+    /// Finite elements, or steps, that were accepted.
     elements: usize,
+    /// Steps that were solved as a complementarity problem.
     fallbacks: usize,
 }
 
+/// CPU times \[s\].
 #[derive(Serialize)]
 #[serde(remote = "Seconds")]
 pub(super) struct SecondsEntry {
+    /// All.
     total: f64,
+    /// Of evaluations.
     evaluate: f64,
+    /// Of factorizations.
     factorize: f64,
+    /// Of solutions with factors.
     solve: f64,
 }

@@ -10,45 +10,66 @@ use crate::ending::Ending;
 /// The document of a program: the fields that it shares with that of a scene have the same names and meanings.
 #[derive(Serialize)]
 pub(crate) struct ProgramDocument<'a> {
+    /// Version of the layout of the document.
     schema: u32,
+    /// The file.
     file: &'a str,
+    /// How the run ended.
     status: &'static str,
+    /// Where and why it ended early.
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<&'a str>,
+    /// The objective.
     objective: f64,
+    /// The certificate.
     stationarity: &'static str,
-    /// Of a point that is strongly stationary.
+    /// What second derivatives say. Only of a point that is strongly stationary.
     #[serde(skip_serializing_if = "Option::is_none")]
     second_order: Option<&'static str>,
+    /// How well the conditions hold.
     residuals: Residuals,
+    /// Size of the largest system or program.
     #[serde(with = "SizeEntry")]
     size: ProblemSize,
+    /// What the run took, counted.
     iterations: Iterations,
+    /// CPU time \[s\].
     seconds: Seconds,
-    /// In the order of the file.
+    /// Values of the variables, in the order of the file.
     x: &'a [f64],
+    /// Multipliers of the rows.
     multipliers: &'a [f64],
 }
 
+/// Residuals.
 #[derive(Serialize)]
 struct Residuals {
+    /// Largest violation, scaled.
     primal: f64,
+    /// Largest violation of the conditions on multipliers, scaled.
     dual: f64,
+    /// Largest product of a pair, scaled.
     complementarity: f64,
-    /// Of a point that is called infeasible.
+    /// Gradient of the violation. Only of a point that is called infeasible.
     #[serde(skip_serializing_if = "Option::is_none")]
     violation_stationarity: Option<f64>,
 }
 
+/// Counts.
 #[derive(Serialize)]
 struct Iterations {
+    /// Of the interior point method.
     interior_point: usize,
+    /// Of crossovers.
     crossover: usize,
+    /// Factorizations.
     factorizations: usize,
 }
 
+/// CPU times \[s\].
 #[derive(Serialize)]
 struct Seconds {
+    /// All.
     total: f64,
 }
 

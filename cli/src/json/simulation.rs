@@ -19,30 +19,48 @@ use crate::settings::ChosenScene;
 // Many fields: the names of the JSON contract.
 #[derive(Serialize)]
 pub(crate) struct Document<'a> {
+    /// Version of the layout of the document.
     schema: u32,
+    /// Name of the scene.
     scene: &'static str,
+    /// Values of the parameters in their declared units, by name, and the choice of the form of the scene.
     parameters: ParameterValues<'a>,
+    /// Length of the motion \[s\].
     horizon: f64,
+    /// The method and its settings.
     method: MethodSettings,
+    /// How the run ended.
     status: &'static str,
+    /// Where and why it ended early.
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<DiagnosisEntry<'a>>,
+    /// What happened, in the order of time.
     events: Vec<EventEntry<'a>>,
+    /// The instants of the motion, at most as many as `--rows` allows.
     trajectory: TrajectoryEntry<'a>,
+    /// The last of them.
     #[serde(rename = "final")]
     last: Option<FinalEntry<'a>>,
+    /// Estimated largest error, relative to the largest values of each unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     error_estimate: Option<f64>,
+    /// How well the equations of the steps hold.
     #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
+    /// Size of the largest system or program.
     #[serde(with = "SizeEntry")]
     size: ProblemSize,
+    /// What the run took, counted.
     #[serde(with = "IterationsEntry")]
     iterations: Counts,
+    /// CPU time \[s\].
     #[serde(with = "SecondsEntry")]
     seconds: Seconds,
+    /// What one might want to know about this run, in sentences.
     notes: Vec<String>,
+    /// Name and unit of every column of the trajectory.
     quantities: QuantitiesEntry,
+    /// What contacts do from the start on.
     initially: Vec<InitialEntry>,
     /// Only for scenes with joints.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -112,30 +112,46 @@ pub(crate) fn struck_after_the_end(model: &dyn Model, solution: &Solution) -> Ve
 /// The complementarity problem of the time-freezing formulation.
 #[derive(Serialize)]
 struct TimeFreezingEntry {
+    /// How its exact solution ended.
     status: String,
+    /// Its objective, with the step equilibration.
     objective: f64,
+    /// Length of its motion \[s\].
     horizon: f64,
+    /// How well its equations hold.
     residuals: TimeFreezingResiduals,
+    /// What of the scene it leaves out, and the motion does not.
     left_out: Vec<&'static str>,
+    /// Its relaxed solution.
     relaxed: RelaxedEntry,
+    /// Its size.
     #[serde(with = "SizeEntry")]
     size: ProblemSize,
+    /// Iterations of its exact solution.
     iterations: usize,
+    /// CPU time \[s\].
     seconds: f64,
 }
 
+/// Its residuals.
 #[derive(Serialize)]
 struct TimeFreezingResiduals {
+    /// Largest violation, scaled.
     primal: f64,
+    /// Largest product of a pair.
     complementarity: f64,
 }
 
 /// Its relaxed solution, before the motion was polished.
 #[derive(Serialize)]
 struct RelaxedEntry {
+    /// Its objective.
     objective: f64,
+    /// Its largest product of a pair.
     complementarity: f64,
+    /// Iterations.
     iterations: usize,
+    /// Whether the order of contacts that was read off it led to the motion.
     led_to_motion: bool,
 }
 
@@ -166,11 +182,16 @@ impl TimeFreezingEntry {
 /// The free parameters that were found, by name.
 struct FoundEntries<'a>(&'a [FoundParameter]);
 
+/// A free parameter that was found.
 #[derive(Serialize)]
 struct FoundEntry {
+    /// The value that was found.
     value: f64,
+    /// Its unit.
     unit: &'static str,
+    /// The range in which it was looked for.
     range: (f64, f64),
+    /// The end of the range at which it is, `lower` or `upper`; null within it.
     at_bound: Option<&'static str>,
 }
 
@@ -202,17 +223,24 @@ fn at_bounds(solution: &Solution) -> impl Iterator<Item = String> {
 /// Derivatives of an optimum.
 #[derive(Serialize)]
 struct OptimumGradientEntry<'a> {
+    /// The parameters.
     with_respect_to: &'a [&'static str],
+    /// Derivatives of the objective.
     objective: &'a [f64],
+    /// Derivatives of the final time.
     final_time: &'a [Option<f64>],
 }
 
 /// A violation between the places where a condition is imposed.
 #[derive(Serialize)]
 struct ExcessEntry<'a> {
+    /// The bound or constraint.
     name: &'a str,
+    /// By how much it is violated at most.
     amount: f64,
+    /// Unit of that.
     unit: &'a str,
+    /// When \[s\].
     time: f64,
 }
 
@@ -230,10 +258,15 @@ impl<'a> ExcessEntry<'a> {
 /// A distance that the method keeps, and that costs something.
 #[derive(Serialize)]
 struct MarginEntry<'a> {
+    /// What is kept at a distance.
     name: &'a str,
+    /// The distance.
     amount: f64,
+    /// Unit of that.
     unit: &'a str,
+    /// What the objective would gain without it, to first order.
     cost: f64,
+    /// Whether it is the gap margin of the settings.
     chosen: bool,
 }
 
@@ -252,22 +285,34 @@ impl<'a> MarginEntry<'a> {
 /// A distinct local optimum.
 #[derive(Serialize)]
 struct OptimumEntry<'a> {
+    /// Its objective.
     objective: f64,
+    /// Length of its motion \[s\].
     horizon: f64,
+    /// How its re-simulation and its certificate ended.
     status: &'static str,
+    /// Its certificate.
     stationarity: &'static str,
+    /// How often contacts change.
     switches: usize,
+    /// Control intervals.
     intervals: usize,
+    /// The starts that led to it.
     starts: &'a [usize],
+    /// Where motions came from that led to it.
     sources: Vec<String>,
 }
 
 /// A motion that was confirmed and better than all before it.
 #[derive(Serialize)]
 struct ImprovementEntry {
+    /// CPU time until it was known \[s\].
     cpu: f64,
+    /// Its objective.
     objective: f64,
+    /// How it ended.
     status: &'static str,
+    /// Where it came from.
     source: String,
 }
 
@@ -302,60 +347,96 @@ impl<'a> OptimumEntry<'a> {
 // Many fields: the names of the JSON contract.
 #[derive(Serialize)]
 pub(crate) struct SolutionDocument<'a> {
+    /// Version of the layout of the document.
     schema: u32,
+    /// Name of the scene.
     scene: &'static str,
+    /// Values of the parameters in their declared units, by name, and the choice of the form of the scene.
     parameters: ParameterValues<'a>,
+    /// Free parameters that were found, by name.
     #[serde(skip_serializing_if = "FoundEntries::is_empty")]
     free: FoundEntries<'a>,
+    /// Length of the motion \[s\].
     horizon: f64,
+    /// The method and its settings.
     method: &'a SolverSettings,
+    /// How the run ended.
     status: &'static str,
+    /// Why it ended early.
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<&'a str>,
+    /// What happened, in the order of time.
     events: Vec<EventEntry<'a>>,
+    /// The instants of the motion, at most as many as `--rows` allows.
     trajectory: TrajectoryEntry<'a>,
+    /// The last of them.
     #[serde(rename = "final")]
     last: Option<FinalEntry<'a>>,
+    /// What was to be least.
     objective: f64,
+    /// The certificate: `S`, `B` or `none`.
     stationarity: &'static str,
+    /// Largest difference of a final coordinate between plan and re-simulation.
     resimulation_error: f64,
+    /// Objective of the re-simulated motion.
     #[serde(skip_serializing_if = "Option::is_none")]
     resimulated_objective: Option<f64>,
+    /// Starts on grids.
     starts: usize,
+    /// Controls: a row an interval, or a row a node where they are linear.
     controls: &'a [Vec<f64>],
-    /// Where they are not of equal length.
+    /// When they change \[s\]. Only where they are not of equal length.
     #[serde(skip_serializing_if = "Option::is_none")]
     control_times: Option<&'a [f64]>,
+    /// Derivatives of the optimum. Only where they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     gradient: Option<OptimumGradientEntry<'a>>,
+    /// How well the equations of the steps hold.
     #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
+    /// Size of the largest system or program.
     #[serde(with = "SizeEntry")]
     size: ProblemSize,
+    /// What the run took, counted.
     iterations: SolutionCounts,
+    /// CPU time \[s\].
     #[serde(with = "SecondsEntry")]
     seconds: Seconds,
+    /// The complementarity problem of `--formulation time-freezing`.
     #[serde(skip_serializing_if = "Option::is_none")]
     time_freezing: Option<TimeFreezingEntry>,
+    /// The distinct local optima, best first.
     optima: Vec<OptimumEntry<'a>>,
+    /// Motions that were confirmed and better than all before, in the order in which they were found.
     improvements: Vec<ImprovementEntry>,
+    /// Violations between the places where conditions are imposed.
     excess: Vec<ExcessEntry<'a>>,
+    /// Distances that the method keeps though the scene does not ask for them.
     margins: Vec<MarginEntry<'a>>,
+    /// What one might want to know about this run, in sentences.
     notes: Vec<String>,
+    /// Name and unit of every column of the trajectory.
     quantities: QuantitiesEntry,
+    /// What contacts do from the start on.
     initially: Vec<InitialEntry>,
 }
 
+/// Counts.
 #[derive(Serialize)]
 struct SolutionCounts {
-    /// Of all phases; `contact_implicit` is the share of the global one.
+    /// Iterations of the interior point method in all phases.
     interior_point: usize,
-    /// The phases fix the contact sequence instead of crossing over from a relaxed point.
+    /// None: phases fix the contact sequence instead of crossing over from a relaxed point.
     crossover: usize,
+    /// None: there are no steps.
     newton: usize,
+    /// Factorizations.
     factorizations: usize,
+    /// Programs that were solved.
     programs: usize,
+    /// The share of `interior_point` that looked for which contacts happen.
     contact_implicit: usize,
+    /// Changes of the contact sequence that improved the objective.
     repairs: usize,
 }
 

@@ -43,7 +43,32 @@ const drawPlots = (() => {
     return [low - room, high + room];
   };
 
-  const plot = (figure, { series }, motion, go) => {
+  // The value of a curve at a time: on the line between its points, after a jump that is right there.
+  const valueAt = (time, values, t) => {
+    let [low, high] = [0, time.length - 1];
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (time[middle] <= t) low = middle;
+      else high = middle - 1;
+    }
+    const [a, b] = [values[low], values[low + 1]];
+    if (a === null || a === undefined) return null;
+    if (b === null || b === undefined || t <= time[low]) return a;
+    return a + ((t - time[low]) / (time[low + 1] - time[low])) * (b - a);
+  };
+  const digits = (value) => {
+    if (value === null) return "";
+    const size = Math.abs(value);
+    return size !== 0 && (size < 1e-3 || size >= 1e5) ? value.toExponential(2) : value.toPrecision(4).replace(/^(-?\d+\.\d*?)0+$/, "$1").replace(/\.$/, "");
+  };
+  // Room for names and values at the right, the same for all, so that their axes are aligned.
+  const roomFor = (groups, width) => {
+    const longest = Math.max(...groups.flatMap(({ series }) => series.map(({ name }) => name.length)));
+    return Math.min(0.4 * width, 12 + 6.6 * (longest + 8));
+  };
+
+  // One figure; `hover` is told where the pointer is, `go` where it is pressed.
+  const plot = (figure, { series }, motion, room, { go, hover }) => {
     const svg = figure.querySelector("svg");
     const { time, events } = motion;
     const [first, last] = [time[0], time[time.length - 1]];
@@ -51,8 +76,7 @@ const drawPlots = (() => {
     const height = Math.max(120, svg.clientHeight);
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     svg.replaceChildren();
-    const longest = Math.max(...series.map(({ name }) => name.length));
-    const right = Math.min(0.3 * width, 10 + 7 * longest);
+    const right = room(width);
     const [low, high] = range(series);
     const x = (t) => left + ((t - first) / (last - first)) * (width - left - right);
     const y = (v) => top + ((high - v) / (high - low)) * (height - top - bottom);
@@ -81,30 +105,48 @@ const drawPlots = (() => {
       });
       draw("path", { d: path, stroke: `var(--c${colour % 6})` }, svg);
       const end = values.findLast((value) => value !== null);
-      if (end !== undefined) labels.push({ name, at: y(end), colour });
+      if (end !== undefined) labels.push({ name, values, at: y(end), colour });
     });
     labels.sort((a, b) => a.at - b.at);
     labels.forEach((label, k) => { if (k) label.at = Math.max(label.at, labels[k - 1].at + 13); });
     const over = labels.length ? labels[labels.length - 1].at - (height - bottom) : 0;
-    labels.forEach(({ name, at, colour }) => {
-      const place = { x: width - right + 5, y: at - Math.max(over, 0) + 4, style: `fill:var(--c${colour % 6})` };
-      draw("text", place, svg).textContent = name;
-    });
-    const now = draw("line", { class: "now", y1: top, y2: height - bottom }, svg);
-    const show = (t) => {
-      now.setAttribute("x1", x(t));
-      now.setAttribute("x2", x(t));
+    for (const label of labels) {
+      const place = { x: width - right + 5, y: label.at - Math.max(over, 0) + 4, style: `fill:var(--c${label.colour % 6})` };
+      label.node = draw("text", place, svg);
+    }
+    const [now, cursor] = ["now", "cursor"].map((name) => draw("line", { class: name, y1: top, y2: height - bottom }, svg));
+    const read = draw("text", { class: "read", y: top + 10 }, svg);
+    const put = (line, t) => {
+      line.setAttribute("x1", x(t));
+      line.setAttribute("x2", x(t));
     };
-    show(first);
-    const pointed = (event) => {
-      if (event.type === "pointermove" && event.buttons !== 1) return;
+    let present = first;
+    let pointed = null;
+    const tell = () => {
+      const t = pointed ?? present;
+      for (const { node, name, values } of labels) node.textContent = `${name} ${digits(valueAt(time, values, t))}`;
+      cursor.style.visibility = pointed === null ? "hidden" : "visible";
+      read.textContent = pointed === null ? "" : `t = ${digits(pointed)} s`;
+      if (pointed === null) return;
+      put(cursor, pointed);
+      const late = x(pointed) > left + 0.75 * (width - left - right);
+      read.setAttribute("x", x(pointed) + (late ? -5 : 5));
+      read.setAttribute("text-anchor", late ? "end" : "start");
+    };
+    const timeAt = (event) => {
       const box = svg.getBoundingClientRect();
       const share = ((event.clientX - box.left) * (width / box.width) - left) / (width - left - right);
-      go(first + Math.min(1, Math.max(0, share)) * (last - first));
+      return first + Math.min(1, Math.max(0, share)) * (last - first);
     };
-    svg.onpointerdown = pointed;
-    svg.onpointermove = pointed;
-    return show;
+    svg.onpointerdown = (event) => go(timeAt(event));
+    svg.onpointermove = (event) => (event.buttons === 1 ? go(timeAt(event)) : hover(timeAt(event)));
+    svg.onpointerleave = () => hover(null);
+    return {
+      show: (t) => { present = t; put(now, t); tell(); },
+      point: (t) => { pointed = t; tell(); },
+      // Where the time axis begins and ends, for whoever looks whether axes are aligned.
+      axis: [left, width - right],
+    };
   };
 
   // Draws groups of curves, `{ title, series }`, and gives a function that moves the mark of the present.
@@ -121,20 +163,30 @@ const drawPlots = (() => {
       return figure;
     });
     parent.replaceChildren(...figures);
-    const redraw = () => figures.map((figure, k) => plot(figure, groups[k], motion, go));
-    let shows = redraw();
+    const room = (width) => roomFor(groups, width);
+    const hover = (t) => drawn.forEach(({ point }) => point(t));
+    const redraw = () => figures.map((figure, k) => plot(figure, groups[k], motion, room, { go, hover }));
+    let drawn = redraw();
     let present = motion.time[0];
+    const show = (t) => {
+      present = t;
+      drawn.forEach((figure) => figure.show(t));
+    };
+    show(present);
     const widths = () => figures.map((figure) => figure.clientWidth).join();
     let known = widths();
     const observer = new ResizeObserver(() => {
       if (widths() === known) return;
       known = widths();
-      shows = redraw();
-      shows.forEach((show) => show(present));
+      drawn = redraw();
+      show(present);
     });
     observer.observe(parent);
     return {
-      show: (t) => { present = t; shows.forEach((show) => show(t)); },
+      show,
+      hover,
+      axes: () => drawn.map(({ axis }) => axis),
+      figures: () => figures.map((figure, k) => ({ svg: figure.querySelector("svg"), title: `${groups[k].title} over t [s]` })),
       close: () => observer.disconnect(),
     };
   };

@@ -38,10 +38,11 @@ mod testing;
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes, page_name};
 pub use text::TextMistake;
-pub use words::is_word;
+pub use words::{is_word, words};
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
 use description::{Description, Unfit};
+use graph::Stage;
 use proc_macro2::TokenStream;
 
 /// Expands one `model! { ... }` declaration into Rust items, or into `compile_error!`s and a stub.
@@ -326,13 +327,41 @@ fn derived(
 
 /// What is said where not a formula of the declaration but what follows from it is too long.
 fn too_large(scene: &scene::CheckedScene) -> String {
+    let (what, remedy) = match graph::stage() {
+        Stage::Declaration | Stage::Inertia => (
+            "the mass matrix".to_owned(),
+            "choose coordinates of which fewer move together, or leave out bodies",
+        ),
+        Stage::Forces => (
+            "the inertial and conservative forces".to_owned(),
+            "choose coordinates in which the kinetic energy is simpler, or leave out bodies",
+        ),
+        Stage::Motion => (
+            "the derivatives of the accelerations".to_owned(),
+            "choose coordinates of which fewer move together, or leave out bodies or forces",
+        ),
+        Stage::Contact(index) => (
+            match scene.contacts.get(index) {
+                Some(contact) => format!("contact `{}`", contact.name.text),
+                None => "the contacts".to_owned(),
+            },
+            "write its gap by fewer coordinates, or leave out contacts",
+        ),
+        Stage::OptimalControl => (
+            "costs and conditions".to_owned(),
+            "write them by fewer coordinates",
+        ),
+        Stage::Kernels => (
+            "the order of all operations".to_owned(),
+            "leave out bodies or contacts",
+        ),
+    };
     format!(
-        "deriving the motion of {} coordinates and {} contacts takes more than {} million terms, which is more than some seconds \
-         of work; what costs most is inertia that many coordinates share, as angles along a chain do: choose coordinates of which \
-         fewer move together, or leave out bodies or contacts",
+        "the scene, of {} coordinates and {} contacts, takes more than {} million terms to derive, which is more than some seconds \
+         of work, and is given up at {what}; {remedy}",
         scene.coordinates.len(),
         scene.contacts.len(),
-        graph::WORK / 1_000_000,
+        graph::allowed() / 1_000_000,
     )
 }
 

@@ -158,6 +158,7 @@ pub(crate) enum Form {
 }
 
 /// Objective, constraints, terminal conditions and free initial values. Functions are in SI units.
+#[derive(Clone)]
 pub(crate) struct OptimalControl {
     pub(crate) running_cost: Option<Sym>,
     /// Here and in the goals, `Time` is the final time.
@@ -188,6 +189,7 @@ impl OptimalControl {
 }
 
 /// `function >= 0` or `function == 0`.
+#[derive(Clone)]
 pub(crate) struct Condition {
     pub(crate) name: String,
     pub(crate) documentation: Documentation,

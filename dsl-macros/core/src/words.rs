@@ -275,6 +275,17 @@ pub fn is_word(text: &str) -> bool {
     is_keyword(text) || SHAPES.contains(&text)
 }
 
+/// All words that an editor sets apart: those of which [`is_word`] is true.
+///
+/// ```
+/// assert!(hangtime_dsl::words().iter().all(|word| hangtime_dsl::is_word(word)));
+/// assert!(hangtime_dsl::words().contains(&"states"));
+/// ```
+#[must_use]
+pub fn words() -> Vec<&'static str> {
+    [&STATEMENTS[..], &LAW_PARTS, &SHAPES].concat()
+}
+
 /// Functions of one number.
 pub(crate) const FUNCTIONS: [&str; 13] = [
     "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "ln", "sqrt",

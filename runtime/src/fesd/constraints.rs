@@ -1,18 +1,14 @@
-//! The velocities that a contact mode and the joints hold at zero, and the directions of the forces that hold them.
+//! The velocities that a contact mode holds at zero, and the directions of the forces that hold them.
 
 use super::active_contact::{ActiveContact, force_count};
 use super::contacts::sum_of_sizes;
-use crate::joints::{JointError, Joints};
 use crate::model::{
     Frame, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces,
     tangent_point,
 };
 
 /// The constraints of a contact mode at one point: first the normals of the active contacts, those of dry friction last,
-/// then the tangents of those that stick, then the rows of joints that are held. Owns the memory for them.
-///
-/// The accelerations of the model contain the forces of joints. What their rows carry here is what collocation misses of them, 0 for
-/// an exact motion, so that it may act along directions that were [frozen](Self::freeze_joints).
+/// then the tangents of those that stick. Owns the memory for them.
 ///
 /// The normal of dry friction holds no velocity: its force is given.
 // Many fields: the memory of an evaluation, kept so that nothing allocates.
@@ -28,8 +24,7 @@ pub(super) struct Constraints<'a> {
     /// Number of contacts of the scene that are surfaces, and of those that are active.
     surfaces: usize,
     normals: usize,
-    joints: Option<Joints<'a>>,
-    /// Gaps of the active surfaces, then the positions of joints.
+    /// Gaps of the active surfaces.
     pub(super) gaps: Vec<f64>,
     /// Rounding error of the gaps at the last evaluation, the largest of them.
     pub(super) gap_rounding: f64,
@@ -69,7 +64,6 @@ impl<'a> Constraints<'a> {
             loads: Vec::new(),
             surfaces: surfaces(model),
             normals: 0,
-            joints: Joints::of(model),
             gaps: Vec::new(),
             gap_rounding: 0.0,
             length: 0.0,
@@ -96,42 +90,9 @@ impl<'a> Constraints<'a> {
         self.normals
     }
 
-    /// Number of rows of joints.
-    pub(super) fn joints(&self) -> usize {
-        self.joints.as_ref().map_or(0, Joints::count)
-    }
-
-    /// Number of constraints of contacts.
-    pub(super) fn of_contacts(&self) -> usize {
-        self.count() - self.joints()
-    }
-
     /// Number of constraints that hold positions as well.
     pub(super) fn positions(&self) -> usize {
         self.gaps.len()
-    }
-
-    /// The constraint that holds the position of this number.
-    pub(super) fn of_position(&self, number: usize) -> usize {
-        let Some(joints) = self.joints.as_ref().filter(|_| number >= self.normals) else {
-            return number;
-        };
-        let place = joints.positions().nth(number - self.normals);
-        self.of_contacts() + place.unwrap_or_default()
-    }
-
-    /// Keeps the directions along which joints are held at the input vector `x`, where all has been evaluated.
-    ///
-    /// # Errors
-    /// [`JointError::Singular`] where they depend on each other, [`JointError::NotClosed`] for values that are none.
-    pub(super) fn freeze_joints(&mut self, x: &[f64]) -> Result<(), JointError> {
-        let begin = self.of_contacts() * self.n;
-        let Some(joints) = &mut self.joints else {
-            return Ok(());
-        };
-        joints.direct(x)?;
-        self.directions[begin..].copy_from_slice(joints.directions());
-        Ok(())
     }
 
     /// Whether the force of a constraint is given.
@@ -148,11 +109,10 @@ impl<'a> Constraints<'a> {
     pub(super) fn set_mode(&mut self, active: &[ActiveContact]) {
         self.active.clear();
         self.active.extend_from_slice(active);
-        let count = force_count(active) + self.joints();
+        let count = force_count(active);
         let of_surface = |held: &&ActiveContact| held.contact < self.surfaces;
         self.normals = active.iter().filter(of_surface).count();
-        let positions = self.joints.as_ref().map_or(0, Joints::position_count);
-        self.gaps.resize(self.normals + positions, 0.0);
+        self.gaps.resize(self.normals, 0.0);
         self.velocities.resize(count, 0.0);
         self.gradients.resize(count * self.n, 0.0);
         self.directions.resize(count * self.n, 0.0);
@@ -297,25 +257,6 @@ impl<'a> Constraints<'a> {
                 *d += slope * e;
             }
         }
-        self.evaluate_joints(x);
-    }
-
-    /// Evaluates positions, velocities and gradients of joints at the input vector `x`.
-    fn evaluate_joints(&mut self, x: &[f64]) {
-        let first = self.of_contacts();
-        let Some(joints) = &mut self.joints else {
-            return;
-        };
-        joints.evaluate(x);
-        for place in 0..joints.count() {
-            self.velocities[first + place] = joints.velocity(place);
-            let rounding = joints.rounding(place, x, self.length);
-            self.gap_rounding = self.gap_rounding.max(rounding);
-        }
-        for (gap, place) in self.gaps[self.normals..].iter_mut().zip(joints.positions()) {
-            *gap = joints.position(place);
-        }
-        self.gradients[first * self.n..].copy_from_slice(joints.gradients());
     }
 
     /// Evaluates everything at `x`, and adds the derivatives of the `forces` times their directions with
@@ -393,9 +334,6 @@ impl<'a> Constraints<'a> {
                 }
             }
             stuck += usize::from(held.sticks());
-        }
-        if let Some(joints) = &self.joints {
-            self.turning[stuck * n..].copy_from_slice(joints.turning());
         }
     }
 

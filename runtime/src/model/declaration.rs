@@ -159,6 +159,8 @@ pub struct JointsDeclaration {
     /// Pattern of the Jacobian of `(g, w)` by the input vector: twice as many rows as there are equations, those of `g` first,
     /// which are empty for joints of velocities.
     pub jacobian: SparsityPattern,
+    /// Pattern (lower triangle) of the Hessian of the weighted `(g, w)`.
+    pub hessian: SparsityPattern,
 }
 
 /// One joint.

@@ -233,6 +233,10 @@ pub trait Model: Send + Sync {
     /// Jacobian of [`joints`](Self::joints) by `x`: the values of [`JointsDeclaration::jacobian`], in its order.
     fn joints_jacobian(&self, _x: &[f64], _values: &mut [f64]) {}
 
+    /// Hessian of `multipliers' (g, w)` by `x`: the values of [`JointsDeclaration::hessian`] (lower triangle), in its order.
+    /// `multipliers` has twice as many numbers as there are equations.
+    fn joints_hessian(&self, _x: &[f64], _multipliers: &[f64], _values: &mut [f64]) {}
+
     /// Forces `lambda` of all equations of joints where nothing is in contact, in `M v' = f + G' lambda`.
     fn joint_forces(&self, _x: &[f64], _forces: &mut [f64]) {}
 

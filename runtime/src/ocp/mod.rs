@@ -75,6 +75,7 @@
 mod collocation;
 mod effort;
 mod global;
+mod joined;
 mod judge;
 mod motion;
 mod previous;

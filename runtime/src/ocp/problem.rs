@@ -2,7 +2,7 @@
 
 use crate::model::{Given, Model, Pieces, contact_point, held};
 use crate::refusal;
-use crate::simulation::{ControlSignal, InitialValueProblem, InputError, refuse_joints};
+use crate::simulation::{ControlSignal, InitialValueProblem, InputError};
 
 /// Most control intervals: the programs are kept in memory.
 const MOST_INTERVALS: usize = 10_000;
@@ -107,11 +107,6 @@ impl Problem {
             Horizon::Fixed(horizon) => horizon,
             Horizon::Free { guess } => guess.or_else(|| model.horizon()).unwrap_or(1.0),
         };
-        refuse_joints(
-            model,
-            "optimal control",
-            "describe the mechanism by coordinates that need no joint, such as the angles of its links",
-        )?;
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
         InitialValueProblem::check_at_once(model, "optimal control")?;

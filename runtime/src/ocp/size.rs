@@ -7,6 +7,7 @@ use super::global::contact_implicit::ContactImplicit;
 use super::global::guess::guess;
 use super::global::start_modes::modes_at_start;
 use super::global::time_freezing::TimeFreezing;
+use super::joined::joined;
 use super::motion::candidate::Candidate;
 use super::motion::mode::is_frictional;
 use super::motion::passages::with_passages;
@@ -62,6 +63,11 @@ pub fn program_sizes(
         Some(unknown) => (&*unknown.model, &unknown.problem),
         None => (model, problem),
     };
+    let known = joined(model, problem, settings)?;
+    let (model, problem) = match &known {
+        Some(known) => (&*known.model, &known.problem),
+        None => (model, problem),
+    };
     problem.check(model)?;
     match &settings.formulation {
         Formulation::Phases => phases(model, problem, settings),
@@ -75,6 +81,9 @@ fn called(model: &dyn Model, conditions: &[&'static str]) -> Vec<&'static Kernel
     let mut prefixes = vec!["free_", "contact_"];
     if (0..declaration.contacts.len()).any(|contact| is_frictional(model, contact)) {
         prefixes.push("tangent_");
+    }
+    if declaration.joints.is_some() {
+        prefixes.push("joints");
     }
     prefixes.extend(conditions);
     kernels(declaration, &prefixes, true)

@@ -97,6 +97,11 @@ impl<'a> Closed<'a> {
         Ok(())
     }
 
+    /// What the start was moved by, and which rows follow from others, in words.
+    pub(crate) fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// Measures how well the joints hold along a `run`, and says what is to be said of its start.
     pub(crate) fn finish(self, run: &mut Simulation) {
         let (model, _) = self.scene();

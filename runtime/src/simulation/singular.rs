@@ -2,7 +2,8 @@
 //!
 //! With `M = L L'` the smallest singular value of `A = G L^-T = U S V'` vanishes where rows of joints come to depend on each
 //! other. Its vectors `u` and `w` go on smoothly if it changes its sign there, so that between two instants it has done so where
-//! `u` keeps its direction and `w` turns round, or the other way.
+//! `u` keeps its direction and `w` turns round, or the other way. They are computed where a pivot of `A A'` is small only, which takes far fewer
+//! operations.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,6 +13,8 @@ use crate::model::Model;
 
 /// Singular values above this share of the largest one are not followed.
 const SMALL: f64 = 0.3;
+/// Smallest pivot of `A A'`, to its largest entry, above which the rows are far from depending on each other.
+const NEAR: f64 = 0.1;
 /// Least cosine between vectors that are the same ones.
 const SAME: f64 = 0.5;
 
@@ -69,8 +72,21 @@ pub(super) fn first(
         return None;
     }
     let mut before: Option<Smallest> = None;
+    let mut was_near = false;
     for k in 0..run.trajectory.time.len() {
-        let now = Smallest::at(model, &mut joints, &input(k), run.trajectory.time[k]);
+        let x = input(k);
+        let near = joints.least_pivot(&x) < NEAR;
+        if !near && !was_near {
+            before = None;
+            continue;
+        }
+        let mut at =
+            |k: usize, x: &[f64]| Smallest::at(model, &mut joints, x, run.trajectory.time[k]);
+        if near && !was_near && k > 0 {
+            before = at(k - 1, &input(k - 1));
+        }
+        was_near = near;
+        let now = at(k, &x);
         let time = now.as_ref().zip(before.as_ref());
         if let Some((time, now)) = time
             .and_then(|(now, before)| now.passed(before))

@@ -1,6 +1,7 @@
 //! Motions of scenes with joints against closed forms, and against coordinates that need none.
 
 mod answers;
+mod control;
 mod mechanisms;
 mod random;
 mod rolling;

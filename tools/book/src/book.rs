@@ -7,6 +7,7 @@ use std::path::Path;
 use pulldown_cmark::{Event, Parser, Tag, TagEnd};
 
 use crate::steps::{self, Step};
+use crate::{gallery, language, reference};
 
 /// One chapter.
 #[derive(Debug, Clone)]
@@ -26,6 +27,12 @@ impl Chapter {
         steps::of(&self.text)
     }
 
+    /// Whether the code writes it.
+    #[must_use]
+    pub fn is_generated(&self) -> bool {
+        language::GENERATED.contains(&self.file.as_str())
+    }
+
     /// The address of its page, `NAME.html`; the first chapter is `index.html`.
     pub(crate) fn address(&self, place: usize) -> String {
         match place {
@@ -43,18 +50,23 @@ pub struct Book {
 }
 
 impl Book {
-    /// Reads `SUMMARY.md` in a folder, and the chapters that it links to.
+    /// Reads `SUMMARY.md` in a folder, and the chapters that it links to; those that the code writes are no files of the folder. `root` is
+    /// that of the repository.
     ///
     /// # Errors
-    /// A file that cannot be read, named in the message; a summary without chapters.
-    pub fn read(folder: &Path) -> Result<Self> {
+    /// A file that cannot be read, named in the message; a summary without chapters; what lacks documentation in the code.
+    pub fn read(folder: &Path, root: &Path) -> Result<Self> {
         let read = |file: &str| {
             fs::read_to_string(folder.join(file))
                 .map_err(|error| Error::new(error.kind(), format!("{file}: {error}")))
         };
         let mut chapters = Vec::new();
         for (file, title) in listed(&read("SUMMARY.md")?) {
-            let text = read(&file)?;
+            let text = match reference::chapter(&file, root)? {
+                Some(text) => text,
+                None if file == gallery::FILE => gallery::chapter(),
+                None => read(&file)?,
+            };
             chapters.push(Chapter { file, title, text });
         }
         if chapters.is_empty() {

@@ -12,16 +12,28 @@
 //! hang,NAME.hang,mistaken   a scene that is refused
 //! console                   `$ hangtime ...` and what it prints; `...` stands for lines that are left out
 //! rust,PATH                 a part of the file PATH of the repository
+//! math                      a formula in a line of its own, as `$...$` is one within a sentence
 //! ```
 
 mod book;
+mod formula;
+mod gallery;
 mod highlight;
+mod language;
 mod links;
+mod open;
 mod page;
+mod pages;
+mod reference;
+mod search;
 mod steps;
 mod transcript;
 
 pub use book::{Book, Chapter};
+pub use formula::{in_markdown, mathml};
 pub use links::dead_links;
-pub use page::{Page, pages};
+pub use open::{PAGE, fragment};
+pub use page::Page;
+pub use pages::pages;
+pub use reference::{Entry, Structure, fields_of_documents, words_of_results};
 pub use steps::{Data, Excerpt, Kind, Run, SceneText, Step};

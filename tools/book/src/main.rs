@@ -1,7 +1,12 @@
 //! Builds the book into offline pages: `cargo run --release --bin hangtime-book [FOLDER]`, by default `out/book`.
 //!
+//! `hangtime-book --pictures [NAME ...]` writes the small pictures of the list of scenes instead, `models/pictures/NAME.svg`: of the optimum on the
+//! control intervals for which the least objective is known, or of the motion where a scene asks nothing.
+//!
+//! Scenes open in the page of `hangtime play`, where that was written to the folder above, `out/play.html`, before.
+//!
 //! Figures are made by the commands that the book shows (those with `--out figures`), run by this program itself, and
-//! taken from `docs/charts`. They are left in `docs/book/src/figures` as well, where mdBook looks for them.
+//! taken from `docs/charts`. They are left in `docs/book/src/figures` as well, and chapters that the code writes in `docs/book/src`, where mdBook looks for them.
 
 use std::env;
 use std::ffi::OsString;
@@ -10,12 +15,14 @@ use std::io::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use hangtime_book::{Book, Kind, Step, dead_links, pages};
-use hangtime_cli::CommandLine;
+use hangtime_book::{Book, Kind, PAGE, Step, dead_links, pages};
+use hangtime_cli::{CommandLine, HostScene, Scene};
 use hangtime_models::{hard_optima, hard_scenes, scenes};
 
 /// The first argument by which this program is the command line, for commands of the book.
 const AS_COMMAND_LINE: &str = "--as-command-line";
+/// The first argument by which it writes the pictures of the list of scenes.
+const PICTURES: &str = "--pictures";
 
 fn main() -> ExitCode {
     let mut arguments = env::args_os();
@@ -30,13 +37,20 @@ fn main() -> ExitCode {
             .with_hard_optima(hard_optima())
             .run([program].into_iter().chain(arguments));
     }
-    let folder = folder.unwrap_or_else(|| OsString::from("out/book"));
-    match build(Path::new(&folder)) {
-        Ok(pages) => {
-            println!(
-                "{pages} pages in {}",
-                Path::new(&folder).join("index.html").display()
-            );
+    let done = match folder {
+        Some(first) if first == PICTURES => {
+            let names: Vec<String> = arguments
+                .filter_map(|name| name.into_string().ok())
+                .collect();
+            pictures(&names)
+        }
+        other => built(Path::new(
+            &other.unwrap_or_else(|| OsString::from("out/book")),
+        )),
+    };
+    match done {
+        Ok(said) => {
+            println!("{said}");
             ExitCode::SUCCESS
         }
         Err(error) => {
@@ -46,11 +60,46 @@ fn main() -> ExitCode {
     }
 }
 
+/// Writes the pictures of scenes of the list, all of them without names.
+fn pictures(names: &[String]) -> Result<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/pictures");
+    let asked = |scene: &&Scene| names.is_empty() || names.iter().any(|name| name == scene.name);
+    for scene in scenes().iter().filter(asked) {
+        let picture =
+            picture(scene).map_err(|said| Error::other(format!("{}: {said}", scene.name)))?;
+        fs::write(folder.join(format!("{}.svg", scene.name)), picture)?;
+    }
+    Ok(format!("pictures in {}", folder.display()))
+}
+
+/// The picture of a scene; empty where nothing moves.
+fn picture(scene: &Scene) -> std::result::Result<String, String> {
+    let host = HostScene::open(scenes(), scene.name).map_err(|refusal| refusal.to_string())?;
+    let run = match scene.question {
+        Some(question) => {
+            let words = [format!("--intervals={}", question.known.0)];
+            host.solve(&words, &mut |_| true)
+        }
+        None => host.simulate(&[], &mut |_| true),
+    };
+    let run = run.map_err(|refusal| refusal.to_string())?;
+    Ok(run.thumbnail().unwrap_or_default())
+}
+
+fn built(folder: &Path) -> Result<String> {
+    let pages = build(folder)?;
+    Ok(format!(
+        "{pages} pages in {}",
+        folder.join("index.html").display()
+    ))
+}
+
 /// Writes pages and figures; how many pages.
 fn build(folder: &Path) -> Result<usize> {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let docs = root.join("docs");
     let source = docs.join("book/src");
-    let book = Book::read(&source)?;
+    let book = Book::read(&source, &root)?;
     let figures = source.join("figures");
     if figures.exists() {
         fs::remove_dir_all(&figures)?;
@@ -65,11 +114,34 @@ fn build(folder: &Path) -> Result<usize> {
         )));
     }
     copy_figures(&figures, &folder.join("figures"))?;
-    let pages = pages(&book);
+    for chapter in book
+        .chapters
+        .iter()
+        .filter(|chapter| chapter.is_generated())
+    {
+        fs::write(source.join(&chapter.file), &chapter.text)?;
+    }
+    let opens = bring_page(folder)?;
+    let pages = pages(&book, opens).map_err(Error::other)?;
     for page in &pages {
         fs::write(folder.join(&page.file), &page.html)?;
     }
     Ok(pages.len())
+}
+
+/// Puts the page of `hangtime play` beside the book, if it was written to the folder above; whether it is there.
+fn bring_page(folder: &Path) -> Result<bool> {
+    let page = folder.join(PAGE);
+    let written = folder.join("..").join(PAGE);
+    if written.exists() {
+        fs::copy(written, &page)?;
+    }
+    if !page.exists() {
+        println!(
+            "without links that open scenes; `cargo run --release --features play -- play` writes the page in which they open, before the book"
+        );
+    }
+    Ok(page.exists())
 }
 
 /// Runs the commands that leave figures, each chapter in a folder of its own.

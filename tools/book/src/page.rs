@@ -1,5 +1,6 @@
 //! Chapters as HTML pages.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use pulldown_cmark::{
@@ -7,8 +8,10 @@ use pulldown_cmark::{
 };
 
 use crate::book::{Book, Chapter};
+use crate::formula::mathml;
 use crate::highlight::{console, escape, scene};
 use crate::links::{anchor, headings};
+use crate::open;
 
 /// One page.
 #[derive(Debug, Clone)]
@@ -22,15 +25,16 @@ pub struct Page {
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
-/// The chapters as pages that need nothing but each other and the folder `figures`.
-#[must_use]
-pub fn pages(book: &Book) -> Vec<Page> {
-    let places = 0..book.chapters.len();
-    places.map(|place| page(book, place)).collect()
-}
+/// Name of the page that searches the book.
+pub(crate) const SEARCH: &str = "search.html";
 
-fn page(book: &Book, place: usize) -> Page {
+/// The page of a chapter.
+///
+/// # Errors
+/// A formula that is not understood, and where.
+pub(crate) fn page(book: &Book, place: usize, opens: bool) -> Result<Page, String> {
     let chapter = &book.chapters[place];
+    let body = body(book, chapter, opens).map_err(|said| format!("{}: {said}", chapter.file))?;
     let neighbour = |at: Option<usize>, rel: &str, arrow: &str| {
         let Some((at, next)) = at.and_then(|at| Some((at, book.chapters.get(at)?))) else {
             return String::new();
@@ -40,37 +44,46 @@ fn page(book: &Book, place: usize) -> Page {
     };
     let previous = neighbour(place.checked_sub(1), "prev", "\u{2190}");
     let next = neighbour(Some(place + 1), "next", "\u{2192}");
-    let title = escape(&chapter.title);
-    let html = format!(
+    let turn = format!(
+        "<nav class=\"turn\" aria-label=\"Pages before and after\">{previous}{next}</nav>\n"
+    );
+    Ok(Page {
+        file: chapter.address(place),
+        html: document(book, Some(place), &chapter.title, &(body + &turn)),
+    })
+}
+
+/// A whole document: the contents, in which the present chapter is marked, and a text.
+pub(crate) fn document(book: &Book, place: Option<usize>, title: &str, text: &str) -> String {
+    let title = escape(title);
+    format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>{title} - hangtime</title>\n\
          <style>\n{STYLE}</style>\n</head>\n<body>\n<a class=\"skip\" href=\"#text\">To the text</a>\n\
          <details class=\"contents\" id=\"contents\"><summary>Contents</summary>\n{}</details>\n\
-         <main id=\"text\" tabindex=\"-1\">\n{}<nav class=\"turn\" aria-label=\"Pages before and after\">{previous}{next}</nav>\n\
-         </main>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
+         <main id=\"text\" tabindex=\"-1\">\n{text}</main>\n<script>\n{SCRIPT}</script>\n</body>\n</html>\n",
         contents(book, place),
-        body(book, chapter),
-    );
-    Page {
-        file: chapter.address(place),
-        html,
-    }
+    )
 }
 
 /// The list of chapters; under the present one its sections.
-fn contents(book: &Book, place: usize) -> String {
-    let mut list = String::from("<nav aria-label=\"Chapters\"><ol>\n");
+fn contents(book: &Book, place: Option<usize>) -> String {
+    let mut list = format!(
+        "<form action=\"{}\" role=\"search\"><input type=\"search\" name=\"q\" id=\"asked\" placeholder=\"search\" aria-label=\"search the book\"></form>\n\
+         <nav aria-label=\"Chapters\"><ol>\n",
+        SEARCH
+    );
     for (at, chapter) in book.chapters.iter().enumerate() {
         let (address, title) = (chapter.address(at), escape(&chapter.title));
-        let here = if at == place {
+        let here = if Some(at) == place {
             " aria-current=\"page\""
         } else {
             ""
         };
         // Writing to a string cannot fail.
         let _ = write!(list, "<li><a href=\"{address}\"{here}>{title}</a>");
-        if at == place {
+        if Some(at) == place {
             list.push_str("<ul>");
             let headings = headings(&chapter.text).into_iter();
             for (_, section) in headings.filter(|(level, _)| *level == HeadingLevel::H2) {
@@ -88,10 +101,15 @@ fn contents(book: &Book, place: usize) -> String {
     list + "</ol></nav>\n"
 }
 
-/// The Markdown of a chapter as HTML: headings with anchors, scenes in colours, links to pages.
-fn body(book: &Book, chapter: &Chapter) -> String {
+/// The Markdown of a chapter as HTML: headings with anchors, scenes in colours, formulas set, links to pages.
+fn body(book: &Book, chapter: &Chapter, opens: bool) -> Result<String, String> {
     let mut events = Vec::new();
-    let mut parser = Parser::new_ext(&chapter.text, Options::ENABLE_TABLES);
+    let mut scenes = Scenes {
+        opens,
+        files: BTreeMap::new(),
+    };
+    let options = Options::ENABLE_TABLES | Options::ENABLE_MATH;
+    let mut parser = Parser::new_ext(&chapter.text, options);
     while let Some(event) = parser.next() {
         match event {
             Event::Start(Tag::CodeBlock(CodeBlockKind::Fenced(info))) => {
@@ -102,7 +120,10 @@ fn body(book: &Book, chapter: &Chapter) -> String {
                         _ => break,
                     }
                 }
-                events.push(Event::Html(block(&info, &text).into()));
+                events.push(Event::Html(scenes.block(&info, &text)?.into()));
+            }
+            Event::InlineMath(formula) => {
+                events.push(Event::InlineHtml(mathml(&formula, false)?.into()));
             }
             Event::Start(Tag::Heading { level, .. }) => {
                 let inner: Vec<Event> = parser
@@ -138,7 +159,7 @@ fn body(book: &Book, chapter: &Chapter) -> String {
     }
     let mut text = String::new();
     html::push_html(&mut text, events.into_iter());
-    text
+    Ok(if opens { text } else { open::without(&text) })
 }
 
 /// A link to a chapter leads to its page.
@@ -164,18 +185,49 @@ fn heading(level: HeadingLevel, inner: Vec<Event<'_>>) -> String {
     format!("<{level} id=\"{id}\"><a class=\"anchor\" href=\"#{id}\">{shown}</a></{level}>\n")
 }
 
-fn block(info: &str, text: &str) -> String {
-    let mut words = info.split(',');
-    let (language, file) = (words.next().unwrap_or(""), words.next());
-    let shown = match language {
-        "hang" | "rust" => scene(text),
-        "console" => console(text),
-        _ => escape(text),
-    };
-    let caption = file.map_or(String::new(), |file| {
-        format!("<figcaption>{}</figcaption>", escape(file))
-    });
-    format!(
-        "<figure class=\"code {language}\">{caption}<pre tabindex=\"0\"><code>{shown}</code></pre></figure>\n"
-    )
+/// The scenes of a chapter so far.
+struct Scenes {
+    /// Whether they can be opened.
+    opens: bool,
+    /// The files, as they are by now.
+    files: BTreeMap<String, String>,
+}
+
+impl Scenes {
+    /// A fenced block.
+    fn block(&mut self, info: &str, text: &str) -> Result<String, String> {
+        let words: Vec<&str> = info.split(',').collect();
+        let language = words[0];
+        let shown = match language {
+            "math" => {
+                return Ok(format!(
+                    "<div class=\"table\" tabindex=\"0\">{}</div>\n",
+                    mathml(text, true)?
+                ));
+            }
+            "hang" | "rust" => scene(text),
+            "console" => console(text),
+            _ => escape(text),
+        };
+        let caption = words.get(1).map_or(String::new(), |file| {
+            let link = match language {
+                "hang" if self.opens => self.link(file, text, words.get(2) == Some(&"more")),
+                _ => String::new(),
+            };
+            format!("<figcaption>{}{link}</figcaption>", escape(file))
+        });
+        Ok(format!(
+            "<figure class=\"code {language}\">{caption}<pre tabindex=\"0\"><code>{shown}</code></pre></figure>\n"
+        ))
+    }
+
+    /// A link that opens the file, as it is with this block.
+    fn link(&mut self, file: &str, text: &str, more: bool) -> String {
+        let whole = self.files.entry(file.to_owned()).or_default();
+        if !more {
+            whole.clear();
+        }
+        whole.push_str(text);
+        open::anchor(file, whole, "open in the page")
+    }
 }

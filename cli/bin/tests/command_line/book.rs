@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 
-use hangtime_book::{Book, Chapter, Kind, Run, SceneText, Step, dead_links, pages};
+use hangtime_book::{
+    Book, Chapter, Kind, PAGE, Page, Run, SceneText, Step, dead_links, fields_of_documents,
+    fragment, mathml, words_of_results,
+};
 use serde_json::json;
 
 use crate::browser::{Origin, browser, visit};
@@ -17,7 +20,12 @@ fn root() -> PathBuf {
 }
 
 fn book() -> Book {
-    Book::read(&root().join("docs/book/src")).unwrap()
+    Book::read(&root().join("docs/book/src"), &root()).unwrap()
+}
+
+/// Its pages, with links that open scenes.
+fn pages(book: &Book) -> Vec<Page> {
+    hangtime_book::pages(book, true).unwrap()
 }
 
 /// Exit status and everything that is printed.
@@ -124,16 +132,20 @@ fn scenes_commands_and_links_of_the_book_are_as_it_says() {
 #[test]
 fn every_chapter_is_a_page_that_needs_no_network() {
     let book = book();
+    let generated = |file: &str| {
+        let mut chapters = book.chapters.iter();
+        chapters.any(|chapter| chapter.file == file && chapter.is_generated())
+    };
     let mut files: Vec<String> = fs::read_dir(root().join("docs/book/src"))
         .unwrap()
         .map(|file| file.unwrap().file_name().into_string().unwrap())
-        .filter(|file| file.ends_with(".md") && file != "SUMMARY.md")
+        .filter(|file| file.ends_with(".md") && file != "SUMMARY.md" && !generated(file))
         .collect();
-    let mut listed: Vec<String> = book
+    let written = book
         .chapters
         .iter()
-        .map(|chapter| chapter.file.clone())
-        .collect();
+        .filter(|chapter| !chapter.is_generated());
+    let mut listed: Vec<String> = written.map(|chapter| chapter.file.clone()).collect();
     files.sort();
     listed.sort();
     assert_eq!(listed, files, "the summary lists every chapter once");
@@ -142,12 +154,14 @@ fn every_chapter_is_a_page_that_needs_no_network() {
         let file = target.split('#').next().unwrap();
         file.is_empty()
             || file.starts_with("figures/")
+            || file == PAGE
             || pages.iter().any(|page| page.file == file)
     };
     for page in &pages {
         for outside in ["http", "@import", "url(", "fetch(", " src=\"/"] {
+            let html = page.html.replace("http://www.w3.org/2000/svg", "");
             assert!(
-                !page.html.contains(outside),
+                !html.contains(outside),
                 "{} contains `{outside}`",
                 page.file
             );
@@ -222,9 +236,281 @@ fn keys_turn_pages_and_lead_to_the_contents() {
     let (report, console) = visit(&browser, &scratch.0, page, KEYS, Origin::Server);
     assert_eq!(report["errors"], json!([]));
     assert_eq!(console, "");
-    assert_eq!(report["turned"], json!(["not_yet.html", "failing.html"]));
+    assert_eq!(report["turned"], json!(["not_yet.html", "exercises.html"]));
     assert_eq!(report["focus"], "Extending");
     assert_eq!(report["overflows"], false);
+}
+
+#[test]
+fn every_scene_of_the_book_and_of_the_list_opens_in_the_page() {
+    let book = book();
+    let opening = pages(&book);
+    for (chapter, page) in book.chapters.iter().zip(&opening) {
+        let mut files: Vec<(String, String)> = Vec::new();
+        for step in chapter.steps() {
+            let Step::Scene(scene) = step else { continue };
+            let before = match scene.kind {
+                Kind::More => files.iter().rev().find(|(file, _)| *file == scene.file),
+                Kind::Whole | Kind::Mistaken => None,
+            };
+            let text = before.map_or("", |(_, text)| text).to_owned() + &scene.text;
+            files.push((scene.file, text));
+        }
+        for (file, text) in files {
+            let name = file.strip_suffix(".hang").unwrap();
+            let link = format!("href=\"{PAGE}#{}\"", fragment(name, &text));
+            assert!(page.html.contains(&link), "{}: {file}", chapter.file);
+        }
+    }
+    let gallery = opening
+        .iter()
+        .find(|page| page.file == "gallery.html")
+        .unwrap();
+    for scene in hangtime_models::scenes() {
+        let text = scene.unread.or(scene.source).unwrap();
+        let link = format!("href=\"{PAGE}#{}\"", fragment(scene.name, text));
+        let drawn = scene.picture.lines().nth(1).unwrap_or_default();
+        for part in [&link, scene.title, drawn] {
+            assert!(gallery.html.contains(part), "{}: {part}", scene.name);
+        }
+        let about = scene.about().replace('"', "&quot;");
+        assert!(gallery.html.contains(&about), "{}", scene.name);
+        if let Some(question) = scene.question {
+            let asked = question.asked.replace('"', "&quot;");
+            assert!(gallery.html.contains(&asked), "{}", scene.name);
+        }
+    }
+    let bare = hangtime_book::pages(&book, false).unwrap();
+    let link = format!("{PAGE}#");
+    assert!(bare.iter().all(|page| !page.html.contains(&link)));
+}
+
+/// Words in backticks at the beginning of the rows of tables.
+fn rows(markdown: &str) -> Vec<&str> {
+    let rows = markdown.lines().filter_map(|line| line.strip_prefix("| `"));
+    rows.filter_map(|row| row.split('`').next()).collect()
+}
+
+/// The names of all fields of a document, however deep.
+fn fields(document: &serde_json::Value, found: &mut Vec<String>) {
+    match document {
+        serde_json::Value::Object(map) => {
+            for (name, value) in map {
+                // Names of parameters and joints are those of the scene.
+                if !matches!(name.as_str(), "parameters" | "free" | "joints") {
+                    fields(value, found);
+                }
+                found.push(name.clone());
+            }
+        }
+        serde_json::Value::Array(list) => list.iter().for_each(|value| fields(value, found)),
+        _ => {}
+    }
+}
+
+/// The text of a chapter.
+fn chapter(file: &str) -> String {
+    let mut chapters = book().chapters.into_iter();
+    chapters.find(|chapter| chapter.file == file).unwrap().text
+}
+
+/// The sources below a folder.
+fn sources(folder: &Path, found: &mut Vec<String>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|end| end == "rs") {
+            found.push(fs::read_to_string(path).unwrap());
+        }
+    }
+}
+
+/// The texts that `fn name` of an enumeration gives, where it has one.
+fn names_of(source: &str, enumeration: &str) -> Vec<String> {
+    let body = source.split_once(&format!("impl {enumeration} {{\n"));
+    let body = body.and_then(|(_, rest)| rest.split("\n}\n").next()?.split_once("fn name("));
+    let arms = body.and_then(|(_, rest)| rest.split("\n    }\n").next());
+    let texts = arms.unwrap_or_default().split('"').skip(1).step_by(2);
+    texts.map(str::to_owned).collect()
+}
+
+#[test]
+fn every_status_has_a_line_in_the_book() {
+    let words = words_of_results(&root()).unwrap();
+    let text = chapter("statuses.md");
+    let listed = rows(&text);
+    let results = chapter("results.md");
+    for (title, entries) in &words {
+        // What to do where one of these is the status is in the chapter on results.
+        let explained = ["Simulations", "Optimal control"].contains(title);
+        for entry in entries {
+            assert!(listed.contains(&entry.name.as_str()), "{}", entry.name);
+            let told = results.contains(&format!("`{}`", entry.name));
+            assert!(told || !explained, "{title}: {}", entry.name);
+        }
+    }
+    // Every enumeration of statuses in the sources is among them.
+    let mut texts = Vec::new();
+    for folder in ["runtime/src", "solver/src", "cli/src"] {
+        sources(&root().join(folder), &mut texts);
+    }
+    let mut count = 0;
+    for text in &texts {
+        for rest in text.split("pub enum ").skip(1) {
+            let enumeration = rest.split([' ', '<']).next().unwrap();
+            if !enumeration.ends_with("Status") {
+                continue;
+            }
+            for name in names_of(text, enumeration) {
+                assert!(listed.contains(&name.as_str()), "{enumeration}: {name}");
+                count += 1;
+            }
+        }
+    }
+    // Simulation, optimal control, estimation, programs.
+    assert!(count >= 31, "{count}");
+    assert!(listed.contains(&"memory_limit"));
+}
+
+#[test]
+fn every_setting_has_a_line_in_the_book() {
+    let text = chapter("settings.md");
+    let settings = rows(&text);
+    for command in ["simulate", "solve", "sweep", "chart", "nlp", "play", "list"] {
+        let (_, help) = run(&root(), &[command.to_owned(), "--help".to_owned()]);
+        let lines = help.lines().map(str::trim_start);
+        let options = lines.filter_map(|line| line.strip_prefix("--"));
+        let options = options.filter_map(|line| line.split([' ', '=', '[']).next());
+        // Of all commands alike.
+        let common = ["help", "version", "watch"];
+        let mut own = options.filter(|option| !common.contains(option)).peekable();
+        assert!(own.peek().is_some(), "{help}");
+        for option in own {
+            let typed = format!("--{option}");
+            let mut rows = settings.iter();
+            let found = rows.any(|row| row.split(' ').next() == Some(&typed));
+            assert!(found, "{command} {typed}");
+        }
+    }
+}
+
+#[test]
+fn every_field_of_a_document_has_a_line_in_the_book() {
+    let documents = fields_of_documents(&root()).unwrap();
+    let structures = documents.iter().flat_map(|(_, structures)| structures);
+    let entries = structures.flat_map(|structure| &structure.fields);
+    let known: Vec<&str> = entries.map(|entry| entry.name.as_str()).collect();
+    assert_eq!(rows(&chapter("columns.md")), known);
+    for command in [
+        "simulate falling-rod --gradient mu --json",
+        "simulate thermostat --json",
+        "solve pump-track --intervals 6 --formulation time-freezing --json",
+    ] {
+        let arguments: Vec<&str> = command.split(' ').collect();
+        let mut found = Vec::new();
+        fields(&crate::support::json(&arguments), &mut found);
+        for name in found {
+            // Outputs stand in gradients by their names.
+            let output = name == "tip" || name == "on";
+            assert!(
+                output || known.contains(&name.as_str()),
+                "{command}: {name}"
+            );
+        }
+    }
+}
+
+#[test]
+fn formulas_are_set_and_what_is_none_is_refused() {
+    let set = |formula: &str| mathml(formula, false).unwrap();
+    assert!(set("M^{-1} n").contains(
+        "<msup><mi>M</mi><mrow><mrow><mo form=\"prefix\">\u{2212}</mo><mn>1</mn></mrow></mrow></msup><mi>n</mi>"
+    ));
+    assert!(set("v_n^+ \\le 0").contains(
+        "<msubsup><mi>v</mi><mi>n</mi><mrow><mo>+</mo></mrow></msubsup><mo>\u{2264}</mo><mn>0</mn>"
+    ));
+    assert!(set("\\frac{1}{2} \\dot{q}").contains("<mfrac><mrow><mn>1</mn></mrow><mrow><mn>2</mn></mrow></mfrac><mover accent=\"true\"><mrow><mi>q</mi></mrow>"));
+    assert!(
+        set("\\begin{cases} a & b \\\\ c & d \\end{cases}").contains(
+            "<mtr><mtd><mrow><mi>c</mi></mrow></mtd><mtd><mrow><mi>d</mi></mrow></mtd></mtr>"
+        )
+    );
+    for (wrong, said) in [
+        ("\\frak{g}", "`\\frak` is not known at letter 5"),
+        ("x_", "something is missing"),
+        ("{a", "a brace is not closed"),
+        ("a}", "a brace is closed that is not open"),
+        ("\\begin{cases} a", "`cases` has no end"),
+    ] {
+        let refusal = mathml(wrong, true).unwrap_err();
+        assert!(refusal.contains(said), "{refusal}");
+    }
+    // Where a formula stands in the text there is one, and no letter of its notation is left.
+    let book = book();
+    let theory = pages(&book)
+        .into_iter()
+        .find(|page| page.file == "theory.html")
+        .unwrap();
+    assert!(theory.html.matches("<math").count() > 20);
+    // The page that searches holds the text as it is written.
+    for page in pages(&book)
+        .iter()
+        .filter(|page| page.file != "search.html")
+    {
+        let shown: String = page
+            .html
+            .split("alttext=\"")
+            .map(|part| part.split_once("\">").map_or(part, |(_, rest)| rest))
+            .collect();
+        assert!(
+            !shown.contains("\\frac") && !shown.contains("\\lambda"),
+            "{}",
+            page.file
+        );
+    }
+}
+
+/// Searches, and reports what is found.
+const SEARCH: &str = r##"
+<script>
+words.value = "terminal drag";
+words.dispatchEvent(new Event("input"));
+report.none = document.getElementById("count").value;
+words.value = "air drag";
+words.dispatchEvent(new Event("input"));
+report.first = document.querySelector("#found a").getAttribute("href");
+report.count = document.querySelectorAll("#found li").length;
+document.body.dispatchEvent(new KeyboardEvent("keydown", { key: "/", bubbles: true }));
+report.focus = document.activeElement.id;
+send();
+</script>
+"##;
+
+#[test]
+fn book_is_searched_in_the_browser() {
+    let pages = pages(&book());
+    let page = pages
+        .iter()
+        .find(|page| page.file == "search.html")
+        .unwrap();
+    assert!(
+        pages
+            .iter()
+            .all(|page| page.html.contains("<form action=\"search.html\""))
+    );
+    let Some(browser) = browser() else {
+        return;
+    };
+    let scratch = Scratch::new("book-search");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let (report, console) = visit(&browser, &scratch.0, &page.html, SEARCH, Origin::Server);
+    assert_eq!(report["errors"], json!([]));
+    assert_eq!(console, "");
+    assert_eq!(report["none"], "0 places");
+    assert_eq!(report["first"], "bodies.html#air-drag");
+    assert!(report["count"].as_u64().unwrap() >= 1);
+    assert_eq!(report["focus"], "asked");
 }
 
 #[test]

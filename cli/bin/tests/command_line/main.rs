@@ -14,6 +14,8 @@ mod joints;
 mod mixed_scenes;
 mod nlp;
 mod play;
+#[cfg(feature = "play")]
+mod play_page;
 mod player;
 mod random;
 mod refusals;

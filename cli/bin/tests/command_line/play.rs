@@ -1,6 +1,6 @@
 //! The page on which scenes are written, and the calls behind it.
 //!
-//! The page itself is tested where the program has one:
+//! The page itself is tested where the program has one, in `play_page`:
 //! `cargo test --workspace --features play --test command_line play`.
 
 use hangtime_cli::Calls;
@@ -9,13 +9,13 @@ use serde_json::{Value, json};
 use crate::support::{Scratch, hangtime};
 
 /// The text of a shipped scene.
-fn text(scene: &str) -> &'static str {
+pub(crate) fn text(scene: &str) -> &'static str {
     let texts = hangtime_models::scene_texts().iter();
     texts.clone().find(|(name, _)| *name == scene).unwrap().1
 }
 
 /// What the command prints for the file of a scene, whatever its exit status is.
-fn printed(command: &str, scene: &str, text: &str, settings: &[&str]) -> String {
+pub(crate) fn printed(command: &str, scene: &str, text: &str, settings: &[&str]) -> String {
     let scratch = Scratch::new("play");
     std::fs::create_dir_all(&scratch.0).unwrap();
     let file = scratch.0.join(format!("{scene}.hang"));
@@ -156,12 +156,117 @@ fn progress_of_a_call_is_told_while_it_runs() {
     let _ = Calls::default().answer(&request.to_string(), &mut |share, doing| {
         told.push((share, doing.to_owned()))
     });
-    assert!(
-        told.iter()
-            .all(|(share, doing)| share.is_none() && doing.contains("program ")),
-        "{told:?}"
-    );
+    // In words of the problem: no residual, no iteration.
+    for (share, doing) in &told {
+        assert!(share.is_none() && doing.contains(" motion"), "{doing}");
+        let foreign = ["program", "iteration", "residual", "collocation"];
+        assert!(!foreign.iter().any(|word| doing.contains(word)), "{doing}");
+    }
     assert!(!told.is_empty());
+}
+
+#[test]
+fn page_about_a_mistake_is_answered_and_one_that_is_not_there_refused() {
+    let page = |code: &str| -> Value {
+        let request = json!({ "call": "page", "name": code, "text": "" });
+        serde_json::from_str(&answer(&request)).unwrap()
+    };
+    for code in ["E03", "e3", "syntax"] {
+        let explained = hangtime(&["explain", code]).stdout;
+        let text = page(code)["text"].as_str().unwrap().to_owned();
+        assert_eq!(
+            text.trim_end(),
+            String::from_utf8(explained).unwrap().trim_end(),
+            "{code}"
+        );
+    }
+    let refusal = page("E99")["refusal"].as_str().unwrap().to_owned();
+    assert!(
+        refusal.starts_with("there is no page about `E99`"),
+        "{refusal}"
+    );
+}
+
+#[test]
+fn solve_that_may_start_from_the_last_plan_finds_the_optimum_of_one_from_nothing() {
+    let mut calls = Calls::default();
+    let mut solve = |warm: bool, speed: &str, text: &str| -> Value {
+        let settings = ["--intervals", "6", "--set", speed];
+        let request = json!({ "call": "solve", "name": "pump-track", "text": text, "settings": settings, "warm": warm });
+        serde_json::from_str(&calls.answer(&request.to_string(), &mut |_, _| {})).unwrap()
+    };
+    let text = text("pump-track");
+    // Nothing was solved before.
+    assert_eq!(solve(true, "speed=15km/h", text)["warm"], false);
+    let warm = solve(true, "speed=15.5km/h", text);
+    let cold = solve(false, "speed=15.5km/h", text);
+    assert_eq!(
+        (&warm["warm"], &cold["warm"]),
+        (&json!(true), &json!(false))
+    );
+    let objective = |answer: &Value| answer["result"]["objective"].as_f64().unwrap();
+    assert_eq!(warm["result"]["status"], "solved");
+    // Both are certified to the tolerance of the interior point method, 1e-8.
+    assert!(
+        (objective(&warm) - objective(&cold)).abs() < 1e-7,
+        "{} {}",
+        objective(&warm),
+        objective(&cold)
+    );
+    // Less work, which is why it is asked for: no words are searched.
+    let programs = |answer: &Value| {
+        answer["result"]["iterations"]["interior_point"]
+            .as_u64()
+            .unwrap()
+    };
+    assert!(
+        programs(&warm) < programs(&cold),
+        "{} {}",
+        programs(&warm),
+        programs(&cold)
+    );
+    // Another text is another scene.
+    assert_eq!(
+        solve(true, "speed=15km/h", &format!("{text}\n"))["warm"],
+        false
+    );
+}
+
+#[test]
+fn jumps_of_controls_and_velocities_have_a_frame_to_either_side() {
+    let settings = ["--intervals", "6"];
+    let request = json!({ "call": "solve", "name": "pump-track", "text": text("pump-track"), "settings": settings });
+    let answer: Value = serde_json::from_str(&answer(&request)).unwrap();
+    let motion = &answer["motion"];
+    let column = |values: &Value| -> Vec<f64> {
+        values
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|v| v.as_f64().unwrap())
+            .collect()
+    };
+    let time = column(&motion["time"]);
+    let readings = motion["readings"].as_array().unwrap().iter();
+    let control = readings
+        .clone()
+        .find(|reading| reading["name"] == "u")
+        .unwrap();
+    let u = column(&control["values"]);
+    assert!(time.is_sorted());
+    let changes: Vec<usize> = (1..u.len()).filter(|&k| u[k] != u[k - 1]).collect();
+    // Constant on each interval: it changes where two frames have the same time, at ends of intervals, and nowhere else.
+    assert!(
+        !changes.is_empty() && changes.len() <= 5,
+        "{}",
+        changes.len()
+    );
+    let interval = time.last().unwrap() / 6.0;
+    for k in changes {
+        assert_eq!(time[k], time[k - 1]);
+        let nodes = time[k] / interval;
+        assert!((nodes - nodes.round()).abs() < 1e-9, "{nodes}");
+    }
 }
 
 #[cfg(not(feature = "play"))]
@@ -171,317 +276,79 @@ fn program_without_its_page_says_how_to_build_it() {
     assert!(refusal.contains("--features play"), "{refusal}");
 }
 
-#[cfg(feature = "play")]
-mod page {
-    use std::process::Command;
+/// What a script prints in node, line by line as JSON; `None` where there is no node.
+fn node(script: &str) -> Option<Vec<Value>> {
+    let scratch = Scratch::new("play-script");
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("run.mjs");
+    std::fs::write(&file, script).unwrap();
+    let Ok(run) = std::process::Command::new("node").arg(&file).output() else {
+        eprintln!("skipped: no node found, which runs the scripts of the page without a browser");
+        return None;
+    };
+    let errors = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{errors}");
+    let lines = String::from_utf8(run.stdout).unwrap();
+    let lines = lines
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap());
+    Some(lines.collect())
+}
 
-    use serde_json::{Value, json};
+#[test]
+fn links_that_the_book_makes_are_read_by_the_page_and_others_refused() {
+    let text = "// a scene with \u{e4}, \u{1f600} and \"quotes\"\ncoordinates { z: m }\n";
+    let script = format!(
+        "{}\n{}\n
+const read = (hash) => unpackLink(hash).then((scene) => console.log(JSON.stringify(scene)), (error) => console.log(JSON.stringify(error.name)));
+await read({});
+await read(await packLink({{ name: 'own', text: {text:?}, values: {{ m: 2 }} }}));
+const {{ deflateRawSync }} = await import('node:zlib');
+await read('#scene=' + deflateRawSync(Buffer.alloc(5e6)).toString('base64url'));
+await read('#scene=' + 'A'.repeat(2e6));
+await read('#scene=AAAA');
+await read('#scene=' + deflateRawSync(Buffer.from('[1]')).toString('base64url'));
+await read('#elsewhere');
+",
+        include_str!("../../../src/play/store.js"),
+        include_str!("../../../src/play/links.js"),
+        json!(format!("#{}", hangtime_book::fragment("ball", text))),
+    );
+    let Some(read) = node(&script) else { return };
+    assert_eq!(
+        read,
+        [
+            json!({ "name": "ball", "text": text, "values": {} }),
+            json!({ "name": "own", "text": text, "values": { "m": 2 } }),
+            json!("RangeError"),
+            json!("RangeError"),
+            json!("SyntaxError"),
+            json!("SyntaxError"),
+            json!(null),
+        ]
+    );
+}
 
-    use super::{printed, text};
-    use crate::browser::{Origin, browser, visit};
-    use crate::support::{Scratch, solved};
-
-    /// Largest difference of a number in the module, which has its own sine and cosine, from that of this machine,
-    /// relative to the largest values.
-    const SAME: f64 = 1e-9;
-    /// Files with mistakes that the module answers, unless the environment asks for more.
-    const MUTATED: u64 = 300;
-
-    /// The page, in a folder of its own.
-    fn page(arguments: &[&str]) -> (Scratch, String) {
-        let scratch = Scratch::new("play-page");
-        let mut all = vec!["play"];
-        all.extend(arguments);
-        all.extend(["--out", scratch.text()]);
-        solved(&all);
-        let page = scratch.read("play.html");
-        (scratch, page)
-    }
-
-    /// Whether numbers agree wherever they stand in two documents, and everything else is equal.
-    fn assert_same(one: &Value, other: &Value, place: &str) {
-        match (one, other) {
-            (Value::Array(one), Value::Array(other)) => {
-                assert_eq!(one.len(), other.len(), "{place}");
-                for (index, (one, other)) in one.iter().zip(other).enumerate() {
-                    assert_same(one, other, &format!("{place}[{index}]"));
-                }
-            }
-            (Value::Object(one), Value::Object(other)) => {
-                assert!(one.keys().eq(other.keys()), "{place}");
-                for ((name, one), other) in one.iter().zip(other.values()) {
-                    assert_same(one, other, &format!("{place}.{name}"));
-                }
-            }
-            (Value::Number(one), Value::Number(other)) => {
-                let [one, other] = [one, other].map(|number| number.as_f64().unwrap());
-                let size = one.abs().max(other.abs()).max(1.0);
-                assert!((one - other).abs() <= SAME * size, "{place}: {one} {other}");
-            }
-            _ => assert_eq!(one, other, "{place}"),
-        }
-    }
-
-    /// The parts of a result that say what happens: work is counted differently where roundings differ.
-    fn assert_same_motion(seen: &Value, native: &Value) {
-        for part in [
-            "scene",
-            "parameters",
-            "status",
-            "stationarity",
-            "objective",
-            "horizon",
-            "final",
-        ] {
-            assert_same(&seen[part], &native[part], part);
-        }
-        let events = |document: &Value| -> Vec<Value> {
-            let events = document["events"].as_array().unwrap().iter();
-            events
-                .map(|e| json!([e["kind"], e["contact"], e["time"], e["q"]]))
-                .collect()
-        };
-        assert_same(&json!(events(seen)), &json!(events(native)), "events");
-    }
-
-    /// Answers of the module of a page to requests, without a browser.
-    fn answers(page: &str, script: &str) -> Option<Vec<Value>> {
-        let scratch = Scratch::new("play-node");
-        std::fs::create_dir_all(&scratch.0).unwrap();
-        let (file, program) = (scratch.0.join("play.html"), scratch.0.join("run.mjs"));
-        std::fs::write(&file, page).unwrap();
-        std::fs::write(
-            &program,
-            format!("{}\n{script}", include_str!("module.mjs")),
-        )
-        .unwrap();
-        let run = Command::new("node").arg(&program).arg(&file).output();
-        let Ok(run) = run else {
-            eprintln!("skipped: no node found, which runs the module without a browser");
-            return None;
-        };
-        assert!(
-            run.status.success(),
-            "{}",
-            String::from_utf8_lossy(&run.stderr)
-        );
-        let lines = String::from_utf8(run.stdout).unwrap();
-        Some(
-            lines
-                .lines()
-                .map(|line| serde_json::from_str(line).unwrap())
-                .collect(),
-        )
-    }
-
-    #[test]
-    fn module_simulates_and_solves_as_this_machine_does() {
-        let (_scratch, page) = page(&[]);
-        let mut cases: Vec<(&str, &str, &[&str])> = Vec::new();
-        for (scene, _) in hangtime_models::scene_texts() {
-            cases.push(("simulate", scene, &[]));
-        }
-        cases.push((
-            "solve",
-            "pump-track",
-            &["--intervals", "6", "--set", "speed=15km/h"],
-        ));
-        let requests: Vec<Value> = cases
-            .iter()
-            .map(|(call, scene, settings)| {
-                json!({ "call": call, "name": scene, "text": text(scene), "settings": settings })
-            })
-            .collect();
-        let script = format!(
-            "for (const request of {}) console.log(JSON.stringify(call(request).result));",
-            json!(requests)
-        );
-        let Some(answers) = answers(&page, &script) else {
-            return;
-        };
-        assert_eq!(answers.len(), cases.len());
-        for ((call, scene, settings), seen) in cases.iter().zip(&answers) {
-            let native = printed(call, scene, text(scene), settings);
-            assert_same_motion(seen, &serde_json::from_str(&native).unwrap());
-        }
-    }
-
-    #[test]
-    fn module_answers_texts_with_mistakes() {
-        let (_scratch, page) = page(&[]);
-        let wanted = std::env::var("HANGTIME_MUTATED_SCENES").ok();
-        let count = wanted.map_or(MUTATED, |count| count.parse().unwrap());
-        let script = format!(
-            "mutate({count}, {});",
-            json!(hangtime_models::scene_texts())
-        );
-        let Some(answers) = answers(&page, &script) else {
-            return;
-        };
-        let summary = &answers[0];
-        assert_eq!(summary["traps"], json!([]));
-        let of = |kind: &str| summary[kind].as_u64().unwrap();
-        assert_eq!(of("mistaken") + of("refused") + of("done"), count);
-        assert!(
-            of("mistaken") > count / 4 && of("done") > count / 50,
-            "{summary}"
-        );
-        eprintln!("{summary}");
-    }
-
-    #[test]
-    fn module_answers_texts_that_lead_deep() {
-        let (_scratch, page) = page(&[]);
-        let Some(answers) = answers(&page, "deep();") else {
-            return;
-        };
-        let (mistaken, solved) = (json!("mistaken"), json!("solved"));
-        assert_eq!(answers[..4], vec![mistaken; 4]);
-        assert_eq!(answers[4..], vec![solved; 5]);
-    }
-
-    /// Edits, mistakes, mends, simulates, solves and stops.
-    const VISITOR: &str = r##"
-<script>
-const wait = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
-const until = async (what) => { while (!what()) await wait(5); };
-const idle = () => page.answer && page.scene && !runner.busy && !checker.busy && !page.again;
-const type = (content) => { text.value = content; text.dispatchEvent(new Event("input")); };
-const look = () => ({ status: element("status").value, result: page.answer.result, command: element("command").textContent,
-  figures: document.querySelectorAll("#plots svg path").length, readings: page.answer.motion.readings.length, stage: document.querySelectorAll("#stage [data-body]").length,
-  equations: document.querySelectorAll("#equations math").length });
-(async () => {
-  await until(idle);
-  report.seconds = performance.now() / 1000;
-  report.first = look();
-  const original = text.value;
-  type(original.replace("m*g*z", "m*g*zz"));
-  await until(() => !element("messages").hidden);
-  report.mistake = { text: element("report").textContent, marked: element("marks").querySelector("mark").textContent };
-  document.querySelector("#jumps button").click();
-  report.jump = [text.selectionStart, text.selectionEnd, document.activeElement.id];
-  page.answer = null;
-  type(original.replace("80", "90"));
-  await until(idle);
-  report.mended = { ...look(), hidden: element("messages").hidden, slider: element("p-m").value };
-  page.answer = null;
-  element("p-start_y").value = 9;
-  element("p-start_y").dispatchEvent(new Event("input"));
-  await until(idle);
-  report.slid = look();
-  report.link = await unpackLink(await packLink());
-  const bomb = await through(new Uint8Array(3e8), new CompressionStream("deflate-raw"));
-  report.bomb = await through(bomb, new DecompressionStream("deflate-raw")).then(() => "unpacked", (error) => error.name);
-  const press = (key) => document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
-  press(" ");
-  await until(() => page.player.time() > 0);
-  press(" ");
-  report.keys = [page.player.playing(), ..."End Home .".split(" ").map((key) => { press(key); return page.player.time(); })];
-  location.hash = await packLink();
-  page.answer = null;
-  await until(idle);
-  report.opened = look();
-  page.answer = null;
-  element("scenes").value = "pump-track";
-  element("scenes").dispatchEvent(new Event("change"));
-  await until(idle);
-  element("solve").click();
-  await until(() => element("status").value.includes("program"));
-  element("stop").click();
-  await until(() => !runner.busy && element("stop").disabled);
-  report.stopped = element("status").value;
-  page.answer = null;
-  element("intervals").value = 6;
-  element("solve").click();
-  await until(idle);
-  report.solved = look();
-  send();
-})();
-</script>
-"##;
-
-    #[test]
-    fn page_from_the_file_system_edits_mends_simulates_stops_and_solves() {
-        let Some(browser) = browser() else {
-            return;
-        };
-        let (scratch, page) = page(&[]);
-        // No more than what a mail carries; the module is most of it.
-        assert!(page.len() < 4_000_000, "{}", page.len());
-        let (report, console) = visit(&browser, &scratch.0, &page, VISITOR, Origin::File);
-        assert_eq!(console, "");
-        assert_eq!(report["errors"], json!([]), "{report}");
-        eprintln!("first picture after {} s", report["seconds"]);
-        let ski_jump = text("ski-jump");
-        let simulated = |text: &str, settings: &[&str]| -> Value {
-            serde_json::from_str(&printed("simulate", "ski-jump", text, settings)).unwrap()
-        };
-        assert_same_motion(&report["first"]["result"], &simulated(ski_jump, &[]));
-        assert_eq!(report["first"]["stage"], 1);
-        assert_eq!(report["first"]["figures"], report["first"]["readings"]);
-        assert!(report["first"]["equations"].as_u64().unwrap() > 10);
-        let mistake = report["mistake"]["text"].as_str().unwrap();
-        assert!(
-            mistake.starts_with("error[E01]: `zz` is not declared"),
-            "{mistake}"
-        );
-        assert_eq!(report["mistake"]["marked"], "zz");
-        let place = ski_jump.find("m*g*z").unwrap() + 4;
-        assert_eq!(report["jump"], json!([place, place + 2, "text"]));
-        let mended = ski_jump.replace("80", "90");
-        assert_eq!(report["mended"]["hidden"], true);
-        assert_eq!(report["mended"]["slider"], "90");
-        assert_same_motion(&report["mended"]["result"], &simulated(&mended, &[]));
-        assert_eq!(
-            report["slid"]["command"],
-            "hangtime simulate ski-jump.hang --set start_y=9"
-        );
-        assert_same_motion(
-            &report["slid"]["result"],
-            &simulated(&mended, &["--set", "start_y=9"]),
-        );
-        assert_eq!(report["bomb"], "RangeError");
-        assert_eq!(
-            report["link"],
-            json!({ "name": "ski-jump", "content": mended, "values": { "start_y": 9 } })
-        );
-        let first = &report["slid"]["result"]["events"][0]["time"];
-        assert_eq!(report["keys"], json!([false, 5, 0, first]));
-        assert_eq!(report["opened"]["command"], report["slid"]["command"]);
-        assert_eq!(
-            report["opened"]["result"]["final"],
-            report["slid"]["result"]["final"]
-        );
-        assert_eq!(report["stopped"], "stopped");
-        let native = printed(
-            "solve",
-            "pump-track",
-            text("pump-track"),
-            &["--intervals", "6"],
-        );
-        assert_same_motion(
-            &report["solved"]["result"],
-            &serde_json::from_str(&native).unwrap(),
-        );
-        let status = report["solved"]["status"].as_str().unwrap();
-        assert!(status.starts_with("solved, certificate "), "{status}");
-    }
-
-    #[test]
-    fn page_of_a_file_opens_with_it() {
-        let scratch = Scratch::new("play-own");
-        std::fs::create_dir_all(&scratch.0).unwrap();
-        let file = scratch.0.join("own.hang");
-        std::fs::write(&file, "// </script>\ncoordinates { z: m }\n").unwrap();
-        let (_folder, page) = page(&[file.to_str().unwrap()]);
-        let scenes = crate::support::embedded(&page, "shipped");
-        assert_eq!(
-            scenes[0],
-            json!({ "name": "own", "text": "// </script>\ncoordinates { z: m }\n" })
-        );
-        assert_eq!(
-            scenes.as_array().unwrap().len(),
-            1 + hangtime_models::scene_texts().len()
-        );
-    }
+#[test]
+fn steps_of_a_scene_are_what_was_typed_without_a_pause() {
+    let script = format!(
+        "{}
+const past = new Past('a');
+past.note('ab', 0); past.note('abc', 500); past.note('abcd', 2000);
+const seen = [past.go(1), past.go(-1), past.go(-1), past.go(-1), past.go(1)];
+past.note('x', 9000);
+seen.push(past.has(1), past.has(-1), past.go(-1));
+console.log(JSON.stringify(seen));
+const taken = (name) => ['ball', 'ball-2'].includes(name);
+console.log(JSON.stringify([freeName('ball', taken), freeName('cart', taken), cleanName(' ../a b.hang'), cleanName('\u{fc}')]));
+",
+        include_str!("../../../src/play/store.js")
+    );
+    let Some(lines) = node(&script) else { return };
+    // Nothing lies ahead; then the steps back, the end, and one forward; a new text ends what was ahead.
+    assert_eq!(
+        lines[0],
+        json!([null, "abc", "a", null, "abc", false, true, "abc"])
+    );
+    assert_eq!(lines[1], json!(["ball-3", "cart", "a-b", ""]));
 }

@@ -196,7 +196,7 @@ fn is_square(row: Sym) -> bool {
 }
 
 /// The rate of a row of positions; a row of velocities itself.
-pub(crate) fn rate(row: Sym, holonomic: bool) -> Sym {
+fn rate(row: Sym, holonomic: bool) -> Sym {
     if holonomic {
         graph::directional(&[row], velocity_direction)[0]
     } else {
@@ -206,6 +206,27 @@ pub(crate) fn rate(row: Sym, holonomic: bool) -> Sym {
 
 fn velocities(n: usize) -> Vec<Variable> {
     (0..n).map(|i| Variable::Velocity(i as u16)).collect()
+}
+
+/// E24: forces of joints in optimal control, where contacts push along normals and tangents, and nothing switches what acts.
+pub(super) fn planned(checker: &mut Checker<'_>, contacts: &[Contact]) {
+    let Some(place) = checker.scope.planned else {
+        return;
+    };
+    let other = contacts
+        .iter()
+        .find(|contact| contact.switch.is_some() || !contact.held.is_empty());
+    let Some(other) = other else { return };
+    let what = if other.switch.is_some() {
+        "a switch in `forces`"
+    } else {
+        "a contact with `holding`"
+    };
+    let message = format!(
+        "the force of a joint in optimal control is not known beside {what} (`{}`); write the cost or condition with controls",
+        other.name.text
+    );
+    checker.diagnostics.report("E24", place, message);
 }
 
 /// Names of the joints that are equations between velocities.

@@ -25,7 +25,6 @@ mod units;
 mod values;
 
 pub(crate) use design::without_free_bounds;
-pub(crate) use joint::rate as joint_rate;
 pub(crate) use law::normal;
 pub(crate) use start::inertia_at_start;
 
@@ -287,6 +286,7 @@ fn finish(
     switches::append(&mut checker, &mut forces, &mut contacts)?;
     resets::append(&mut checker, &mut contacts);
     joint::finish(&mut checker, &units.gaps, &contacts);
+    joint::planned(&mut checker, &contacts);
     let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
     let mut optimal_control = optimal_control::optimal_control(&mut checker, units);
     let remembered = remembered::starts(&mut checker, optimal_control.as_mut(), &start);

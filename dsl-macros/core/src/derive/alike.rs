@@ -2,8 +2,7 @@
 
 use super::contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
 use super::explicit::{Explicit, Sparse};
-use crate::graph::{self, Sym, Variable};
-use std::collections::HashMap;
+use crate::graph::{self, Sym, Table, Variable};
 
 /// Placeholders for the coordinates and the velocities of a part begin here; expressions of a scene have no such arguments.
 const COORDINATES: u16 = u16::MAX / 2;
@@ -12,7 +11,7 @@ const VELOCITIES: u16 = COORDINATES + 1024;
 /// The contacts derived so far, by what they are derived from: the place of each, and its part of the mechanism.
 #[derive(Default)]
 pub(super) struct Alike {
-    known: HashMap<Vec<Sym>, (usize, Vec<usize>)>,
+    known: Table<Vec<Sym>, (usize, Vec<usize>)>,
 }
 
 impl Alike {

@@ -14,9 +14,10 @@ use super::implicit::{self, Implicit, WRITTEN_OUT};
 use super::joint_row::Row;
 use super::ldl::Factorization;
 use super::residual::{self, Bordered, Elimination};
+use super::shared::{Columns, Directed};
 use super::{Explicit, Failure, simplify};
 use crate::check::normal;
-use crate::graph::{self, Compose, Sym, Variable};
+use crate::graph::{self, Compose, Stage, Sym, Variable};
 use crate::scene::{Action, Contact, Friction};
 
 /// Square of an acceleration that is none.
@@ -110,6 +111,10 @@ fn over(w: &[Sym], divisor: Sym) -> Vec<Sym> {
 pub(super) struct Mechanism<'a> {
     pub(super) mass: &'a [Sym],
     pub(super) momenta: &'a [Sym],
+    /// Whether the entries of the mass matrix multiply a vector in fewer operations than the momenta.
+    pub(super) by_entries: bool,
+    /// Whether the momenta are evaluated in steps.
+    pub(super) in_steps: bool,
     /// The coordinates that these belong to, increasing.
     pub(super) coordinates: &'a [usize],
     /// Number of coordinates of the scene.
@@ -130,6 +135,7 @@ impl Mechanism<'_> {
         let mut contacts: Vec<ContactEquations> = Vec::with_capacity(declared.len());
         let mut alike = Alike::default();
         for contact in declared {
+            graph::begin(Stage::Contact(contacts.len()));
             let mut derived = self.contact(contact, &contacts, &mut alike)?;
             for &(surface, factor) in &contact.loads {
                 // A force `r / D` of the surface adds its share to the bound, which is measured by `D` of the friction.
@@ -247,6 +253,8 @@ impl Mechanism<'_> {
         let part = Mechanism {
             mass: &mass,
             momenta: &momenta,
+            by_entries: self.by_entries,
+            in_steps: self.in_steps,
             coordinates,
             all: n,
             joints: &[],
@@ -279,6 +287,7 @@ impl Mechanism<'_> {
             coordinate: self.coordinates[row],
         };
         let inertia = self.holding(held);
+        let shares = held.is_empty();
         let (locked, locked_factors) = match (self.formulas, self.written_out) {
             _ if held.is_empty() => (None, None),
             (formulas, factors) => (
@@ -326,6 +335,7 @@ impl Mechanism<'_> {
                     .zip(divisor)
                     .map(|(inverse, divisor)| over(&inverse, divisor)),
                 || implicit::direction(&inertia, &own_normal, self.inputs),
+                shares.then(|| (vec![inertia.free_part(&own_normal)], true)),
                 factors
                     .map(|factors| Bordered::new(factors, vec![inertia.free_part(&own_normal)]))
                     .as_ref(),
@@ -367,6 +377,7 @@ impl Mechanism<'_> {
             vec![sliding],
             formula,
             || implicit::friction(inertia, normal, &own, self.inputs),
+            inertia.held.is_empty().then(|| (columns.to_vec(), true)),
             factors
                 .map(|factors| Bordered::new(factors, columns.to_vec()))
                 .as_ref(),
@@ -401,6 +412,8 @@ impl Mechanism<'_> {
         implicit::Locked {
             mass: self.mass,
             momenta: self.momenta,
+            by_entries: self.by_entries,
+            in_steps: self.in_steps,
             coordinates: self.coordinates,
             held,
             joints: self.joints,
@@ -482,6 +495,7 @@ impl Mechanism<'_> {
             self.formulas
                 .map(|formulas| over(&formulas.solve(action), scale)),
             || implicit::of_force(&inertia, over(action, scale), self.inputs),
+            Some((vec![inertia.free_part(&over(action, scale))], false)),
             self.written_out,
         );
         let friction = FrictionEquations {
@@ -506,16 +520,24 @@ impl Mechanism<'_> {
     }
 
     /// Some rows followed by a direction: a formula, or the first part of the solution of a system. What
-    /// has no formulas at all is left to be solved at run time.
+    /// has no formulas at all is left to be solved at run time, with the inertia of the scene by the vectors in `shared` (and
+    /// whether the last of them is the normal) where there are such.
     fn directed(
         &self,
         rows: Vec<Sym>,
         formula: Option<Vec<Sym>>,
         system: impl Fn() -> Implicit,
+        shared: Option<(Vec<Vec<Sym>>, bool)>,
         elimination: Option<&impl Elimination>,
-    ) -> (Explicit, Option<Implicit>) {
+    ) -> (Explicit, Option<Directed>) {
         let Some(elimination) = elimination else {
-            return (Explicit::new(rows, self.inputs), Some(system()));
+            let direction = match shared {
+                Some((columns, bordered)) => {
+                    Directed::Columns(Columns::new(&columns, bordered, self.inputs))
+                }
+                None => Directed::System(system()),
+            };
+            return (Explicit::new(rows, self.inputs), Some(direction));
         };
         let first = rows.len();
         let written_out = || {

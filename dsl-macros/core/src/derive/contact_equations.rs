@@ -1,7 +1,7 @@
 //! What is derived of a contact.
 
 use super::explicit::Explicit;
-use super::implicit::Implicit;
+use super::shared::Directed;
 use crate::graph::Sym;
 
 /// What belongs to one contact.
@@ -13,7 +13,7 @@ pub(crate) struct ContactEquations {
     pub(crate) normal: Vec<Sym>,
     pub(crate) inverse_inertia: InverseInertia,
     /// The contact direction, unless it is among the `rows`.
-    pub(crate) direction: Option<Implicit>,
+    pub(crate) direction: Option<Directed>,
     pub(crate) friction: Option<FrictionEquations>,
     /// In space the tangential side along the second sliding velocity.
     pub(crate) across: Option<FrictionEquations>,
@@ -37,5 +37,16 @@ pub(crate) struct FrictionEquations {
     pub(crate) curvature: Sym,
     pub(crate) tangent: Vec<Sym>,
     /// The friction direction, unless it is among the `rows`.
-    pub(crate) direction: Option<Implicit>,
+    pub(crate) direction: Option<Directed>,
+}
+
+impl ContactEquations {
+    /// Whether one of its directions is solved for with the inertia of the scene.
+    pub(super) fn shares_inertia(&self) -> bool {
+        let sides = self.friction.iter().chain(&self.across);
+        let directions = sides.map(|side| &side.direction).chain([&self.direction]);
+        directions
+            .flatten()
+            .any(|direction| matches!(direction, Directed::Columns(_)))
+    }
 }

@@ -78,6 +78,11 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
     for contact in &mut scene.contacts {
         replace_in(contact, n + held, &one);
     }
+    for joint in &mut scene.joints {
+        for row in &mut joint.rows {
+            *row = one(*row);
+        }
+    }
     for output in &mut scene.outputs {
         output.value = one(output.value);
     }

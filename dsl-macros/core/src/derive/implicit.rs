@@ -12,6 +12,8 @@
 use super::explicit::{Sparse, hessian, jacobian};
 use super::joint_row::Row;
 use super::ldl::Factorization;
+use super::stepwise;
+use crate::graph::stepwise::Sweeps;
 use crate::graph::{self, Sym, Variable};
 use crate::tape;
 use std::collections::BTreeSet;
@@ -22,7 +24,10 @@ pub(crate) const WRITTEN_OUT: usize = 8;
 
 /// Largest mass matrix that is factorized by formulas: some n^3/3 operations, which pivoting and loops
 /// would about double.
-pub(super) const FORMULAS: usize = 16;
+const FORMULAS: usize = 16;
+
+/// Largest system with joints whose factors are looked at: those of links in a chain are mostly zeros, some 100 operations a link.
+const MOST_SPARSE: usize = 250;
 
 /// A linear system with everything that its solution's derivatives need. In its formulas,
 /// `Multiplier(i)` stands for `mu[i]` and `Unknown(size + i)` for `y[i]`.
@@ -49,8 +54,9 @@ impl Implicit {
         right: Vec<Sym>,
         residual: &[Sym],
         transposed: &[Sym],
-        inputs: &[Variable],
+        (inputs, in_steps): (&[Variable], bool),
     ) -> Self {
+        let (jacobian, hessian) = derivatives(in_steps);
         Self {
             size: right.len(),
             matrix,
@@ -74,7 +80,7 @@ impl Implicit {
 
     /// Positions at which `dy/dx` may be nonzero, for the first `rows` components.
     pub(crate) fn jacobian_pattern(&self, rows: usize) -> Vec<(usize, usize)> {
-        let blocks = self.blocks();
+        let blocks = blocks(&self.matrix, self.size);
         let touched: BTreeSet<(usize, usize)> = self
             .residual_jacobian
             .entries
@@ -106,24 +112,39 @@ impl Implicit {
         }
         entries.into_iter().collect()
     }
+}
 
-    /// Number of the connected block of `K` that each row belongs to.
-    fn blocks(&self) -> Vec<usize> {
-        let n = self.size;
-        let mut blocks: Vec<usize> = (0..n).collect();
-        // At most n rounds of passing the smallest number on.
-        for _ in 0..n {
-            for i in 0..n {
-                for j in 0..n {
-                    if !self.matrix[i * n + j].is_structural_zero() {
-                        let least = blocks[i].min(blocks[j]);
-                        (blocks[i], blocks[j]) = (least, least);
-                    }
-                }
-            }
-        }
-        blocks
+/// How Jacobians and Hessians are derived.
+type Derivatives = (
+    fn(&[Sym], &[Variable]) -> Sparse,
+    fn(&[Sym], &[Variable]) -> Sparse,
+);
+
+/// Jacobians and Hessians, of evaluations in steps or of formulas.
+pub(super) fn derivatives(in_steps: bool) -> Derivatives {
+    if in_steps {
+        (stepwise::jacobian, stepwise::hessian)
+    } else {
+        (jacobian, hessian)
     }
+}
+
+/// Number of the connected block of a square matrix that each row belongs to.
+pub(super) fn blocks(matrix: &[Sym], n: usize) -> Vec<usize> {
+    let mut blocks: Vec<usize> = (0..n).collect();
+    // The smallest number is passed on along the nonzeros, until nothing changes.
+    let mut changed = true;
+    while changed {
+        changed = false;
+        let entries = matrix.iter().enumerate();
+        for (k, _) in entries.filter(|(_, entry)| !entry.is_structural_zero()) {
+            let (i, j) = (k / n, k % n);
+            let least = blocks[i].min(blocks[j]);
+            changed |= blocks[i] != blocks[j];
+            (blocks[i], blocks[j]) = (least, least);
+        }
+    }
+    blocks
 }
 
 /// The motion without contact: `M a = r`. The residual is built from the momenta along the motion,
@@ -137,37 +158,28 @@ pub(super) fn motion(
     (applied, moving): (&[Sym], usize),
     inputs: &[Variable],
 ) -> Implicit {
-    let (momenta, mass, n) = (inertia.momenta, inertia.mass, right.len());
+    let (mass, n) = (inertia.mass, right.len());
     let size = inertia.size();
-    let rates = graph::directional(momenta, |variable| match variable {
-        Variable::Coordinate(i) if usize::from(i) >= moving => Sym::ZERO,
-        Variable::Coordinate(i) => Sym::variable(Variable::Velocity(i)),
-        Variable::Velocity(i) => Implicit::unknown(size, usize::from(i)),
-        Variable::Time => Sym::ONE,
-        _ => Sym::ZERO,
-    });
+    let rates = inertia.rates(stepwise::along_unknowns(size, moving));
     let residual: Vec<Sym> = rates
         .iter()
         .zip(applied)
         .map(|(&rate, &force)| rate - force)
         .collect();
-    let transposed = graph::directional(momenta, |variable| match variable {
+    let transposed = inertia.rates(|variable| match variable {
         Variable::Velocity(i) => Implicit::multiplier(usize::from(i)),
         _ => Sym::ZERO,
     });
     // From the entries of the mass matrix instead, where that is shorter.
-    let times = |unknown: &dyn Fn(usize) -> Sym| -> Vec<Sym> {
-        let rows = mass.chunks(n);
-        rows.map(|row| (0..n).map(|j| row[j] * unknown(j)).sum())
-            .collect()
-    };
-    let by_entries: Vec<Sym> = times(&|j| Implicit::unknown(size, j))
-        .into_iter()
-        .zip(&right)
-        .map(|(inertial, &right)| inertial - right)
-        .collect();
-    let mut residual = shorter(residual, by_entries);
-    let mut transposed = shorter(transposed, times(&Implicit::multiplier));
+    let times = |unknown: &dyn Fn(usize) -> Sym| product(mass, n, unknown);
+    let (mut residual, mut transposed) = (residual, transposed);
+    if !inertia.in_steps {
+        let by_entries = times(&|j| Implicit::unknown(size, j)).into_iter();
+        let by_entries = by_entries.zip(&right);
+        let by_entries = by_entries.map(|(inertial, &right)| inertial - right);
+        residual = shorter(residual, by_entries.collect());
+        transposed = shorter(transposed, times(&Implicit::multiplier));
+    }
     let right = inertia.right(&right);
     inertia.add_joints(&mut residual, &|i| Implicit::unknown(size, i));
     for (residual, right) in residual[n..].iter_mut().zip(&right[n..]) {
@@ -175,9 +187,27 @@ pub(super) fn motion(
     }
     inertia.add_joints(&mut transposed, &Implicit::multiplier);
     let solution = factorization.map(|factorization| factorization.solve(&right));
-    let mut motion = Implicit::new(inertia.matrix(), right, &residual, &transposed, inputs);
+    let how = (inputs, inertia.in_steps);
+    let mut motion = Implicit::new(inertia.matrix(), right, &residual, &transposed, how);
     motion.solution = solution;
     motion
+}
+
+/// The product of a square matrix with a vector, by its entries.
+fn product(matrix: &[Sym], n: usize, vector: impl Fn(usize) -> Sym) -> Vec<Sym> {
+    let rows = matrix.chunks(n);
+    rows.map(|row| (0..n).map(|j| row[j] * vector(j)).sum())
+        .collect()
+}
+
+/// Whether the product of the mass matrix with a vector takes fewer operations by its entries than by the momenta.
+pub(super) fn is_simpler_than(mass: &[Sym], momenta: &[Sym]) -> bool {
+    let by_entries = product(mass, momenta.len(), Implicit::multiplier);
+    let by_momenta = graph::directional(momenta, |variable| match variable {
+        Variable::Velocity(i) => Implicit::multiplier(usize::from(i)),
+        _ => Sym::ZERO,
+    });
+    tape::operations(&by_entries) < tape::operations(&by_momenta)
 }
 
 fn shorter(one: Vec<Sym>, other: Vec<Sym>) -> Vec<Sym> {
@@ -195,6 +225,10 @@ pub(super) struct Locked<'a> {
     pub(super) mass: &'a [Sym],
     /// Momenta, whose derivatives along velocities multiply by the mass matrix.
     pub(super) momenta: &'a [Sym],
+    /// Whether its entries multiply a vector in fewer operations than those.
+    pub(super) by_entries: bool,
+    /// Whether the momenta are evaluated in steps, and all that is derived of them.
+    pub(super) in_steps: bool,
     /// The coordinates that its rows belong to, increasing.
     pub(super) coordinates: &'a [usize],
     /// Rows that are held.
@@ -233,10 +267,26 @@ impl Locked<'_> {
         }
     }
 
-    /// Product with a vector, in far fewer operations than by the entries.
-    fn times(&self, of: impl Fn(usize) -> Sym) -> Vec<Sym> {
+    /// Rates of the momenta where each variable moves by `direction`.
+    fn rates(&self, direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
+        if self.in_steps {
+            Sweeps::over(self.momenta).directional(direction)
+        } else {
+            graph::directional(self.momenta, direction)
+        }
+    }
+
+    /// Product with a vector, by the momenta if that takes fewer operations.
+    pub(super) fn times(&self, of: impl Fn(usize) -> Sym) -> Vec<Sym> {
+        if self.by_entries {
+            let n = self.coordinates();
+            let mut rows = Vec::with_capacity(self.size());
+            rows.extend((0..n).map(|i| (0..n).map(|j| self.entry(i, j) * of(j)).sum::<Sym>()));
+            self.add_joints(&mut rows, &of);
+            return rows;
+        }
         let row = |i: u16| self.coordinates.binary_search(&usize::from(i)).ok();
-        let mut rows = graph::directional(self.momenta, |variable| match variable {
+        let mut rows = self.rates(|variable| match variable {
             Variable::Velocity(i) => match row(i) {
                 Some(row) if !self.is_held(row) => of(row),
                 _ => Sym::ZERO,
@@ -283,6 +333,17 @@ impl Locked<'_> {
         }
     }
 
+    /// The same where it takes fewer operations than loops over a full matrix.
+    ///
+    /// # Errors
+    /// The coordinate whose pivot is structurally zero.
+    pub(super) fn cheaply_factorized(&self) -> Result<Option<Factorization>, usize> {
+        let small = self.size() <= FORMULAS;
+        let links = !self.joints.is_empty() && self.size() <= MOST_SPARSE;
+        let factors = (small || links).then(|| self.factorized()).transpose()?;
+        Ok(factors.filter(|factors| small || factors.is_sparse()))
+    }
+
     /// Row-major.
     pub(super) fn matrix(&self) -> Vec<Sym> {
         let n = self.size();
@@ -327,7 +388,8 @@ pub(super) fn of_force(inertia: &Locked<'_>, force: Vec<Sym>, inputs: &[Variable
     let products = inertia.times(|i| Implicit::unknown(n, i));
     let residual: Vec<Sym> = products.iter().zip(&force).map(|(&a, &f)| a - f).collect();
     let transposed = inertia.times(Implicit::multiplier);
-    Implicit::new(inertia.matrix(), force, &residual, &transposed, inputs)
+    let how = (inputs, inertia.in_steps);
+    Implicit::new(inertia.matrix(), force, &residual, &transposed, how)
 }
 
 /// Unknowns `e` for each of the tangents, then `d` and `r`.
@@ -383,5 +445,6 @@ fn bordered(
         .map(|i| normal[i] * Implicit::unknown(size, closing + i))
         .sum();
     residual.push(closure - Sym::ONE);
-    Implicit::new(matrix, right, &residual, &transposed, inputs)
+    let how = (inputs, inertia.in_steps);
+    Implicit::new(matrix, right, &residual, &transposed, how)
 }

@@ -1,16 +1,20 @@
 //! What methods read of joints: positions and velocities of their rows, and their forces.
 
+use super::contact_equations::ContactEquations;
+use super::explicit::hessian;
 use super::implicit::Locked;
 use super::ldl::Factorization;
 use super::{Sparse, jacobian, simplify};
 use crate::graph::{Sym, Variable};
-use crate::scene::CheckedScene;
+use crate::scene::{CheckedScene, Contact};
 
 /// The functions of all joints.
 pub(crate) struct JointEquations {
     /// The positions `g` of all rows, 0 of those of velocities, and then the velocities `w` of all.
     pub(crate) values: Vec<Sym>,
     pub(crate) jacobian: Sparse,
+    /// Lower triangle of the Hessian of their weighted sum.
+    pub(crate) hessian: Sparse,
     /// The forces, unless they are the rest of the solution of the system of motion.
     pub(crate) forces: Option<Vec<Sym>>,
 }
@@ -43,7 +47,37 @@ pub(super) fn equations(
     let behind = scene.coordinates.len();
     Some(JointEquations {
         jacobian: jacobian(&values, inputs),
+        hessian: hessian(&values, inputs),
         values,
         forces: solution.map(|solution| solution[behind..].iter().map(|&mu| -mu).collect()),
     })
+}
+
+/// The forces of all rows as formulas, with those of contacts among them.
+///
+/// # Errors
+/// The coordinate whose pivot is structurally zero.
+pub(super) fn forces(
+    inertia: &Locked<'_>,
+    right: &[Sym],
+    contacts: &[ContactEquations],
+    declared: &[Contact],
+) -> Result<Vec<Sym>, usize> {
+    let mut right = right.to_vec();
+    for ((contact, declared), i) in contacts.iter().zip(declared).zip(0_u16..) {
+        let mut push = |covector: &[Sym], force: Variable| {
+            for (right, &component) in right.iter_mut().zip(covector) {
+                *right += component * Sym::variable(force);
+            }
+        };
+        if declared.bound.is_none() {
+            push(&contact.normal, Variable::ContactForce(i));
+        }
+        if let Some(friction) = &contact.friction {
+            push(&friction.tangent, Variable::FrictionForce(i));
+        }
+    }
+    let solution = inertia.factorized()?.solve(&inertia.right(&right));
+    let behind = inertia.size() - inertia.joints.len();
+    Ok(solution[behind..].iter().map(|&mu| -mu).collect())
 }

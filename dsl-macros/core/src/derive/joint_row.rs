@@ -13,9 +13,8 @@
 //!
 //! A row that follows from others is not *held*: its equation becomes `-mu = 0`.
 
+use super::held::{along_motion, moving};
 use super::simplify;
-use crate::check::joint_rate;
-use crate::evaluate::velocity_direction;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::CheckedScene;
 
@@ -34,17 +33,24 @@ pub(super) struct Row {
 /// All rows of a scene.
 pub(super) fn rows(scene: &CheckedScene) -> Vec<Row> {
     let n = scene.coordinates.len();
+    // What is held has no part in any rate.
+    let along = along_motion(moving(scene));
     let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
     let joints = scene.joints.iter();
     let rows = joints.flat_map(|joint| joint.rows.iter().map(|&row| (row, joint.holonomic)));
     rows.zip(0_u16..)
         .map(|((row, holonomic), index)| {
-            let rate = simplify(joint_rate(row, holonomic));
+            let rate = if holonomic {
+                graph::directional(&[row], along)[0]
+            } else {
+                row
+            };
+            let rate = simplify(rate);
             let gradient = graph::gradient(rate, &velocities);
             Row {
                 gradient: gradient.into_iter().map(simplify).collect(),
                 rate,
-                curvature: simplify(graph::directional(&[rate], velocity_direction)[0]),
+                curvature: simplify(graph::directional(&[rate], along)[0]),
                 held: Sym::variable(Variable::JointHeld(index)),
             }
         })

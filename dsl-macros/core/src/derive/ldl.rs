@@ -73,7 +73,10 @@ impl Factorization {
         for j in 0..n {
             let at = |i: usize, j: usize| matrix[order[i] * n + order[j]];
             let mut pivot = at(j, j);
-            for k in 0..j {
+            let known: Vec<usize> = (0..j)
+                .filter(|k| !lower[j * n + k].is_structural_zero())
+                .collect();
+            for &k in &known {
                 pivot -= lower[j * n + k] * scaled[j * n + k];
             }
             let pivot = simplify(pivot);
@@ -85,7 +88,7 @@ impl Factorization {
             lower[j * n + j] = Sym::ONE;
             for i in j + 1..n {
                 let mut entry = at(i, j);
-                for k in 0..j {
+                for &k in &known {
                     entry -= lower[j * n + k] * scaled[i * n + k];
                 }
                 let entry = simplify(entry);
@@ -100,6 +103,11 @@ impl Factorization {
             pivots,
             simplify,
         })
+    }
+
+    /// Whether the factors take far fewer operations than loops over a full matrix, some two thirds of the cube of its size.
+    pub(super) fn is_sparse(&self) -> bool {
+        12 * self.operations() < self.n.pow(3)
     }
 
     fn operations(&self) -> usize {

@@ -10,6 +10,7 @@
 //! row `1 z' = f` that no other one is coupled to by the mass matrix.
 
 mod alike;
+mod bias;
 mod contact;
 mod contact_equations;
 mod control;
@@ -21,7 +22,9 @@ mod joint;
 mod joint_row;
 mod ldl;
 mod residual;
+mod shared;
 mod simplify;
+mod stepwise;
 
 pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
 pub(crate) use control::ControlEquations;
@@ -31,16 +34,25 @@ pub use held::Given;
 pub(crate) use held::{at_declared_start, given, with_held};
 pub(crate) use implicit::{Implicit, WRITTEN_OUT};
 pub(crate) use joint::JointEquations;
+pub(crate) use shared::{Columns, Directed, SharedInertia};
 pub(crate) use simplify::simplify;
 
-use crate::graph::{self, Sym, Variable};
-use crate::scene::CheckedScene;
+use crate::graph::stepwise::Sweeps;
+use crate::graph::{self, Stage, Sym, Variable};
+use crate::scene::{CheckedScene, OptimalControl};
+use crate::tape;
 use ldl::Factorization;
 use simplify::simplify_equation;
 
 /// Largest number of coordinates whose acceleration is simplified as one formula; above, formulas
 /// through the inverse of the mass matrix explode.
 const EXPLICIT: usize = 4;
+
+/// Fewest operations of a right-hand side for which the second way of deriving it is tried.
+const SHORT_MOTION: usize = 20;
+
+/// What the second way has to save, one of so many parts: derivatives of a form that is a little shorter may be longer.
+const MUCH: usize = 4;
 
 /// A vector-valued function of the inputs.
 pub(crate) enum Solution {
@@ -64,6 +76,8 @@ pub(crate) struct Equations {
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
+    /// The inertia that directions of contacts are solved for with; none where those are formulas.
+    pub(crate) inertia: Option<SharedInertia>,
     /// None without joints.
     pub(crate) joints: Option<JointEquations>,
     pub(crate) optimal_control: Option<ControlEquations>,
@@ -71,19 +85,27 @@ pub(crate) struct Equations {
 
 /// Derives all equations of a scene.
 pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
-    let (n, inputs, lagrangian) = (scene.coordinates.len(), inputs(scene), scene.lagrangian);
-    let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
+    let (n, inputs) = (scene.coordinates.len(), inputs(scene));
+    let velocities = &inputs[n..2 * n];
+    graph::begin(Stage::Inertia);
     let (momenta, energy) = momenta_and_energy(scene, velocities);
-    let mass = mass_matrix(&momenta, velocities)?;
     let moving = held::moving(scene);
-    let mut conservative = graph::gradient(lagrangian, coordinates);
-    conservative[moving..].fill(Sym::ZERO);
-    let [applied, right] = right_hand_side(&momenta, &conservative, &scene.forces, moving);
+    let Motion {
+        momenta,
+        mass,
+        applied,
+        right,
+        in_steps,
+    } = motion_of(scene, momenta, &inputs, moving)?;
+    graph::begin(Stage::Motion);
     let joints = joint_row::rows(scene);
     let all: Vec<usize> = (0..n).collect();
+    let by_entries = !in_steps && implicit::is_simpler_than(&mass, &momenta);
     let inertia = implicit::Locked {
         mass: &mass,
         momenta: &momenta,
+        by_entries,
+        in_steps,
         coordinates: &all,
         held: &[],
         joints: &joints,
@@ -94,10 +116,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         .then(|| Factorization::of(&mass, n))
         .transpose()
         .map_err(singular)?;
-    let stepwise = (order <= implicit::FORMULAS)
-        .then(|| inertia.factorized())
-        .transpose()
-        .map_err(singular)?;
+    let stepwise = inertia.cheaply_factorized().map_err(singular)?;
     let written_out = stepwise.as_ref().filter(|_| order <= WRITTEN_OUT);
     let motion = || {
         implicit::motion(
@@ -122,9 +141,11 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     };
     let forces = joint::equations(scene, &inertia, (stepwise.as_ref(), &right), &inputs);
     let formulas = formulas.map(|factorization| contact::Inertia::whole(factorization, n));
-    let inertia = contact::Mechanism {
+    let mechanism = contact::Mechanism {
         mass: &mass,
         momenta: &momenta,
+        by_entries,
+        in_steps,
         coordinates: &all,
         all: n,
         joints: &joints,
@@ -133,10 +154,16 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         moving,
         inputs: &inputs,
     };
-    let contacts = inertia.contacts(&scene.contacts)?;
-    let optimal_control = scene.optimal_control.as_ref();
-    let optimal_control = optimal_control
-        .map(|task| control::equations(task, scene, &contacts, &inertia))
+    let contacts = mechanism.contacts(&scene.contacts)?;
+    graph::begin(Stage::Motion);
+    let shared = contacts.iter().any(ContactEquations::shares_inertia);
+    let shared = shared.then(|| SharedInertia::new(&inertia, &inputs));
+    graph::begin(Stage::OptimalControl);
+    let joint_forces = || joint::forces(&inertia, &right, &contacts, &scene.contacts);
+    let task = scene.optimal_control.clone();
+    let task = task.map(|task| with_joint_forces(task, || joint_forces().map_err(singular)));
+    let optimal_control = task
+        .map(|task| control::equations(&task?, scene, &contacts, &mechanism))
         .transpose()?;
     Ok(Equations {
         inputs,
@@ -146,9 +173,110 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         energy,
         acceleration,
         contacts,
+        inertia: shared,
         joints: forces,
         optimal_control,
     })
+}
+
+/// What the motion without contact is made of.
+struct Motion {
+    momenta: Vec<Sym>,
+    /// Mass matrix, row-major.
+    mass: Vec<Sym>,
+    /// What acts on each coordinate, `dL/dq + Q`.
+    applied: Vec<Sym>,
+    /// `r` of `M a = r`.
+    right: Vec<Sym>,
+    /// Whether all that is evaluated in steps.
+    in_steps: bool,
+}
+
+/// The motion by its formulas, or by an evaluation in steps where that is much shorter.
+fn motion_of(
+    scene: &CheckedScene,
+    momenta: Vec<Sym>,
+    inputs: &[Variable],
+    moving: usize,
+) -> Result<Motion, Failure> {
+    let n = momenta.len();
+    let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
+    if n > WRITTEN_OUT
+        && let Some(motion) = motion_in_steps(scene, &momenta, inputs, moving)
+    {
+        return motion;
+    }
+    let mass = mass_matrix(&momenta, velocities)?;
+    graph::begin(Stage::Forces);
+    let mut conservative = graph::gradient(scene.lagrangian, coordinates);
+    conservative[moving..].fill(Sym::ZERO);
+    let bias = bias::Bias {
+        lagrangian: scene.lagrangian,
+        momenta: &momenta,
+        mass: &mass,
+        moving,
+    };
+    Ok(Motion {
+        applied: sums(&conservative, &scene.forces),
+        right: right_hand_side(&bias, &conservative, &scene.forces),
+        momenta,
+        mass,
+        in_steps: false,
+    })
+}
+
+/// The motion by an evaluation in steps, if that is worth it.
+fn motion_in_steps(
+    scene: &CheckedScene,
+    momenta: &[Sym],
+    inputs: &[Variable],
+    moving: usize,
+) -> Option<Result<Motion, Failure>> {
+    let (n, mechanical) = (momenta.len(), scene.mechanical());
+    let (coordinates, velocities) = (&inputs[..n], &inputs[n..2 * n]);
+    let (own, states) = momenta.split_at(mechanical);
+    let mut evaluation = stepwise::evaluation(scene.lagrangian, own, &velocities[..mechanical])?;
+    evaluation.momenta.extend_from_slice(states);
+    let mut conservative = graph::stepwise::gradient(evaluation.lagrangian, coordinates);
+    conservative[moving..].fill(Sym::ZERO);
+    let applied = sums(&conservative, &scene.forces);
+    if !evaluation.is_worth_it(&applied, moving, inputs) {
+        return None;
+    }
+    let sweeps = Sweeps::over(&evaluation.momenta);
+    let transport = sweeps.directional(held::along_motion(moving));
+    let pairs = applied.iter().zip(transport);
+    let right = pairs.map(|(&acts, transport)| acts - transport).collect();
+    let column = |velocity| sweeps.partial(velocity);
+    let mass = entries_of_mass(velocities, column, |entry| entry);
+    Some(mass.map(|mass| Motion {
+        momenta: evaluation.momenta,
+        mass,
+        applied,
+        right,
+        in_steps: true,
+    }))
+}
+
+/// The task with the forces of joints that it reads as formulas.
+fn with_joint_forces(
+    task: OptimalControl,
+    forces: impl FnOnce() -> Result<Vec<Sym>, Failure>,
+) -> Result<OptimalControl, Failure> {
+    let of_joint = |variable| matches!(variable, Variable::JointForce(_));
+    let running = task.running_cost.into_iter();
+    let mut read = running.chain(task.constraints.iter().map(|known| known.function));
+    if !read.any(|function| graph::depends_on(function, of_joint)) {
+        return Ok(task);
+    }
+    let (forces, mut task) = (forces()?, task);
+    task.map_functions(|value| {
+        graph::substitute(&[value], |variable| match variable {
+            Variable::JointForce(i) => forces.get(usize::from(i)).copied(),
+            _ => None,
+        })[0]
+    });
+    Ok(task)
 }
 
 /// Momenta of all coordinates, and the energies.
@@ -162,29 +290,34 @@ fn momenta_and_energy(scene: &CheckedScene, velocities: &[Variable]) -> (Vec<Sym
     (momenta, energy)
 }
 
-/// What acts on each coordinate, `dL/dq + Q`, and `r`.
-fn right_hand_side(
-    momenta: &[Sym],
-    conservative: &[Sym],
-    forces: &[Sym],
-    moving: usize,
-) -> [Vec<Sym>; 2] {
-    let applied: Vec<Sym> = conservative
-        .iter()
-        .zip(forces)
-        .map(|(&conservative, &force)| conservative + force)
-        .collect();
-    let transport = graph::directional(momenta, held::along_motion(moving));
-    let right: Vec<Sym> = conservative
-        .iter()
-        .zip(&transport)
-        .zip(forces)
+/// The sums of the components of two vectors.
+fn sums(one: &[Sym], other: &[Sym]) -> Vec<Sym> {
+    let pairs = one.iter().zip(other);
+    pairs.map(|(&one, &other)| one + other).collect()
+}
+
+/// `r` by the momenta, or by the entries of the mass matrix where that takes far fewer operations.
+fn right_hand_side(bias: &bias::Bias<'_>, conservative: &[Sym], forces: &[Sym]) -> Vec<Sym> {
+    let transport = graph::directional(bias.momenta, held::along_motion(bias.moving));
+    let with_forces = |inertial: Vec<Sym>| -> Vec<Sym> {
+        let pairs = inertial.into_iter().zip(forces);
         // Each part by itself: the terms of both rarely cancel, and long sums are not simplified.
-        .map(|((&conservative, &transport), &force)| {
-            simplify(simplify_equation(conservative - transport) + simplify_equation(force))
-        })
-        .collect();
-    [applied, right]
+        pairs
+            .map(|(inertial, &force)| simplify(inertial + simplify_equation(force)))
+            .collect()
+    };
+    let pairs = conservative.iter().zip(&transport);
+    let by_momenta = pairs.map(|(&acts, &transport)| simplify_equation(acts - transport));
+    let by_momenta = with_forces(by_momenta.collect());
+    if tape::operations(&by_momenta) < SHORT_MOTION {
+        return by_momenta;
+    }
+    let by_entries = with_forces(bias.forces().into_iter().map(simplify_equation).collect());
+    if MUCH * tape::operations(&by_entries) <= (MUCH - 1) * tape::operations(&by_momenta) {
+        by_entries
+    } else {
+        by_momenta
+    }
 }
 
 /// The input vector `(q, v, u[, t])`, and behind it the parameters by which all is differentiated.
@@ -209,13 +342,23 @@ fn inputs(scene: &CheckedScene) -> Vec<Variable> {
 
 /// `d2L/dv2`, row-major, from the momenta; every coordinate has inertia.
 fn mass_matrix(momenta: &[Sym], velocities: &[Variable]) -> Result<Vec<Sym>, Failure> {
+    let column = |velocity| graph::partial(momenta, velocity);
+    entries_of_mass(velocities, column, simplify_equation)
+}
+
+/// The same from its columns; `simple` is the form of an entry.
+fn entries_of_mass(
+    velocities: &[Variable],
+    column: impl Fn(Variable) -> Vec<Sym>,
+    simple: fn(Sym) -> Sym,
+) -> Result<Vec<Sym>, Failure> {
     let n = velocities.len();
     let mut mass = vec![Sym::ZERO; n * n];
     for (j, &velocity) in velocities.iter().enumerate() {
-        for (i, entry) in graph::partial(momenta, velocity).into_iter().enumerate() {
+        for (i, entry) in column(velocity).into_iter().enumerate() {
             // Lower and upper entries are the same formula, whatever form the sweeps gave them.
             if i >= j {
-                let entry = simplify_equation(entry);
+                let entry = simple(entry);
                 (mass[i * n + j], mass[j * n + i]) = (entry, entry);
             }
         }

@@ -1,7 +1,8 @@
 //! Simplification by trying: the form with the fewest operations wins.
 
-use crate::graph::{self, Function, Sym};
+use crate::graph::{self, Function, Sym, Table};
 use crate::tape;
+use std::cell::RefCell;
 
 /// Most terms of an expanded form that is tried.
 const TERMS: usize = 200;
@@ -13,6 +14,19 @@ const SIZE: usize = 150;
 /// The same for an equation of motion, from which all derivatives come; a form of more than [`SIZE`]
 /// operations is left for one of half of them only.
 const EQUATION: usize = 2000;
+
+/// What is known of the expressions of one derivation, by the longest that was allowed.
+#[derive(Default)]
+struct Known {
+    generation: u64,
+    simplified: Table<(Sym, usize), Sym>,
+    /// Operations of an expression by itself.
+    operations: Table<Sym, usize>,
+}
+
+thread_local! {
+    static KNOWN: RefCell<Known> = RefCell::default();
+}
 
 /// The cheapest of: the expression as it is, multiplied out, and multiplied out with squares of
 /// cosines or of sines removed.
@@ -26,12 +40,39 @@ pub(crate) fn simplify_equation(sym: Sym) -> Sym {
 }
 
 fn simplify_up_to(sym: Sym, longest: usize) -> Sym {
+    let generation = graph::generation();
+    let known = KNOWN.with_borrow_mut(|known| {
+        if known.generation != generation {
+            known.simplified.clear();
+            known.operations.clear();
+            known.generation = generation;
+        }
+        known.simplified.get(&(sym, longest)).copied()
+    });
+    known.unwrap_or_else(|| {
+        let simple = tried(sym, longest);
+        KNOWN.with_borrow_mut(|known| known.simplified.insert((sym, longest), simple));
+        simple
+    })
+}
+
+/// Number of operations that an expression takes by itself, counted once a derivation.
+fn operations(sym: Sym) -> usize {
+    let known = KNOWN.with_borrow(|known| known.operations.get(&sym).copied());
+    known.unwrap_or_else(|| {
+        let count = tape::operations(&[sym]);
+        KNOWN.with_borrow_mut(|known| known.operations.insert(sym, count));
+        count
+    })
+}
+
+fn tried(sym: Sym, longest: usize) -> Sym {
     // Counting operations takes much longer than counting parts, of which each is one or more.
     if graph::is_longer_than(sym, longest) {
         return sym;
     }
     let mut best = sym;
-    let mut cost = tape::operations(&[sym]);
+    let mut cost = operations(sym);
     if cost <= 1 || cost > longest {
         return sym;
     }
@@ -46,9 +87,11 @@ fn simplify_up_to(sym: Sym, longest: usize) -> Sym {
         graph::pythagoras(expanded, Function::Cos, TERMS),
         graph::pythagoras(expanded, Function::Sin, TERMS),
     ];
+    let mut known = vec![sym];
     for candidate in candidates.into_iter().flatten() {
-        if candidate != best {
-            let own = tape::operations(&[candidate]);
+        if !known.contains(&candidate) {
+            known.push(candidate);
+            let own = operations(candidate);
             if own < cost {
                 (best, cost) = (candidate, own);
             }

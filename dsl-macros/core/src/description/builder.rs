@@ -2,7 +2,7 @@
 
 use super::kernel::Kernel;
 use super::renamed::Renamed;
-use crate::derive::{Implicit, Sparse, WRITTEN_OUT};
+use crate::derive::{Columns, Implicit, SharedInertia, Sparse, WRITTEN_OUT};
 use crate::graph::Sym;
 use crate::scene::CheckedScene;
 use crate::tape;
@@ -35,6 +35,39 @@ pub struct System {
     pub cross: (usize, Vec<(usize, usize)>),
 }
 
+/// The inertia `K(x)` that directions of several contacts are solved for with: the mass matrix, bordered by joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inertia {
+    /// Order of `K`.
+    pub size: usize,
+    /// For each row of the lower triangle, the first column that elimination in this order may fill.
+    pub envelope: Vec<usize>,
+    /// Kernel of `K`, row-major.
+    pub matrix: usize,
+    /// Kernel and pattern of `d(K y)/dx`, with `y` as weights.
+    pub product: (usize, Vec<(usize, usize)>),
+    /// Kernel and pattern of `(mu' K y)_xx` (lower triangle), with `mu` and then `y` as weights.
+    pub curvature: (usize, Vec<(usize, usize)>),
+}
+
+/// The vectors `c_k` by which a direction is solved for with the [`Inertia`] of the scene: `K y_k = c_k r`, and if they are
+/// bordered, `n' y_m = 1` with the last of them, the normal `n`; `r = 1` otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vectors {
+    /// What is solved for.
+    pub name: String,
+    /// Number of vectors.
+    pub count: usize,
+    /// Whether the last one is the normal that scales all.
+    pub bordered: bool,
+    /// Kernel of all components, of one vector after the other.
+    pub values: usize,
+    /// Kernel and pattern of their derivatives.
+    pub jacobian: (usize, Vec<(usize, usize)>),
+    /// Kernel and pattern of the second derivatives (lower triangle) of their sum weighted by as many weights.
+    pub hessian: (usize, Vec<(usize, usize)>),
+}
+
 impl Pattern {
     pub(super) fn of(sparse: &Sparse) -> Self {
         Self {
@@ -54,9 +87,46 @@ pub(super) struct Builder<'a> {
     pub(super) renamed: Renamed,
     pub(super) kernels: Vec<Kernel>,
     pub(super) systems: Vec<System>,
+    pub(super) inertia: Option<&'a SharedInertia>,
+    /// Kernels of the motion that the inertia may consist of, and what they compute.
+    of_motion: Vec<(Vec<Sym>, usize)>,
 }
 
-impl Builder<'_> {
+impl<'a> Builder<'a> {
+    /// Without kernels.
+    pub(super) fn new(
+        scene: &'a CheckedScene,
+        inputs: usize,
+        inertia: Option<&'a SharedInertia>,
+    ) -> Self {
+        Self {
+            scene,
+            inputs,
+            at_the_end: false,
+            renamed: Renamed::default(),
+            kernels: Vec::new(),
+            systems: Vec::new(),
+            inertia,
+            of_motion: Vec::new(),
+        }
+    }
+
+    /// Adds a kernel of the motion that the inertia may use as well; its index.
+    pub(super) fn of_motion(&mut self, name: &str, outputs: &[Sym]) -> usize {
+        let kernel = self.kernel(name, outputs);
+        self.of_motion.push((outputs.to_vec(), kernel));
+        kernel
+    }
+
+    /// The kernel of the motion that computes the same, or a new one.
+    fn of_motion_or_new(&mut self, name: &str, outputs: &[Sym]) -> usize {
+        let mut known = self.of_motion.iter();
+        match known.find(|(values, _)| values == outputs) {
+            Some(&(_, kernel)) => kernel,
+            None => self.kernel(name, outputs),
+        }
+    }
+
     /// Number of switches whose kernels have been added.
     pub(super) fn switches(&self) -> usize {
         let of_switch = |kernel: &&Kernel| kernel.name.starts_with("gap_switching_function_");
@@ -84,13 +154,44 @@ impl Builder<'_> {
         self.kernels.len() - 1
     }
 
+    fn nonzeros(&mut self, name: &str, sparse: &Sparse) -> (usize, Vec<(usize, usize)>) {
+        (self.kernel(name, &sparse.values), sparse.entries.clone())
+    }
+
+    /// Adds the inertia that contacts share, if there is one.
+    pub(super) fn inertia(&mut self) -> Option<Inertia> {
+        let shared = self.inertia?;
+        Some(Inertia {
+            size: shared.size,
+            envelope: shared.envelope(),
+            matrix: self.of_motion_or_new("inertia", &shared.matrix),
+            product: (
+                self.of_motion_or_new("inertia_product", &shared.product.values),
+                shared.product.entries.clone(),
+            ),
+            curvature: self.nonzeros("inertia_curvature", &shared.curvature),
+        })
+    }
+
+    /// Adds the vectors of a direction.
+    pub(super) fn vectors(&mut self, name: &str, columns: &Columns) -> Vectors {
+        Vectors {
+            name: name.to_owned(),
+            count: columns.count,
+            bordered: columns.bordered,
+            values: self.kernel(&format!("{name}_vectors"), &columns.values),
+            jacobian: self.nonzeros(&format!("{name}_jacobian"), &columns.jacobian),
+            hessian: self.nonzeros(&format!("{name}_hessian"), &columns.hessian),
+        }
+    }
+
     /// Adds a linear system and what the derivatives of its solution need; its index.
     pub(super) fn system(&mut self, name: &str, implicit: &Implicit) -> usize {
         let mut system = implicit.matrix.clone();
         system.extend(&implicit.right);
         let solve = self.kernel(&format!("{name}_system"), &system);
         let mut part = |suffix: &str, sparse: &Sparse| {
-            let kernel = self.kernel(&format!("{name}_{suffix}"), &sparse.values);
+            let kernel = self.of_motion(&format!("{name}_{suffix}"), &sparse.values);
             (kernel, sparse.entries.clone())
         };
         let system = System {

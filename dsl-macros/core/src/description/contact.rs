@@ -1,8 +1,8 @@
 //! The functions of one contact.
 
-use super::builder::{Builder, Pattern};
+use super::builder::{Builder, Pattern, Vectors};
 use super::declared::{inferred, text};
-use crate::derive::{ContactEquations, Explicit, FrictionEquations, Implicit, InverseInertia};
+use crate::derive::{ContactEquations, Directed, Explicit, FrictionEquations, InverseInertia};
 use crate::graph::{Sym, Variable};
 use crate::scene;
 
@@ -81,12 +81,21 @@ pub struct Rows {
 /// Rows that are the first part of the solution of a linear system.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolvedRows {
-    /// Index of the system.
-    pub system: usize,
+    /// What they are solved for with.
+    pub by: Solver,
     /// Number of rows before them.
     pub formulas: usize,
     /// Where each value of the formulas' Hessian is added to the Hessian of all rows.
     pub places: Vec<usize>,
+}
+
+/// What a direction is solved for with.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Solver {
+    /// The linear system with this index.
+    System(usize),
+    /// The inertia of the scene.
+    Inertia(Vectors),
 }
 
 pub(super) fn contact(
@@ -212,7 +221,7 @@ fn all_rows(
     builder: &mut Builder<'_>,
     kernel: &str,
     rows: &Explicit,
-    solved: Option<(String, &Implicit)>,
+    solved: Option<(String, &Directed)>,
 ) -> Rows {
     let [jacobian, hessian] = ["jacobian", "hessian"].map(|what| kernel.replace("{}", what));
     let jacobian = builder.kernel(&jacobian, &rows.jacobian.values);
@@ -226,12 +235,10 @@ fn all_rows(
     };
     let formulas = rows.values.len();
     let n = builder.scene.coordinates.len();
-    let system = builder.system(&name, solved);
+    let (by, solved_entries, mut hessian_entries) = solver(builder, &name, solved);
     let mut jacobian_entries = rows.jacobian.entries.clone();
-    let solved_entries = solved.jacobian_pattern(n);
     let below = solved_entries.iter();
     jacobian_entries.extend(below.map(|&(row, column)| (row + formulas, column)));
-    let mut hessian_entries = solved.hessian_pattern();
     hessian_entries.extend(&rows.hessian.entries);
     hessian_entries.sort_unstable();
     hessian_entries.dedup();
@@ -239,7 +246,7 @@ fn all_rows(
     let places = places.filter_map(|entry| hessian_entries.binary_search(entry).ok());
     Rows {
         solved: Some(SolvedRows {
-            system,
+            by,
             formulas,
             places: places.collect(),
         }),
@@ -254,5 +261,30 @@ fn all_rows(
             columns: builder.inputs,
             entries: hessian_entries,
         },
+    }
+}
+
+/// What a direction with this name is solved for with, and the patterns of its Jacobian and its Hessian.
+fn solver(
+    builder: &mut Builder<'_>,
+    name: &str,
+    solved: &Directed,
+) -> (Solver, Vec<(usize, usize)>, Vec<(usize, usize)>) {
+    let n = builder.scene.coordinates.len();
+    match (solved, builder.inertia) {
+        (Directed::System(system), _) => (
+            Solver::System(builder.system(name, system)),
+            system.jacobian_pattern(n),
+            system.hessian_pattern(),
+        ),
+        (Directed::Columns(columns), inertia) => {
+            let patterns = inertia.map(|inertia| {
+                let jacobian = inertia.jacobian_pattern(columns, n);
+                (jacobian, inertia.hessian_pattern(columns))
+            });
+            let (jacobian, hessian) = patterns.unwrap_or_default();
+            let vectors = builder.vectors(name, columns);
+            (Solver::Inertia(vectors), jacobian, hessian)
+        }
     }
 }

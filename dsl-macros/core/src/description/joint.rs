@@ -15,6 +15,10 @@ pub struct Joints {
     pub jacobian: usize,
     /// Pattern of that.
     pub pattern: Pattern,
+    /// Kernel of the Hessian (lower triangle) of the values weighted by multipliers.
+    pub hessian: usize,
+    /// Pattern of that.
+    pub hessian_pattern: Pattern,
     /// Kernel of the forces of all equations without those of contacts; without one, they are the rest of the solution of the
     /// system of motion, with the other sign.
     pub forces: Option<usize>,
@@ -59,6 +63,8 @@ pub(super) fn joints(builder: &mut Builder<'_>, derived: &JointEquations) -> Joi
         values: builder.kernel("joints", &derived.values),
         jacobian: builder.kernel("joints_jacobian", &derived.jacobian.values),
         pattern: Pattern::of(&derived.jacobian),
+        hessian: builder.kernel("joints_hessian", &derived.hessian.values),
+        hessian_pattern: Pattern::of(&derived.hessian),
         forces: forces.map(|forces| builder.kernel("joint_forces", forces)),
     }
 }

@@ -19,8 +19,8 @@ mod shown;
 pub use crate::derive::Given as GivenBy;
 pub use crate::graph::{Function, Function2, Profile};
 pub use crate::scene::Measured;
-pub use builder::{Pattern, System};
-pub use contact::{Contact, Friction, Rows, SolvedRows};
+pub use builder::{Inertia, Pattern, System, Vectors};
+pub use contact::{Contact, Friction, Rows, SolvedRows, Solver};
 pub(crate) use declared::text as documentation_text;
 pub use declared::{Parameter, Variable};
 pub use design::{FreeParameters, Held};
@@ -33,11 +33,10 @@ pub use sensitivity::{ContactSensitivity, Derivative, FrictionSensitivity, Sensi
 pub use shown::{Outputs, Picture, Shape};
 
 use crate::derive::{Equations, Explicit, Solution};
-use crate::graph::{self, Sym};
+use crate::graph::{self, Stage, Sym};
 use crate::scene::CheckedScene;
 use builder::Builder;
 use declared::text;
-use renamed::Renamed;
 
 /// Most operations of one kernel: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
@@ -66,6 +65,8 @@ pub struct Description {
     pub given: Given,
     /// The free motion.
     pub motion: Motion,
+    /// The inertia that directions of contacts are solved for with; none where all of them are formulas.
+    pub inertia: Option<Inertia>,
     /// Contacts in order of declaration.
     pub contacts: Vec<Contact>,
     /// Joints, if there are any.
@@ -142,15 +143,11 @@ pub(crate) enum Unfit {
 
 impl Description {
     pub(crate) fn of(scene: &CheckedScene, equations: &Equations) -> Result<Self, Unfit> {
-        let mut builder = Builder {
-            scene,
-            inputs: equations.inputs.len(),
-            at_the_end: false,
-            renamed: Renamed::default(),
-            kernels: Vec::new(),
-            systems: Vec::new(),
-        };
+        graph::begin(Stage::Kernels);
+        let inertia = equations.inertia.as_ref();
+        let mut builder = Builder::new(scene, equations.inputs.len(), inertia);
         let motion = motion(&mut builder, equations);
+        let inertia = builder.inertia();
         let contacts = scene
             .contacts
             .iter()
@@ -184,6 +181,7 @@ impl Description {
             equations: Vec::new(),
             given,
             motion,
+            inertia,
             contacts,
             joints,
             optimal_control,
@@ -285,7 +283,7 @@ fn motion(builder: &mut Builder<'_>, equations: &Equations) -> Motion {
         derivatives,
         jacobian,
         hessian,
-        mass_matrix: builder.kernel("mass_matrix", &equations.mass),
+        mass_matrix: builder.of_motion("mass_matrix", &equations.mass),
         energy: builder.kernel("energy", &equations.energy),
     }
 }

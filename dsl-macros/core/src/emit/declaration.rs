@@ -1,7 +1,7 @@
 //! The static description of a scene.
 
+use super::inertia::positions;
 use super::kernel::literal;
-use super::methods::positions;
 use crate::description::{
     Condition, Contact, ContactTerms, Description, Experiment, Measured, OptimalControl, Pattern,
     Picture, Shape, Variable,
@@ -208,7 +208,12 @@ fn joints(scene: &Description, code: &mut String) {
             joint.name, joint.unit, joint.rows, joint.holonomic, joint.documentation
         );
     }
-    let _ = write!(code, "], jacobian: {} }})", pattern(&joints.pattern));
+    let _ = write!(
+        code,
+        "], jacobian: {}, hessian: {} }})",
+        pattern(&joints.pattern),
+        pattern(&joints.hessian_pattern)
+    );
 }
 
 fn optimal_control(task: Option<&OptimalControl>) -> String {

@@ -1,12 +1,11 @@
 //! The bodies of the model trait's methods: calls of kernels, and linear systems with the derivatives of their solutions.
 
+use super::inertia::{self, PRIVATE, positions};
 use super::kernel::{HELD, function};
 use crate::description::{
-    Contact, Description, Functions, Joints, MotionDerivatives, Rows, SolvedRows, System,
+    Contact, Description, Functions, Joints, MotionDerivatives, Rows, SolvedRows, Solver, System,
 };
 use std::fmt::Write;
-
-const PRIVATE: &str = "::hangtime::__private";
 
 /// The call of a kernel.
 pub(super) fn call(
@@ -109,9 +108,11 @@ pub(super) fn joints(description: &Description, joints: &Joints) -> String {
          > 0.0, __Option::None => true }} }}
         fn joints(&self, x: &[__f64], values: &mut [__f64]) {{ {} }}
         fn joints_jacobian(&self, x: &[__f64], values: &mut [__f64]) {{ {} }}
+        fn joints_hessian(&self, x: &[__f64], multipliers: &[__f64], values: &mut [__f64]) {{ {} }}
         fn joint_forces(&self, x: &[__f64], forces: &mut [__f64]) {{ {forces} }}",
         of_inputs(description, joints.values, "values"),
         of_inputs(description, joints.jacobian, "values"),
+        call(description, joints.hessian, "x", "multipliers", "values"),
     )
 }
 
@@ -138,8 +139,19 @@ pub(super) fn contact_point(description: &Description, contact: &Contact) -> Str
     }
     match &contact.rows.solved {
         None => base,
-        Some(solved) => {
-            let System { name, size, .. } = &description.systems[solved.system];
+        Some(SolvedRows {
+            by: Solver::Inertia(vectors),
+            ..
+        }) => format!(
+            "{base}; let (known, direction) = point.split_at_mut({}); known[3] = {}",
+            description.kernels[contact.point].outputs.len(),
+            inertia::direction(&vectors.name, "direction")
+        ),
+        Some(SolvedRows {
+            by: Solver::System(system),
+            ..
+        }) => {
+            let System { name, size, .. } = &description.systems[*system];
             format!(
                 "{base}; let (_, y) = __{name}_solution(self, x); \
                  point[{}..].copy_from_slice(&y[{size}..{}]); point[3] = 1.0 / y[{}]",
@@ -156,8 +168,24 @@ pub(super) fn tangent_point(description: &Description, kernel: usize, rows: &Row
     let base = formulas(description, kernel, rows);
     match &rows.solved {
         None => base,
-        Some(solved) => {
-            let System { name, size, .. } = &description.systems[solved.system];
+        Some(SolvedRows {
+            by: Solver::Inertia(vectors),
+            ..
+        }) => format!(
+            "{base}; {};",
+            inertia::direction(
+                &vectors.name,
+                &format!(
+                    "&mut point[{}..]",
+                    description.kernels[kernel].outputs.len()
+                )
+            )
+        ),
+        Some(SolvedRows {
+            by: Solver::System(system),
+            ..
+        }) => {
+            let System { name, size, .. } = &description.systems[*system];
             format!(
                 "{base}; let (_, y) = __{name}_solution(self, x); \
                  point[{}..].copy_from_slice(&y[{size}..{}])",
@@ -189,33 +217,51 @@ pub(super) fn rows_jacobian(description: &Description, rows: &Rows) -> String {
         .iter()
         .map(|&(row, column)| (row - solved.formulas, column))
         .collect();
-    format!(
-        "{}; {}, &mut values[{first}..])",
-        of_inputs(description, kernel, &format!("&mut values[..{first}]")),
-        gather(&description.systems[solved.system].name, &below)
-    )
+    let formulas = of_inputs(description, kernel, &format!("&mut values[..{first}]"));
+    let rest = format!("&mut values[{first}..]");
+    match &solved.by {
+        Solver::System(system) => format!(
+            "{formulas}; {}, {rest})",
+            gather(&description.systems[*system].name, &below)
+        ),
+        Solver::Inertia(vectors) => format!(
+            "{formulas}; {}",
+            inertia::jacobian(&vectors.name, &positions(&below), &rest)
+        ),
+    }
 }
 
 pub(super) fn rows_hessian(description: &Description, rows: &Rows) -> String {
     let kernel = rows.kernels[1];
     let Some(SolvedRows {
-        system,
+        by,
         formulas,
         places,
     }) = &rows.solved
     else {
         return call(description, kernel, "x", "multipliers", "values");
     };
-    let System { name, size, .. } = &description.systems[*system];
     let mut scatter = String::new();
     for (k, place) in places.iter().enumerate() {
         let _ = write!(scatter, "values[{place}] += geometry[{k}];");
     }
+    let pattern = positions(&rows.hessian.entries);
+    let solved = match by {
+        Solver::System(system) => {
+            let System { name, size, .. } = &description.systems[*system];
+            format!(
+                "let mut lambda = [0.0_f64; {size}]; lambda[..{}].copy_from_slice(&multipliers[{formulas}..]); \
+                 __{name}_second(self, x, &lambda, {pattern}, values)",
+                description.coordinates.len(),
+            )
+        }
+        Solver::Inertia(vectors) => {
+            let weights = format!("&multipliers[{formulas}..]");
+            inertia::hessian(&vectors.name, &weights, &pattern, "values")
+        }
+    };
     format!(
-        "let mut lambda = [0.0_f64; {size}]; lambda[..{}].copy_from_slice(&multipliers[{formulas}..]); \
-         __{name}_second(self, x, &lambda, {}, values); let mut geometry = [0.0_f64; {}]; {}; {scatter}",
-        description.coordinates.len(),
-        positions(&rows.hessian.entries),
+        "{solved}; let mut geometry = [0.0_f64; {}]; {}; {scatter}",
         description.kernels[kernel].outputs.len(),
         call(description, kernel, "x", "multipliers", "&mut geometry")
     )
@@ -281,14 +327,4 @@ pub(super) fn helpers(description: &Description, system: &System, scene: &str, c
         of_scene(system.solve, "&[]", "&mut system"),
         2 * size,
     );
-}
-
-/// Positions of a matrix as a Rust slice.
-pub(super) fn positions(entries: &[(usize, usize)]) -> String {
-    let mut text = String::from("&[");
-    for (row, column) in entries {
-        let _ = write!(text, "({row}, {column}),");
-    }
-    text.push(']');
-    text
 }

@@ -1,6 +1,7 @@
 //! A derived scene to Rust items: the struct, its parameters, and the implementation of the model trait.
 
 mod declaration;
+mod inertia;
 mod kernel;
 mod locals;
 mod methods;
@@ -40,6 +41,7 @@ pub(crate) fn scene(
     for system in &derived.systems {
         methods::helpers(derived, system, &name, &mut code);
     }
+    inertia::helpers(derived, &name, &mut code);
     declaration::write(derived, &mut code);
     implementation(scene, derived, text, &mut code);
     if cfg!(feature = "oracle")

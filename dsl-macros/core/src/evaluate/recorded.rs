@@ -126,9 +126,15 @@ fn of_joint(
             "`{whole}` is the force of a joint, which has two signs and other joints' shares in it; write what presses by positions, \
              velocities and controls, or let a surface carry it, whose force a bound may follow"
         )
-    } else if role != Role::Record {
+    } else if role == Role::End {
         format!(
-            "`{whole}` is the force of a joint, which is recorded only; use it in `outputs`, and write costs and              conditions with controls or with forces of contacts"
+            "`{whole}` acts over a time, by controls that have no value at the final instant; write `integral({whole}^2)` in `minimize`, or \
+             a `constraint`"
+        )
+    } else if !matches!(role, Role::Record | Role::Running | Role::Constraint) {
+        format!(
+            "`{whole}` is the force of a joint, which follows from the motion; it can be used in `outputs`, in integrals of `minimize` and in \
+             `constraint` only"
         )
     } else {
         let forces = rows.map(|row| Sym::variable(Variable::JointForce(row as u16)));
@@ -164,7 +170,11 @@ pub(super) fn of_contact(
     let (variable, normal) = quantity(text);
     let joint = scope.joints.iter().find(|(name, _)| *name == surface.text);
     if let Some((name, rows)) = joint.cloned() {
-        return of_joint(scope.role, whole, (text, &name), rows, diagnostics);
+        let force = of_joint(scope.role, whole, (text, &name), rows, diagnostics)?;
+        if scope.role != Role::Record {
+            scope.planned.get_or_insert(whole.place);
+        }
+        return Ok(force);
     }
     admit(scope.role, whole, text, diagnostics)?;
     if let Some(index) = scope.dry.iter().position(|name| *name == surface.text) {

@@ -87,6 +87,8 @@ pub(crate) struct Scope {
     pub(crate) dry: Vec<String>,
     /// Joints declared so far, in order, with the equations that they are.
     pub(crate) joints: Vec<(String, Range<usize>)>,
+    /// Where optimal control first reads the force of a joint.
+    pub(crate) planned: Option<Place>,
     /// Maxima and minima in the surface being evaluated.
     pub(crate) kinks: Vec<Kink>,
     /// Contacts of which the friction is recorded, by which function.

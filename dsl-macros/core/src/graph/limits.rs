@@ -10,6 +10,9 @@ use std::cell::Cell;
 /// nodes: some seconds, and some hundred megabytes. A chain of ten links takes a quarter of it.
 pub(crate) const WORK: usize = 16_000_000;
 
+/// The same of all that follows from a declaration, some more seconds. A chain of sixty links with as many contacts takes a half of it.
+pub(crate) const DERIVED_WORK: usize = 64_000_000;
+
 /// What happened to a constant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Fault {
@@ -31,7 +34,27 @@ impl Fault {
     }
 }
 
+/// What a derivation is at work on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Expressions as they are written.
+    Declaration,
+    /// The mass matrix.
+    Inertia,
+    /// What acts on the coordinates.
+    Forces,
+    /// The derivatives of the acceleration.
+    Motion,
+    /// Gap, normal and directions of the contact with this index.
+    Contact(usize),
+    /// Costs and conditions of optimal control.
+    OptimalControl,
+    /// The order of operations.
+    Kernels,
+}
+
 thread_local! {
+    static STAGE: Cell<Stage> = const { Cell::new(Stage::Declaration) };
     static FAULT: Cell<Option<Fault>> = const { Cell::new(None) };
     static SPENT: Cell<usize> = const { Cell::new(0) };
 }
@@ -39,6 +62,7 @@ thread_local! {
 pub(super) fn reset() {
     FAULT.set(None);
     SPENT.set(0);
+    STAGE.set(Stage::Declaration);
 }
 
 /// The worst of what happened to constants since this was asked last.
@@ -55,7 +79,27 @@ pub(super) fn note(fault: Fault) {
 /// Whether the expansion has become too large. From then on all that is built is zero, so that
 /// whatever runs comes to its end.
 pub(crate) fn is_exhausted() -> bool {
-    SPENT.get() > WORK
+    SPENT.get() > allowed()
+}
+
+/// From now on the derivation is at work on something else.
+pub(crate) fn begin(stage: Stage) {
+    if !is_exhausted() {
+        STAGE.set(stage);
+    }
+}
+
+/// What it is at work on, or was when it became too large.
+pub(crate) fn stage() -> Stage {
+    STAGE.get()
+}
+
+/// Most work of a declaration and, from then on, of what follows from it.
+pub(crate) fn allowed() -> usize {
+    match STAGE.get() {
+        Stage::Declaration => WORK,
+        _ => DERIVED_WORK,
+    }
 }
 
 /// Counts work before it is done; whether it may be done.

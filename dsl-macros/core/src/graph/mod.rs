@@ -17,15 +17,18 @@ mod number;
 mod passes;
 mod profile;
 mod second_order;
+pub(crate) mod stepwise;
+mod table;
 
 pub use elementary::{Function, Function2};
 pub(crate) use expand::{expand, pythagoras};
 pub(crate) use function::Compose;
-pub(crate) use limits::{Fault, WORK, is_exhausted, spend, take_fault};
-pub(crate) use node::{Node, Sym, Variable, children, reset};
+pub(crate) use limits::{Fault, Stage, allowed, begin, is_exhausted, spend, stage, take_fault};
+pub(crate) use node::{Node, Sym, Variable, children, generation, reset};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
     depends_on, directional, gradient, is_longer_than, partial, reachable, substitute, variables,
 };
 pub use profile::Profile;
 pub(crate) use second_order::hessian;
+pub(crate) use table::Table;

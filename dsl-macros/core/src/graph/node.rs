@@ -2,8 +2,8 @@
 
 use super::elementary::{Function, Function2};
 use super::limits;
+use super::table::Table;
 use std::cell::RefCell;
-use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::rc::Rc;
 
@@ -101,7 +101,11 @@ struct Arena {
     nodes: Vec<Node>,
     /// Longest path from each node to a leaf.
     depths: Vec<u32>,
-    table: HashMap<Node, Sym>,
+    /// Whether each node, as a factor to a whole power, is split at once into all that it will ever be.
+    split: Vec<bool>,
+    table: Table<Node, Sym>,
+    /// How often it was emptied.
+    generation: u64,
 }
 
 thread_local! {
@@ -113,12 +117,19 @@ pub(crate) fn reset() {
     ARENA.with_borrow_mut(|arena| {
         arena.nodes.clear();
         arena.depths.clear();
+        arena.split.clear();
         arena.table.clear();
+        arena.generation += 1;
     });
     limits::reset();
     // Fixed places of the two constants that `Sym::ZERO` and `Sym::ONE` name.
     intern(Node::Number(0.0_f64.to_bits()));
     intern(Node::Number(1.0_f64.to_bits()));
+}
+
+/// Which derivation of this thread goes on: handles of another one are void.
+pub(crate) fn generation() -> u64 {
+    ARENA.with_borrow(|arena| arena.generation)
 }
 
 /// The handle of a node that is in normal form already.
@@ -132,13 +143,36 @@ pub(super) fn intern(node: Node) -> Sym {
         let below = below.filter_map(|part| arena.depths.get(part.index()));
         let depth = below.max().map_or(0, |depth| depth + 1);
         arena.depths.push(depth);
+        let split = arena.splits_at_once(&node);
+        arena.split.push(split);
         arena.nodes.push(node.clone());
         arena.table.insert(node, sym);
         sym
     })
 }
 
+impl Arena {
+    /// One quantity is split no further, nor is a product of such and of whole powers of sums, which were split when it was made.
+    fn splits_at_once(&self, node: &Node) -> bool {
+        let is_split = |&(part, halves): &(Sym, i32)| match self.nodes.get(part.index()) {
+            Some(Node::Sum(_)) => halves % 2 == 0,
+            Some(Node::Number(_) | Node::Product(_)) | None => false,
+            Some(_) => true,
+        };
+        match node {
+            Node::Sum(_) => false,
+            Node::Product(factors) => factors.iter().all(is_split),
+            _ => true,
+        }
+    }
+}
+
 impl Sym {
+    /// Whether it is split, as a factor to a whole power, at once into all that it will ever be.
+    pub(super) fn splits_at_once(self) -> bool {
+        ARENA.with_borrow(|arena| arena.split.get(self.index()).copied().unwrap_or(false))
+    }
+
     pub(crate) const ZERO: Self = Self::at_const(0);
     pub(crate) const ONE: Self = Self::at_const(1);
 

@@ -89,7 +89,9 @@ pub(crate) fn product(factors: impl IntoIterator<Item = (Sym, i32)>) -> Sym {
             return Sym::ZERO;
         }
         let mut opened = Vec::with_capacity(flat.len());
+        let mut settled = true;
         for &(factor, halves) in &flat {
+            settled &= halves % 2 == 0 && factor.splits_at_once();
             open(factor, halves, &mut coefficient, &mut opened);
         }
         opened.sort_by_key(|&(factor, _)| factor);
@@ -101,7 +103,8 @@ pub(crate) fn product(factors: impl IntoIterator<Item = (Sym, i32)>) -> Sym {
             }
         }
         merged.retain(|&(_, halves)| halves != 0);
-        if merged == flat {
+        if settled || merged == flat {
+            flat = merged;
             break;
         }
         flat = merged;

@@ -1,16 +1,19 @@
 //! Passes over the graph: dual numbers forward, adjoints backward, substitution, dependence.
 
 use super::function::{Compose, derivative, derivatives};
+use super::table::{Set, Table};
 use super::{Node, Sym, Variable, children, product, spend, sum};
 use num_dual::Dual;
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::BTreeSet;
 
 /// All expressions that `roots` consist of, parts before wholes.
 pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
-    let mut seen: BTreeSet<Sym> = BTreeSet::new();
+    let mut seen: Set<Sym> = Set::default();
+    let mut order = Vec::new();
     let mut stack: Vec<Sym> = roots.to_vec();
     while let Some(sym) = stack.pop() {
         if seen.insert(sym) {
+            order.push(sym);
             let parts = children(&sym.node());
             if !spend(1 + parts.len()) {
                 return Vec::new();
@@ -19,12 +22,13 @@ pub(crate) fn reachable(roots: &[Sym]) -> Vec<Sym> {
         }
     }
     // A node is created after its parts, so the order of creation is an order of evaluation.
-    seen.into_iter().collect()
+    order.sort_unstable();
+    order
 }
 
 /// Whether an expression has more than `limit` parts that are sums, products or calls; looks no further.
 pub(crate) fn is_longer_than(root: Sym, limit: usize) -> bool {
-    let mut seen: HashSet<Sym> = HashSet::new();
+    let mut seen: Set<Sym> = Set::default();
     let mut stack = vec![root];
     while let Some(sym) = stack.pop() {
         let parts = children(&sym.node());
@@ -57,7 +61,7 @@ pub(crate) fn depends_on(root: Sym, test: impl Fn(Variable) -> bool) -> bool {
 /// Derivatives of `roots` in the direction in which each variable moves by `direction`: one sweep of
 /// dual numbers over the graph.
 pub(crate) fn directional(roots: &[Sym], direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
-    let mut duals: HashMap<Sym, Dual<Sym>> = HashMap::new();
+    let mut duals: Table<Sym, Dual<Sym>> = Table::default();
     for sym in reachable(roots) {
         let dual = dual_of(sym, &duals, &direction);
         duals.insert(sym, dual);
@@ -81,7 +85,7 @@ pub(crate) fn partial(roots: &[Sym], variable: Variable) -> Vec<Sym> {
 
 fn dual_of(
     sym: Sym,
-    duals: &HashMap<Sym, Dual<Sym>>,
+    duals: &Table<Sym, Dual<Sym>>,
     direction: &impl Fn(Variable) -> Sym,
 ) -> Dual<Sym> {
     let of = |part: Sym| {
@@ -100,20 +104,22 @@ fn dual_of(
     {
         return Dual::from_re(sym);
     }
+    // The value is the node itself, so that it is not built a second time in another order.
+    Dual::new(sym, rate(&node, |part| of(part).eps))
+}
+
+/// The rate of a node by the rates of its parts.
+pub(super) fn rate(node: &Node, of: impl Fn(Sym) -> Sym) -> Sym {
     match node {
-        Node::Number(_) | Node::Variable(_) => Dual::from_re(sym),
-        Node::Sum(terms) => {
-            let eps = sum(terms
-                .iter()
-                .map(|&(term, bits)| (of(term).eps, f64::from_bits(bits))));
-            Dual::new(sym, eps)
-        }
+        Node::Number(_) | Node::Variable(_) => Sym::ZERO,
+        Node::Sum(terms) => sum(terms
+            .iter()
+            .map(|&(term, bits)| (of(term), f64::from_bits(bits)))),
         Node::Product(factors) => {
-            // Over the powers of the factors, the product rule of the dual numbers; the value is the
-            // node itself, so that it is not built a second time in another order.
+            // Over the powers of the factors, the product rule of the dual numbers.
             let mut terms = Vec::new();
             for (i, &(factor, halves)) in factors.iter().enumerate() {
-                let eps = of(factor).eps;
+                let eps = of(factor);
                 if eps.is_structural_zero() {
                     continue;
                 }
@@ -122,15 +128,13 @@ fn dual_of(
                 rest.push((eps, 2));
                 terms.push((product(rest), f64::from(halves) / 2.0));
             }
-            Dual::new(sym, sum(terms))
+            sum(terms)
         }
-        Node::Kept(inner) => Dual::new(sym, of(inner).eps),
-        Node::Call(function, argument) => {
-            Dual::new(sym, of(argument).eps * derivative(function, argument))
-        }
+        Node::Kept(inner) => of(*inner),
+        Node::Call(function, argument) => of(*argument) * derivative(*function, *argument),
         Node::Call2(function, first, second) => {
-            let (by_first, by_second) = derivatives(function, first, second);
-            let (first, second) = (of(first).eps, of(second).eps);
+            let (by_first, by_second) = derivatives(*function, *first, *second);
+            let (first, second) = (of(*first), of(*second));
             let mut eps = Sym::ZERO;
             if !first.is_structural_zero() {
                 eps += first * by_first;
@@ -138,29 +142,36 @@ fn dual_of(
             if !second.is_structural_zero() {
                 eps += second * by_second;
             }
-            Dual::new(sym, eps)
+            eps
         }
     }
 }
 
 /// Gradient of `root` with respect to `by`: adjoints from the root down.
 pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
-    let mut adjoints: HashMap<Sym, Vec<(Sym, f64)>> = HashMap::new();
+    gradient_by(root, by, |adjoint| adjoint)
+}
+
+/// The same with `keep` applied to each adjoint that is handed on.
+pub(super) fn gradient_by(root: Sym, by: &[Variable], keep: fn(Sym) -> Sym) -> Vec<Sym> {
+    let mut adjoints: Table<Sym, Vec<(Sym, f64)>> = Table::default();
     adjoints.insert(root, vec![(Sym::ONE, 1.0)]);
-    let mut totals: HashMap<Variable, Sym> = HashMap::new();
+    let mut totals: Table<Variable, Sym> = Table::default();
     for sym in reachable(&[root]).into_iter().rev() {
         let Some(parts) = adjoints.remove(&sym) else {
             continue;
         };
         let adjoint = sum(parts);
+        if let Node::Variable(variable) = sym.node() {
+            totals.insert(variable, adjoint);
+            continue;
+        }
+        let adjoint = keep(adjoint);
         let mut add = |part: Sym, value: Sym, factor: f64| {
             adjoints.entry(part).or_default().push((value, factor));
         };
         match sym.node() {
-            Node::Number(_) => {}
-            Node::Variable(variable) => {
-                totals.insert(variable, adjoint);
-            }
+            Node::Number(_) | Node::Variable(_) => {}
             Node::Sum(terms) => {
                 for &(term, bits) in terms.iter() {
                     add(term, adjoint, f64::from_bits(bits));
@@ -192,7 +203,7 @@ pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
 
 /// `roots` with some variables replaced.
 pub(crate) fn substitute(roots: &[Sym], replace: impl Fn(Variable) -> Option<Sym>) -> Vec<Sym> {
-    let mut images: HashMap<Sym, Sym> = HashMap::new();
+    let mut images: Table<Sym, Sym> = Table::default();
     for sym in reachable(roots) {
         let of = |part: Sym| images.get(&part).copied().unwrap_or(part);
         let image = match sym.node() {

@@ -7,15 +7,16 @@
 //! framework for the computation of Hessians, Optimization Methods and Software 27, 2012).
 
 use super::function::{Compose, derivative, derivatives};
+use super::table::Table;
 use super::{Function, Function2, Node, Sym, Variable, passes, product, reachable, sum};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 /// Second derivatives of `root` with respect to `inputs`, lower triangle, where they are not zero.
 /// Every result that is used again is one quantity.
 pub(crate) fn hessian(root: Sym, inputs: &[Variable]) -> BTreeMap<(usize, usize), Sym> {
-    let place: HashMap<Variable, usize> = inputs.iter().enumerate().map(|(i, &v)| (v, i)).collect();
+    let place: Table<Variable, usize> = inputs.iter().enumerate().map(|(i, &v)| (v, i)).collect();
     let order = reachable(&[root]);
-    let mut active: HashMap<Sym, bool> = HashMap::new();
+    let mut active: Table<Sym, bool> = Table::default();
     for &sym in &order {
         let node = sym.node();
         let own = match node {
@@ -24,7 +25,7 @@ pub(crate) fn hessian(root: Sym, inputs: &[Variable]) -> BTreeMap<(usize, usize)
         };
         active.insert(sym, own);
     }
-    let mut adjoints: HashMap<Sym, Sym> = HashMap::from([(root, Sym::ONE)]);
+    let mut adjoints: Table<Sym, Sym> = std::iter::once((root, Sym::ONE)).collect();
     let mut interactions = Interactions::default();
     let mut result = BTreeMap::new();
     for &sym in order.iter().rev() {
@@ -91,7 +92,7 @@ pub(crate) fn hessian(root: Sym, inputs: &[Variable]) -> BTreeMap<(usize, usize)
 /// Second derivatives between the vertices that the sweep has not passed yet.
 #[derive(Default)]
 struct Interactions {
-    of: HashMap<Sym, BTreeMap<Sym, Sym>>,
+    of: Table<Sym, BTreeMap<Sym, Sym>>,
 }
 
 impl Interactions {

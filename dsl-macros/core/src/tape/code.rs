@@ -88,6 +88,11 @@ impl Tape {
     /// The outputs as expressions again, each operation one quantity: what is differentiated then is the
     /// evaluation with all that it shares.
     pub(crate) fn stepwise(&self) -> Vec<Sym> {
+        self.evaluated(Sym::kept)
+    }
+
+    /// The outputs as expressions again, with `keep` applied to each operation.
+    pub(crate) fn evaluated(&self, keep: fn(Sym) -> Sym) -> Vec<Sym> {
         let mut values: Vec<Sym> = Vec::with_capacity(self.ops.len());
         for &op in &self.ops {
             let at = |i: u32| values[i as usize];
@@ -103,7 +108,7 @@ impl Tape {
                 Op::Call(function, a) => at(a).call(function),
                 Op::Call2(function, a, b) => at(a).call2(function, at(b)),
             };
-            values.push(value.kept());
+            values.push(keep(value));
         }
         self.outputs.iter().map(|&i| values[i as usize]).collect()
     }

@@ -2,14 +2,14 @@
 
 use super::code::{Op, Tape};
 use super::nary::Nary;
-use std::collections::HashMap;
+use crate::graph::Table;
 
 /// The operations that evaluate `roots`, parts first.
 pub(super) fn tape(nodes: &[Nary], roots: &[u32]) -> Tape {
     let mut order = Linear {
         nodes,
         tape: Tape::default(),
-        table: HashMap::new(),
+        table: Table::default(),
         done: vec![None; nodes.len()],
     };
     let outputs = roots.iter().map(|&root| order.visit(root)).collect();
@@ -20,7 +20,7 @@ pub(super) fn tape(nodes: &[Nary], roots: &[u32]) -> Tape {
 struct Linear<'a> {
     nodes: &'a [Nary],
     tape: Tape,
-    table: HashMap<Op, u32>,
+    table: Table<Op, u32>,
     done: Vec<Option<u32>>,
 }
 

@@ -1,8 +1,7 @@
 //! Graph to sums and products of any number of parts: coefficients and common factors taken out.
 
 use super::nary::Nary;
-use crate::graph::{self, Node, Sym};
-use std::collections::HashMap;
+use crate::graph::{self, Node, Sym, Table};
 use std::collections::hash_map::Entry;
 
 /// Deepest expressions whose parts are lowered as they are met. In deeper ones what is one quantity comes
@@ -11,13 +10,22 @@ const SHALLOW: usize = 600;
 /// Most brackets inside each other before each of which a common factor stands: formulas have a handful.
 const BRACKETS: usize = 100;
 
+/// Factors of a term that stand in it as wholes; none of the number 1.
+fn whole_factors(term: Sym) -> Vec<Sym> {
+    let factors = graph::factors_of(term).into_iter();
+    factors
+        .filter(|&(_, halves)| halves >= 2)
+        .map(|(factor, _)| factor)
+        .collect()
+}
+
 /// Lowers a set of expressions.
 pub(super) struct Lowering {
     nodes: Vec<Nary>,
-    table: HashMap<Nary, u32>,
-    done: HashMap<Sym, u32>,
+    table: Table<Nary, u32>,
+    done: Table<Sym, u32>,
     /// How many products divide by an expression.
-    divisions: HashMap<Sym, usize>,
+    divisions: Table<Sym, usize>,
     factor: bool,
     /// Brackets that are open, each with a common factor before it.
     brackets: usize,
@@ -28,9 +36,9 @@ impl Lowering {
     pub(super) fn run(outputs: &[Sym], factor: bool) -> (Vec<Nary>, Vec<u32>) {
         let mut lowering = Self {
             nodes: Vec::new(),
-            table: HashMap::new(),
-            done: HashMap::new(),
-            divisions: HashMap::new(),
+            table: Table::default(),
+            done: Table::default(),
+            divisions: Table::default(),
             factor,
             brackets: 0,
         };
@@ -130,7 +138,7 @@ impl Lowering {
             return Vec::new();
         }
         let mut groups: Vec<(f64, Vec<(Sym, bool)>)> = Vec::new();
-        let mut of_magnitude: HashMap<u64, Option<usize>> = HashMap::new();
+        let mut of_magnitude: Table<u64, Option<usize>> = Table::default();
         for &(term, coefficient) in terms {
             let (magnitude, negative) = (coefficient.abs(), coefficient < 0.0);
             // A constant, which comes first, is a group of its own; so are terms with its magnitude.
@@ -193,40 +201,33 @@ impl Lowering {
     }
 
     /// Terms with the factor that most of them share taken out, again and again.
-    fn factored(&mut self, mut terms: Vec<(Sym, bool)>) -> Vec<(u32, bool)> {
+    fn factored(&mut self, terms: Vec<(Sym, bool)>) -> Vec<(u32, bool)> {
         let mut items = Vec::new();
+        let with_factors = |(term, negative)| (term, negative, whole_factors(term));
+        let mut terms: Vec<(Sym, bool, Vec<Sym>)> = terms.into_iter().map(with_factors).collect();
+        let mut counts: Table<Sym, usize> = Table::default();
         loop {
             if !graph::spend(terms.len()) {
                 return Vec::new();
             }
-            let mut counts: HashMap<Sym, usize> = HashMap::new();
-            for &(term, _) in &terms {
-                if term == Sym::ONE {
-                    continue;
-                }
-                for (factor, halves) in graph::factors_of(term) {
-                    if halves >= 2 {
-                        *counts.entry(factor).or_default() += 1;
-                    }
-                }
+            counts.clear();
+            for &factor in terms.iter().flat_map(|(_, _, factors)| factors) {
+                *counts.entry(factor).or_default() += 1;
             }
             let best = counts
-                .into_iter()
-                .filter(|&(_, count)| count >= 2)
-                .max_by_key(|&(factor, count)| (count, std::cmp::Reverse(factor)));
-            let Some((factor, _)) = best else {
+                .iter()
+                .filter(|&(_, &count)| count >= 2)
+                .max_by_key(|&(&factor, &count)| (count, std::cmp::Reverse(factor)));
+            let Some((&factor, _)) = best else {
                 break;
             };
-            let (inside, outside): (Vec<_>, Vec<_>) = terms.into_iter().partition(|&(term, _)| {
-                term != Sym::ONE
-                    && graph::factors_of(term)
-                        .iter()
-                        .any(|&(base, halves)| base == factor && halves >= 2)
-            });
-            let negative = inside.iter().all(|&(_, negative)| negative);
+            let (inside, outside): (Vec<_>, Vec<_>) = terms
+                .into_iter()
+                .partition(|(_, _, factors)| factors.contains(&factor));
+            let negative = inside.iter().all(|&(_, negative, _)| negative);
             let reduced: Vec<(Sym, f64)> = inside
                 .into_iter()
-                .map(|(term, own)| (term / factor, if own == negative { 1.0 } else { -1.0 }))
+                .map(|(term, own, _)| (term / factor, if own == negative { 1.0 } else { -1.0 }))
                 .collect();
             // Recursion ends: each level removes a factor, and a high power has no more levels than others.
             self.brackets += 1;
@@ -237,7 +238,7 @@ impl Lowering {
             items.push((self.multiply(vec![factor, inner]), negative));
             terms = outside;
         }
-        for (term, negative) in terms {
+        for (term, negative, _) in terms {
             items.push((self.lower(term), negative));
         }
         items

@@ -2,7 +2,8 @@
 //! once. The most frequent pair first, until none occurs twice.
 
 use super::nary::Nary;
-use std::collections::{BinaryHeap, HashMap};
+use crate::graph::Table;
+use std::collections::BinaryHeap;
 
 /// Most pairs that are counted; longer sums than fit are left as they are, as the search would take
 /// longer than it saves.
@@ -110,7 +111,7 @@ fn length(node: &Nary) -> usize {
 }
 
 /// The lists in which each pair occurs, short lists first.
-fn places(nodes: &[Nary]) -> HashMap<Pair, Vec<usize>> {
+fn places(nodes: &[Nary]) -> Table<Pair, Vec<usize>> {
     let mut lists: Vec<usize> = (0..nodes.len())
         .filter(|&i| match &nodes[i] {
             Nary::Sum(items) => items.len() > 1,
@@ -119,7 +120,7 @@ fn places(nodes: &[Nary]) -> HashMap<Pair, Vec<usize>> {
         })
         .collect();
     lists.sort_by_key(|&i| length(&nodes[i]));
-    let mut places: HashMap<Pair, Vec<usize>> = HashMap::new();
+    let mut places: Table<Pair, Vec<usize>> = Table::default();
     let mut counted = 0;
     for &i in &lists {
         let parts = length(&nodes[i]);

@@ -42,6 +42,7 @@ mod messages;
 mod pages;
 mod sensitivities;
 mod shown;
+mod sizes;
 mod slips;
 mod states;
 mod stumbles;

@@ -131,20 +131,19 @@ fn hold_positions(
     let (forces, positions) = (constraints.count(), constraints.positions());
     let (rows, columns) = (m * block, j * block);
     for i in 0..positions {
-        let row = constraints.of_position(i);
-        let normal = &constraints.gradients[row * n..(row + 1) * n];
+        let normal = &constraints.gradients[i * n..(i + 1) * n];
         let gap_row = (rows + n + forces + i) * size + columns;
         for (entry, gradient) in element.matrix[gap_row..].iter_mut().zip(normal) {
             *entry = second * gradient / (h * h);
         }
-        for (other, along) in along.of_row(row).iter().enumerate() {
+        for (other, along) in along.of_row(i).iter().enumerate() {
             element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
         }
     }
 }
 
 /// Derivatives of the right-hand side and the constraints at stage `m`.
-fn evaluate_stage_jacobian(element: &mut FiniteElement<'_>, m: usize) {
+pub(super) fn evaluate_stage_jacobian(element: &mut FiniteElement<'_>, m: usize) {
     let (n, block) = (element.n, element.block());
     let declaration = element.model.declaration();
     let x = &element.inputs_of_stages[m * element.inputs..(m + 1) * element.inputs];

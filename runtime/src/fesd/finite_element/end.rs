@@ -1,11 +1,38 @@
 //! The state at the end of an element.
 
 use super::{ElementError, FiniteElement, MAX_ITERATIONS};
+use crate::joints::JointError;
 use crate::linalg::dense;
 
-/// The end state; without a stage at the end of the element it is projected on the constraints, which
-/// is the boundary variable of the scheme and restores its order (Ascher, Petzold 1991).
+/// The end state, moved onto the joints, and then along the surfaces that are held.
 pub(super) fn finish(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
+    finish_stages(element)?;
+    let Some(mut joints) = element.joints.take() else {
+        return Ok(());
+    };
+    let n = element.n;
+    let mut x = element.stage_input(element.tableau.stages() - 1).to_vec();
+    element.write_time(element.end.time, &mut x);
+    x[..n].copy_from_slice(&element.end.q);
+    x[n..2 * n].copy_from_slice(&element.end.v);
+    let moved = joints.settle(&mut x, element.length);
+    element.joints = Some(joints);
+    moved.map_err(|error| match error {
+        JointError::Singular => ElementError::Singular,
+        JointError::NotClosed => ElementError::NotFinite,
+    })?;
+    element.end.q.copy_from_slice(&x[..n]);
+    element.end.v.copy_from_slice(&x[n..2 * n]);
+    if element.active().is_empty() {
+        Ok(())
+    } else {
+        project_end(element)
+    }
+}
+
+/// The end state of the scheme; without a stage at the end of the element it is projected on the constraints, which
+/// is the boundary variable of the scheme and restores its order (Ascher, Petzold 1991).
+fn finish_stages(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
     let n = element.n;
     let stages = element.tableau.stages();
     element.end.time = element.start.time + element.length;
@@ -82,7 +109,7 @@ fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
         }
         shift.fill(0.0);
         for (number, gap) in constraints.gaps.iter().enumerate() {
-            shift[constraints.of_position(number)] = *gap;
+            shift[number] = *gap;
         }
         dense::solve(&matrix, &pivots, &mut shift);
         subtract(&constraints.directions, &shift, &mut element.end.q);

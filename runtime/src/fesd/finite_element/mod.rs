@@ -22,17 +22,18 @@
 //! which has index 2 as well, so that the order stays. The force `r_i` of dry friction is given, `r_i = D_i f(q, t)`; it has
 //! neither `d_i` nor `eta_i`.
 //!
-//! *Joints* are held alike: rows `w = 0`, with a force as unknown, and `g = 0`, with an `eta`. The acceleration `a` contains their
-//! forces, so that both unknowns vanish with the step length, and act along directions of `q_0`.
+//! *Joints* add no unknowns: the acceleration `a` contains their forces, so that they hold but for what collocation misses of `a`, and
+//! the end state is projected onto them in the metric of the mass matrix, by no more than that.
 //!
 //! In *numerical time* ([`FiniteElement::in_numerical_time`]) the same equations are those of the time-freezing system in
 //! a sliding mode, whose right-hand side a contact slows down by the speed of the clock (`numerical_time`).
 //!
 //! Unknowns of stage `m`: accelerations `A_m` (`n_q`), then the forces: `r_m` of each active contact and
-//! `s_m` of each that sticks, then those of the rows of joints; then `eta_m`, one an active surface and one a position of a joint. [`newton`] solves for them, with the matrix of `assembly`
+//! `s_m` of each that sticks; then `eta_m`, one an active surface. [`newton`] solves for them, with the matrix of `assembly`
 //! the end state of `end`, and its error by `local_error`.
 
 mod assembly;
+mod decoupled;
 mod end;
 pub(crate) mod local_error;
 mod motion_size;
@@ -46,9 +47,11 @@ pub(crate) use size::groups;
 
 use super::active_contact::ActiveContact;
 use super::constraints::Constraints;
+use crate::joints::Joints;
 use crate::model::{ControlPiece, Frame, Model};
 use crate::rk::ButcherTableau;
 use crate::time_freezing::clock;
+use decoupled::Decoupled;
 use stage_clock::StageClock;
 
 /// Newton iterations after which an element counts as not converged.
@@ -102,6 +105,12 @@ pub(crate) struct FiniteElement<'a> {
     /// Input vector at the start.
     first: Vec<f64>,
     constraints: Constraints<'a>,
+    /// None in a scene without.
+    joints: Option<Joints<'a>>,
+    /// Of scenes with joints.
+    decoupled: Option<Decoupled>,
+    /// Whether the present factors are those of stages taken apart.
+    apart: bool,
     start: State,
     length: f64,
     /// Correction directions: those of the forces at `q_0`, one row a position that is held.
@@ -147,6 +156,9 @@ impl<'a> FiniteElement<'a> {
             clock: StageClock::default(),
             first: vec![0.0; declaration.inputs()],
             constraints: Constraints::new(model),
+            joints: Joints::of(model),
+            decoupled: declaration.joints.and_then(|_| Decoupled::of(tableau)),
+            apart: false,
             start: State::default(),
             length: 0.0,
             corrections: Vec::new(),
@@ -210,7 +222,7 @@ impl<'a> FiniteElement<'a> {
     /// Forces of all constraints of contacts at stage `m`: normals, then the friction of contacts that stick.
     pub(crate) fn stage_constraint_forces(&self, m: usize) -> &[f64] {
         let begin = m * self.block() + self.n;
-        &self.unknowns[begin..begin + self.constraints.of_contacts()]
+        &self.unknowns[begin..begin + self.constraints.count()]
     }
 
     /// Physical time of stage `m` of the solved element \[s\].

@@ -3,7 +3,6 @@
 use super::{
     ElementError, FiniteElement, MAX_ITERATIONS, State, assembly, end, largest, numerical_time,
 };
-use crate::joints::JointError;
 use crate::linalg::dense;
 use crate::model::ControlPiece;
 use crate::rk::ButcherTableau;
@@ -21,6 +20,9 @@ const CONTRACTS: f64 = 0.1;
 const FORCES: f64 = 1e-9;
 /// Contraction above which the Jacobian is evaluated anew.
 const SLOW: f64 = 0.05;
+/// The same of stages that share one, and the iterations after which these count as not converged.
+const SLOW_APART: f64 = 0.2;
+const ITERATIONS_APART: usize = 25;
 /// Most times longer than the previous element that an element may be to be predicted from it.
 const MOST_GROWTH: f64 = 16.0;
 
@@ -48,24 +50,32 @@ pub(crate) fn solve(
     {
         controls.write(start.time + c * h, &mut stage[place.clone()]);
     }
-    evaluate_start(element)?;
+    evaluate_start(element);
     predict(element, h);
     let predicted = element.has_previous;
-    let mut outcome = iterate(element);
+    let apart = takes_apart(element);
+    let mut outcome = iterate(element, apart);
     if outcome.is_err() {
         element.factorized = false;
         if predicted {
             // The prediction may have led astray.
             element.has_previous = false;
-            evaluate_start(element)?;
+            evaluate_start(element);
             predict(element, h);
-            outcome = iterate(element);
+            outcome = iterate(element, apart);
         }
+    }
+    if apart && outcome.is_err() {
+        // Derivatives that change so much need those of each stage.
+        element.has_previous = false;
+        evaluate_start(element);
+        predict(element, h);
+        outcome = iterate(element, false);
     }
     outcome?;
     if numerical_time::adapt(element) {
         element.factorized = false;
-        iterate(element)?;
+        iterate(element, false)?;
     }
     end::finish(element)?;
     element.previous.clone_from(&element.unknowns);
@@ -105,9 +115,9 @@ fn predict(element: &mut FiniteElement<'_>, h: f64) {
 
 /// Evaluates the directions of the position corrections, and the free acceleration at the start where no
 /// previous element helps.
-fn evaluate_start(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
+fn evaluate_start(element: &mut FiniteElement<'_>) {
     if element.constraints.count() == 0 && element.active().is_empty() && element.has_previous {
-        return Ok(());
+        return;
     }
     let n = element.n;
     let mut first = std::mem::take(&mut element.first);
@@ -123,23 +133,52 @@ fn evaluate_start(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
     }
     element.constraints.align(&first);
     element.constraints.evaluate(&first);
-    let frozen = element.constraints.freeze_joints(&first);
     element.first = first;
-    for (number, correction) in element.corrections.chunks_exact_mut(n).enumerate() {
-        let row = element.constraints.of_position(number);
+    for (row, correction) in element.corrections.chunks_exact_mut(n).enumerate() {
         let direction = &element.constraints.directions[row * n..(row + 1) * n];
         correction.copy_from_slice(direction);
     }
-    frozen.map_err(|error| match error {
-        JointError::Singular => ElementError::Singular,
-        JointError::NotClosed => ElementError::NotFinite,
-    })
 }
 
-/// Simplified Newton iterations: the factors are kept as long as they contract well.
-fn iterate(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
+/// Whether stages may share a Jacobian: with joints, and nothing else that has unknowns of its own.
+fn takes_apart(element: &FiniteElement<'_>) -> bool {
+    let free = element.constraints.count() == 0 && element.active().is_empty();
+    free && element.decoupled.is_some() && !element.clock.is_slowed()
+}
+
+/// Evaluates and factorizes the matrix of the present stages, all at once or `apart`.
+fn factorize(element: &mut FiniteElement<'_>, apart: bool) -> Result<(), ElementError> {
+    if let Some(mut decoupled) = element.decoupled.take_if(|_| apart) {
+        let nodes = element.tableau.c().iter().enumerate();
+        let from_middle = |c: &f64| (c - 0.5).abs();
+        let middle = nodes.min_by(|a, b| from_middle(a.1).total_cmp(&from_middle(b.1)));
+        assembly::evaluate_stage_jacobian(element, middle.map_or(0, |(stage, _)| stage));
+        let (h, n) = (element.length, element.n);
+        let regular = decoupled.factorize(h, &element.by_q, &element.by_v, n);
+        element.decoupled = Some(decoupled);
+        if !regular {
+            return Err(ElementError::Singular);
+        }
+    } else {
+        assembly::assemble(element);
+        dense::factorize(&mut element.matrix, &mut element.pivots)
+            .map_err(|_| ElementError::Singular)?;
+    }
+    element.counts.factorizations += 1;
+    (element.factorized, element.apart) = (true, apart);
+    Ok(())
+}
+
+/// Simplified Newton iterations: the factors, those of stages taken `apart` or of all, are kept as long as they contract well.
+fn iterate(element: &mut FiniteElement<'_>, apart: bool) -> Result<(), ElementError> {
     let (mut last_change, mut last_forces) = (f64::INFINITY, f64::INFINITY);
-    for iteration in 0..MAX_ITERATIONS {
+    let (most, slow) = if apart {
+        (ITERATIONS_APART, SLOW_APART)
+    } else {
+        (MAX_ITERATIONS, SLOW)
+    };
+    element.factorized &= element.apart == apart;
+    for iteration in 0..most {
         evaluate_residual(element).map_err(|error| {
             // Far from its start the iteration diverged; that says nothing of the model.
             if iteration <= 1 {
@@ -154,13 +193,12 @@ fn iterate(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
             return Ok(());
         }
         if !element.factorized {
-            assembly::assemble(element);
-            dense::factorize(&mut element.matrix, &mut element.pivots)
-                .map_err(|_| ElementError::Singular)?;
-            element.counts.factorizations += 1;
-            element.factorized = true;
+            factorize(element, apart)?;
         }
-        dense::solve(&element.matrix, &element.pivots, &mut element.residual);
+        match &element.decoupled {
+            Some(decoupled) if apart => decoupled.solve(&mut element.residual, element.n),
+            _ => dense::solve(&element.matrix, &element.pivots, &mut element.residual),
+        }
         for (unknown, step) in element.unknowns.iter_mut().zip(&element.residual) {
             *unknown -= step;
         }
@@ -179,7 +217,7 @@ fn iterate(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
             update_stages(element);
             return Ok(());
         }
-        if contraction > SLOW {
+        if contraction > slow {
             element.factorized = false;
         }
         (last_change, last_forces) = (change, forces);

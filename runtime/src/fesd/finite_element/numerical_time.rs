@@ -196,10 +196,9 @@ pub(super) fn add_to_rows(element: &mut FiniteElement<'_>, m: usize) {
             let velocity = turned + product(&element.constraints.gradients[own.clone()], v);
             add(n + i, velocity / h);
         }
-        for number in 0..element.constraints.positions() {
-            let i = element.constraints.of_position(number);
+        for i in 0..element.constraints.positions() {
             let gap = product(&element.constraints.gradients[i * n..(i + 1) * n], q);
-            add(n + forces + number, gap / (h * h));
+            add(n + forces + i, gap / (h * h));
         }
     }
 }

@@ -81,35 +81,6 @@ impl Pattern {
         pattern
     }
 
-    /// Adds the rows of joints that are held; how many there are, and which of them hold positions.
-    fn add_joints(&mut self, model: &dyn Model) -> Vec<bool> {
-        let n = self.n;
-        let Some(joints) = model.declaration().joints else {
-            return Vec::new();
-        };
-        let rows = joints.rows();
-        let mut kinds = Vec::new();
-        for (row, (joint, _)) in joints.equations().enumerate() {
-            if !model.joint_row_held(row) {
-                continue;
-            }
-            let (mut turning, mut gradient) = (vec![false; n], vec![false; n]);
-            for &(entry, column) in joints.jacobian.entries {
-                let (entry, column) = (entry as usize, column as usize);
-                if entry == rows + row && column < n {
-                    turning[column] = true;
-                } else if entry == rows + row && column < 2 * n {
-                    gradient[column - n] = true;
-                }
-            }
-            self.turning.push(turning);
-            self.gradients.push(gradient);
-            self.directions.push(vec![true; n]);
-            kinds.push(joint.holonomic);
-        }
-        kinds
-    }
-
     /// Adds a constraint whose gap, velocity and direction have these rows; `values` are those of the direction.
     fn add(
         &mut self,
@@ -151,6 +122,24 @@ fn purposes(n: usize, active: &[ActiveContact], normals: usize) -> Vec<Purpose> 
     purposes
 }
 
+/// Adds the rows of joints that are held at the end of an element, each with what it moves the state by.
+fn add_joints(tally: &mut Tally, model: &dyn Model) {
+    let Some(joints) = model.declaration().joints else {
+        return;
+    };
+    let rows = joints.equations().enumerate();
+    let held: Vec<bool> = rows
+        .filter(|&(row, _)| model.joint_row_held(row))
+        .map(|(_, (joint, _))| joint.holonomic)
+        .collect();
+    let positions = held.iter().filter(|holonomic| **holonomic).count();
+    let size = tally.of(Purpose::Joint);
+    size.variables += held.len() + positions;
+    size.equalities += held.len() + positions;
+    // One small matrix moves both.
+    size.jacobian_nonzeros += held.len() * held.len();
+}
+
 /// Adds the signs that are watched of contacts.
 fn add_signs(tally: &mut Tally, model: &dyn Model, active: &[ActiveContact], stages: usize) {
     let surfaces = surfaces(model);
@@ -176,25 +165,11 @@ pub(crate) fn groups(
     slowed: bool,
     x: &[f64],
 ) -> Vec<SizeGroup> {
-    let mut pattern = Pattern::of(model, active, x);
-    let first_joint = pattern.directions.len();
-    let joints = pattern.add_joints(model);
+    let pattern = Pattern::of(model, active, x);
     let surfaces = surfaces(model);
     let contacts = active.iter().filter(|held| held.contact < surfaces).count();
     let (n, forces) = (pattern.n, pattern.directions.len());
-    let mut purposes = purposes(n, active, contacts);
-    purposes.splice(
-        n + first_joint..n + first_joint,
-        joints.iter().map(|_| Purpose::Joint),
-    );
-    let positions: Vec<usize> = (0..contacts)
-        .chain(
-            (0..joints.len())
-                .filter(|&k| joints[k])
-                .map(|k| first_joint + k),
-        )
-        .collect();
-    purposes.resize(n + forces + positions.len(), Purpose::Joint);
+    let purposes = purposes(n, active, contacts);
     let row_of = |matrix: &[bool], k: usize| matrix[k * n..(k + 1) * n].to_vec();
     let explicit_time = model.declaration().explicit_time;
     // Whether an entry is in all blocks, and whether in those of a stage with itself.
@@ -207,7 +182,7 @@ pub(crate) fn groups(
             let both = turning.iter().zip(gradient).map(|(a, b)| *a || *b);
             (turning.clone(), both.collect())
         } else {
-            let gradient = &pattern.gradients[positions[row - n - forces]];
+            let gradient = &pattern.gradients[row - n - forces];
             (gradient.clone(), gradient.clone())
         };
         if column == row && (n + contacts..n + active.len()).contains(&row) {
@@ -220,7 +195,7 @@ pub(crate) fn groups(
         } else if column < n + forces {
             (through, row < n && pattern.directions[column - n][row])
         } else {
-            let correction = &pattern.directions[positions[column - n - forces]];
+            let correction = &pattern.directions[column - n - forces];
             (meet(&row_by_q, correction), false)
         }
     };
@@ -238,6 +213,7 @@ pub(crate) fn groups(
         }
     }
     add_signs(&mut tally, model, active, stages);
+    add_joints(&mut tally, model);
     tally.groups()
 }
 

@@ -8,10 +8,11 @@ use super::stage_inputs::{Elapsed, drive_at, drive_within};
 use super::turns::Turns;
 use super::{cut_rows, friction_rows, provided, start_conditions};
 use crate::model::Pieces;
-use crate::model::held::{is_held, moving};
+use crate::model::held::is_held;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::program::frame::{Provided, force_name, state_name};
+use crate::ocp::program::joint_rows::Decided;
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::settings::PathPoints;
 use crate::simulation::per_second;
@@ -74,8 +75,11 @@ pub(super) fn add(builder: &mut Builder, element: &Element) {
     let stages = builder.setting.tableau.stages();
     let drives = drives(builder, element);
     let (mut phase, corrections) = unknowns(builder, element, drives);
+    let middle = builder.guess.at(element.time(0.5), true);
+    let Setting { model, units, .. } = builder.setting;
+    let decided = Decided::at(model, &units.states, &middle, element.time(0.5));
     for (stage, corrections) in corrections.iter().enumerate() {
-        stage_rows(builder, element, &mut phase, stage, corrections);
+        stage_rows(builder, element, &mut phase, (stage, corrections), &decided);
     }
     provided::at_stages(builder, &mut phase, [element.from, element.to]);
     costs_and_path_rows(builder, element, &phase);
@@ -244,8 +248,8 @@ fn stage_rows(
     builder: &mut Builder,
     element: &Element,
     phase: &mut Phase,
-    stage: usize,
-    corrections: &[usize],
+    (stage, corrections): (usize, &[usize]),
+    decided: &Decided,
 ) {
     let model = builder.setting.model;
     let (n, last) = (builder.n, stage + 1 == builder.setting.tableau.stages());
@@ -253,16 +257,17 @@ fn stage_rows(
     let state = phase.stages[stage].state.clone();
     let u = phase.stages[stage].drive.clone();
     let (q, v) = state.split_at(n);
-    let rows = collocation_rows(builder, element, phase, stage);
-    let each = |coefficient: f64, rows: &[usize]| -> Vec<(usize, usize, f64)> {
-        let rows = rows.iter().enumerate();
-        rows.map(|(k, &row)| (row, k, coefficient)).collect()
+    let [moved, pushed] = collocation_rows(builder, element, phase, stage, decided);
+    let each = |coefficient: f64, rows: &[(usize, usize)]| -> Vec<(usize, usize, f64)> {
+        let rows = rows.iter();
+        rows.map(|&(row, k)| (row, k, coefficient)).collect()
     };
-    let moving = moving(model);
-    let (moves, pushes) = (each(-1.0, &rows[..moving]), each(-1.0, &rows[moving..]));
+    let (moves, pushes) = (each(-1.0, &moved), each(-1.0, &pushed));
     let program = &mut builder.program;
+    let place = format!("stage {stage}, {}", element.label());
+    decided.add_rows(program, [q, v, &u], &place);
     let kernel = Kernel::Acceleration(Vec::new());
-    let free = each(-element.factor, &rows[moving..]);
+    let free = each(-element.factor, &pushed);
     program.block(&kernel, [q, v, &u, &[]], Some(element.scale), free);
     if !phase.closed.is_empty() {
         let at = format!("at stage {stage} of {}", element.label());
@@ -314,13 +319,15 @@ fn given_forces(
     }
 }
 
-/// Adds the collocation rows of a stage with all that is linear in the unknowns, and the velocities: those of the coordinates that move.
+/// Adds the collocation rows of a stage with all that is linear in the unknowns, and the velocities: those of the coordinates that move
+/// and that no joint decides. Rows of coordinates and of their velocities, each with the coordinate.
 fn collocation_rows(
     builder: &mut Builder,
     element: &Element,
     phase: &Phase,
     stage: usize,
-) -> Vec<usize> {
+    decided: &Decided,
+) -> [Vec<(usize, usize)>; 2] {
     let Setting {
         model,
         units,
@@ -330,9 +337,9 @@ fn collocation_rows(
     let (n, program) = (builder.n, &mut builder.program);
     let slopes = tableau.slopes_with_start(tableau.c()[stage]);
     let place = format!("stage {stage}, {}", element.label());
-    let mut rows = Vec::with_capacity(2 * n);
+    let mut rows = [const { Vec::new() }; 2];
     for (k, &before) in phase.start.iter().enumerate() {
-        if is_held(model, k) {
+        if is_held(model, k) || decided.contains(k) {
             continue;
         }
         let name = format!("collocation of {}, {place}", state_name(model, k));
@@ -345,7 +352,7 @@ fn collocation_rows(
             let velocity = phase.stages[stage].state[n + k];
             program.bilinear(row, element.scale, velocity, -element.factor);
         }
-        rows.push(row);
+        rows[k / n].push((row, k % n));
     }
     rows
 }

@@ -39,6 +39,7 @@ use crate::ocp::motion::mode::{is_frictional, is_passed, sliding_velocity};
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::{Frame, Provided, force_name, state_name};
+use crate::ocp::program::joint_rows::Decided;
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
 use crate::ocp::settings::EulerStep;
@@ -475,14 +476,21 @@ fn motion(
         ..
     } = element;
     let n = q.len();
+    let decided = Decided::at(model, &units.states, element.sample, element.time);
+    decided.add_rows(program, [q, v, u], &format!("element {index}"));
     let mut uses = Vec::with_capacity(n);
     for k in 0..moving(model) {
         let name = model.declaration().coordinates[k].name;
-        let label = format!("motion of `{name}`, element {index}");
-        let row = program.row_in(units.states[k], label, 0.0, 0.0);
-        program.linear(row, q[k], 1.0);
-        program.linear(row, before[k], -1.0);
-        program.bilinear(row, horizon, v[k], -share);
+        if !decided.contains(k) {
+            let label = format!("motion of `{name}`, element {index}");
+            let row = program.row_in(units.states[k], label, 0.0, 0.0);
+            program.linear(row, q[k], 1.0);
+            program.linear(row, before[k], -1.0);
+            program.bilinear(row, horizon, v[k], -share);
+        }
+        if decided.contains(n + k) {
+            continue;
+        }
         let label = format!("force on `{name}`, element {index}");
         let row = program.row_in(units.states[n + k], label, 0.0, 0.0);
         program.linear(row, v[k], 1.0);

@@ -1,9 +1,9 @@
 //! What all programs have in common: horizon, controls, start, objective, goals and path functions.
 
-use super::given;
 use super::kernel::Kernel;
 use super::sparse_program::{OBJECTIVE, Program};
 use super::units::{THOUSAND, Units, nearest_power};
+use super::{given, joint_rows};
 use crate::model::{ConstraintDeclaration, ContactDeclaration, Model};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
@@ -75,6 +75,7 @@ impl<'a> Frame<'a> {
             })
             .collect();
         given::add(program, model, (horizon, &start), units);
+        joint_rows::add_at_start(program, model, problem, (&start, &units.states));
         Self {
             model,
             horizon,

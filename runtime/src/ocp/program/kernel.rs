@@ -24,6 +24,8 @@ pub(in crate::ocp) enum Kernel {
     Impact,
     /// What parameters that stand behind the coordinates decide of start, horizon and laws, of `q`.
     Given,
+    /// `(g, w)`: positions of all equations of joints, and then their velocities.
+    Joints,
 }
 
 impl Kernel {
@@ -38,7 +40,8 @@ impl Kernel {
             | Self::Path
             | Self::Terminal
             | Self::Impact
-            | Self::Given => &[],
+            | Self::Given
+            | Self::Joints => &[],
         }
     }
 
@@ -74,8 +77,8 @@ fn scatter(entries: &[(u32, u32)], values: &[f64], matrix: &mut [f64], columns: 
     }
 }
 
-/// Patterns of Jacobian and Hessian, and number of the functions that a scene declares for optimal control, or of those of
-/// parameters alone.
+/// Patterns of Jacobian and Hessian, and number of the functions that a scene declares for optimal control, of those of
+/// parameters alone, or of those of joints.
 fn declared(
     kernel: &Kernel,
     model: &dyn Model,
@@ -84,6 +87,10 @@ fn declared(
     if *kernel == Kernel::Given {
         let held = model.held()?;
         return Some((held.jacobian, held.hessian, held.given.len()));
+    }
+    if *kernel == Kernel::Joints {
+        let joints = declaration.joints?;
+        return Some((joints.jacobian, joints.hessian, 2 * joints.rows()));
     }
     let declared = declaration.optimal_control?;
     match kernel {
@@ -217,7 +224,7 @@ impl<'a> Evaluator<'a> {
         let outputs = match kernel {
             Kernel::Contact(_) => 2,
             Kernel::Sliding(_) => 1,
-            Kernel::Path | Kernel::Terminal | Kernel::Impact | Kernel::Given => {
+            Kernel::Path | Kernel::Terminal | Kernel::Impact | Kernel::Given | Kernel::Joints => {
                 functions.map_or(0, |f| f.2)
             }
             Kernel::Acceleration(_) | Kernel::Push(_) | Kernel::Friction(_) => n,
@@ -274,6 +281,7 @@ impl<'a> Evaluator<'a> {
             Kernel::Terminal => self.model.terminal_functions(plain, &mut self.outputs),
             Kernel::Impact => self.model.impact_functions(plain, &mut self.outputs),
             Kernel::Given => self.model.given_values(plain, &mut self.outputs),
+            Kernel::Joints => self.model.joints(plain, &mut self.outputs),
             Kernel::Contact(contact) => {
                 self.model.contact(*contact, plain, &mut self.point);
                 self.outputs[0] = self.point[contact_point::GAP];
@@ -375,6 +383,7 @@ impl<'a> Evaluator<'a> {
                 Kernel::Terminal => self.model.terminal_jacobian(plain, values),
                 Kernel::Impact => self.model.impact_jacobian(plain, values),
                 Kernel::Given => self.model.given_jacobian(plain, values),
+                Kernel::Joints => self.model.joints_jacobian(plain, values),
                 _ => self.model.path_jacobian(plain, values),
             }
             scatter(pattern.entries, &self.values, &mut self.jacobian, inputs);
@@ -424,6 +433,7 @@ impl<'a> Evaluator<'a> {
                 Kernel::Terminal => self.model.terminal_hessian(plain, multipliers, values),
                 Kernel::Impact => self.model.impact_hessian(plain, multipliers, values),
                 Kernel::Given => self.model.given_hessian(plain, multipliers, values),
+                Kernel::Joints => self.model.joints_hessian(plain, multipliers, values),
                 _ => self.model.path_hessian(plain, multipliers, values),
             }
             scatter(pattern.entries, &self.values, &mut self.hessian, inputs);

@@ -8,7 +8,7 @@ use crate::model::Declaration;
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Beginnings of the names of variables and rows, without the names that the scene gives.
-const BEGINNINGS: [(&str, Purpose); 31] = [
+const BEGINNINGS: [(&str, Purpose); 33] = [
     ("final time", Purpose::FinalTime),
     ("initial ", Purpose::FreeStart),
     ("time ", Purpose::ExplicitTime),
@@ -18,6 +18,8 @@ const BEGINNINGS: [(&str, Purpose); 31] = [
     ("force on", Purpose::State),
     ("collocation of", Purpose::State),
     ("force of", Purpose::ContactForce),
+    ("joint `", Purpose::Joint),
+    ("velocity of joint", Purpose::Joint),
     ("normal velocity of", Purpose::ContactForce),
     ("correction of", Purpose::Gap),
     ("gap `", Purpose::Gap),

@@ -16,6 +16,7 @@ mod words;
 
 use self::impossible::Shown;
 use super::global::time_freezing::refuse_switches;
+use super::joined::joined;
 use super::problem::Problem;
 use super::settings::{ControlNodes, Formulation, Guess, Settings};
 use super::solution::{Solution, Status};
@@ -50,6 +51,22 @@ pub fn solve(
 
 /// Solves a problem whose parameters are given.
 fn solve_given(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    observer: &mut Observer<'_>,
+) -> Result<Solution, InputError> {
+    match joined(model, problem, settings)? {
+        Some(known) => {
+            let solution = solve_joined(&*known.model, &known.problem, settings, observer)?;
+            Ok(known.note(solution))
+        }
+        None => solve_joined(model, problem, settings, observer),
+    }
+}
+
+/// Solves a problem whose start fulfils the joints of its scene.
+fn solve_joined(
     model: &dyn Model,
     problem: &Problem,
     settings: &Settings,

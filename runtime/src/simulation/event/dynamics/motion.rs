@@ -130,8 +130,7 @@ pub(in crate::simulation) fn project_on_joints(
     let n = dynamics.n;
     dynamics.load(t, y);
     let mut x = dynamics.input().to_vec();
-    let moved = joints.project_positions(&mut x, 0.0);
-    let moved = moved.and_then(|()| joints.project_velocities(&mut x));
+    let moved = joints.settle(&mut x, 0.0);
     dynamics.joints = Some(joints);
     y[..2 * n].copy_from_slice(&x[..2 * n]);
     dynamics.load(t, y);

@@ -8,6 +8,11 @@
 //! A = dy/dx = -K^-1 F_x          d2(lambda' y)/dx2 = -(mu' F)_xx - P' A - A' P
 //! ```
 
+mod inertia;
+
+pub use inertia::{
+    Columns, Inertia, Kernel, Nonzeros, Place, direction, direction_hessian, direction_jacobian,
+};
 #[cfg(feature = "oracle")]
 pub use num_dual;
 
