@@ -139,6 +139,8 @@ impl ResultArguments {
 
 /// Default of `--memory-limit` [GB].
 pub(crate) const MEMORY_LIMIT: f64 = 1.5;
+/// The script that measures other programs, from the root of the repository.
+const PEERS: &str = "tools/peers/measure.py";
 /// Default of `--out` for commands that always write.
 const OUT: &str = "out";
 
@@ -433,6 +435,10 @@ pub(crate) struct ChartArguments {
     /// without an end. Without a scene: those that the program knows to be hard.
     #[arg(long)]
     pub(crate) stability: bool,
+    /// Measure other programs in the same run, as far as they are installed, by this script of Python, instead of showing the
+    /// runs that are stored (without a path: tools/peers/measure.py).
+    #[arg(long, value_name = "SCRIPT", num_args = 0..=1, require_equals = true, default_missing_value = PEERS, conflicts_with = "stability")]
+    pub(crate) peers: Option<PathBuf>,
     /// Length of the simulations, in seconds or in the unit given [default: what each scene declares].
     #[arg(long, value_name = "TIME[UNIT]", value_parser = duration, allow_negative_numbers = true)]
     pub(crate) horizon: Option<f64>,

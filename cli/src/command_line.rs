@@ -12,7 +12,7 @@ use crate::chart::Listed;
 use crate::failure::{BadInput, visible};
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, printed, refuse};
 use crate::scene_file::is_path;
-use crate::{CommandSettings, ControlScene, HardOptimum, HardScene, PlayPage, Scene};
+use crate::{CommandSettings, ControlScene, HardOptimum, HardScene, OpeningRide, PlayPage, Scene};
 use crate::{
     ampl, authoring, chart, explain, list, play, profile, program, reproduce, scene, shell,
     simulate, solve, sweep, watch,
@@ -59,6 +59,7 @@ pub struct CommandLine {
     page: Option<PlayPage>,
     peers: &'static str,
     controlled: &'static [ControlScene],
+    opening: Option<OpeningRide>,
 }
 
 impl CommandLine {
@@ -72,6 +73,7 @@ impl CommandLine {
             page: None,
             peers: "",
             controlled: &[],
+            opening: None,
         }
     }
 
@@ -111,6 +113,15 @@ impl CommandLine {
     #[must_use]
     pub const fn with_controlled(self, controlled: &'static [ControlScene]) -> Self {
         Self { controlled, ..self }
+    }
+
+    /// The same, whose page of published results opens with this ride, beside a published motion.
+    #[must_use]
+    pub const fn opening_with(self, ride: OpeningRide) -> Self {
+        Self {
+            opening: Some(ride),
+            ..self
+        }
     }
 
     /// Runs one command; `arguments` begin with the name of the program. Prints the report, or one line that says what
@@ -206,6 +217,13 @@ impl CommandLine {
         }
     }
 
+    fn opening(&self) -> reproduce::Opening {
+        reproduce::Opening {
+            ride: self.opening,
+            peers: self.peers,
+        }
+    }
+
     fn has_published(&self) -> bool {
         self.scenes.iter().any(|scene| !scene.published.is_empty())
     }
@@ -229,12 +247,16 @@ impl CommandLine {
             Some(Command::New(arguments)) => authoring::new(&arguments),
             Some(Command::Profile(arguments)) => profile::run(&arguments),
             Some(Command::Play(arguments)) => play::run(scenes, self.page, &arguments),
-            Some(Command::Reproduce(arguments)) => reproduce::run(scenes, &arguments),
+            Some(Command::Reproduce(arguments)) => {
+                reproduce::run(scenes, &self.opening(), &arguments)
+            }
             Some(Command::Completions(arguments)) => {
                 Ok(shell::completions(parser, scenes, &arguments))
             }
             Some(Command::Man(arguments)) => shell::manual(parser, &arguments),
-            None if self.has_published() => reproduce::run(scenes, &ReproduceArguments::default()),
+            None if self.has_published() => {
+                reproduce::run(scenes, &self.opening(), &ReproduceArguments::default())
+            }
             None => list::run(scenes, &ListArguments::default()),
         }
     }

@@ -7,7 +7,7 @@ use crate::animation::Animation;
 use crate::drawing::Drawing;
 use crate::figure::over_time;
 use crate::motion::{panels, picture};
-use crate::page::{Page, Section};
+use crate::page::{Block, Figure, Page, Player, Section};
 use crate::settings::ChosenScene;
 use crate::spreadsheet::{events_csv, trajectory_csv};
 
@@ -31,6 +31,8 @@ pub(crate) struct ResultFiles<'a> {
     pub(crate) index: Option<(&'static str, &'static str)>,
     /// What to tell about the result, as (name, value).
     pub(crate) facts: Vec<[String; 2]>,
+    /// Charts of how the result came about, as (name, chart).
+    pub(crate) charts: Vec<(String, Figure)>,
     /// Further figures (SVG) and data, as (name, content).
     pub(crate) further: Vec<(String, String)>,
 }
@@ -48,6 +50,7 @@ impl ResultFiles<'_> {
             rows,
             index,
             facts,
+            charts,
             further,
         } = self;
         let model = chosen.model.as_ref();
@@ -80,22 +83,21 @@ impl ResultFiles<'_> {
             .partition(|(name, _)| name.ends_with(".svg"));
         figures.extend(pictures);
         files.extend(data);
-        let animation = drawing.and_then(|drawing| Animation::new(&drawing, model, simulation));
+        let animation =
+            drawing.and_then(|drawing| Animation::new(&drawing, model, simulation, published));
+        let player = animation.map(|animation| Player {
+            caption: String::new(),
+            animation,
+            result: json.to_owned(),
+            plays: false,
+        });
+        let drawn = figures.iter().map(|(_, svg)| Block::figure(svg.clone()));
+        let charted = charts.iter().map(|(_, chart)| Block::Figure(chart.clone()));
         let page = Page {
             title: title.clone(),
-            introduction: format!(
-                "{}. Parameters: {}.",
-                chosen.scene.title,
-                chosen.parameters().join(", ")
-            ),
-            sections: vec![Section {
-                heading: "Motion".to_owned(),
-                text: String::new(),
-                folds: Vec::new(),
-                animation: animation.map(|animation| (animation, json.to_owned())),
-                figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
-                header: vec![String::new(), String::new()],
-                rows: facts.into_iter().map(Vec::from).collect(),
+            lead: vec![Section {
+                heading: String::new(),
+                blocks: blocks(player, drawn.chain(charted).collect(), facts, about(chosen)),
                 files: index
                     .iter()
                     .map(|(file, what)| (String::from(*file), String::from(*what)))
@@ -104,8 +106,36 @@ impl ResultFiles<'_> {
             }],
             ..Page::default()
         };
+        files.extend(
+            charts
+                .into_iter()
+                .map(|(name, chart)| (name, chart.svg().to_owned())),
+        );
         files.extend(figures);
         files.push((format!("{stem}.html"), page.html()));
         files
     }
+}
+
+/// What the scene is, and at which parameters.
+fn about(chosen: &ChosenScene) -> String {
+    let parameters = chosen.parameters().join(", ");
+    format!("{}. Parameters: {parameters}.", chosen.scene.title)
+}
+
+/// What moves first, then charts, then numbers, then what they are about.
+fn blocks(
+    player: Option<Player>,
+    figures: Vec<Block>,
+    facts: Vec<[String; 2]>,
+    about: String,
+) -> Vec<Block> {
+    let player = player.map(|player| Block::Players(vec![player]));
+    let mut blocks: Vec<Block> = player.into_iter().chain(figures).collect();
+    blocks.push(Block::table(
+        vec![String::new(), String::new()],
+        facts.into_iter().map(Vec::from).collect(),
+    ));
+    blocks.push(Block::Text(about));
+    blocks
 }

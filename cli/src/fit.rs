@@ -94,6 +94,7 @@ pub(crate) fn files(
         rows,
         index: None,
         facts: fit_facts(estimate, ending),
+        charts: Vec::new(),
         further,
     }
     .contents()

@@ -556,6 +556,7 @@ impl HostRun {
             rows: ROWS,
             index: None,
             facts,
+            charts: Vec::new(),
             further: Vec::new(),
         }
         .contents()

@@ -11,6 +11,8 @@
 )]
 
 mod animation;
+#[cfg(feature = "terminal")]
+mod anytime;
 mod arguments;
 mod calls;
 mod contour;
@@ -113,8 +115,8 @@ pub use published::{
     PublishedPoint, PublishedSize, Quantity, Reference, Task,
 };
 pub use scene::{
-    Charted, ClosedForm, ControlScene, HardOptimum, HardScene, Question, Right, RightOptimum,
-    Scene, Variant, parameter,
+    Charted, ClosedForm, ControlScene, HardOptimum, HardScene, OpeningRide, Question, Right,
+    RightOptimum, Scene, Variant, parameter,
 };
 #[cfg(feature = "terminal")]
 pub use shell::CommandSettings;

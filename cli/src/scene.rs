@@ -123,6 +123,17 @@ pub struct ControlScene {
     pub best: fn(name: &str, intervals: usize) -> Option<f64>,
 }
 
+/// A ride that is solved and played on the page of all published results, before anything else.
+#[derive(Debug, Clone, Copy)]
+pub struct OpeningRide {
+    /// Name of its scene.
+    pub scene: &'static str,
+    /// Control intervals.
+    pub intervals: usize,
+    /// Starts of the search.
+    pub starts: usize,
+}
+
 /// What a method has to say about a scene.
 #[derive(Debug, Clone, Copy)]
 pub enum Right {

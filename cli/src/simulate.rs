@@ -59,6 +59,7 @@ pub(crate) fn run(
             rows: arguments.result.rows(),
             index: None,
             facts: simulation_facts(method, &simulation, &ending),
+            charts: Vec::new(),
             further: Vec::new(),
         };
         written = report.deliver(directory, &files.contents());

@@ -7,15 +7,18 @@ use hangtime::mpcc;
 use hangtime::ocp::{ControlShape, Solution, Source};
 use hangtime::simulation::{EventKind, Trajectory};
 
+use crate::anytime::{self, Search};
 use crate::arguments::{ControlsName, GridName, SolveArguments, SolveFormulation};
 use crate::bounds::Bounds;
 use crate::ending::Ending;
 use crate::failure::BadInput;
+use crate::figure::Look;
 use crate::files::ResultFiles;
 use crate::fit;
 use crate::json::{SolverSettings, struck_after_the_end};
 use crate::method::name_of;
 use crate::output::OutputDirectory;
+use crate::page::Figure;
 use crate::progress::SolveProgress;
 use crate::quantity;
 use crate::report::{Report, refuse_rows_of_nothing};
@@ -52,6 +55,7 @@ pub(crate) fn run(
     let mut written = String::new();
     if let Some(directory) = directory {
         let stem = stem(chosen, arguments);
+        let charts = improvements(&stem, chosen, &solution);
         let files = match &solution.motion {
             None => vec![(format!("{stem}.json"), json.clone())],
             Some(simulation) => ResultFiles {
@@ -64,6 +68,7 @@ pub(crate) fn run(
                 rows: arguments.result.rows(),
                 index: None,
                 facts: optimum_facts(method, &solution, &ending),
+                charts,
                 further: Vec::new(),
             }
             .contents(),
@@ -76,6 +81,17 @@ pub(crate) fn run(
         tables(chosen, method, &solution, &ending) + &written
     };
     Ok(report)
+}
+
+/// How the best motion became better over the CPU time of the search, if it did: a chart, as (name, chart).
+fn improvements(stem: &str, chosen: &ChosenScene, solution: &Solution) -> Vec<(String, Figure)> {
+    if solution.improvements.len() < 2 {
+        return Vec::new();
+    }
+    let search = Search::of("this search".to_owned(), Look::of("phases"), solution);
+    let title = format!("{}: best objective over CPU time", chosen.scene.name);
+    let chart = anytime::figure(&title, &[search], solution.objective);
+    vec![(format!("{stem}-search.svg"), chart)]
 }
 
 /// Name of the files, without extension: results of different methods stand side by side.

@@ -12,23 +12,46 @@ const TIMED_SECONDS: f64 = 0.02;
 /// What a repetition counts at least [s], so that a coarse clock ends the repetitions too.
 const SHORTEST_RUN: f64 = 1e-4;
 
-/// Runs a simulation a few times and keeps the one with the least CPU time; the results are equal. One is interrupted
-/// where `goes_on` says so.
+/// A run that was repeated.
+pub(crate) struct Repeated {
+    /// The one with the least CPU time.
+    pub(crate) fastest: Simulation,
+    /// CPU time that half of the repetitions took at most [s].
+    pub(crate) half: f64,
+}
+
+/// Runs a simulation a few times; the results are equal. One is interrupted where `goes_on` says so.
+pub(crate) fn repeated(
+    chosen: &ChosenScene,
+    method: &ChosenMethod,
+    problem: &InitialValueProblem,
+    goes_on: &(dyn Fn() -> bool + Sync),
+) -> Result<Repeated, InputError> {
+    let run = || method.simulate(chosen.model.as_ref(), problem, &mut |_| goes_on());
+    let mut best = run()?;
+    let mut spent = best.seconds.total;
+    let mut times = vec![spent];
+    while spent < TIMED_SECONDS && goes_on() {
+        let next = run()?;
+        spent += next.seconds.total.max(SHORTEST_RUN);
+        times.push(next.seconds.total);
+        if next.status == best.status && next.seconds.total < best.seconds.total {
+            best = next;
+        }
+    }
+    times.sort_by(f64::total_cmp);
+    Ok(Repeated {
+        fastest: best,
+        half: times[times.len() / 2],
+    })
+}
+
+/// The repetition with the least CPU time.
 pub(crate) fn fastest(
     chosen: &ChosenScene,
     method: &ChosenMethod,
     problem: &InitialValueProblem,
     goes_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Simulation, InputError> {
-    let run = || method.simulate(chosen.model.as_ref(), problem, &mut |_| goes_on());
-    let mut best = run()?;
-    let mut spent = best.seconds.total;
-    while spent < TIMED_SECONDS && goes_on() {
-        let next = run()?;
-        spent += next.seconds.total.max(SHORTEST_RUN);
-        if next.status == best.status && next.seconds.total < best.seconds.total {
-            best = next;
-        }
-    }
-    Ok(best)
+    repeated(chosen, method, problem, goes_on).map(|runs| runs.fastest)
 }

@@ -36,7 +36,7 @@ pub use ski_jump::SkiJump;
 pub use stick_slip::StickSlip;
 pub use three_blocks::ThreeBlocks;
 
-/// Runs of other programs on the ski jump and the pump track, as `tools/peers/measure.py` wrote them: CSV for
+/// Runs of other programs on the ski jump, the pump track and the incline, as `tools/peers/measure.py` wrote them: CSV for
 /// [`hangtime_cli::CommandLine::with_peers`].
 #[must_use]
 pub const fn peers() -> &'static str {

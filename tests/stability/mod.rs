@@ -1,6 +1,7 @@
 //! Scenes and problems on which methods fail, a file a phenomenon: what promises an accuracy is right, or stops with a name.
 //! `hangtime chart --stability` shows the same for every method.
 
+mod crowds;
 mod friction;
 mod grazing;
 mod jamming;
@@ -24,7 +25,8 @@ use hangtime_models::hard_scenes;
 use hangtime_scene_files::{TextScene, of_text};
 
 /// The hard scenes of each phenomenon.
-const PHENOMENA: [&[&str]; 10] = [
+const PHENOMENA: [&[&str]; 11] = [
+    crowds::SCENES,
     friction::SCENES,
     grazing::SCENES,
     jamming::SCENES,

@@ -97,12 +97,14 @@ def simulate(ride, build, grid, tolerance):
     return seconds, end, reached["steps"]
 
 
-def points():
-    """(study, curve, settings, CPU seconds, coordinates at the end) of every run."""
+def points(wanted):
+    """(study, curve, settings, CPU seconds, coordinates at the end) of every run of the studies that are wanted."""
     warnings.filterwarnings("ignore")
     cases = [(ride, pump_track, grid, 1e-8) for ride in PUMP_TRACKS for grid in GRIDS]
     cases += [(ride, ski_jump, grid, SKI_TOLERANCE) for ride in SKI_JUMPS for grid in SKI_GRIDS]
     for ride, build, grid, tolerance in cases:
+        if not wanted(ride.study):
+            continue
         stages, steps, elements = grid
         seconds, end, solved = simulate(ride, build, grid, tolerance)
         settings = f"Radau IIA, {stages} stages, {solved} of {steps} steps of {elements} elements solved to {tolerance:g}"

@@ -77,10 +77,10 @@ def ride_on_track(ride, method, tolerance):
         v += track(y)[1] * fall
 
 
-def points():
-    """(study, curve, settings, CPU seconds, coordinates at the end) of every run."""
+def points(wanted):
+    """(study, curve, settings, CPU seconds, coordinates at the end) of every run of the studies that are wanted."""
     for rides, run in ((SKI_JUMPS, jump), (PUMP_TRACKS, ride_on_track)):
-        for ride in rides:
+        for ride in filter(lambda ride: wanted(ride.study), rides):
             for method in ("DOP853", "Radau"):
                 for tolerance in TOLERANCES:
                     seconds, end = fastest(lambda: run(ride, method, tolerance))

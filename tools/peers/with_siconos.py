@@ -58,10 +58,11 @@ def simulate(ride, steps):
     return np.array(body.q())
 
 
-def points():
-    """(study, curve, settings, CPU seconds, coordinates at the end) of every run."""
-    library = compiled()
-    for ride in SKI_JUMPS:
+def points(wanted):
+    """(study, curve, settings, CPU seconds, coordinates at the end) of every run of the studies that are wanted."""
+    rides = [ride for ride in SKI_JUMPS if wanted(ride.study)]
+    library = compiled() if rides else None
+    for ride in rides:
         for steps in STEPS:
             seconds, end = fastest(lambda: simulate(ride, steps))
             yield ride.study, "Siconos", f"Moreau-Jean, {steps} steps", seconds, end

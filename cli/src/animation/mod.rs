@@ -2,6 +2,7 @@
 
 mod force;
 
+use crate::PublishedData;
 use hangtime::model::Model;
 use hangtime::simulation::{Event, Simulation};
 use serde::Serialize;
@@ -48,8 +49,18 @@ struct Frames {
     ends: Vec<Vec<[[f64; 2]; 2]>>,
     /// Force of each contact, a row for each frame.
     forces: Vec<Vec<Arrow>>,
+    /// Published places of the bodies, in order of time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    published: Vec<PublishedEntry>,
     #[serde(flatten)]
     curves: Curves,
+}
+
+/// Where a publication shows the bodies at one instant.
+#[derive(Serialize)]
+struct PublishedEntry {
+    time: f64,
+    positions: Vec<[f64; 2]>,
 }
 
 /// All quantities over time.
@@ -95,11 +106,12 @@ pub(crate) struct Animation {
 }
 
 impl Animation {
-    /// The frames of a simulation; `None` if nothing moved.
+    /// The frames of a simulation, beside published places if there are any; `None` if nothing moved.
     pub(crate) fn new(
         drawing: &Drawing<'_>,
         model: &dyn Model,
         simulation: &Simulation,
+        published: &PublishedData,
     ) -> Option<Self> {
         let states = states(model, simulation);
         let (first, last) = (states.first()?.time, states.last()?.time);
@@ -114,6 +126,7 @@ impl Animation {
         let extents: Vec<[f64; 2]> = placed
             .iter()
             .flat_map(|placed| placed.extent(&drawing.bodies))
+            .chain(published.points.iter().flat_map(|p| p.positions.clone()))
             .collect();
         // Nothing but ground is drawn, or what is drawn has no place.
         if extents.is_empty() || !extents.as_flattened().iter().all(|x| x.is_finite()) {
@@ -145,6 +158,7 @@ impl Animation {
             ends: placed.iter().map(|placed| placed.ends.clone()).collect(),
             positions: placed.into_iter().map(|placed| placed.places).collect(),
             forces,
+            published: PublishedEntry::all(published, drawing.bodies.len()),
             curves: Curves::new(model, simulation, &states),
         };
         Some(Self {
@@ -152,15 +166,57 @@ impl Animation {
         })
     }
 
-    /// The elements of the player, its data and, for whoever reads the page by program, the whole result.
-    pub(crate) fn html(&self, result: &str) -> String {
-        format!(
-            "{ELEMENTS}<script type=\"application/json\" id=\"frames\">{}</script>\n\
-             <script type=\"application/json\" id=\"result\">{}</script>\n\
-             <script>\n{SCRIPT}</script>\n",
-            embedded(&self.frames),
-            embedded(result)
-        )
+    /// The elements of the player that has this number on its page, its data and, for whoever reads the page by program,
+    /// the whole result, if it is not empty. One that `plays` does so as soon as it is seen.
+    pub(crate) fn html(&self, number: usize, result: &str, plays: bool) -> String {
+        let frames = embedded(&self.frames);
+        let plays = if plays { " data-plays" } else { "" };
+        let data = |id: &str, json: &str| {
+            format!("<script type=\"application/json\" id=\"{id}\"{plays}>{json}</script>\n")
+        };
+        let mut html = ELEMENTS.to_owned() + &data("frames", &frames);
+        if !result.is_empty() {
+            html += &format!(
+                "<script type=\"application/json\" id=\"result\">{}</script>\n",
+                embedded(result)
+            );
+        }
+        if number == 0 {
+            return html;
+        }
+        // Every player has elements of its own.
+        let numbered = |attribute: &str, html: &str| -> String {
+            let opening = format!("{attribute}=\"");
+            let mut pieces = html.split(&opening);
+            let mut numbered = pieces.next().unwrap_or_default().to_owned();
+            for piece in pieces {
+                let (id, rest) = piece.split_once('"').unwrap_or((piece, ""));
+                numbered += &format!("{attribute}=\"{id}{number}\"{rest}");
+            }
+            numbered
+        };
+        let (elements, data) = html.split_at(ELEMENTS.len());
+        let elements = numbered(" for", &numbered(" id", elements));
+        elements
+            + &data
+                .replace("id=\"frames\"", &format!("id=\"frames{number}\""))
+                .replace("id=\"result\"", &format!("id=\"result{number}\""))
+    }
+}
+
+impl PublishedEntry {
+    /// Those that show every body.
+    fn all(published: &PublishedData, bodies: usize) -> Vec<Self> {
+        let points = published.points.iter();
+        let whole = points.filter(|point| point.positions.len() == bodies);
+        let mut entries: Vec<Self> = whole
+            .map(|point| Self {
+                time: point.time,
+                positions: point.positions.clone(),
+            })
+            .collect();
+        entries.sort_by(|a, b| a.time.total_cmp(&b.time));
+        entries
     }
 }
 
@@ -209,8 +265,9 @@ pub(crate) fn motion(
     model: &dyn Model,
     simulation: &Simulation,
 ) -> Option<String> {
-    if let Some(animation) = drawing.and_then(|drawing| Animation::new(drawing, model, simulation))
-    {
+    let published = PublishedData::default();
+    let drawn = |drawing| Animation::new(drawing, model, simulation, &published);
+    if let Some(animation) = drawing.and_then(drawn) {
         return Some(animation.frames);
     }
     let states = states(model, simulation);

@@ -1,7 +1,8 @@
 "use strict";
-// Plays the frames in the elements of the player, which are fresh.
-const playFrames = (data) => {
-  const element = (id) => document.getElementById(id);
+// Plays the frames in the elements of the player, which are fresh. Several players on a page are told apart by what their names end
+// with; one that plays by itself begins when it is seen, and begins again until somebody takes over.
+const playFrames = (data, ending = "", itself = false) => {
+  const element = (id) => document.getElementById(id + ending);
   const stage = element("stage");
   const [play, scrub, clock, rate] = ["play", "scrub", "clock", "rate"].map(element);
   const colours = ["#2f7ed8", "#d9601a", "#2a9d5c", "#9a63d8", "#d6409f", "#0e9aa7"];
@@ -72,6 +73,22 @@ const playFrames = (data) => {
   const ends = [[12, height - 18], [12, height - 10], [12 + length * scale, height - 10], [12 + length * scale, height - 18]];
   draw("polyline", { points: ends.join(" "), fill: "none", stroke: grey, "stroke-width": 2, "data-scale": length });
   write(`${Number(length.toPrecision(2))} ${unit}`, { x: 12, y: height - 24 });
+  // What was published: a dot for every place that was plotted, and a ring that goes along them.
+  const published = data.published ?? [];
+  published.forEach(({ positions }) => positions.forEach(([a, b]) =>
+    draw("circle", { cx: x(a), cy: y(b), r: 1.8, fill: "currentColor", opacity: 0.45, class: "published" })));
+  const rings = (published[0]?.positions ?? []).map(() =>
+    draw("circle", { r: 11, fill: "none", stroke: "currentColor", "stroke-width": 2, class: "published" }));
+  const ring = (time) => {
+    const next = published.findIndex((point) => point.time >= time);
+    const [from, to] = [published[Math.max(next - 1, 0)], published[next]];
+    rings.forEach((node, body) => {
+      if (!to) return node.setAttribute("visibility", "hidden");
+      const share = to.time > from.time ? (time - from.time) / (to.time - from.time) : 0;
+      const [a, b] = [0, 1].map((axis) => from.positions[body][axis] + share * (to.positions[body][axis] - from.positions[body][axis]));
+      return set(node, { cx: x(a), cy: y(b), visibility: "visible" });
+    });
+  };
   const trails = data.bodies.map((_, body) =>
     draw("polyline", { fill: "none", stroke: colours[body % colours.length], "stroke-width": 1.5, opacity: 0.6 }));
   const lines = data.springs.map((spring) =>
@@ -174,6 +191,7 @@ const playFrames = (data) => {
       const reading = values[k];
       value.textContent = reading === undefined || reading === null ? "-" : `${(Math.abs(reading) < 5e-5 ? 0 : reading).toFixed(4)} ${unit}`;
     });
+    ring(now);
     scrub.value = now;
     clock.value = `${now.toFixed(4)} s of ${last.toFixed(4)} s`;
     stage.dispatchEvent(new CustomEvent("shown", { bubbles: true, detail: now }));
@@ -201,19 +219,26 @@ const playFrames = (data) => {
     if (!playing) return;
     show(now + ((instant - before) / 1000) * Number(rate.value));
     before = instant;
-    if (now >= last) run(false);
-    else requestAnimationFrame(step);
+    if (now >= last) {
+      run(false);
+      if (itself) setTimeout(() => { if (itself && !playing) start(); }, 1200);
+    } else requestAnimationFrame(step);
   };
-  play.addEventListener("click", () => {
-    run(!playing);
-    if (!playing) return;
+  const start = () => {
+    run(true);
     if (now >= last) show(first);
     before = performance.now();
     requestAnimationFrame(step);
+  };
+  play.addEventListener("click", () => {
+    itself = false;
+    if (playing) run(false);
+    else start();
   });
   scrub.min = first;
   scrub.max = last;
   scrub.addEventListener("input", () => {
+    itself = false;
     run(false);
     show(Number(scrub.value));
   });
@@ -222,6 +247,7 @@ const playFrames = (data) => {
     button.type = "button";
     button.textContent = `${label} ${time.toFixed(4)} s`;
     button.addEventListener("click", () => {
+      itself = false;
       run(false);
       show(time);
     });
@@ -249,6 +275,7 @@ const playFrames = (data) => {
     if (event.key !== " ") pause();
     moves[event.key]();
   }, { signal: keys.signal });
+  if (itself) start();
   play.title = "space: play or pause; arrows: step; comma and full stop: events";
   const close = () => {
     pause();
@@ -258,6 +285,8 @@ const playFrames = (data) => {
 };
 
 {
-  const frames = document.getElementById("frames");
-  if (frames) playFrames(JSON.parse(frames.textContent));
+  // Who asked for less motion presses the button.
+  const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  document.querySelectorAll('script[id^="frames"]').forEach((frames) =>
+    playFrames(JSON.parse(frames.textContent), frames.id.slice("frames".length), "plays" in frames.dataset && !still));
 }

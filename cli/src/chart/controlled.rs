@@ -2,15 +2,16 @@
 
 use std::time::Instant;
 
-use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
+use hangtime::ocp::{self, Problem};
 
 use super::drawn::Chart;
+use super::searches::WAYS;
 use super::side_by_side::side_by_side;
 use crate::ControlScene;
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::figure::{Curve, Dot, LogLog};
-use crate::page::{Fold, Section};
+use crate::page::{Block, Figure, Section};
 use crate::spreadsheet::csv_text;
 use crate::table::{seconds, table};
 
@@ -23,23 +24,6 @@ const DRAWN: (f64, &str) = (1e-3, "0.1 %");
 /// Time after which a solve is stopped [s].
 const PATIENCE: f64 = 15.0;
 
-/// A way to solve a scene: its name, and its settings.
-type Way = (&'static str, fn() -> Settings);
-
-const WAYS: [Way; 3] = [
-    ("phases, up to 16 starts", Settings::default),
-    ("phases, one start", || {
-        let mut settings = Settings::default();
-        settings.starts = Some(1);
-        settings
-    }),
-    ("time-freezing", || {
-        let mut settings = Settings::default();
-        settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-        settings
-    }),
-];
-
 /// One solve.
 struct Run {
     scene: &'static str,
@@ -51,6 +35,8 @@ struct Run {
     distance: f64,
     certificate: &'static str,
     seconds: f64,
+    /// CPU time after which its best motion so far is near the best one known; infinite if none ever is.
+    near: f64,
     status: &'static str,
 }
 
@@ -69,7 +55,11 @@ pub(super) fn chart(scenes: &[ControlScene], bounds: &Bounds) -> Result<Chart, B
         })
         .collect();
     let says = |&(scene, way, (intervals, _)): &(&ControlScene, usize, (usize, f64))| {
-        format!("{}: {}, {intervals} intervals", scene.name, WAYS[way].0)
+        format!(
+            "{}: {}, {intervals} intervals",
+            scene.name,
+            WAYS[way].name()
+        )
     };
     let runs = side_by_side(
         "control scenes",
@@ -92,7 +82,7 @@ fn solve(
     let solution = ocp::solve(
         model.as_ref(),
         &Problem::of(model.as_ref(), intervals),
-        &WAYS[way].1(),
+        &WAYS[way].settings(),
         &mut |_| bounds.asked().is_none() && clock.elapsed().as_secs_f64() < PATIENCE,
     );
     let mut run = Run {
@@ -104,17 +94,22 @@ fn solve(
         distance: f64::NAN,
         certificate: "none",
         seconds: f64::NAN,
+        near: f64::INFINITY,
         status: "not_applicable",
     };
     match solution {
         Ok(solution) => {
             run.objective = solution.objective;
             if solution.objective.is_finite() {
-                run.gap = (solution.objective - best) / best.abs().max(f64::MIN_POSITIVE);
+                run.gap = excess(solution.objective, best);
             }
             run.distance = solution.resimulation_error;
             run.certificate = solution.stationarity.name();
             run.seconds = solution.seconds.total;
+            let near = |objective: f64| excess(objective, best) <= DRAWN.0;
+            let mut improvements = solution.improvements.iter();
+            let first = improvements.find(|found| near(found.objective));
+            run.near = first.map_or(f64::INFINITY, |found| found.cpu);
             run.status = solution.status.name();
         }
         Err(error) if error.is_unsupported() => {}
@@ -123,7 +118,12 @@ fn solve(
     Ok(run)
 }
 
-const HEADER: [&str; 9] = [
+/// How far an objective is above the best one, as a share of it.
+fn excess(objective: f64, best: f64) -> f64 {
+    (objective - best) / best.abs().max(f64::MIN_POSITIVE)
+}
+
+const HEADER: [&str; 10] = [
     "scene",
     "solved by",
     "intervals",
@@ -131,6 +131,7 @@ const HEADER: [&str; 9] = [
     "above the best",
     "re-simulation",
     "certificate",
+    "near after [s]",
     "CPU time [s]",
     "status",
 ];
@@ -146,12 +147,13 @@ impl Run {
         };
         vec![
             self.scene.to_owned(),
-            WAYS[self.way].0.to_owned(),
+            WAYS[self.way].name(),
             self.intervals.to_string(),
             known(self.objective, format!("{:.9}", self.objective)),
             known(self.gap, format!("{:.1e}", self.gap)),
             known(self.distance, format!("{:.1e}", self.distance)),
             self.certificate.to_owned(),
+            known(self.near, format!("{:.3}", self.near)),
             known(self.seconds, format!("{:.3}", self.seconds)),
             self.status.to_owned(),
         ]
@@ -173,7 +175,7 @@ fn sums_header() -> Vec<String> {
 /// A line for each way: how many of its runs come near the best objective.
 fn sums(runs: &[Run]) -> Vec<Vec<String>> {
     let ways = WAYS.iter().enumerate();
-    let lines = ways.map(|(way, (name, _))| {
+    let lines = ways.map(|(way, kind)| {
         let own = of_way(runs, way);
         let count = |is: &dyn Fn(&Run) -> bool| own.iter().filter(|run| is(run)).count();
         let mut times: Vec<f64> = own.iter().map(|run| run.seconds).collect();
@@ -183,7 +185,7 @@ fn sums(runs: &[Run]) -> Vec<Vec<String>> {
             let time = times.get(index);
             time.map_or_else(|| "-".to_owned(), |&time| seconds(time))
         };
-        let mut line = vec![(*name).to_owned(), own.len().to_string()];
+        let mut line = vec![kind.name(), own.len().to_string()];
         line.extend(WITHIN.map(|gap| count(&|run| run.gap <= gap).to_string()));
         line.push(count(&|run| run.status == "solved").to_string());
         line.push(count(&|run| run.gap == f64::INFINITY).to_string());
@@ -194,38 +196,63 @@ fn sums(runs: &[Run]) -> Vec<Vec<String>> {
     lines.collect()
 }
 
-/// For each way the share of runs that are not yet near the best objective, over CPU time.
-fn figure(runs: &[Run]) -> String {
-    let curves = WAYS.iter().enumerate().map(|(way, (name, _))| {
+/// For each way the share of runs whose best motion so far is not yet near the best one known, over CPU time.
+fn figure(runs: &[Run]) -> Figure {
+    let curves = WAYS.iter().enumerate().map(|(way, kind)| {
         let own = of_way(runs, way);
-        let mut near: Vec<&&Run> = own.iter().filter(|run| run.gap <= DRAWN.0).collect();
-        near.sort_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let mut near: Vec<&&Run> = own.iter().filter(|run| run.near.is_finite()).collect();
+        near.sort_by(|a, b| a.near.total_cmp(&b.near));
         let dots = near.iter().enumerate().map(|(index, run)| Dot {
-            x: run.seconds,
+            x: run.near,
             y: 100.0 * (own.len() - index - 1) as f64 / own.len() as f64,
+            half: None,
             note: format!(
-                "{}, {} intervals, {name}: {}",
+                "{}, {} intervals, {}: {}",
                 run.scene,
                 run.intervals,
-                seconds(run.seconds)
+                kind.name(),
+                seconds(run.near)
             ),
         });
         Curve {
-            name: (*name).to_owned(),
-            colour: way,
-            dashed: false,
+            name: kind.name(),
+            look: kind.look(),
+            steps: true,
             points: dots.collect(),
         }
     });
-    LogLog {
+    Figure::chart(&LogLog {
         title: &format!("Control scenes not yet within {} of the best", DRAWN.1),
         x: "CPU time [s]",
         y: "share of the runs [%]",
         falling: false,
         floor: None,
         curves: curves.collect(),
-    }
-    .svg()
+    })
+}
+
+/// What to read off it: how many runs of each way come near, and how soon half of all do.
+fn reading(runs: &[Run]) -> String {
+    let ways = WAYS.iter().enumerate().map(|(way, kind)| {
+        let own = of_way(runs, way);
+        let mut near: Vec<f64> = own.iter().map(|run| run.near).collect();
+        near.sort_by(f64::total_cmp);
+        let count = near.iter().filter(|seconds| seconds.is_finite()).count();
+        let half = near
+            .get(near.len() / 2)
+            .filter(|seconds| seconds.is_finite());
+        let half = half.map_or_else(
+            || "less than half of them".to_owned(),
+            |half| format!("half of them after {}", seconds(*half)),
+        );
+        format!("{} {count} of {} ({half})", kind.name(), own.len())
+    });
+    let ways: Vec<String> = ways.collect();
+    format!(
+        "Within {} of the best objective known come: {}.",
+        DRAWN.1,
+        ways.join("; ")
+    )
 }
 
 fn report(runs: &[Run]) -> Chart {
@@ -241,27 +268,23 @@ fn report(runs: &[Run]) -> Chart {
             data.to_owned(),
             csv_text(&HEADER.map(str::to_owned), cells.clone()),
         ),
-        (drawing.to_owned(), figure.clone()),
+        (drawing.to_owned(), figure.svg().to_owned()),
     ];
     let section = Section {
         heading: "Control scenes".to_owned(),
-        text: format!(
-            "Scenes that the search was not made for, each from nothing, on {} and {} control intervals. Counted is how many \
-             come within a share of the best objective that is known on that grid; a solve is stopped after {PATIENCE} s. \
-             An independent event-driven simulation under the controls measures how far the plan is from the motion.",
-            GRIDS[0], GRIDS[1]
-        ),
-        header: sums_header(),
-        rows: sums(runs),
-        figures: vec![figure],
-        folds: vec![Fold {
-            title: "Every run".to_owned(),
-            header: HEADER.map(str::to_owned).into(),
-            rows: cells,
-            ..Fold::default()
-        }],
+        blocks: vec![
+            Block::Text(reading(runs)),
+            Block::Figure(figure),
+            Block::table(sums_header(), sums(runs)),
+            Block::folded_table("Every run", HEADER.map(str::to_owned).into(), cells),
+            Block::Text(format!(
+                "Scenes that the search was not made for, each from nothing, on {} and {} control intervals. Counted is how many \
+                 come within a share of the best objective that is known on that grid; a solve is stopped after {PATIENCE} s. \
+                 An independent event-driven simulation under the controls measures how far the plan is from the motion.",
+                GRIDS[0], GRIDS[1]
+            )),
+        ],
         files: vec![(data.to_owned(), "all runs".to_owned())],
-        animation: None,
     };
     Chart {
         text,
@@ -296,16 +319,17 @@ mod tests {
         let bounds = Bounds::watch("test", &LimitArguments::default());
         let chart = chart(&[scene()], &bounds).unwrap();
         let section = chart.section.unwrap();
-        assert_eq!(section.rows.len(), WAYS.len());
+        let tables = section.tables();
+        assert_eq!(tables[0].rows.len(), WAYS.len());
         // One run each, none of which is near an objective that is far too small.
-        for row in &section.rows {
+        for row in &tables[0].rows {
             assert_eq!(row[1..5], ["1", "0", "0", "0"], "{row:?}");
         }
-        let runs = &section.folds[0].rows;
+        let runs = &tables[1].rows;
         assert_eq!(runs.len(), WAYS.len());
         let [objective, gap] = [3, 4].map(|column: usize| runs[0][column].parse::<f64>().unwrap());
         // Two digits are written.
         assert!((gap / ((objective - 1e-3) / 1e-3) - 1.0).abs() < 0.05);
-        assert_eq!(runs[0][8], "solved");
+        assert_eq!(runs[0][9], "solved");
     }
 }

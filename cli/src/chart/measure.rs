@@ -3,14 +3,14 @@
 use cpu_time::ProcessTime;
 use hangtime::simulation::{Counts, SimulationStatus};
 
-use super::study::{Reference, Study, distance, size};
+use super::study::{Reference, Study, distance, end, size};
 use super::sweep::{SLOPE_POINTS, Sweep};
 use crate::arguments::MethodArguments;
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::method::ChosenMethod;
 use crate::table::seconds;
-use crate::timing::fastest;
+use crate::timing::repeated;
 
 /// Errors below this share of the largest coordinate are rounding, and say nothing of an order.
 const ROUNDING: f64 = 1e-12;
@@ -25,7 +25,10 @@ pub(super) struct Point {
     /// Width, tolerance or step size.
     pub(super) grain: f64,
     pub(super) error: f64,
+    /// CPU time of the fastest repetition [s].
     pub(super) seconds: f64,
+    /// What half of the repetitions took at most [s]; not a number where that is not known.
+    pub(super) half: f64,
     /// What it took, where that is known.
     pub(super) counts: Option<Counts>,
     pub(super) status: &'static str,
@@ -152,11 +155,12 @@ fn measure(
         .steps()
         .map(|steps| problem.horizon / (steps * elements) as f64);
     let grain = settings.width().or(settings.tolerance()).or(step);
-    let point = |error, seconds, counts, status| Point {
+    let point = |error, [seconds, half]: [f64; 2], counts, status| Point {
         arguments: settings.to_string(),
         grain: grain.unwrap_or(f64::NAN),
         error,
         seconds,
+        half,
         counts,
         status,
     };
@@ -168,26 +172,25 @@ fn measure(
             .and_then(|start| start.try_elapsed().ok());
         spent.is_none_or(|spent| spent.as_secs_f64() < PATIENCE)
     };
-    let simulation = match fastest(chosen, &method, problem, &|| {
+    let runs = match repeated(chosen, &method, problem, &|| {
         bounds.asked().is_none() && patient()
     }) {
-        Ok(simulation) => simulation,
+        Ok(runs) => runs,
         // A method that does not know restitution or friction is left out, not a mistake of the user.
         Err(error) if error.is_unsupported() => {
-            return Ok(point(f64::NAN, f64::NAN, None, "not_applicable"));
+            return Ok(point(f64::NAN, [f64::NAN; 2], None, "not_applicable"));
         }
         Err(error) => return Err(chosen.refuse(&error)),
     };
-    let solved = simulation.status == SimulationStatus::Solved;
-    let last = simulation.trajectory.q.last().filter(|_| solved);
-    let error = last.map_or(f64::NAN, |q| distance(q, reference));
+    let simulation = runs.fastest;
+    let error = end(&simulation).map_or(f64::NAN, |end| distance(&end, reference));
     let status = match simulation.status {
         SimulationStatus::Interrupted(_) if bounds.asked().is_none() => GIVEN_UP,
         _ => simulation.status.name(),
     };
     Ok(point(
         error,
-        simulation.seconds.total,
+        [simulation.seconds.total, runs.half],
         Some(simulation.counts),
         status,
     ))
@@ -229,6 +232,7 @@ mod tests {
             grain,
             error,
             seconds: 1.0,
+            half: 1.0,
             counts: None,
             status: "solved",
         }

@@ -3,18 +3,20 @@
 use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
 
 use super::drawn::Chart;
+use super::searches::{Searches, WAYS, Way};
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
-use crate::figure::{Curve, Dot, LogLog};
-use crate::page::Section;
+use crate::figure::{Curve, Dot, LogLog, Look};
+use crate::page::{Block, Section};
 use crate::progress::Progress;
 use crate::settings::ChosenScene;
 use crate::spreadsheet::csv_text;
 use crate::table::{seconds, table};
+use crate::task::INTERVALS;
 
 /// What differs between the runs of one line.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Grid {
+struct Grid {
     /// Whether the contact sequence comes from the time-freezing complementarity problem.
     time_freezing: bool,
     /// Stages of the phases, or of the complementarity problem.
@@ -26,7 +28,7 @@ pub(super) struct Grid {
 }
 
 /// The lines of a chart. With fewer stages the phases confirm no plan on coarse grids.
-pub(super) const GRIDS: [Grid; 5] = [
+const GRIDS: [Grid; 5] = [
     phases(4, None),
     phases(6, None),
     phases(4, Some(1e-6)),
@@ -93,12 +95,36 @@ struct Run {
     seconds: f64,
 }
 
-/// Solves on every grid; `None` for a scene without an objective. Gaps are those to the best objective `known`, or to the
-/// best run.
+/// What is tried on a scene.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plan {
+    /// The searches that are compared over CPU time.
+    ways: &'static [Way],
+    /// The grids whose optima are compared.
+    grids: &'static [Grid],
+}
+
+/// All of it.
+pub(super) const ALL: Plan = Plan {
+    ways: &WAYS,
+    grids: &GRIDS,
+};
+
+/// What is known of an optimum.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Known {
+    /// The least objective seen on any grid.
+    pub(super) any: Option<f64>,
+    /// A number of control intervals, and the least objective seen on them.
+    pub(super) on: Option<(usize, f64)>,
+}
+
+/// Searches in every way, and solves on every grid; `None` for a scene without an objective. Gaps are those to the best
+/// objective `known`, or to the best run.
 pub(super) fn chart(
     chosen: &ChosenScene,
-    grids: &[Grid],
-    known: Option<f64>,
+    &Plan { ways, grids }: &Plan,
+    known: Known,
     bounds: &Bounds,
 ) -> Result<Option<Chart>, BadInput> {
     let model = chosen.model.as_ref();
@@ -106,6 +132,9 @@ pub(super) fn chart(
         return Ok(None);
     }
     let name = chosen.scene.name;
+    let intervals = known.on.map_or(INTERVALS, |(intervals, _)| intervals);
+    let on_it = known.on.map(|(_, objective)| objective);
+    let searches = Searches::of(chosen, ways, (intervals, on_it), bounds)?;
     let total: usize = grids.iter().map(|grid| grid.intervals.len()).sum();
     let mut progress = Progress::new(&format!("{name}, solver"), total as f64);
     let mut runs: Vec<Run> = Vec::with_capacity(total);
@@ -139,8 +168,8 @@ pub(super) fn chart(
     let solved = runs.iter().filter(|run| run.solved);
     let best = solved
         .map(|run| run.objective)
-        .fold(known.unwrap_or(f64::INFINITY), f64::min);
-    Ok(Some(report(name, &runs, best)))
+        .fold(known.any.unwrap_or(f64::INFINITY), f64::min);
+    Ok(Some(report(name, searches.as_ref(), &runs, best)))
 }
 
 const HEADER: [&str; 9] = [
@@ -185,17 +214,18 @@ fn curves(runs: &[Run], x: impl Fn(&Run) -> f64, y: impl Fn(&Run) -> f64) -> Vec
         let point = Dot {
             x: x(run),
             y: y(run),
+            half: None,
             note: format!(
                 "{}, {} intervals: objective {}",
                 run.name, run.intervals, run.objective
             ),
         };
-        match curves.iter_mut().find(|curve| curve.colour == run.line) {
+        match curves.iter_mut().find(|curve| curve.name == run.name) {
             Some(curve) => curve.points.push(point),
             None => curves.push(Curve {
                 name: run.name.clone(),
-                colour: run.line,
-                dashed: false,
+                look: Look::of(&run.name).variant(run.line),
+                steps: false,
                 points: vec![point],
             }),
         }
@@ -247,7 +277,11 @@ fn figures(name: &str, runs: &[Run], best: f64) -> [(&'static str, String); 3] {
     ]
 }
 
-fn report(name: &str, runs: &[Run], best: f64) -> Chart {
+const ABOUT: &str = "Each run starts from nothing. More intervals give the controls more freedom, which lowers the objective; more \
+    stages bring the plan closer to the motion that it stands for, which an independent event-driven simulation under its controls \
+    measures at the end.";
+
+fn report(name: &str, searches: Option<&Searches>, runs: &[Run], best: f64) -> Chart {
     let decimals = |value: f64| {
         if value.is_finite() {
             format!("{value:.10}")
@@ -260,7 +294,8 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
         .map(|run| run.cells(best, &decimals, seconds(run.seconds)))
         .collect();
     let text = format!(
-        "{name}: objective of the solver, the best known is {}\n\n{}\n",
+        "{}{name}: objective of the solver, the best known is {}\n\n{}\n",
+        searches.map_or_else(String::new, |searches| searches.text() + "\n"),
         decimals(best),
         table(HEADER, rows.clone())
     );
@@ -275,19 +310,24 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
         )
     });
     let mut files = vec![(format!("chart-{name}-solver.csv"), csv_text(&header, lines))];
+    let mut blocks = Vec::new();
+    if let Some(searches) = searches {
+        blocks.push(Block::Text(searches.reading.clone()));
+        blocks.push(Block::Figure(searches.figure.clone()));
+        blocks.push(searches.table());
+    }
+    blocks.extend(figures.iter().map(|(_, svg)| Block::figure(svg.clone())));
+    blocks.push(Block::table(HEADER.map(str::to_owned).into(), rows));
+    blocks.push(Block::Text(ABOUT.to_owned()));
     let section = Section {
         heading: format!("{name}, optimal control"),
-        text: "Each run starts from nothing. More intervals give the controls more freedom, which lowers the \
-            objective; more stages bring the plan closer to the motion that it stands for, which an independent \
-            event-driven simulation under its controls measures at the end."
-            .to_owned(),
-        animation: None,
-        folds: Vec::new(),
-        figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
-        header: HEADER.map(str::to_owned).into(),
-        rows,
+        blocks,
         files: vec![(files[0].0.clone(), "all runs".to_owned())],
     };
+    if let Some(searches) = searches {
+        let name = format!("chart-{name}-searches.svg");
+        files.push((name, searches.figure.svg().to_owned()));
+    }
     files.extend(
         figures
             .into_iter()
@@ -303,9 +343,10 @@ fn report(name: &str, runs: &[Run], best: f64) -> Chart {
 
 #[cfg(test)]
 mod tests {
-    use super::{Grid, chart};
+    use super::{ALL, Grid, Known, Plan, WAYS, chart};
     use crate::arguments::LimitArguments;
     use crate::bounds::Bounds;
+    use crate::page::Block;
     use crate::settings::{ChosenScene, find};
 
     fn unbounded() -> Bounds {
@@ -313,44 +354,64 @@ mod tests {
     }
 
     /// The cheapest grids that solve.
-    const COARSE: [Grid; 1] = [Grid {
-        time_freezing: false,
-        stages: 4,
-        tolerance: None,
-        intervals: &[10, 12],
-    }];
+    const COARSE: Plan = Plan {
+        ways: &[WAYS[0], WAYS[1]],
+        grids: &[Grid {
+            time_freezing: false,
+            stages: 4,
+            tolerance: None,
+            intervals: &[10, 12],
+        }],
+    };
+    const UNKNOWN: Known = Known {
+        any: None,
+        on: Some((10, f64::INFINITY)),
+    };
 
     #[test]
     fn chart_of_the_solver_has_a_row_for_every_run_and_measures_from_the_best() {
         let chosen = ChosenScene::new(find(crate::testing::SCENES, "wave").unwrap(), &[]).unwrap();
-        let chart = chart(&chosen, &COARSE, None, &unbounded())
+        let chart = chart(&chosen, &COARSE, UNKNOWN, &unbounded())
             .unwrap()
             .unwrap();
         let section = chart.section.unwrap();
-        assert_eq!(section.rows.len(), 2);
-        let above: Vec<f64> = section
-            .rows
-            .iter()
-            .map(|row| row[3].parse().unwrap())
-            .collect();
+        // What is seen first is how good the searches are over time; tables stand after that.
+        assert!(matches!(
+            section.blocks[..3],
+            [Block::Text(_), Block::Figure(_), Block::Table(_)]
+        ));
+        let searches = &section.tables()[0].rows;
+        assert_eq!(searches.len(), COARSE.ways.len());
+        let rows = &section.tables()[1].rows;
+        assert_eq!(rows.len(), 2);
+        let above: Vec<f64> = rows.iter().map(|row| row[3].parse().unwrap()).collect();
         // The best run lies above itself by nothing, and above what is known by what is missing.
         assert!(above.contains(&0.0) && above.iter().all(|&x| x >= 0.0));
-        let best: f64 = section
-            .rows
+        let best: f64 = rows
             .iter()
             .map(|row| row[2].parse::<f64>().unwrap())
             .fold(f64::INFINITY, f64::min);
-        let from_known = super::chart(&chosen, &COARSE, Some(best - 1.0), &unbounded())
-            .unwrap()
-            .unwrap();
-        let rows = from_known.section.unwrap().rows;
-        assert!(rows.iter().any(|row| row[3] == "1.0e0"), "{rows:?}");
-        assert!(section.rows.iter().all(|row| row[8] == "solved"));
+        let from_known = super::chart(
+            &chosen,
+            &COARSE,
+            Known {
+                any: Some(best - 1.0),
+                ..UNKNOWN
+            },
+            &unbounded(),
+        )
+        .unwrap()
+        .unwrap();
+        let from_known = from_known.section.unwrap();
+        let far = &from_known.tables()[1].rows;
+        assert!(far.iter().any(|row| row[3] == "1.0e0"), "{far:?}");
+        assert!(rows.iter().all(|row| row[8] == "solved"));
         let names: Vec<&str> = chart.files.iter().map(|(name, _)| name.as_str()).collect();
         assert_eq!(
             names,
             [
                 "chart-wave-solver.csv",
+                "chart-wave-searches.svg",
                 "chart-wave-objective.svg",
                 "chart-wave-intervals.svg",
                 "chart-wave-resimulation.svg"
@@ -362,7 +423,7 @@ mod tests {
     fn chart_of_the_solver_without_an_objective_is_none() {
         let chosen = ChosenScene::new(find(crate::testing::SCENES, "slide").unwrap(), &[]).unwrap();
         assert!(
-            chart(&chosen, &COARSE, None, &unbounded())
+            chart(&chosen, &ALL, Known::default(), &unbounded())
                 .unwrap()
                 .is_none()
         );

@@ -3,14 +3,18 @@
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
+use std::process::{Command, Stdio};
 
 use super::measure::{Measured, Order, Point};
 use super::study::{Reference, distance};
 use super::sweep::{Group, Sweep};
 use crate::failure::BadInput;
+use crate::figure::Look;
 
 /// Where fresh ones are looked for.
-const FILE: &str = "peers.csv";
+pub(super) const FILE: &str = "peers.csv";
+/// What runs a script.
+const PYTHON: &str = "python3";
 /// Most bytes of that file.
 const LARGEST: u64 = 1 << 20;
 /// Its columns.
@@ -62,7 +66,49 @@ impl Peers {
                 "`{name}`: {error}; remove it, or write it by tools/peers"
             ))
         })?;
-        let mut runs = Self::read(&fresh, "measured", &name)?.runs;
+        Self::read(&fresh, "measured", &name)?.and(stored)
+    }
+
+    /// The runs of the `stored` text, but for those that a `script` of Python measures now, of these scenes; with its text, and
+    /// what it left out.
+    pub(super) fn measured_by(
+        script: &Path,
+        scenes: &[&str],
+        stored: &str,
+    ) -> Result<(Self, String, String), BadInput> {
+        let name = script.display();
+        if !script.is_file() {
+            return Err(BadInput::new(format!(
+                "--peers: there is no file `{name}` here; give the path of the script, --peers=PATH, or leave the option out"
+            )));
+        }
+        let mut command = Command::new(PYTHON);
+        command.arg(script).arg("-").arg("--only").args(scenes);
+        let run = command.stdin(Stdio::null()).output().map_err(|error| {
+            BadInput::new(format!(
+                "--peers: `{PYTHON}`: {error}; install it, or leave the option out"
+            ))
+        })?;
+        let [text, told] =
+            [run.stdout, run.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+        if !run.status.success() {
+            let last = told.lines().last().unwrap_or_default();
+            return Err(BadInput::new(format!(
+                "--peers: `{PYTHON} {name}` failed: {last}; mend it, or leave the option out"
+            )));
+        }
+        let left_out: String = told
+            .lines()
+            .filter(|line| line.contains(": left out, "))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        let known = Self::read(&text, "measured", &name.to_string())?;
+        Ok((known.and(stored)?, text, left_out))
+    }
+
+    /// These, and the stored ones of other lines.
+    fn and(self, stored: &str) -> Result<Self, BadInput> {
+        let mut runs = self.runs;
         let known = runs.len();
         for run in Self::read(stored, "stored", "the stored runs")?.runs {
             let same = |fresh: &PeerRun| (&fresh.study, &fresh.curve) == (&run.study, &run.curve);
@@ -123,7 +169,7 @@ impl Peers {
             let point = run.point(&reference.coordinates);
             match lines.iter_mut().find(|(curve, _)| *curve == run.curve) {
                 Some((_, line)) => line.points.push(point),
-                None => lines.push((&run.curve, run.line(lines.len(), point))),
+                None => lines.push((&run.curve, run.line(point))),
             }
         }
         lines.into_iter().map(|(_, line)| line).collect()
@@ -157,17 +203,18 @@ impl PeerRun {
                 f64::NAN
             },
             seconds: self.seconds,
+            half: f64::NAN,
             counts: None,
             status: self.how,
         }
     }
 
-    fn line(&self, before: usize, point: Point) -> Measured {
+    fn line(&self, point: Point) -> Measured {
         Measured {
             sweep: Sweep {
-                name: format!("{}, {} {}", self.curve, self.how, self.date),
-                colour: before,
-                dashed: true,
+                name: format!("{} ({} {})", self.curve, self.how, self.date),
+                look: Look::of(&self.curve).dashed(),
+                charted: true,
                 group: Group::Peers,
                 compared: false,
                 theory: "-".to_owned(),
@@ -205,7 +252,10 @@ mod tests {
         let peers = Peers::read(STORED, "stored", "x").unwrap();
         let lines = peers.measured("drop", &reference());
         let names: Vec<&str> = lines.iter().map(|line| line.sweep.name.as_str()).collect();
-        assert_eq!(names, ["one, stored 2026-01-02", "two, stored 2026-01-02"]);
+        assert_eq!(
+            names,
+            ["one (stored 2026-01-02)", "two (stored 2026-01-02)"]
+        );
         let errors: Vec<f64> = lines[0].points.iter().map(|point| point.error).collect();
         assert_eq!(errors, [0.5, 0.25]);
         assert_eq!(lines[0].points[1].seconds, 4e-3);
@@ -231,10 +281,53 @@ mod tests {
         let names: Vec<&str> = lines.iter().map(|line| line.sweep.name.as_str()).collect();
         assert_eq!(
             names,
-            ["one, measured 2026-01-03", "two, stored 2026-01-02"]
+            ["one (measured 2026-01-03)", "two (stored 2026-01-02)"]
         );
         assert_eq!(lines[0].points.len(), 1);
         assert_eq!(lines[0].points[0].error, 0.0);
+    }
+
+    #[test]
+    fn runs_that_a_script_measures_take_the_place_of_stored_ones_and_what_it_lacks_is_told() {
+        let directory = tempfile::tempdir().unwrap();
+        let script = directory.path().join("measure.py");
+        let write = |text: &str| fs::write(&script, text).unwrap();
+        let row = "2026-01-04,Here,{},one,fine,1e-3,1 2";
+        write(&format!(
+            "import sys\nprint('two: left out, no module', file=sys.stderr)\nprint('drop: one', file=sys.stderr)\n\
+             print('{}')\nfor scene in sys.argv[3:]:\n    print('{row}'.format(scene))\n",
+            super::HEADER.join(",")
+        ));
+        // Where there is no Python, nothing can be measured.
+        if std::process::Command::new(super::PYTHON)
+            .arg("-V")
+            .output()
+            .is_err()
+        {
+            return;
+        }
+        let (peers, text, left_out) = Peers::measured_by(&script, &["drop"], STORED).unwrap();
+        let lines = peers.measured("drop", &reference());
+        let names: Vec<&str> = lines.iter().map(|line| line.sweep.name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["one (measured 2026-01-04)", "two (stored 2026-01-02)"]
+        );
+        assert_eq!(lines[0].points[0].error, 0.0);
+        assert_eq!(text.lines().count(), 2);
+        assert_eq!(left_out, "two: left out, no module\n");
+        let refusal = || {
+            let refused = Peers::measured_by(&script, &[], STORED).unwrap_err();
+            refused.to_string()
+        };
+        write("raise SystemExit('no disk')\n");
+        assert!(refusal().ends_with("failed: no disk; mend it, or leave the option out"));
+        fs::remove_file(&script).unwrap();
+        assert!(
+            refusal().starts_with("--peers: there is no file `"),
+            "{}",
+            refusal()
+        );
     }
 
     #[test]

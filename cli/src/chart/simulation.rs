@@ -5,18 +5,21 @@ use hangtime::simulation::Counts;
 use super::drawn::Chart;
 use super::measure::{Measured, Order, Point};
 use super::peers::Peers;
+use super::reading::reading;
 use super::study::{Reference, Study};
-use super::sweep::{CONTROLLED, EVENT_DRIVEN, Group, SHOWN, sweeps};
+use super::sweep::{CONTROLLED, Group, SHOWN, Sweep, sweeps};
 use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::figure::{Curve, Dot, LogLog};
-use crate::page::{Fold, Section};
+use crate::page::{Block, Figure, Section};
 use crate::progress::Progress;
 use crate::spreadsheet::csv_text;
 use crate::table::{seconds, table};
 
 /// Errors whose price is listed: in CPU time, and in counts for the middle one.
 const TARGETS: [f64; 3] = [1e-3, 1e-6, 1e-9];
+/// Most letters of a number on a page.
+const LONGEST_NUMBER: usize = 8;
 /// What the shade of a figure means.
 const UNCERTAIN: &str = "below the uncertainty of the reference";
 
@@ -36,20 +39,20 @@ pub(super) fn chart(
             });
         }
     };
-    let mut measured = measure_all(study, &reference, bounds, of_many)?;
     let title = study.title();
+    let mut measured = measure_all(study, &reference, sweeps(), bounds, of_many)?;
     measured.extend(peers.measured(&title, &reference));
-    let error = format!(
-        "largest error of a coordinate at {} s",
-        study.problem.horizon
-    );
+    // Those that are drawn first, then the schemes one by one.
+    measured.sort_by_key(|line| !line.sweep.charted);
+    let error = study.error();
     let against = format!(
         "measured against {}, known to {:.0e}",
         reference.what, reference.uncertainty
     );
-    let beside = beside_peers(&measured, &peers.origin(&title));
+    let reading = reading(&measured, reference.uncertainty, study.unit());
+    let beside = origin(peers, &title);
     let text = format!(
-        "{title}: {error}, {against}\n\n{}{beside}\n",
+        "{title}: {error}, {against}\n\n{}{reading}{beside}\n",
         table(header(), measured.iter().map(Measured::row))
     );
     let about = format!(
@@ -64,7 +67,7 @@ pub(super) fn chart(
         uncertainty: reference.uncertainty,
         measured: &measured,
     };
-    let (section, files) = drawings.section(about, &study.stem());
+    let (section, files) = drawings.section(reading, about, &study.stem());
     Ok(Chart {
         text,
         section: Some(section),
@@ -74,47 +77,36 @@ pub(super) fn chart(
     })
 }
 
-/// The methods that are drawn beside other programs.
-const BESIDE_PEERS: [&str; 2] = [CONTROLLED, EVENT_DRIVEN];
-/// The error for which they are compared in words.
-const EQUAL: f64 = 1e-8;
+/// The chart of one simulation that a page opens with, and what to read off it: the methods and other programs, over CPU time.
+pub(crate) fn opening(
+    study: &Study,
+    peers: &Peers,
+    bounds: &Bounds,
+) -> Result<Option<(String, Figure)>, BadInput> {
+    let Ok(reference) = Reference::of(study, bounds)? else {
+        return Ok(None);
+    };
+    let charted = sweeps().into_iter().filter(|sweep| sweep.charted);
+    let mut measured = measure_all(study, &reference, charted.collect(), bounds, "")?;
+    let title = study.title();
+    measured.extend(peers.measured(&title, &reference));
+    let reading = reading(&measured, reference.uncertainty, study.unit());
+    let drawings = Drawings {
+        title: &title,
+        error: &study.error(),
+        uncertainty: reference.uncertainty,
+        measured: &measured,
+    };
+    Ok(Some((reading, drawings.opening())))
+}
 
-/// What other programs take for the same error as the default simulation; empty without `origin`.
-fn beside_peers(measured: &[Measured], origin: &str) -> String {
+/// Where the runs of other programs are from; empty without any.
+fn origin(peers: &Peers, study: &str) -> String {
+    let origin = peers.origin(study);
     if origin.is_empty() {
-        return String::new();
+        return origin;
     }
-    let default = measured.iter().find(|line| line.sweep.name == CONTROLLED);
-    let own = default.and_then(|line| line.cheapest(EQUAL));
-    let others = measured
-        .iter()
-        .filter(|line| line.sweep.group == Group::Peers);
-    let words = others.map(|line| {
-        let price = line.cheapest(EQUAL);
-        let times = price
-            .zip(own)
-            .map(|(other, own)| other.seconds / own.seconds)
-            .map(|ratio| format!(", {ratio:.*} times as long", usize::from(ratio < 100.0)));
-        let name = &line.sweep.name;
-        price.map_or_else(
-            || format!("{name}: does not get there"),
-            |point| {
-                format!(
-                    "{name}: {}{}",
-                    seconds(point.seconds),
-                    times.unwrap_or_default()
-                )
-            },
-        )
-    });
-    let own = own.map_or_else(
-        || "does not get there".to_owned(),
-        |own| seconds(own.seconds),
-    );
-    format!(
-        " For an error of {EQUAL:.0e}, {CONTROLLED}: {own}; {}. Other programs: {origin}.",
-        words.collect::<Vec<_>>().join("; ")
-    )
+    format!(" Other programs: {origin}.")
 }
 
 /// Which methods have no line in the figures, and why.
@@ -137,14 +129,14 @@ fn absent(measured: &[Measured]) -> String {
     )
 }
 
-/// Runs every method over its settings, until `bounds` ask to end.
+/// Runs methods over their settings, until `bounds` ask to end.
 fn measure_all(
     study: &Study,
     reference: &Reference,
+    sweeps: Vec<Sweep>,
     bounds: &Bounds,
     of_many: &str,
 ) -> Result<Vec<Measured>, BadInput> {
-    let sweeps = sweeps();
     let title = format!("{of_many}{}", study.title());
     let mut progress = Progress::new(&title, sweeps.len() as f64);
     let mut measured = Vec::with_capacity(sweeps.len());
@@ -160,8 +152,8 @@ fn measure_all(
 pub(super) const LEGEND: &str = "\
     Radau-3 is FESD with Radau IIA and 3 stages: every switch is located, and ends an element. Time-freezing solves the same \
     elements in numerical time; complementarity is the time-freezing system as published, one complementarity problem a step \
-    without a polish; `no exit` means: without the condition that ends a contact where its force vanishes. Controlled: the \
-    elements get the length that a tolerance allows. Fixed steps are Runge-Kutta steps without switch detection; the order of \
+    without a polish; `no exit`, dashed, means: without the condition that ends a contact where its force vanishes. Controlled: the \
+    elements get the length that a tolerance allows. A method has the same colour everywhere, and its variants a mark each; lines of other programs are dashed. Fixed steps are Runge-Kutta steps without switch detection; the order of \
     the smoothed method is that in the width of its step functions. An order is the slope over the five finest points whose errors \
     are more than ten times the uncertainty of the reference; `exact` means that no error is, and a slope may be off by some tenths where switches fall differently into the steps. The prices are those of the \
     cheapest run with an error of at most the value in the column's name: counts, which are the same on every computer, and CPU \
@@ -302,12 +294,13 @@ impl Shown for Measured {
         let dots = self.points.iter().map(|point| Dot {
             x: x(point),
             y: point.error,
+            half: None,
             note: point.note(),
         });
         Curve {
             name,
-            colour: self.sweep.colour,
-            dashed: self.sweep.dashed,
+            look: self.sweep.look,
+            steps: false,
             points: dots.collect(),
         }
     }
@@ -322,127 +315,96 @@ struct Drawings<'a> {
 }
 
 impl Drawings<'_> {
-    fn draw(
-        &self,
-        what: &str,
-        over_time: bool,
-        keep: &dyn Fn(&Measured) -> bool,
-        colour: Option<&dyn Fn(&Measured) -> usize>,
-    ) -> String {
-        let x = |point: &Point| {
-            if over_time {
-                point.seconds
-            } else {
-                point.grain
-            }
-        };
+    /// The lines that are kept, with what they stand over.
+    fn curves(&self, x: &dyn Fn(&Point) -> f64, keep: &dyn Fn(&Measured) -> bool) -> Vec<Curve> {
         let kept = self.measured.iter().filter(|measured| keep(measured));
-        let curves = kept.map(|measured| {
-            let curve = measured.curve(&x);
-            Curve {
-                colour: colour.map_or(curve.colour, |colour| colour(measured)),
-                ..curve
+        kept.map(|measured| measured.curve(x)).collect()
+    }
+
+    /// Errors over CPU time of all methods and programs, with the spread of repetitions.
+    fn opening(&self) -> Figure {
+        let mut curves = Vec::new();
+        for measured in self.measured.iter().filter(|line| line.sweep.charted) {
+            let mut curve = measured.curve(&|point| point.seconds);
+            curve.name.clone_from(&measured.sweep.name);
+            for (dot, point) in curve.points.iter_mut().zip(&measured.points) {
+                dot.half = Some(point.half).filter(|half| half.is_finite());
             }
-        });
+            curves.push(curve);
+        }
+        Figure::chart(&LogLog {
+            title: &format!("{}: error over CPU time", self.title),
+            x: "CPU time [s]; bars: up to what half of the repetitions take",
+            y: self.error,
+            falling: false,
+            floor: Some((self.uncertainty, UNCERTAIN)),
+            curves,
+        })
+    }
+
+    /// Errors over step sizes.
+    fn over_steps(&self, what: &str, keep: &dyn Fn(&Measured) -> bool) -> String {
         LogLog {
             title: &format!("{}: {what}", self.title),
-            x: if over_time {
-                "CPU time [s]"
-            } else {
-                "step size [s], smaller to the right"
-            },
+            x: "step size [s], smaller to the right",
             y: self.error,
-            falling: !over_time,
+            falling: true,
             floor: Some((self.uncertainty, UNCERTAIN)),
-            curves: curves.collect(),
+            curves: self.curves(&|point| point.grain, keep),
         }
         .svg()
     }
 
     /// All figures and tables, and the files that hold them; `stem` begins the names of the files.
-    fn section(&self, text: String, stem: &str) -> (Section, Vec<(String, String)>) {
-        let mut figures = Vec::from(self.compared());
-        let of_peers = |measured: &Measured| measured.sweep.group == Group::Peers;
-        if self.measured.iter().any(of_peers) {
-            figures.push(("peers", self.peers()));
-        }
+    fn section(
+        &self,
+        reading: String,
+        about: String,
+        stem: &str,
+    ) -> (Section, Vec<(String, String)>) {
+        let opening = self.opening();
+        let stepped = |measured: &Measured| measured.sweep.compared && measured.sweep.stepped();
+        let sizes = self.over_steps("error against step size", &stepped);
         let schemes = self.schemes();
         let data = format!("chart-{stem}.csv");
         let mut files = vec![(data.clone(), csv(self.error, self.measured))];
-        let drawn = figures.iter().chain(&schemes);
-        files.extend(drawn.map(|(kind, svg)| (format!("chart-{stem}-{kind}.svg"), svg.clone())));
-        let folds = vec![
-            Fold {
-                title: "The schemes, one by one".to_owned(),
-                figures: schemes.into_iter().map(|(_, svg)| svg).collect(),
-                ..Fold::default()
-            },
-            Fold {
-                title: "Every run".to_owned(),
-                header: RUNS.map(str::to_owned).into(),
-                rows: self.measured.iter().flat_map(Measured::runs).collect(),
-                ..Fold::default()
-            },
+        let drawn = [
+            ("cpu-time", opening.svg().to_owned()),
+            ("step-size", sizes.clone()),
         ];
+        let drawn = drawn.into_iter().chain(schemes.clone());
+        files.extend(drawn.map(|(kind, svg)| (format!("chart-{stem}-{kind}.svg"), svg)));
+        let rows = self.measured.iter().map(Measured::row).collect();
+        let schemes = schemes.into_iter().map(|(_, svg)| Block::figure(svg));
         let section = Section {
             heading: self.title.to_owned(),
-            text,
-            header: header(),
-            rows: self.measured.iter().map(Measured::row).collect(),
-            figures: figures.into_iter().map(|(_, svg)| svg).collect(),
-            folds,
+            blocks: vec![
+                Block::Text(reading),
+                Block::Figure(opening),
+                Block::table(header(), rows),
+                Block::figure(sizes),
+                Block::Fold("The schemes, one by one".to_owned(), schemes.collect()),
+                Block::folded_table(
+                    "Every run",
+                    RUNS.map(str::to_owned).into(),
+                    self.measured
+                        .iter()
+                        .flat_map(Measured::runs)
+                        .map(shortened)
+                        .collect(),
+                ),
+                Block::Text(about),
+            ],
             files: vec![(data, "all runs".to_owned())],
-            animation: None,
         };
         (section, files)
-    }
-
-    /// The families of methods, over step size and over CPU time.
-    fn compared(&self) -> [(&'static str, String); 2] {
-        let compared = |measured: &Measured| measured.sweep.compared;
-        let priced = |measured: &Measured| {
-            let sweep = &measured.sweep;
-            // The controlled elements stand for those of two stages, whose colour they have.
-            sweep.compared && (sweep.group != Group::Radau || sweep.name == SHOWN[0])
-        };
-        let stepped = |measured: &Measured| compared(measured) && measured.sweep.stepped();
-        let sizes = self.draw("error against step size", false, &stepped, None);
-        let times = self.draw("error against CPU time", true, &priced, None);
-        [("step-size", sizes), ("cpu-time", times)]
-    }
-
-    /// The default simulation and its judge beside other programs, over CPU time.
-    fn peers(&self) -> String {
-        let kept = |measured: &Measured| {
-            measured.sweep.group == Group::Peers || BESIDE_PEERS.contains(&&*measured.sweep.name)
-        };
-        let colour = |measured: &Measured| match measured.sweep.group {
-            // Blue and grey are taken.
-            Group::Peers => 1 + measured.sweep.colour,
-            _ => measured.sweep.colour,
-        };
-        self.draw("beside other programs", true, &kept, Some(&colour))
     }
 
     /// The schemes one by one, as (kind, SVG).
     fn schemes(&self) -> Vec<(&'static str, String)> {
         let of = |group: Group, what: &str| {
-            let stage = |measured: &Measured| {
-                // Lines of one figure take the colours in their order.
-                let likes = self.measured.iter().filter(|other| {
-                    let alike = other.sweep.dashed == measured.sweep.dashed;
-                    other.sweep.group == group && (alike || group == Group::TimeFreezing)
-                });
-                let before = likes.take_while(|other| other.sweep.name != measured.sweep.name);
-                before.count()
-                    + if group == Group::TimeFreezing && measured.sweep.dashed {
-                        4
-                    } else {
-                        0
-                    }
-            };
             let keep = |measured: &Measured| measured.sweep.group == group;
-            self.draw(what, false, &keep, Some(&stage))
+            self.over_steps(what, &keep)
         };
         vec![
             ("radau-iia", of(Group::Radau, "FESD, Radau IIA")),
@@ -450,6 +412,15 @@ impl Drawings<'_> {
             ("time-freezing", of(Group::TimeFreezing, "time-freezing")),
         ]
     }
+}
+
+/// A row with numbers of four digits; all digits are in the data.
+fn shortened(row: Vec<String>) -> Vec<String> {
+    let short = |cell: String| match cell.parse::<f64>() {
+        Ok(value) if cell.len() > LONGEST_NUMBER => format!("{value:.3e}"),
+        _ => cell,
+    };
+    row.into_iter().map(short).collect()
 }
 
 fn csv(error: &str, measured: &[Measured]) -> String {
@@ -462,8 +433,7 @@ fn csv(error: &str, measured: &[Measured]) -> String {
 pub(super) fn overview_text(studies: usize) -> String {
     format!(
         "{studies} simulations. Orders measured through impacts, take-offs and stick, beside 5 in theory, and the CPU time of each \
-         method for an error of {:.0e}; `-` means that no run reached it. {CONTROLLED} is what `simulate` does by default. \
-         Every table and figure stands below.",
+         method for an error of {:.0e}; a dash means that no run reached it. {CONTROLLED} is what `simulate` does by default.",
         TARGETS[1]
     )
 }

@@ -10,6 +10,7 @@ use crate::failure::BadInput;
 use crate::method::ChosenMethod;
 use crate::settings::{ChosenScene, find};
 use crate::simulate::diagnosis_line;
+use crate::table::headed;
 use crate::timing::EXACT_TOLERANCE;
 
 /// Tolerances of the finite elements that confirm the event-driven run, the tightest first.
@@ -47,6 +48,23 @@ impl Study {
         let name = self.chosen.scene.name;
         self.what
             .map_or_else(|| name.to_owned(), |what| format!("{name}, {what}"))
+    }
+
+    /// The unit of all coordinates, if they have one in common.
+    pub(super) fn unit(&self) -> Option<&'static str> {
+        let coordinates = self.chosen.model.declaration().coordinates;
+        let unit = coordinates.first()?.unit;
+        let alike = coordinates.iter().all(|other| other.unit == unit);
+        (alike && !unit.is_empty()).then_some(unit)
+    }
+
+    /// What an error of it is, with its unit.
+    pub(super) fn error(&self) -> String {
+        let words = format!(
+            "largest error of a coordinate at {} s",
+            self.problem.horizon
+        );
+        headed(&words, self.unit().unwrap_or_default())
     }
 
     /// Name of its files, without what comes before and after.
@@ -107,6 +125,11 @@ fn studies(scene: &'static Scene, arguments: &ChartArguments) -> Result<Vec<Stud
         let chosen = ChosenScene::new(scene, &arguments.settings)?;
         return Ok(vec![Study::new(chosen, arguments.horizon, None)?]);
     }
+    listed(scene)
+}
+
+/// The simulations that a scene lists for its charts.
+pub(super) fn listed(scene: &'static Scene) -> Result<Vec<Study>, BadInput> {
     let listed = scene.charted.iter().map(|charted| {
         let settings: Vec<String> = charted.settings.iter().map(ToString::to_string).collect();
         let chosen = ChosenScene::new(scene, &settings)?;
@@ -199,10 +222,14 @@ impl Reference {
     }
 }
 
-/// Coordinates at the end of a solved run.
-fn end(simulation: &Simulation) -> Option<Vec<f64>> {
+/// Coordinates and states at the end of a solved run.
+pub(super) fn end(simulation: &Simulation) -> Option<Vec<f64>> {
+    let trajectory = &simulation.trajectory;
     let solved = simulation.status == SimulationStatus::Solved;
-    simulation.trajectory.q.last().filter(|_| solved).cloned()
+    let (q, v) = (trajectory.q.last()?, trajectory.v.last()?);
+    // A state is kept as a velocity.
+    let mechanical = simulation.declaration.mechanical();
+    solved.then(|| [&q[..mechanical], &v[mechanical..]].concat())
 }
 
 /// Largest coordinate, at least one.

@@ -1,6 +1,7 @@
 //! The methods of a chart, each over its range of settings.
 
 use crate::arguments::{FormulationName, Method, MethodArguments, SchemeName};
+use crate::figure::Look;
 
 /// Steps of the methods of high order.
 const FINITE_ELEMENTS: [usize; 14] = [10, 12, 15, 20, 26, 32, 40, 52, 64, 80, 120, 160, 240, 320];
@@ -20,8 +21,10 @@ const TOLERANCES: [f64; 6] = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
 pub(super) struct Sweep {
     /// Name in tables and at lines.
     pub(super) name: String,
-    pub(super) colour: usize,
-    pub(super) dashed: bool,
+    /// How its line looks: the colour of its method, and a mark of its own.
+    pub(super) look: Look,
+    /// Whether it is on the chart that a page opens with.
+    pub(super) charted: bool,
     /// The figure of the schemes in which it appears.
     pub(super) group: Group,
     /// Whether it appears where families of methods are compared.
@@ -66,7 +69,9 @@ pub(super) enum Group {
 }
 
 /// The name under which the finite elements with error control are compared.
-pub(super) const CONTROLLED: &str = "controlled Radau-6";
+pub(super) const CONTROLLED: &str = "finite elements (default)";
+/// The name of the published method, one complementarity problem a step.
+pub(super) const COMPLEMENTARITY: &str = "complementarity Radau-2";
 /// The name of the event-driven runs.
 pub(super) const EVENT_DRIVEN: &str = "event-driven";
 /// The names of the scheme whose order every scene shows, in both formulations.
@@ -112,10 +117,15 @@ fn finite_elements() -> Vec<Sweep> {
                     no_exit_condition,
                     ..grid(scheme, stages, steps)
                 });
+                let look = Look::of(title).variant(stages - 1);
                 sweeps.push(Sweep {
                     name: format!("{title}-{stages}{exit}"),
-                    colour: stages - 1,
-                    dashed: no_exit_condition,
+                    look: if no_exit_condition {
+                        look.dashed()
+                    } else {
+                        look
+                    },
+                    charted: false,
                     group,
                     compared: radau && stages > 1 && !no_exit_condition,
                     theory,
@@ -135,14 +145,13 @@ fn time_freezing() -> Vec<Sweep> {
             formulation: Some(FormulationName::TimeFreezing),
             ..grid(SchemeName::RadauIia, stages, steps)
         });
-        let compared = stages == 3;
+        let name = format!("time-freezing Radau-{stages}");
         sweeps.push(Sweep {
-            name: format!("time-freezing Radau-{stages}"),
-            colour: if compared { 4 } else { stages - 1 },
-            // On top of the active-set lines, with which they coincide where both are accurate.
-            dashed: compared,
+            look: Look::of(&name).variant(stages - 1),
+            name,
+            charted: false,
             group: Group::TimeFreezing,
-            compared,
+            compared: stages == 3,
             theory: (2 * stages - 1).to_string(),
             settings: settings.collect(),
         });
@@ -153,9 +162,9 @@ fn time_freezing() -> Vec<Sweep> {
         ..grid(SchemeName::RadauIia, 2, steps)
     });
     sweeps.push(Sweep {
-        name: "complementarity Radau-2".to_owned(),
-        colour: 5,
-        dashed: true,
+        name: COMPLEMENTARITY.to_owned(),
+        look: Look::of(COMPLEMENTARITY),
+        charted: true,
         group: Group::TimeFreezing,
         compared: true,
         theory: "1 through impacts".to_owned(),
@@ -173,54 +182,43 @@ fn controlled() -> Vec<Sweep> {
         ..MethodArguments::default()
     };
     let controlled = [
-        (
-            CONTROLLED,
-            0,
-            false,
-            finite_elements(FormulationName::ActiveSet),
-        ),
+        (CONTROLLED, finite_elements(FormulationName::ActiveSet)),
         (
             "time-freezing, controlled",
-            4,
-            false,
             finite_elements(FormulationName::TimeFreezing),
         ),
         (
             EVENT_DRIVEN,
-            6,
-            false,
             MethodArguments {
                 method: Some(Method::Event),
                 ..MethodArguments::default()
             },
         ),
     ];
-    let sweeps = controlled
-        .into_iter()
-        .map(|(name, colour, dashed, arguments)| {
-            let with_tolerance = |&tolerance| MethodArguments {
-                tolerance: Some(tolerance),
-                ..arguments.clone()
-            };
-            Sweep {
-                name: name.to_owned(),
-                colour,
-                dashed,
-                group: Group::Others,
-                compared: true,
-                theory: "-".to_owned(),
-                settings: TOLERANCES.iter().map(with_tolerance).collect(),
-            }
-        });
+    let sweeps = controlled.into_iter().map(|(name, arguments)| {
+        let with_tolerance = |&tolerance| MethodArguments {
+            tolerance: Some(tolerance),
+            ..arguments.clone()
+        };
+        Sweep {
+            name: name.to_owned(),
+            look: Look::of(name),
+            charted: true,
+            group: Group::Others,
+            compared: true,
+            theory: "-".to_owned(),
+            settings: TOLERANCES.iter().map(with_tolerance).collect(),
+        }
+    });
     sweeps.collect()
 }
 
 /// The methods to compare with.
 fn others() -> Vec<Sweep> {
     let mut sweeps = Vec::new();
-    for (colour, method, name) in [
-        (0, Method::Moreau, "Moreau-Jean"),
-        (1, Method::Fixed, "fixed steps"),
+    for (method, name) in [
+        (Method::Moreau, "Moreau-Jean"),
+        (Method::Fixed, "fixed steps"),
     ] {
         let with_steps = |&steps| MethodArguments {
             method: Some(method),
@@ -229,8 +227,8 @@ fn others() -> Vec<Sweep> {
         };
         sweeps.push(Sweep {
             name: name.to_owned(),
-            colour,
-            dashed: true,
+            look: Look::of(name),
+            charted: true,
             group: Group::Others,
             compared: true,
             theory: "1 through switches".to_owned(),
@@ -245,8 +243,8 @@ fn others() -> Vec<Sweep> {
     };
     sweeps.push(Sweep {
         name: "smoothed".to_owned(),
-        colour: 3,
-        dashed: true,
+        look: Look::of("smoothed"),
+        charted: true,
         group: Group::Others,
         compared: true,
         theory: "1".to_owned(),

@@ -3,9 +3,13 @@
 /// What a method made of a problem.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Verdict {
-    /// As close as it says, with its relative error.
+    /// Within the stated bound of what is right, with its relative error.
     Right(f64),
-    /// Solved, and farther off than it says, or solved where there is no solution.
+    /// The same by another method, to which the one that was asked for has handed over.
+    HandedOver(f64),
+    /// Farther off than the bound, with its relative error, and says itself that it may be.
+    Rough(f64),
+    /// Solved, and farther off than the bound and than it says, or solved where there is no solution.
     Wrong(Option<f64>),
     /// Stopped with this status where it should have gone on.
     Stopped(&'static str),
@@ -25,6 +29,8 @@ impl Verdict {
     pub(super) fn cell(&self) -> String {
         match self {
             Self::Right(error) => format!("right {error:.0e}"),
+            Self::HandedOver(error) => format!("handed over {error:.0e}"),
+            Self::Rough(error) => format!("rough {error:.0e}"),
             Self::Wrong(Some(error)) => format!("WRONG {error:.0e}"),
             Self::Wrong(None) => "WRONG solved".to_owned(),
             Self::Stopped(status) => format!("stopped {status}"),
@@ -35,6 +41,39 @@ impl Verdict {
             Self::Unknown => "-".to_owned(),
         }
     }
+}
+
+/// What to read off the verdicts of one method: how many there are, how many are right, and where it is not.
+pub(super) fn reading(name: &str, index: usize, rows: &[Row]) -> String {
+    let own = || {
+        rows.iter()
+            .filter_map(|row| Some((row, row.verdicts.get(index)?)))
+    };
+    let right = |verdict: &Verdict| {
+        matches!(
+            verdict,
+            Verdict::Right(_) | Verdict::RightlyStopped(_) | Verdict::HandedOver(_)
+        )
+    };
+    let others: Vec<String> = own()
+        .filter(|(_, verdict)| !right(verdict))
+        .map(|(row, verdict)| format!("{} ({})", row.name, verdict.cell()))
+        .collect();
+    let handed = own().filter(|(_, verdict)| matches!(verdict, Verdict::HandedOver(_)));
+    let handed = match handed.count() {
+        0 => String::new(),
+        count => format!(", {count} of them by handing over to another method"),
+    };
+    let others = if others.is_empty() {
+        String::new()
+    } else {
+        format!("; it is not on {}", others.join(", "))
+    };
+    let count = own().filter(|(_, verdict)| right(verdict)).count();
+    format!(
+        "{name}: right on {count} of {}{handed}{others}.",
+        own().count()
+    )
 }
 
 /// A problem, why its right outcome is right, and the verdict of each method.
@@ -59,10 +98,12 @@ impl Row {
 }
 
 /// The first line of [`sums`].
-pub(super) fn sums_header() -> [&'static str; 7] {
+pub(super) fn sums_header() -> [&'static str; 9] {
     [
         "method",
         "right",
+        "handed over",
+        "rough, and says so",
         "disclaimed",
         "wrong silently",
         "stopped",
@@ -84,6 +125,8 @@ pub(super) fn sums<'m>(
         vec![
             name.to_owned(),
             count(&|verdict| matches!(verdict, Verdict::Right(_) | Verdict::RightlyStopped(_))),
+            count(&|verdict| matches!(verdict, Verdict::HandedOver(_))),
+            count(&|verdict| matches!(verdict, Verdict::Rough(_))),
             count(&|verdict| matches!(verdict, Verdict::Disclaimed(_))),
             count(&|verdict| matches!(verdict, Verdict::Wrong(_))),
             count(&|verdict| matches!(verdict, Verdict::Stopped(_))),

@@ -3,41 +3,86 @@
 use std::fmt::Write as _;
 
 use super::axis::{Axis, tick_label};
+use super::colours::{LINES, Look};
 use crate::markup::escape;
 
-/// Width and height of a chart [px]; text is drawn at 17 px of these.
-const SIZE: (f64, f64) = (1100.0, 620.0);
-/// Where the plot begins and ends.
-const LEFT: f64 = 104.0;
-const RIGHT: f64 = SIZE.0 - 350.0;
-const TOP: f64 = 56.0;
-const BOTTOM: f64 = SIZE.1 - 76.0;
 /// Least distance of the names of two lines [px].
 const LABEL_HEIGHT: f64 = 22.0;
 /// Widths of the lines [px]: of the first one, how much thinner each is than the one before, and of the last ones.
-const WIDEST: f64 = 5.6;
-const THINNER: f64 = 0.8;
+const WIDEST: f64 = 4.4;
+const THINNER: f64 = 0.5;
 const THINNEST: f64 = 1.8;
 /// Errors beyond this say nothing but that they are large.
 const LARGEST: f64 = 1e3;
 
-/// Colours on light and on dark pages: those of Okabe and Ito, moved apart until any two differ for normal and for
-/// colour-blind eyes.
-pub(super) const LINES: [(&str, &str); 7] = [
-    ("#009bdc", "#4e7cff"),
-    ("#e86b00", "#ec713b"),
-    ("#007b42", "#06f99c"),
-    ("#952788", "#c873c2"),
-    ("#1f2430", "#ffdbf6"),
-    ("#8a0000", "#b3f81b"),
-    ("#8f9495", "#7d7b6c"),
-];
+/// Where things are on a chart [px].
+#[derive(Clone, Copy)]
+struct Layout {
+    /// Class of the drawing, by which a page chooses among layouts.
+    class: &'static str,
+    width: f64,
+    /// Edges of the plot.
+    left: f64,
+    right: f64,
+    top: f64,
+    bottom: f64,
+    /// Sizes of letters, and of the title; without one there is none.
+    letter: f64,
+    title: Option<f64>,
+    /// Whether names stand below the plot instead of beside it, at the ends of their lines.
+    below: bool,
+}
+
+/// For screens that are as wide as a table.
+const WIDE: Layout = Layout {
+    class: "chart",
+    width: 1100.0,
+    left: 104.0,
+    right: 750.0,
+    top: 48.0,
+    bottom: 474.0,
+    letter: 17.0,
+    title: Some(20.0),
+    below: false,
+};
+/// For those of telephones.
+const NARROW: Layout = Layout {
+    class: "slim",
+    width: 358.0,
+    left: 58.0,
+    right: 350.0,
+    top: 10.0,
+    bottom: 316.0,
+    letter: 13.0,
+    title: None,
+    below: true,
+};
+
+impl Layout {
+    /// Height of a chart with so many lines.
+    fn height(&self, names: usize) -> f64 {
+        let axis = self.bottom + 4.1 * self.letter;
+        if self.below {
+            axis + LABEL_HEIGHT * names as f64
+        } else {
+            axis
+        }
+    }
+
+    /// Where the name of a line stands that has this place in their list.
+    fn row(&self, index: usize) -> f64 {
+        self.bottom + 4.1 * self.letter + LABEL_HEIGHT * (index as f64 + 0.4)
+    }
+}
 
 /// A point of a line.
+#[derive(Debug, Default)]
 pub(crate) struct Dot {
     /// Where it is; what is not finite is left out, an error of zero stands at a line of its own, below the others.
     pub(crate) x: f64,
     pub(crate) y: f64,
+    /// Where half of all repetitions are, if it was measured several times; it stands at the least of them.
+    pub(crate) half: Option<f64>,
     /// What a pointer over it tells.
     pub(crate) note: String,
 }
@@ -46,10 +91,10 @@ pub(crate) struct Dot {
 pub(crate) struct Curve {
     /// Its name, at the end of the line.
     pub(crate) name: String,
-    /// Index into the colours.
-    pub(crate) colour: usize,
-    /// Dashed with open marks, instead of solid.
-    pub(crate) dashed: bool,
+    /// Its colour, and its mark.
+    pub(crate) look: Look,
+    /// Whether it keeps its height up to the next point.
+    pub(crate) steps: bool,
     /// Its points, in the order in which they are joined.
     pub(crate) points: Vec<Dot>,
 }
@@ -72,64 +117,96 @@ pub(crate) struct LogLog<'a> {
 /// What is drawn of a line: its points on the chart.
 struct Drawn<'a> {
     curve: &'a Curve,
-    points: Vec<(f64, f64, &'a str)>,
+    points: Vec<Place<'a>>,
+}
+
+/// A point on the chart.
+struct Place<'a> {
+    x: f64,
+    y: f64,
+    half: Option<f64>,
+    note: &'a str,
 }
 
 impl LogLog<'_> {
-    /// The drawing.
+    /// The drawing, for screens as wide as a table.
     pub(crate) fn svg(&self) -> String {
+        self.laid_out(&WIDE)
+    }
+
+    /// The same for narrow screens; a page shows one of them.
+    pub(crate) fn narrow_svg(&self) -> String {
+        self.laid_out(&NARROW)
+    }
+
+    fn laid_out(&self, layout: &Layout) -> String {
         let dots = || {
             let points = self.curves.iter().flat_map(|curve| &curve.points);
             points.filter(|dot| is_drawn(dot))
         };
         let ys = dots().map(|dot| dot.y).filter(|y| *y > 0.0);
         let floor = self.floor.map(|floor| floor.0).filter(|y| *y > 0.0);
-        let across = Axis::around(dots().map(|dot| dot.x), (LEFT, RIGHT), self.falling);
+        let ends = (layout.left, layout.right);
+        let across = Axis::around(dots().map(|dot| dot.x), ends, self.falling);
         let zero = dots().any(|dot| dot.y == 0.0);
-        let up = Axis::decades(ys.chain(floor), (BOTTOM, TOP), zero);
+        let up = Axis::decades(ys.chain(floor), (layout.bottom, layout.top), zero);
+        let (width, height) = (layout.width, layout.height(self.curves.len()));
         let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" role=\"img\" width=\"{}\" height=\"{}\" \
-             viewBox=\"0 0 {} {}\" font-family=\"system-ui,sans-serif\" font-size=\"17\" fill=\"currentColor\">{}",
-            SIZE.0,
-            SIZE.1,
-            SIZE.0,
-            SIZE.1,
-            style()
-        );
-        let _ = write!(
-            svg,
-            "<title>{}</title><text x=\"{LEFT}\" y=\"30\" font-size=\"21\" font-weight=\"600\">{}</text>",
-            escape(self.title),
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"{}\" role=\"img\" width=\"{width}\" height=\"{height:.0}\" \
+             viewBox=\"0 0 {width} {height:.0}\" font-family=\"system-ui,sans-serif\" font-size=\"{}\" \
+             fill=\"currentColor\">{}<title>{}</title>",
+            layout.class,
+            layout.letter,
+            style(layout.class),
             escape(self.title)
         );
+        if let Some(size) = layout.title {
+            let _ = write!(
+                svg,
+                "<text x=\"{}\" y=\"{}\" font-size=\"{size}\" font-weight=\"600\">{}</text>",
+                layout.left,
+                layout.top - 20.0,
+                escape(self.title)
+            );
+        }
         if let (Some(across), Some(up)) = (across, up) {
-            self.frame(&mut svg, &across, &up);
-            self.lines(&mut svg, &across, &up);
+            self.frame(&mut svg, layout, &across, &up);
+            self.lines(&mut svg, layout, &across, &up);
         } else {
             let _ = write!(
                 svg,
-                "<text x=\"{LEFT}\" y=\"{TOP}\" dy=\"30\">Nothing was measured.</text>"
+                "<text x=\"{}\" y=\"{}\" dy=\"30\">Nothing was measured.</text>",
+                layout.left, layout.top
             );
         }
         svg + "</svg>"
     }
 
     /// Axes, grid, and the range of errors that say nothing.
-    fn frame(&self, svg: &mut String, across: &Axis, up: &Axis) {
+    fn frame(&self, svg: &mut String, layout: &Layout, across: &Axis, up: &Axis) {
+        let &Layout {
+            left,
+            right,
+            top,
+            bottom,
+            letter,
+            ..
+        } = layout;
         if let Some((floor, why)) = self.floor {
-            let y = up.place(floor).clamp(TOP, BOTTOM);
+            let y = up.place(floor).clamp(top, bottom);
             let _ = write!(
                 svg,
-                "<rect class=\"shade\" x=\"{LEFT}\" y=\"{y:.1}\" width=\"{}\" height=\"{:.1}\"/>",
-                RIGHT - LEFT,
-                BOTTOM - y
+                "<rect class=\"shade\" x=\"{left}\" y=\"{y:.1}\" width=\"{}\" height=\"{:.1}\"/>",
+                right - left,
+                bottom - y
             );
-            if BOTTOM - y > 20.0 {
+            if bottom - y > 20.0 {
                 let _ = write!(
                     svg,
-                    "<text x=\"{}\" y=\"{:.1}\" font-size=\"15\">{}</text>",
-                    LEFT + 8.0,
-                    BOTTOM - 8.0,
+                    "<text x=\"{}\" y=\"{:.1}\" font-size=\"{}\">{}</text>",
+                    left + 8.0,
+                    bottom - 8.0,
+                    letter - 2.0,
                     escape(why)
                 );
             }
@@ -138,8 +215,8 @@ impl LogLog<'_> {
             let x = across.place(value);
             let _ = write!(
                 svg,
-                "<path class=\"grid\" d=\"M{x:.1} {TOP}V{BOTTOM}\"/><text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                BOTTOM + 24.0,
+                "<path class=\"grid\" d=\"M{x:.1} {top}V{bottom}\"/><text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
+                bottom + 1.4 * letter,
                 tick_label(value)
             );
         }
@@ -152,27 +229,35 @@ impl LogLog<'_> {
             let y = up.place(value);
             let _ = write!(
                 svg,
-                "<path class=\"grid\" d=\"M{LEFT} {y:.1}H{RIGHT}\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                LEFT - 10.0,
-                y + 6.0,
+                "<path class=\"grid\" d=\"M{left} {y:.1}H{right}\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+                left - 8.0,
+                y + 0.35 * letter,
                 label
             );
         }
-        let middle = f64::midpoint(TOP, BOTTOM);
+        let middle = f64::midpoint(top, bottom);
+        // What stands behind a semicolon is said where there is space.
+        let short = self.x.split(';').next().unwrap_or(self.x);
+        let label = if layout.below { short } else { self.x };
         let _ = write!(
             svg,
-            "<path class=\"axis\" d=\"M{LEFT} {TOP}V{BOTTOM}H{RIGHT}\"/>\
+            "<path class=\"axis\" d=\"M{left} {top}V{bottom}H{right}\"/>\
              <text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\
-             <text transform=\"translate(24 {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            f64::midpoint(LEFT, RIGHT),
-            SIZE.1 - 20.0,
-            escape(self.x),
+             <text transform=\"translate({} {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+            f64::midpoint(left, right),
+            bottom + 3.0 * letter,
+            escape(label),
+            1.2 * letter,
             escape(self.y)
         );
     }
 
     /// Lines, marks and names. Earlier lines are wider, so that a later one on top of them hides nothing.
-    fn lines(&self, svg: &mut String, across: &Axis, up: &Axis) {
+    fn lines(&self, svg: &mut String, layout: &Layout, across: &Axis, up: &Axis) {
+        let place = |dot: &'_ Dot| {
+            let y = up.place(dot.y.min(LARGEST));
+            (across.place(dot.x), y.clamp(layout.top, layout.bottom))
+        };
         let drawn: Vec<Drawn<'_>> = self
             .curves
             .iter()
@@ -183,8 +268,14 @@ impl LogLog<'_> {
                     .iter()
                     .filter(|dot| is_drawn(dot))
                     .map(|dot| {
-                        let y = up.place(dot.y.min(LARGEST)).clamp(TOP, BOTTOM);
-                        (across.place(dot.x), y, dot.note.as_str())
+                        let (x, y) = place(dot);
+                        let half = dot.half.filter(|half| half.is_finite() && *half > dot.x);
+                        Place {
+                            x,
+                            y,
+                            half: half.map(|half| across.place(half)),
+                            note: &dot.note,
+                        }
                     })
                     .collect(),
             })
@@ -193,8 +284,14 @@ impl LogLog<'_> {
         for (index, drawn) in drawn.iter().enumerate() {
             drawn.line(svg, (WIDEST - THINNER * index as f64).max(THINNEST));
         }
-        for (place, drawn) in places(&drawn).into_iter().zip(&drawn) {
-            drawn.name(svg, place);
+        if layout.below {
+            for (index, drawn) in drawn.iter().enumerate() {
+                drawn.listed(svg, layout, layout.row(index));
+            }
+        } else {
+            for (place, drawn) in places(&drawn, layout).into_iter().zip(&drawn) {
+                drawn.name(svg, layout, place);
+            }
         }
     }
 }
@@ -204,19 +301,19 @@ fn is_drawn(dot: &Dot) -> bool {
 }
 
 /// Heights of the names: where the lines end, moved apart as far as they need.
-fn places(drawn: &[Drawn<'_>]) -> Vec<f64> {
+fn places(drawn: &[Drawn<'_>], layout: &Layout) -> Vec<f64> {
     let mut ends: Vec<(f64, usize)> = drawn
         .iter()
         .enumerate()
         .map(|(index, drawn)| (drawn.end().1, index))
         .collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut lowest = TOP + 4.0;
+    let mut lowest = layout.top + 4.0;
     for end in &mut ends {
         end.0 = end.0.max(lowest);
         lowest = end.0 + LABEL_HEIGHT;
     }
-    let mut highest = BOTTOM;
+    let mut highest = layout.bottom;
     for end in ends.iter_mut().rev() {
         end.0 = end.0.min(highest);
         highest = end.0 - LABEL_HEIGHT;
@@ -231,94 +328,141 @@ fn places(drawn: &[Drawn<'_>]) -> Vec<f64> {
 impl Drawn<'_> {
     /// The point where its name belongs: the rightmost one.
     fn end(&self) -> (f64, f64) {
-        let points = self.points.iter().map(|&(x, y, _)| (x, y));
+        let points = self.points.iter().map(|place| (place.x, place.y));
         points
             .max_by(|a, b| a.0.total_cmp(&b.0))
-            .unwrap_or((RIGHT, BOTTOM))
+            .unwrap_or((WIDE.right, WIDE.bottom))
     }
 
-    fn line(&self, svg: &mut String, width: f64) {
-        let colour = self.curve.colour % LINES.len();
-        let path: Vec<String> = self
-            .points
-            .iter()
-            .map(|(x, y, _)| format!("{x:.1} {y:.1}"))
-            .collect();
-        let dashes = if self.curve.dashed {
+    /// Its path: straight from point to point, or level up to each of them.
+    fn path(&self) -> String {
+        let mut path = String::new();
+        for (index, Place { x, y, .. }) in self.points.iter().enumerate() {
+            let _ = match (index, self.curve.steps) {
+                (0, _) => write!(path, "M{x:.1} {y:.1}"),
+                (_, true) => write!(path, "H{x:.1}V{y:.1}"),
+                (_, false) => write!(path, "L{x:.1} {y:.1}"),
+            };
+        }
+        path
+    }
+
+    fn dashes(&self) -> &'static str {
+        if self.curve.look.dashed {
             " stroke-dasharray=\"9 6\""
         } else {
             ""
-        };
+        }
+    }
+
+    fn line(&self, svg: &mut String, width: f64) {
+        let colour = self.curve.look.colour % LINES.len();
         let _ = write!(
             svg,
             "<g class=\"k{colour}\" stroke=\"currentColor\" stroke-width=\"{width:.1}\">\
-             <path fill=\"none\" stroke-linejoin=\"round\"{dashes} d=\"M{}\"/>",
-            path.join("L")
+             <path fill=\"none\" stroke-linejoin=\"round\"{} d=\"{}\"/>",
+            self.dashes(),
+            self.path()
         );
-        let fill = if self.curve.dashed {
-            "class=\"open\""
-        } else {
-            "fill=\"currentColor\""
-        };
-        for (x, y, note) in &self.points {
-            let _ = write!(
-                svg,
-                "<path {fill} stroke-width=\"1.6\" transform=\"translate({x:.1} {y:.1})\" d=\"{}\"><title>{}</title></path>",
-                mark(colour),
-                escape(note)
-            );
+        for place in &self.points {
+            if let Some(half) = place.half {
+                let _ = write!(
+                    svg,
+                    "<path class=\"half\" stroke-width=\"1.6\" d=\"M{:.1} {:.1}H{half:.1}\"/>",
+                    place.x, place.y
+                );
+            }
+            self.mark(svg, (place.x, place.y), place.note);
         }
         svg.push_str("</g>");
     }
 
-    fn name(&self, svg: &mut String, place: f64) {
+    fn mark(&self, svg: &mut String, (x, y): (f64, f64), note: &str) {
+        let fill = if self.curve.look.dashed {
+            "class=\"open\""
+        } else {
+            "fill=\"currentColor\""
+        };
+        let _ = write!(
+            svg,
+            "<path {fill} stroke-width=\"1.6\" transform=\"translate({x:.1} {y:.1})\" d=\"{}\"><title>{}</title></path>",
+            mark(self.curve.look.mark),
+            escape(note)
+        );
+    }
+
+    /// Its name beside the plot.
+    fn name(&self, svg: &mut String, layout: &Layout, place: f64) {
         let (x, y) = self.end();
-        let colour = self.curve.colour % LINES.len();
+        let colour = self.curve.look.colour % LINES.len();
         let _ = write!(
             svg,
             "<path class=\"leader k{colour}\" d=\"M{:.1} {y:.1}L{} {place:.1}\"/>\
              <text class=\"k{colour}\" fill=\"currentColor\" x=\"{}\" y=\"{:.1}\">{}</text>",
             x + 7.0,
-            RIGHT + 18.0,
-            RIGHT + 22.0,
+            layout.right + 18.0,
+            layout.right + 22.0,
             place + 6.0,
+            escape(&self.curve.name)
+        );
+    }
+
+    /// Its name in a list below the plot, behind a piece of the line.
+    fn listed(&self, svg: &mut String, layout: &Layout, row: f64) {
+        let colour = self.curve.look.colour % LINES.len();
+        let _ = write!(
+            svg,
+            "<g class=\"k{colour}\" stroke=\"currentColor\"><path fill=\"none\" stroke-width=\"2.4\"{} d=\"M6 {row:.1}H42\"/>",
+            self.dashes()
+        );
+        self.mark(svg, (24.0, row), "");
+        let _ = write!(
+            svg,
+            "</g><text x=\"50\" y=\"{:.1}\">{}</text>",
+            row + 0.35 * layout.letter,
             escape(&self.curve.name)
         );
     }
 }
 
-/// The outline of a mark, another one for each colour.
-fn mark(colour: usize) -> &'static str {
-    match colour {
-        0 => "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0-10 0z",
-        1 => "M-5-5H5V5H-5z",
-        2 => "M0-6L6 5H-6z",
-        3 => "M0-7L7 0L0 7L-7 0z",
-        4 => "M0 6L6-5H-6z",
-        5 => "M-6-2H-2V-6H2V-2H6V2H2V6H-2V2H-6z",
-        _ => "M-3-6H3L6 0L3 6H-3L-6 0z",
-    }
+/// The outline of a mark.
+fn mark(which: usize) -> &'static str {
+    const MARKS: [&str; 12] = [
+        "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0-10 0z",
+        "M-5-5H5V5H-5z",
+        "M0-6L6 5H-6z",
+        "M0-7L7 0L0 7L-7 0z",
+        "M0 6L6-5H-6z",
+        "M-6-2H-2V-6H2V-2H6V2H2V6H-2V2H-6z",
+        "M-3-6H3L6 0L3 6H-3L-6 0z",
+        "M-6 0L5-6V6z",
+        "M6 0L-5-6V6z",
+        "M0-7L2-2L7 0L2 2L0 7L-2 2L-7 0L-2-2z",
+        "M-7-3H7V3H-7z",
+        "M-3-7H3V7H-3z",
+    ];
+    MARKS[which % MARKS.len()]
 }
 
-/// Colours of a chart that is opened by itself or shown on a page.
-fn style() -> String {
+/// Colours of a chart of this class that is opened by itself or shown on a page.
+fn style(class: &str) -> String {
     let colours = |dark: bool| -> String {
         let lines = LINES.iter().enumerate();
         lines
             .map(|(index, (light, on_dark))| {
                 format!(
-                    ".chart .k{index}{{color:{}}}",
+                    ".{class} .k{index}{{color:{}}}",
                     if dark { on_dark } else { light }
                 )
             })
             .collect()
     };
     format!(
-        "<style>.chart{{color:#1f2430;background:#ffffff}}.chart .open{{fill:#ffffff}}\
-         .chart .grid{{stroke:#8a919e;stroke-opacity:.35;fill:none}}\
-         .chart .leader{{stroke:currentColor;stroke-dasharray:1 4;fill:none}}.chart .axis{{stroke:currentColor;fill:none}}\
-         .chart .shade{{fill:#8a919e;fill-opacity:.2}}{}@media (prefers-color-scheme:dark){{\
-         .chart{{color:#dfe3ea;background:#14171c}}.chart .open{{fill:#14171c}}{}}}</style>",
+        "<style>.{class}{{color:#1f2430;background:#ffffff}}.{class} .open{{fill:#ffffff}}\
+         .{class} .grid{{stroke:#8a919e;stroke-opacity:.35;fill:none}}.{class} .half{{fill:none}}\
+         .{class} .leader{{stroke:currentColor;stroke-dasharray:1 4;fill:none}}.{class} .axis{{stroke:currentColor;fill:none}}\
+         .{class} .shade{{fill:#8a919e;fill-opacity:.2}}{}@media screen and (prefers-color-scheme:dark){{\
+         .{class}{{color:#dfe3ea;background:#14171c}}.{class} .open{{fill:#14171c}}{}}}</style>",
         colours(false),
         colours(true)
     )
@@ -326,25 +470,27 @@ fn style() -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Curve, Dot, LABEL_HEIGHT, LINES, LogLog};
+    use super::{Curve, Dot, LABEL_HEIGHT, LogLog};
+    use crate::figure::Look;
 
     fn curve(name: &str, points: &[(f64, f64)]) -> Curve {
         Curve {
             name: name.to_owned(),
-            colour: 0,
-            dashed: false,
+            look: Look::of("phases"),
+            steps: false,
             points: points
                 .iter()
                 .map(|&(x, y)| Dot {
                     x,
                     y,
+                    half: Some(2.0 * x),
                     note: String::new(),
                 })
                 .collect(),
         }
     }
 
-    fn drawn(curves: Vec<Curve>) -> String {
+    fn chart(curves: Vec<Curve>) -> LogLog<'static> {
         LogLog {
             title: "a < b",
             x: "x",
@@ -353,7 +499,38 @@ mod tests {
             floor: Some((1e-12, "rounding")),
             curves,
         }
-        .svg()
+    }
+
+    fn drawn(curves: Vec<Curve>) -> String {
+        chart(curves).svg()
+    }
+
+    #[test]
+    fn narrow_chart_lists_its_names_below_and_steps_are_level() {
+        let line = |steps| Curve {
+            steps,
+            ..curve("one", &[(1.0, 1e-1), (0.1, 1e-2)])
+        };
+        let svg = chart(vec![line(true), line(false)]).narrow_svg();
+        // A telephone is 390 px wide.
+        assert!(svg.contains("class=\"slim\"") && svg.contains("width=\"358\""));
+        let heights: Vec<f64> = svg
+            .split("<text x=\"50\" y=\"")
+            .filter_map(|rest| rest.split_once("\">one</text>"))
+            .filter_map(|(height, _)| height.parse().ok())
+            .collect();
+        assert_eq!(heights.len(), 2);
+        assert!(heights[1] - heights[0] >= LABEL_HEIGHT - 0.11);
+        assert_eq!(svg.matches("class=\"half\"").count(), 4);
+        let path = |from: &str| -> String {
+            let (_, rest) = svg.split_once(from).unwrap();
+            rest.split('"').next().unwrap().to_owned()
+        };
+        let level = path("stroke-linejoin=\"round\" d=\"");
+        assert!(
+            level.contains('H') && level.contains('V') && !level.contains('L'),
+            "{level}"
+        );
     }
 
     #[test]
@@ -400,101 +577,5 @@ mod tests {
                 .windows(2)
                 .all(|pair| pair[1] - pair[0] > LABEL_HEIGHT - 0.11)
         );
-    }
-
-    /// Red, green and blue of light, from a colour as in CSS.
-    fn linear(colour: &str) -> [f64; 3] {
-        [1, 3, 5].map(|at| {
-            let share = f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()) / 255.0;
-            if share <= 0.04045 {
-                share / 12.92
-            } else {
-                ((share + 0.055) / 1.055).powf(2.4)
-            }
-        })
-    }
-
-    fn product(matrix: [[f64; 3]; 3], vector: [f64; 3]) -> [f64; 3] {
-        matrix.map(|row| row.iter().zip(vector).map(|(a, b)| a * b).sum::<f64>())
-    }
-
-    /// Lightness and two opponent colours (CIE 1976 L*a*b*).
-    fn lab(light: [f64; 3]) -> [f64; 3] {
-        let xyz = product(
-            [
-                [0.4124, 0.3576, 0.1805],
-                [0.2126, 0.7152, 0.0722],
-                [0.0193, 0.1192, 0.9505],
-            ],
-            light,
-        );
-        let white = [0.9505, 1.0, 1.089];
-        let f = |i: usize| {
-            let share = (xyz[i] / white[i]).max(0.0);
-            if share > 0.008_856 {
-                share.cbrt()
-            } else {
-                7.787 * share + 16.0 / 116.0
-            }
-        };
-        [
-            116.0 * f(1) - 16.0,
-            500.0 * (f(0) - f(1)),
-            200.0 * (f(1) - f(2)),
-        ]
-    }
-
-    #[test]
-    fn colours_stay_apart_for_colour_blind_eyes_and_from_the_page() {
-        // Machado, Oliveira, Fernandes (2009), severity 1: protanopia, deuteranopia, tritanopia; and normal sight.
-        let eyes = [
-            [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            [
-                [0.152_286, 1.052_583, -0.204_868],
-                [0.114_503, 0.786_281, 0.099_216],
-                [-0.003_882, -0.048_116, 1.051_998],
-            ],
-            [
-                [0.367_322, 0.860_646, -0.227_968],
-                [0.280_085, 0.672_501, 0.047_413],
-                [-0.011_820, 0.042_940, 0.968_881],
-            ],
-            [
-                [1.255_528, -0.076_749, -0.178_779],
-                [-0.078_411, 0.930_809, 0.147_602],
-                [0.004_733, 0.691_367, 0.303_900],
-            ],
-        ];
-        let luminance = |colour: &str| {
-            let [r, g, b] = linear(colour);
-            0.2126 * r + 0.7152 * g + 0.0722 * b
-        };
-        for (page, colours) in [
-            ("#ffffff", LINES.map(|line| line.0)),
-            ("#14171c", LINES.map(|line| line.1)),
-        ] {
-            for (index, one) in colours.iter().enumerate() {
-                let (a, b) = (luminance(page) + 0.05, luminance(one) + 0.05);
-                // WCAG 2.1 asks for 3 between graphics and what is behind them.
-                assert!(
-                    a.max(b) / a.min(b) >= 3.0,
-                    "{one} on {page}: {}",
-                    a.max(b) / a.min(b)
-                );
-                for other in &colours[..index] {
-                    for eye in eyes {
-                        let [a, b] = [one, other].map(|colour| lab(product(eye, linear(colour))));
-                        let distance = a
-                            .iter()
-                            .zip(b)
-                            .map(|(a, b)| (a - b).powi(2))
-                            .sum::<f64>()
-                            .sqrt();
-                        // More than ten just noticeable differences of 2.3; marks differ as well.
-                        assert!(distance > 25.0, "{one} and {other}: {distance}");
-                    }
-                }
-            }
-        }
     }
 }

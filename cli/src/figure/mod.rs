@@ -1,23 +1,19 @@
 //! Figures as SVG, readable on light and on dark pages.
 
 mod axis;
+mod colours;
 mod log_log;
 mod plane;
 mod time;
 
 use kuva::prelude::{Layout, Plot, Theme, render_to_svg};
 
+use colours::GREY;
+pub(crate) use colours::{COLOURS, Look};
 pub(crate) use log_log::{Curve, Dot, LogLog};
 pub(crate) use plane::{Motion, Path, frame};
 pub(crate) use time::{Panel, Series, over_time};
 
-/// Colours with enough contrast on white and on near-black.
-pub(crate) const COLOURS: [&str; 9] = [
-    "#2f7ed8", "#d9601a", "#2a9d5c", "#9a63d8", "#d6409f", "#0e9aa7", "#a67c2d", "#7c8594",
-    "#c2483d",
-];
-/// Ground and reference lines.
-pub(crate) const GREY: &str = "#8a919e";
 /// Width and height of a figure [px].
 const SIZE: (f64, f64) = (900.0, 520.0);
 

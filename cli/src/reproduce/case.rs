@@ -3,7 +3,7 @@
 use crate::{ComparedValue, Measure, PublishedCase, PublishedData, Quantity, Scene};
 
 use crate::failure::BadInput;
-use crate::page::Section;
+use crate::page::{Player, Section};
 use crate::quantity;
 use crate::sampling::State;
 use crate::settings::ChosenScene;
@@ -32,6 +32,8 @@ pub(super) struct Reproduced {
     pub(super) diagnoses: Vec<String>,
     pub(super) files: Vec<(String, String)>,
     pub(super) section: Section,
+    /// The motion, to play beside what was published; `None` without one.
+    pub(super) player: Option<Player>,
 }
 
 /// One compared value.
@@ -60,10 +62,15 @@ impl Case {
 
     /// What a value is, with its unit.
     pub(super) fn label(&self, value: ComparedValue) -> String {
+        headed(&self.words(value), value.unit)
+    }
+
+    /// What a value is.
+    pub(super) fn words(&self, value: ComparedValue) -> String {
         let model = self.chosen.model.as_ref();
         let symbol = |quantity| quantity::symbol(model, quantity);
         let coordinate = |index| symbol(Quantity::Coordinate(index));
-        let words = match value.measure {
+        match value.measure {
             Measure::FinalTime => "final time".to_owned(),
             Measure::Final(quantity) => format!("{} at the end", symbol(quantity)),
             Measure::Gain(quantity) => format!("gain of {}", symbol(quantity)),
@@ -75,8 +82,7 @@ impl Case {
                 kind.name().replace('_', "-")
             ),
             Measure::Reach(index, target) => format!("{} = {target:.4} at", coordinate(index)),
-        };
-        headed(&words, value.unit)
+        }
     }
 }
 
@@ -111,4 +117,38 @@ impl Row {
 /// Ten decimals, or a dash.
 pub(super) fn decimals(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |value| format!("{value:.10}"))
+}
+
+/// Digits of a value of whose error nothing is known, and most digits: beyond them the difference itself says more.
+const DIGITS: [f64; 2] = [6.0, 8.0];
+
+/// A value with the digits that matter: down to the first one that its error may change, but not more than eight; six where
+/// nothing is known of that.
+pub(super) fn significant(value: f64, error: Option<f64>) -> String {
+    // The place behind the point of the digit with this power of ten.
+    let place = |x: f64| -x.abs().log10().floor();
+    let first = if value == 0.0 { 0.0 } else { place(value) };
+    let most = first + DIGITS[1] - 1.0;
+    let decimals = match error.filter(|error| error.is_finite()) {
+        Some(0.0) => most,
+        Some(error) => place(error).min(most),
+        None => first + DIGITS[0] - 1.0,
+    };
+    format!("{value:.*}", decimals.max(0.0) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::significant;
+
+    #[test]
+    fn digits_end_where_the_error_begins_and_are_eight_at_most() {
+        assert_eq!(significant(35.828_043_575, Some(-2.4e-1)), "35.8");
+        assert_eq!(significant(1.785_438_154_1, Some(7.5e-11)), "1.7854382");
+        assert_eq!(significant(35.110_734_819_3, Some(-3.1e-9)), "35.110735");
+        assert_eq!(significant(16.510_246_358, None), "16.5102");
+        assert_eq!(significant(0.0, None), "0.00000");
+        assert_eq!(significant(1234.5, Some(20.0)), "1234");
+        assert_eq!(significant(0.5, Some(0.0)), "0.50000000");
+    }
 }

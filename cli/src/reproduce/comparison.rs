@@ -1,6 +1,6 @@
 //! The numbers of a case beside each other.
 
-use super::case::{Case, Row, decimals};
+use super::case::{Case, Row, significant};
 use super::column::Column;
 
 /// The rows of the comparison with `ours`.
@@ -31,9 +31,19 @@ pub(super) fn comparison(
     let mut table: Vec<Vec<String>> = rows
         .iter()
         .map(|row| {
-            let mut cells = vec![row.label.clone(), row.published_text(), row.known_text()];
+            let known = row.value.reference.value();
+            let number = |value: Option<f64>, measure: Option<f64>| {
+                let error = value.zip(measure).map(|(value, right)| value - right);
+                value.map_or_else(|| "-".to_owned(), |value| significant(value, error))
+            };
+            let published = match row.value.stated {
+                Some(_) => row.published_text(),
+                None => number(row.published, known),
+            };
+            // A reference is shown to the digits of what is compared with it.
+            let mut cells = vec![row.label.clone(), published, number(known, row.ours)];
             let measured = columns.iter();
-            cells.extend(measured.map(|column| decimals(column.measure(case, row.value))));
+            cells.extend(measured.map(|column| number(column.measure(case, row.value), known)));
             cells
         })
         .collect();

@@ -10,6 +10,7 @@ use hangtime::simulation::{
 use super::case::{Case, Reproduced};
 use super::column::Column;
 use super::comparison::{comparison, rows};
+use super::motion::player;
 use super::overview::{INDEX, section_of};
 use crate::bounds::Bounds;
 use crate::ending::Ending;
@@ -54,6 +55,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
                 rows: usize::MAX,
                 index: Some(INDEX),
                 facts: optimum_facts(&method, &solution, &ending),
+                charts: Vec::new(),
                 further: Vec::new(),
             };
             files.extend(result.contents());
@@ -88,6 +90,7 @@ pub(super) fn reproduce(case: Case, bounds: &Bounds) -> Result<Reproduced, BadIn
     let (header, table) = comparison(&case, &rows, &columns);
     let states = ours.map(|ours| dense(model, &ours.simulation.trajectory));
     Ok(Reproduced {
+        player: ours.and_then(|ours| player(&case, &ours.simulation)),
         section: section_of(published, &remarks, &files, header, table),
         case,
         states: states.unwrap_or_default(),

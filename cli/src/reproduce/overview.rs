@@ -4,17 +4,17 @@ use std::fmt::Write as _;
 
 use crate::{PublishedCase, Quantity, Reference, Task};
 
-use super::case::{Reproduced, decimals};
+use super::case::{Reproduced, decimals, significant};
 use crate::figure::{COLOURS, Series, over_time};
 use crate::motion::{panel, series};
-use crate::page::Section;
+use crate::page::{Block, Section, Table};
 use crate::table::{seconds, table};
 
 /// The page that shows everything: its file, and what it holds.
 pub(super) const INDEX: (&str, &str) = ("index.html", "all published results");
-/// What the page is about.
-pub(super) const INTRODUCTION: &str = "Each section shows a published motion beside the same motion computed here. \
-    Certified values come from quadrature or Taylor series in at least 25 digits; best known values are the best \
+/// What words mean.
+pub(super) const NOTE: &str = "Each section shows a published motion beside the same motion computed here. Numbers end at the \
+    first digit that their error changes, or after eight; without a better value to compare with they have six. Certified values come from quadrature or Taylor series in at least 25 digits; best known values are the best \
     local optima that any search has found. The residual of a simulation is its largest violated equation or sign \
     condition; that of an optimum is the distance at the end between the plan and an independent event-driven \
     simulation under its controls.";
@@ -126,16 +126,80 @@ fn short(published: &PublishedCase) -> String {
         .to_owned()
 }
 
-/// The overview on the page.
-pub(super) fn section(reproduced: &[Reproduced], figures: &[(String, String)]) -> Section {
+/// The columns of the table on the page.
+const COLUMNS: [&str; 8] = [
+    "case",
+    "value",
+    "published",
+    "hangtime",
+    "certified (or best known)",
+    "published off by",
+    "hangtime off by",
+    "CPU time",
+];
+
+/// All values, with their units and the digits that matter.
+pub(super) fn values(reproduced: &[Reproduced]) -> Table {
+    let mut rows = Vec::new();
+    for one in reproduced {
+        for (index, row) in one.rows.iter().enumerate() {
+            let of_first = |text: String| if index == 0 { text } else { String::new() };
+            let known = row.value.reference.value();
+            let off = |value: Option<f64>| Some(value? - known?);
+            let unit = row.value.unit;
+            let with_unit = |text: String| format!("{text} {unit}").trim_end().to_owned();
+            let number = |value: Option<f64>, error: Option<f64>| {
+                value.map_or_else(
+                    || "-".to_owned(),
+                    |value| with_unit(significant(value, error)),
+                )
+            };
+            let difference = |value: Option<f64>| {
+                off(value).map_or_else(|| "-".to_owned(), |off| with_unit(format!("{off:+.0e}")))
+            };
+            let published = match row.value.stated {
+                // Rounded by the authors: more digits would not be theirs.
+                Some(stated) => with_unit(stated.to_string()),
+                None => number(row.published, off(row.published)),
+            };
+            let reference = number(known, off(row.ours));
+            rows.push(vec![
+                of_first(one.case.published.title.to_owned()),
+                one.case.words(row.value),
+                published,
+                number(row.ours, off(row.ours)),
+                match row.value.reference {
+                    Reference::BestKnown(_) => format!("({reference})"),
+                    _ => reference,
+                },
+                difference(row.published),
+                difference(row.ours),
+                of_first(seconds(one.seconds)),
+            ]);
+        }
+    }
+    Table {
+        header: COLUMNS.map(str::to_owned).into(),
+        rows,
+        dense: true,
+    }
+}
+
+/// The section of all values on the page.
+pub(super) fn section(reproduced: &[Reproduced]) -> Section {
     Section {
-        heading: "Overview".to_owned(),
-        text: "Best known values stand in brackets.".to_owned(),
-        animation: None,
-        folds: Vec::new(),
-        figures: figures.iter().map(|(_, svg)| svg.clone()).collect(),
-        header: HEADER.map(str::to_owned).into(),
-        rows: rows(reproduced),
+        heading: "Published numbers".to_owned(),
+        blocks: vec![Block::Table(values(reproduced))],
+        files: Vec::new(),
+    }
+}
+
+/// The section of the cases of each scene over time.
+pub(super) fn over_time_section(figures: &[(String, String)]) -> Section {
+    let drawn = figures.iter().map(|(_, svg)| Block::figure(svg.clone()));
+    Section {
+        heading: "Over time".to_owned(),
+        blocks: drawn.collect(),
         files: figures
             .iter()
             .map(|(name, _)| (name.clone(), name.clone()))
@@ -159,14 +223,12 @@ pub(super) fn section_of(
         }
     }
     let figures = files.iter().filter(|(name, _)| name.ends_with(".svg"));
+    let mut blocks = vec![Block::Text(text)];
+    blocks.extend(figures.map(|(_, svg)| Block::figure(svg.clone())));
+    blocks.push(Block::table(header, rows));
     Section {
         heading: published.title.to_owned(),
-        text,
-        animation: None,
-        folds: Vec::new(),
-        figures: figures.map(|(_, svg)| svg.clone()).collect(),
-        header,
-        rows,
+        blocks,
         files: files
             .iter()
             .map(|(name, _)| {

@@ -5,6 +5,7 @@ use hangtime::simulation::{InitialValueProblem, Simulation};
 use super::case::{Case, Reproduced};
 use super::column::Column;
 use super::comparison::{comparison, rows};
+use super::motion::player;
 use super::overview::{INDEX, section_of};
 use crate::arguments::{Method, MethodArguments, SchemeName};
 use crate::bounds::Bounds;
@@ -92,6 +93,7 @@ pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Rep
                 rows: usize::MAX,
                 index: Some(INDEX),
                 facts: simulation_facts(&method, &simulation, &ending),
+                charts: Vec::new(),
                 further: Vec::new(),
             };
             files.extend(result.contents());
@@ -120,6 +122,7 @@ pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Rep
     let states = dense(model, &ours.simulation.trajectory);
     let residual = ours.residual;
     Ok(Reproduced {
+        player: player(&case, &ours.simulation),
         section: section_of(published, &remarks, &files, header, table),
         case,
         states,

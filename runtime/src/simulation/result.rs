@@ -80,7 +80,16 @@ enum Side {
     After,
 }
 
+/// What stands between a diagnosis and the method that takes the motion over from the one that was asked for, in a note.
+pub(super) const TAKEN_OVER: &str = "this is the motion by";
+
 impl Simulation {
+    /// Whether the motion is by another method than the one that was asked for, which failed; a note says why.
+    #[must_use]
+    pub fn is_handed_over(&self) -> bool {
+        self.notes.iter().any(|note| note.contains(TAKEN_OVER))
+    }
+
     /// Leaves the coordinates out that stand for parameters, at the values of which `scene` is the model without them.
     pub(crate) fn leave_held_out(&mut self, scene: &dyn Model) {
         let n = scene.declaration().coordinates.len();

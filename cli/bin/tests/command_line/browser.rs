@@ -104,6 +104,18 @@ pub(crate) fn visit(
     visitor: &str,
     origin: Origin,
 ) -> (Value, String) {
+    visit_sized(browser, folder, page, visitor, origin, (1280, 800))
+}
+
+/// The same with a window of this width and height [px].
+pub(crate) fn visit_sized(
+    browser: &Path,
+    folder: &Path,
+    page: &str,
+    visitor: &str,
+    origin: Origin,
+    (width, height): (u32, u32),
+) -> (Value, String) {
     let server = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = format!("http://{}", server.local_addr().unwrap());
     let (before, after) = page.rsplit_once("</body>").unwrap();
@@ -120,7 +132,6 @@ pub(crate) fn visit(
     let child = Command::new(browser)
         .args([
             "--headless",
-            "--window-size=1280,800",
             "--no-sandbox",
             "--disable-gpu",
             "--disable-quic",
@@ -129,6 +140,7 @@ pub(crate) fn visit(
             "--disable-component-update",
             "--disable-sync",
         ])
+        .arg(format!("--window-size={width},{height}"))
         .arg("--enable-logging=stderr")
         .arg(format!(
             "--user-data-dir={}",

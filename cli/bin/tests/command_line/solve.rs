@@ -256,7 +256,16 @@ fn solve_with_out_writes_data_and_a_picture() {
     ] {
         assert!(text.contains(words), "`{words}` is missing in\n{text}");
     }
-    assert_eq!(scratch.names(), result_files("pump-track-optimal"));
+    // Where a first motion was improved upon, how it was is drawn as well.
+    let document: serde_json::Value =
+        serde_json::from_str(&scratch.read("pump-track-optimal.json")).unwrap();
+    let improved = document["improvements"].as_array().unwrap().len() > 1;
+    let mut names = result_files("pump-track-optimal").to_vec();
+    names.extend(improved.then(|| "pump-track-optimal-search.svg".to_owned()));
+    names.sort();
+    assert_eq!(scratch.names(), names);
+    let page = scratch.read("pump-track-optimal.html");
+    assert_eq!(page.contains("best objective over CPU time"), improved);
     assert_page_shows_its_ride(&scratch, "pump-track-optimal");
 }
 

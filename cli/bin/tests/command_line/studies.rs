@@ -1,6 +1,6 @@
 //! `reproduce`, `chart` and `explain --size`.
 
-use crate::browser::{Origin, browser, visit};
+use crate::browser::{Origin, browser, visit, visit_sized};
 use crate::support::{Scratch, assert_page_shows_its_result, json, result_files, solved};
 use serde_json::Value;
 
@@ -43,16 +43,133 @@ fn reproduce_covers_the_publication_with_figures_data_and_pages() {
         "{names:?}"
     );
     let page = scratch.read("index.html");
-    // Two figures a case, and one a scene.
-    assert_eq!(page.matches("<svg").count(), 2 * cases.len() + 2);
-    for outside in ["<script", "<link", "src=", "@import", "url(http"] {
+    // Two figures a case, one a scene, the chart in two widths, and two stages on which something moves.
+    assert_eq!(page.matches("<svg").count(), 2 * cases.len() + 2 + 2 + 2);
+    for outside in ["<link", " src=", "@import", "url(http", "fetch(", "import "] {
         assert!(!page.contains(outside), "the page loads `{outside}`");
     }
+    assert_opens_with_motions(&page);
+    assert_index_fits(&scratch, &page);
     for name in &names {
         assert!(
             name == "index.html" || page.contains(&format!("href=\"{name}\"")),
             "{name} is not linked"
         );
+    }
+}
+
+/// What moves first, then the chart with what to read off it, then the numbers with their units, then what else there is.
+fn assert_opens_with_motions(page: &str) {
+    let place = |words: &str| {
+        page.find(words)
+            .unwrap_or_else(|| panic!("`{words}` is missing"))
+    };
+    let order = [
+        "<h1>",
+        "id=\"stage\"",
+        "id=\"stage1\"",
+        "<h2>Error over CPU time",
+        " is there first, after ",
+        "class=\"chart\"",
+        "<h2>Published numbers",
+        "<table",
+        "<nav>",
+        "Each section shows",
+    ]
+    .map(place);
+    assert!(order.is_sorted(), "{order:?}");
+    // Both play by themselves, the second one beside what was published.
+    let plays = page.matches("data-plays>").count();
+    assert_eq!(plays, 2);
+    let [ride, shown] = ["frames", "frames1"].map(|id| {
+        let opening = format!("<script type=\"application/json\" id=\"{id}\" data-plays>");
+        let (_, rest) = page.split_once(&opening).unwrap();
+        serde_json::from_str::<Value>(rest.split_once("</script>").unwrap().0).unwrap()
+    });
+    // Two wheels that roll, and the rider.
+    let names: Vec<&str> = ride["bodies"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|b| b["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["back", "fore", "body"]);
+    assert!(ride.get("published").is_none());
+    let published = shown["published"].as_array().unwrap();
+    assert!(published.len() > 2, "{published:?}");
+    // Numbers have as many digits as they are worth, and their unit.
+    assert!(
+        page.contains("<td>35.8 m</td>"),
+        "rounded where it is off by 0.2 m"
+    );
+    assert!(page.contains("<td>7.56 km/h</td>"), "as the authors say it");
+    assert!(
+        !page.contains("35.8280435750</td><td>"),
+        "ten digits of which two are right"
+    );
+    // No backticks outside of what plays.
+    let (before, rest) = page.split_once("<script").unwrap();
+    let (_, after) = page.rsplit_once("</script>").unwrap();
+    assert!(!before.contains('`') && !after.contains('`'));
+    assert!(rest.contains("</script>"));
+}
+
+/// What a visitor of the first page sees.
+const INDEX_VISITOR: &str = r##"
+<script>
+const box = (node) => { const { top, bottom, left, right } = node.getBoundingClientRect(); return { top: top + scrollY, bottom: bottom + scrollY, left, right }; };
+const seen = (selector) => [...document.querySelectorAll(selector)].filter((node) => node.getBoundingClientRect().width > 0);
+setTimeout(() => {
+  report.width = innerWidth;
+  report.sideways = document.documentElement.scrollWidth - innerWidth;
+  report.stages = seen(".stage").map(box);
+  report.charts = seen(".chart, .slim").map((node) => ({ ...box(node), text: Math.min(...[...node.querySelectorAll("text")].map((text) => text.getBoundingClientRect().height)) }));
+  report.details = box(document.querySelector("nav")).top;
+  report.tables = [...document.querySelectorAll(".table")].slice(0, 1).map((table) => table.scrollWidth - table.clientWidth);
+  report.clocks = seen(".clock").map((clock) => parseFloat(clock.value));
+  report.buttons = seen(".toggle").map((button) => button.textContent);
+  send();
+}, 700);
+</script>
+"##;
+
+/// The first page in a browser, where there is one: motions in the first screen and on their way, at most three screens of 800 px before
+/// the details, nothing wider than the window.
+fn assert_index_fits(scratch: &Scratch, page: &str) {
+    let Some(browser) = browser() else {
+        return;
+    };
+    for size in [(1280, 800), (1920, 1080), (500, 844)] {
+        let (report, console) = visit_sized(
+            &browser,
+            &scratch.0,
+            page,
+            INDEX_VISITOR,
+            Origin::Server,
+            size,
+        );
+        assert_eq!(console, "");
+        assert_eq!(report["errors"], serde_json::json!([]));
+        assert!(report["sideways"].as_f64().unwrap() <= 0.0, "{report}");
+        let list = |what: &str| report[what].as_array().unwrap().clone();
+        assert_eq!(list("stages").len(), 2);
+        let first = &list("stages")[0];
+        assert!(first["bottom"].as_f64().unwrap() < 800.0, "{report}");
+        for clock in list("clocks") {
+            assert!(clock.as_f64().unwrap() > 0.0, "it stands still: {report}");
+        }
+        assert_eq!(list("charts").len(), 1, "{report}");
+        let chart = &list("charts")[0];
+        assert!(chart["text"].as_f64().unwrap() >= 10.0, "{report}");
+        if size.0 >= 1280 {
+            assert!(
+                list("stages")[1]["bottom"].as_f64().unwrap() < 800.0,
+                "{report}"
+            );
+            assert!(chart["bottom"].as_f64().unwrap() < 1600.0, "{report}");
+            assert!(report["details"].as_f64().unwrap() < 2400.0, "{report}");
+            assert_eq!(list("tables"), [0], "{report}");
+        }
     }
 }
 
@@ -139,7 +256,7 @@ fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_sche
     // Another program comes to the same end by itself, as the points that are stored of it show.
     let scipy = csv
         .lines()
-        .filter(|line| line.starts_with("\"scipy DOP853, stored "));
+        .filter(|line| line.starts_with("scipy DOP853 (stored "));
     let errors = scipy.map(|line| {
         let (_, error) = line.split_once(",,").unwrap();
         error.split(',').next().unwrap().parse::<f64>().unwrap()
@@ -167,6 +284,28 @@ fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_sche
     // Two starts: step sizes, CPU times, other programs, three families of schemes.
     assert_eq!(page.matches("<svg").count(), 12);
     assert!(!page.contains("NaN"));
+}
+
+/// The name at the end of a line has the colour of its method in every figure of a page.
+fn assert_one_colour_a_method(page: &str) {
+    let mut colours: Vec<(String, &str)> = Vec::new();
+    for label in page.split("<text class=\"k").skip(1) {
+        let (colour, rest) = label.split_once('"').unwrap();
+        let (_, name) = rest.split_once('>').unwrap();
+        let name = name.split(['<', ':']).next().unwrap().to_owned();
+        match colours.iter().find(|(known, _)| *known == name) {
+            Some((_, known)) => assert_eq!(*known, colour, "{name}"),
+            None => colours.push((name, colour)),
+        }
+    }
+    let of = |name: &str| {
+        let found = colours.iter().find(|(known, _)| known == name);
+        found.unwrap_or_else(|| panic!("{name}: {colours:?}")).1
+    };
+    // Variants of one method have its colour, other methods another one.
+    assert_eq!(of("Radau-3"), of("finite elements (default)"));
+    assert_eq!(of("time-freezing Radau-3"), of("time-freezing, controlled"));
+    assert_ne!(of("event-driven"), of("finite elements (default)"));
 }
 
 /// Opens folds and looks.
@@ -213,7 +352,7 @@ fn assert_readable(scratch: &Scratch, page: &str, figures: usize) {
     assert!(!tables.is_empty(), "{report}");
     for table in tables {
         assert!(table["rows"].as_u64().unwrap() > 1, "{table}");
-        assert!(table["fold"] == true || table["wide"] == 0, "{report}");
+        assert_eq!(table["wide"], 0, "cut off at 1280 px: {report}");
     }
     assert_eq!(report["lost"], 0);
     assert_eq!(report["outside"], 0);
@@ -246,13 +385,24 @@ fn chart_of_several_scenes_is_one_page_with_an_overview_and_orders_through_every
     let read = |name: &str| std::fs::read_to_string(format!("{out}/{name}")).unwrap();
     let page = read("chart.html");
     assert_eq!(page.matches("<section").count(), 3);
-    assert_eq!(page.matches("<svg").count(), 10);
+    assert_eq!(page.matches("<svg").count(), 12);
     assert_eq!(page.matches("<nav>").count(), 0);
     assert!(
-        !page.contains("http://") || page.matches("http://").count() == 10,
+        !page.contains("http://") || page.matches("http://").count() == 12,
         "only name spaces"
     );
     assert!(read("chart-drop.csv").lines().count() > 150);
+    assert_one_colour_a_method(&page);
+    assert!(
+        !page.contains('`'),
+        "words are set as code, without backticks"
+    );
+    // What to read off a chart, the chart, and the table after it.
+    for study in page.split("<section id=").skip(1) {
+        let places = [" is there first, after ", "class=\"chart\"", "<table"];
+        let places = places.map(|words| study.find(words).unwrap_or_else(|| panic!("{words}")));
+        assert!(places.is_sorted(), "{places:?}");
+    }
     assert_readable(&scratch, &page, 4);
 }
 
