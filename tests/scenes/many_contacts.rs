@@ -48,6 +48,7 @@ fn default_and_event_driven_agree_on_up_to_forty_contacts() {
         families::rough_blocks(12),
         families::discs(6),
         families::chain(5),
+        families::bar(6),
     ];
     for text in scenes {
         let scene = scene(&text);

@@ -30,7 +30,8 @@ hangtime::model! {
         lagrangian m/2*|dot((y, z))|^2 - m*g*z
         surface ground: z >= 0
         impact ground: inelastic
-        start { z: 1[m], dot(y): free, dot(z): free }
+        start { z: 1[m] }
+        free { dot(y) in 0..=9, dot(z) in -1..=9 }
         minimize dot(y)^2 + dot(z)^2
         finally { y == 3[m] }
     }

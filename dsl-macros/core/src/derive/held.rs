@@ -102,19 +102,7 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         let rates = scene.coordinates[n..].iter().map(rate);
         scene.states.extend(rates);
     }
-    let forces = scene.forces.iter_mut();
-    forces.for_each(|force| *force = one(*force));
-    for contact in &mut scene.contacts {
-        replace_in(contact, n + held, &one);
-    }
-    for joint in &mut scene.joints {
-        for row in &mut joint.rows {
-            *row = one(*row);
-        }
-    }
-    for output in &mut scene.outputs {
-        output.value = one(output.value);
-    }
+    replace_in_mechanism(&mut scene, n + held, &one);
     scene.picture = None;
     // Start values of experiments are for the parameters as they are.
     scene.experiments.clear();
@@ -142,6 +130,23 @@ pub(crate) fn with_held(scene: CheckedScene, chosen: &[u16]) -> CheckedScene {
         controls: changing.iter().map(|known| known.rows.len()).collect(),
     });
     scene
+}
+
+/// Replaces what forces, contacts, joints and outputs of a scene read, which has so many coordinates then.
+fn replace_in_mechanism(scene: &mut CheckedScene, coordinates: usize, one: &impl Fn(Sym) -> Sym) {
+    let forces = scene.forces.iter_mut();
+    forces.for_each(|force| *force = one(*force));
+    for contact in &mut scene.contacts {
+        replace_in(contact, coordinates, one);
+    }
+    for joint in &mut scene.joints {
+        for row in &mut joint.rows {
+            *row = one(*row);
+        }
+    }
+    for output in &mut scene.outputs {
+        output.value = one(output.value);
+    }
 }
 
 /// The free ones among held parameters, by their places behind `n` coordinates, with their ranges.

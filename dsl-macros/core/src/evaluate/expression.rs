@@ -404,6 +404,17 @@ fn call(
     if words::CONTACT_FUNCTIONS.contains(&text) {
         return recorded::of_contact(scope, whole, text, arguments, diagnostics);
     }
+    by_arity(scope, whole, (function, arguments), diagnostics)
+}
+
+/// A call of a function of numbers or vectors, with as many arguments as it takes.
+fn by_arity(
+    scope: &mut Scope,
+    whole: &Expr,
+    (function, arguments): (&Name, &[Expr]),
+    diagnostics: &mut Diagnostics,
+) -> Checked<Value> {
+    let text = function.text.as_str();
     let wanted = match text {
         "dot" if arguments.len() == 2 => 2,
         "atan2" | "cross" => 2,

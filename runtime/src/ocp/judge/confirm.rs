@@ -332,7 +332,6 @@ pub(in crate::ocp) fn confirm(
     let agrees = departure <= settings.largest_distance && disagreement.is_none() && costs_the_same;
     let status = status_of(runner, agrees, stationarity);
     let interval = trajectory.horizon / setting.problem.intervals as f64;
-    let limits = Limits::new(setting, settings);
     Ok(Solution {
         status,
         objective: solution.objective,
@@ -355,7 +354,10 @@ pub(in crate::ocp) fn confirm(
         },
         planned_events: planned_events(program.model, sequence, interval),
         margins,
-        excess: forces::excess(&forces, excess(program, &solution.x, limits)),
+        excess: forces::excess(
+            &forces,
+            excess(program, &solution.x, Limits::new(setting, settings)),
+        ),
         controls: trajectory.controls.values().to_vec(),
         control_times: trajectory.controls.times(trajectory.horizon),
         shape: trajectory.controls.shape(),

@@ -117,27 +117,30 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         }
         Statement::At {
             time, conditions, ..
-        } => {
-            if !is_bare(time) {
-                let own = walk.scalar(time)?;
-                walk.expect(
-                    time,
-                    &own,
-                    &Dimension::second(),
-                    "conditions hold at a time",
-                )?;
-            }
-            for condition in conditions {
-                let own = comparison(walk, condition, "both sides of a condition")?;
-                walk.goals.push(own);
-            }
-            Ok(())
-        }
+        } => at(walk, time, conditions),
         Statement::Start(assignments) => starts(walk, assignments),
         Statement::Horizon { value, .. } => horizon(walk, value),
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
         Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
+}
+
+/// Conditions at a time.
+fn at(walk: &mut Walk<'_>, time: &Expr, conditions: &[Condition]) -> Checked<()> {
+    if !is_bare(time) {
+        let own = walk.scalar(time)?;
+        walk.expect(
+            time,
+            &own,
+            &Dimension::second(),
+            "conditions hold at a time",
+        )?;
+    }
+    for condition in conditions {
+        let own = comparison(walk, condition, "both sides of a condition")?;
+        walk.goals.push(own);
+    }
+    Ok(())
 }
 
 /// Each assignment reports its own mistakes; the next one is checked all the same.
