@@ -32,7 +32,7 @@ hangtime::model! {
         impact ground: inelastic
         start { z: 1[m] }
         free { dot(y) in 0..=9, dot(z) in -1..=9 }
-        minimize dot(y)^2 + dot(z)^2
+        minimize time
         finally { y == 3[m] }
     }
 }
@@ -97,15 +97,15 @@ fn two_intervals_are_enough_where_the_controls_change_with_the_contact() {
             ControlSignal::PiecewiseConstant { .. }
         ));
     }
-    // With a clock the first of two intervals lasts as long as the second.
-    let equal = solve(&cart, 2, ControlNodes::Equal);
+    // With a clock the controls change beside the impact.
+    let equal = solve(&cart, 5, ControlNodes::Equal);
     assert!(
-        equal.objective > 1.01 * (there + back),
+        equal.objective > 1.002 * (there + back),
         "{}",
         equal.objective
     );
-    let half = 0.5 * equal.horizon;
-    assert!((equal.control_times[1] - half).abs() < 1e-12);
+    let fifth = 0.2 * equal.horizon;
+    assert!((equal.control_times[1] - fifth).abs() < 1e-12);
 }
 
 #[test]

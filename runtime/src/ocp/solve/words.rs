@@ -245,7 +245,7 @@ fn aligned<'a>(
         let Some(aligned) = Aligned::of(word, grid.setting.problem.intervals) else {
             continue;
         };
-        let Some(solution) = confirmed(runner, grid.setting, aligned)? else {
+        let Some(solution) = confirmed(runner, grid, aligned)? else {
             continue;
         };
         if matches!(solution.status, Status::Solved | Status::Uncertified) {
@@ -266,7 +266,7 @@ fn aligned<'a>(
             continue;
         };
         if let Some(aligned) = Aligned::of_plan(previous.as_candidate())
-            && let Some(solution) = confirmed(runner, grid.setting, aligned)?
+            && let Some(solution) = confirmed(runner, grid, aligned)?
         {
             found.push(Found { solution, ..*plan });
         }
@@ -292,14 +292,15 @@ fn nothing() -> Found {
 /// The best of the words that a word leads to, with so many elements that its re-simulation confirms it, as far as they become more.
 fn confirmed(
     runner: &mut Runner,
-    setting: Setting,
+    grid: &Grid,
     aligned: Aligned,
 ) -> Result<Option<Solution>, InputError> {
+    let setting = grid.setting;
     let mut elements = runner.settings.elements;
     let Some(Followed {
         aligned,
         stationarity,
-    }) = followed(runner, setting, (aligned, elements))?
+    }) = followed(runner, setting, (aligned, elements), grid.goals)?
     else {
         return Ok(None);
     };

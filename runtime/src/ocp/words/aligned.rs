@@ -8,11 +8,14 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::edits::{Parent, RULES};
 use super::library::Library;
-use super::off_grid::{Motion, Timed, read, spans_with};
+use super::off_grid::{BARRIER, Goals, ITERATIONS, Motion, Timed, read, solved, spans_with};
+use super::search::DEARER;
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::{Lengths, Setting, Span};
+use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
+use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
@@ -76,7 +79,7 @@ impl Aligned {
         setting: Setting<'a>,
         spans: &'a [Span],
     ) -> Result<Result<Local<'a>, Verdict>, InputError> {
-        let Some(sequence) = self.draft.word.sequence(&self.counts) else {
+        let Some((sequence, guess, elements)) = self.begun(spans) else {
             return Ok(Err(Verdict::NotBetter(f64::INFINITY)));
         };
         let setting = Setting {
@@ -85,6 +88,42 @@ impl Aligned {
             elastic: None,
             ..setting
         };
+        let mut attempts = Attempts::new(setting, &elements);
+        let attempt = Attempt {
+            sequence: &sequence,
+            guess: &guess,
+            cuts: &[],
+            purpose: Purpose::Explore,
+        };
+        let verdict = attempts.attempt(runner, attempt)?;
+        Ok(attempts.best.ok_or(verdict))
+    }
+
+    /// Its objective with these spans where goals may be missed, at a high price; `None` where that is not known, infinite without an order.
+    fn merit(
+        &self,
+        runner: &mut Runner,
+        setting: Setting,
+        (spans, goals): (&[Span], &Goals),
+    ) -> Option<f64> {
+        let Some((sequence, guess, elements)) = self.begun(spans) else {
+            return Some(f64::INFINITY);
+        };
+        let setting = Setting {
+            shape: ControlShape::Constant,
+            lengths: Lengths::Phases(spans),
+            elastic: Some(&goals.sizes),
+            ..setting
+        };
+        let mut program = transcribe(setting, &sequence, &guess, &[], &elements);
+        let price = DEARER * goals.price?;
+        let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
+        Some(solution.objective)
+    }
+
+    /// Its sequence, a motion to start from, and the finite elements of each interval; `None` where its switches have no order.
+    fn begun(&self, spans: &[Span]) -> Option<(Sequence, Trajectory, Vec<usize>)> {
+        let sequence = self.draft.word.sequence(&self.counts)?;
         let ends = |span: &Span| {
             let (from, width) = (span.from, (span.to - span.from) / span.pieces as f64);
             (0..span.pieces).map(move |k| (from + width * k as f64, from + width * (k + 1) as f64))
@@ -99,16 +138,7 @@ impl Aligned {
         let elements = spans
             .iter()
             .flat_map(|s| std::iter::repeat_n(s.elements, s.pieces));
-        let elements: Vec<usize> = elements.collect();
-        let mut attempts = Attempts::new(setting, &elements);
-        let attempt = Attempt {
-            sequence: &sequence,
-            guess: &guess,
-            cuts: &[],
-            purpose: Purpose::Explore,
-        };
-        let verdict = attempts.attempt(runner, attempt)?;
-        Ok(attempts.best.ok_or(verdict))
+        Some((sequence, guess, elements.collect()))
     }
 
     /// The words that a solution points to.
@@ -140,6 +170,7 @@ pub(in crate::ocp) fn followed(
     runner: &mut Runner,
     setting: Setting,
     (aligned, elements): (Aligned, usize),
+    goals: &Goals,
 ) -> Result<Option<Followed>, InputError> {
     let mut best = aligned;
     let mut known: Vec<Word> = vec![best.word().clone()];
@@ -158,6 +189,14 @@ pub(in crate::ocp) fn followed(
             }
             known.push(other.word().clone());
             let spans = other.spans(setting, elements);
+            match other.merit(runner, setting, (&spans, goals)) {
+                Some(merit) if merit >= least => continue,
+                Some(_) => {}
+                None => {
+                    stationarity = Stationarity::None;
+                    continue;
+                }
+            }
             match other.solved(runner, setting, &spans)? {
                 Ok(found) if found.solution.objective < least => {
                     better = Some(other);

@@ -24,9 +24,9 @@ const ROUNDED: f64 = 0.3;
 const LONGEST: f64 = 1.5;
 /// Tolerance of a program, and its first barrier parameter.
 const TOLERANCE: f64 = 1e-4;
-const BARRIER: f64 = 1e-2;
+pub(super) const BARRIER: f64 = 1e-2;
 /// Most iterations of a program.
-const ITERATIONS: usize = 150;
+pub(super) const ITERATIONS: usize = 150;
 /// Most iterations of its restoration phase.
 const RESTORED: usize = 5;
 /// Least share of the unit of an objective that counts as its size: smaller ones drown in rounding.

@@ -19,7 +19,7 @@ const GUESSES: usize = 3;
 /// Times of switches, as shares of the motion, that differ by less are the same guess.
 const SAME_TIMES: f64 = 0.06;
 /// By how much dearer it is to miss goals for a word that would be the best.
-const DEARER: f64 = 100.0;
+pub(super) const DEARER: f64 = 100.0;
 /// Relative gain below which there is none.
 const GAIN: f64 = 1e-4;
 /// Price of a further draft of the same rule, and of a phase.
