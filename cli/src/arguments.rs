@@ -600,7 +600,7 @@ mod tests {
                     fesd.elements
                 ),
             ),
-            (1, format!("equal physical length [default: {INTERVALS}]")),
+            (1, format!("Control intervals [default: {INTERVALS}]")),
             (
                 1,
                 format!(

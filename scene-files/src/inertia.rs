@@ -3,6 +3,9 @@
 use hangtime::__private::{self as private, Columns, Inertia, Nonzeros};
 use hangtime_dsl::description::{self, Vectors};
 
+/// Evaluates a kernel at an input, with weights, into values.
+type Evaluate<'a> = dyn Fn(usize, &[f64], &[f64], &mut [f64]) + 'a;
+
 /// A direction at one point.
 pub(crate) struct Direction<'a> {
     /// The inertia of the scene.
@@ -10,7 +13,7 @@ pub(crate) struct Direction<'a> {
     /// Number of columns of derivatives.
     pub(crate) inputs: usize,
     /// Evaluates a kernel.
-    pub(crate) evaluate: &'a dyn Fn(usize, &[f64], &[f64], &mut [f64]),
+    pub(crate) evaluate: &'a Evaluate<'a>,
     pub(crate) vectors: &'a Vectors,
     pub(crate) x: &'a [f64],
 }

@@ -122,7 +122,8 @@ pub(crate) fn assert_page_shows_its_result(scratch: &Scratch, stem: &str) {
     let frames = embedded(&page, "frames");
     let times = frames["time"].as_array().unwrap();
     assert!(times.len() >= 200);
-    assert!(times.is_sorted_by(|a, b| a.as_f64() < b.as_f64()));
+    // At a jump there is a frame on either side.
+    assert!(times.is_sorted_by(|a, b| a.as_f64() <= b.as_f64()));
     assert_eq!(times.last().unwrap(), &document["final"]["time"]);
     for rows in ["positions", "forces"] {
         assert_eq!(frames[rows].as_array().unwrap().len(), times.len());

@@ -49,8 +49,8 @@ impl Bias<'_> {
         let inertia = Inertia::of(self.mass, n, self.moving);
         let force = |i: usize| {
             let mut terms = vec![(potential[i], 1.0), (by_time[i], -1.0)];
-            for k in 0..self.moving {
-                let gyroscopic = simplify(slopes[i][k] - slopes[k][i] - inertia.by_time(i, k));
+            for (k, slope) in slopes.iter().enumerate() {
+                let gyroscopic = simplify(slopes[i][k] - slope[i] - inertia.by_time(i, k));
                 terms.push((gyroscopic * velocity(k), 1.0));
             }
             for (j, k, coefficient) in inertia.symbols(i) {

@@ -264,12 +264,11 @@ fn all_rows(
     }
 }
 
+/// Rows and columns of the entries of a pattern.
+type Places = Vec<(usize, usize)>;
+
 /// What a direction with this name is solved for with, and the patterns of its Jacobian and its Hessian.
-fn solver(
-    builder: &mut Builder<'_>,
-    name: &str,
-    solved: &Directed,
-) -> (Solver, Vec<(usize, usize)>, Vec<(usize, usize)>) {
+fn solver(builder: &mut Builder<'_>, name: &str, solved: &Directed) -> (Solver, Places, Places) {
     let n = builder.scene.coordinates.len();
     match (solved, builder.inertia) {
         (Directed::System(system), _) => (

@@ -322,7 +322,8 @@ pub(in crate::ocp) fn confirm(
         .filter(|_| replay.status == SimulationStatus::Solved);
     let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
-    let stationarity = if margins.iter().all(|margin| margin.chosen) {
+    let chosen = margins.iter().all(|margin| margin.chosen);
+    let stationarity = if chosen {
         stationarity
     } else {
         Stationarity::None
@@ -331,7 +332,7 @@ pub(in crate::ocp) fn confirm(
     let costs_the_same = cost_departure <= 1.0 || runner.effort != Effort::Conclude;
     let agrees = departure <= settings.largest_distance && disagreement.is_none() && costs_the_same;
     let status = status_of(runner, agrees, stationarity);
-    let interval = trajectory.horizon / setting.problem.intervals as f64;
+    let limits = Limits::new(setting, settings);
     Ok(Solution {
         status,
         objective: solution.objective,
@@ -352,12 +353,9 @@ pub(in crate::ocp) fn confirm(
             dual: solution.residuals.dual,
             complementarity: complementarity(program, &solution.x),
         },
-        planned_events: planned_events(program.model, sequence, interval),
+        planned_events: planned_events(program.model, sequence, trajectory),
         margins,
-        excess: forces::excess(
-            &forces,
-            excess(program, &solution.x, Limits::new(setting, settings)),
-        ),
+        excess: forces::excess(&forces, excess(program, &solution.x, limits)),
         controls: trajectory.controls.values().to_vec(),
         control_times: trajectory.controls.times(trajectory.horizon),
         shape: trajectory.controls.shape(),
@@ -407,8 +405,9 @@ fn status_of(runner: &Runner, agrees: bool, stationarity: Stationarity) -> Statu
 fn planned_events(
     model: &dyn Model,
     sequence: &Sequence,
-    interval: f64,
+    plan: &Trajectory,
 ) -> Vec<(f64, EventKind, usize)> {
+    let interval = plan.horizon / plan.controls.intervals() as f64;
     let switches = sequence.switches.iter().enumerate();
     // Where a condition ceases to be true, nothing happens.
     let happens = |switch: &Switch| !is_condition(model, switch.contact) || sets(model, switch);

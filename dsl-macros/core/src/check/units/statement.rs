@@ -92,14 +92,7 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             walk.constraints.push(own);
             Ok(())
         }
-        Statement::Finally(goals) => {
-            for goal in goals {
-                if let Ok(own) = comparison(walk, goal, "both sides of a terminal condition") {
-                    walk.goals.push(own);
-                }
-            }
-            Ok(())
-        }
+        Statement::Finally(goals) => finally(walk, goals),
         Statement::Free(values) => {
             for value in values {
                 let _: Checked<()> = free(walk, value);
@@ -123,6 +116,16 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
         Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
+}
+
+/// Conditions at the end; each reports its own mistakes.
+fn finally(walk: &mut Walk<'_>, goals: &[Condition]) -> Checked<()> {
+    for goal in goals {
+        if let Ok(own) = comparison(walk, goal, "both sides of a terminal condition") {
+            walk.goals.push(own);
+        }
+    }
+    Ok(())
 }
 
 /// Conditions at a time.
