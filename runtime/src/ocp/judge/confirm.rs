@@ -308,10 +308,9 @@ pub(in crate::ocp) fn confirm(
         sequence,
         ..
     } = plan;
-    let tolerance = settings.resimulation_tolerance;
     let let_pass = setting.largest_distance(settings, trajectory);
     let plan = Some((sequence, let_pass));
-    let replay = simulate(setting, trajectory, plan, tolerance)?;
+    let replay = simulate(setting, trajectory, plan, settings.resimulation_tolerance)?;
     let (distance, departure) = ends_apart(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
