@@ -246,6 +246,21 @@ fn turbo_car_changes_at_ten_metres_a_second_and_takes_the_least_time() {
 }
 
 #[test]
+fn car_whose_force_doubles_comes_to_its_goal_in_seven_seconds_from_any_guess() {
+    // To 8 m/s in 2 s on 8 m, to 16 m/s in 1 s on 12 m, 1 s at that speed, and the same backwards: 56 m on a grid of seconds. On the way to it
+    // words have several phases of no length at once.
+    for guess in [4.0, 7.0, 12.0] {
+        let text = format!(
+            "states {{ q: m, v: m/s in -20..=20 }} controls {{ u: m/s^2 in -4..=4 }}
+            rates {{ q: v, v: u*(if v >= 8 [m/s] {{ 2 }} else {{ 1 }}) }} minimize time
+            finally {{ q == 56 [m], v == 0 [m/s] }} horizon {guess} [s]"
+        );
+        let solution = optimum(&of_text("car.hang", &text).expect("a scene"), 7);
+        assert!((solution.objective - 7.0).abs() < 1e-7, "{solution}");
+    }
+}
+
+#[test]
 fn sliding_plan_ends_on_its_target() {
     // y goes from 0 to 1 in 2 s with u = 1/2, and the relay holds x at 0 from 0.5/0.75 s on; the effort is least where u is constant.
     let solution = optimum(&gallery!("slide-to-target"), 10);

@@ -40,7 +40,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 30] = [
+pub const RULES: [Rule; 31] = [
     rule(
         Source,
         "sample",
@@ -64,6 +64,7 @@ pub const RULES: [Rule; 30] = [
         "contact-implicit",
         "The motion of a complementarity problem with Euler steps.",
     ),
+    rule(Edit, "collapse", "Without all phases that have no length."),
     rule(Edit, "vanish", "Without a phase that has no length."),
     rule(
         Edit,

@@ -118,7 +118,8 @@ pub enum ControlNodes {
     #[default]
     Equal,
     /// Divided among the phases between two contacts, of equal length in each: controls may change where contacts do, so that the same
-    /// number of them leads further. Certificates are of the words that the multipliers point to.
+    /// number of them leads further. How many a phase has follows from its length off the grid. `B` is said where no word is better that the
+    /// multipliers of a plan point to.
     Aligned,
 }
 

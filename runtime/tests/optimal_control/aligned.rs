@@ -80,6 +80,15 @@ fn two_intervals_are_enough_where_the_controls_change_with_the_contact() {
             times.iter().any(|time| (time - there).abs() < 1e-7),
             "{times:?}"
         );
+        let impacts: Vec<f64> = solution
+            .planned_events
+            .iter()
+            .map(|event| event.0)
+            .collect();
+        assert!(
+            impacts.len() == 1 && (impacts[0] - there).abs() < 1e-7,
+            "{impacts:?}"
+        );
         // The controls over time lead a simulation to the goal.
         let run = simulate(&cart)
             .controls(solution.signal())

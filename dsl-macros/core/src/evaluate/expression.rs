@@ -5,6 +5,7 @@ use super::edges;
 use super::functions::{elementary, fades, is_derivative, velocity_direction};
 use super::matrix;
 use super::named;
+use super::number::{number, unrepresentable};
 use super::recorded;
 use super::remembered;
 use super::scope::{Meaning, Role, Scope};
@@ -650,56 +651,4 @@ fn time_derivative(
     edges::differentiable(scope, value.components(), shown, diagnostics)?;
     let rates = graph::directional(value.components(), velocity_direction);
     Ok(value.with_components(rates))
-}
-
-/// E21: a constant that double precision does not hold.
-pub(crate) fn unrepresentable(
-    fault: Fault,
-    expr: &Expr,
-    diagnostics: &mut Diagnostics,
-) -> Reported {
-    let message = match fault {
-        Fault::Overflow => format!(
-            "with `{expr}` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller"
-        ),
-        Fault::Underflow => format!(
-            "with `{expr}` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger"
-        ),
-        Fault::Cancellation => format!(
-            "with `{expr}` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel"
-        ),
-        Fault::Absorption => format!(
-            "with `{expr}` constants are added of which one is lost, as it is more than 1e16 times smaller; leave it out, or write the sum otherwise"
-        ),
-    };
-    diagnostics.report("E21", expr.place, message)
-}
-
-/// A value that must be a number.
-fn number(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Checked<Sym> {
-    match value {
-        Value::Scalar(sym) => {
-            if sym.as_number().is_some_and(|value| !value.is_finite()) {
-                return Err(unrepresentable(Fault::Overflow, expr, diagnostics));
-            }
-            Ok(*sym)
-        }
-        Value::Vector(_) => Err(diagnostics.report(
-            "E02",
-            expr.place,
-            format!(
-                "`{expr}` is {} where a number is needed; take a component, `|...|^2` or `dot(a, b)`",
-                value.describe()
-            ),
-        )),
-        Value::Matrix(_) => Err(diagnostics.report(
-            "E02",
-            expr.place,
-            format!(
-                "`{expr}` is {} where a number is needed; take an entry, as in `[0][1]`, or write \
-                 `dot(v, m*v)`",
-                value.describe()
-            ),
-        )),
-    }
 }

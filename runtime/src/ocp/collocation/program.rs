@@ -214,8 +214,10 @@ impl Collocation<'_> {
             states: Vec::new(),
         };
         let mut sequence = self.sequence.clone();
+        // In units of intervals of equal length.
+        let begins = trajectory.controls.times(intervals);
         for switch in &mut sequence.switches {
-            switch.time = switch.interval as f64;
+            switch.time = begins[switch.interval];
         }
         for (phase, solved) in self.phases.iter().zip(self.solved(point)) {
             let nodes = std::iter::once(0.0).chain(self.tableau.c().iter().copied());

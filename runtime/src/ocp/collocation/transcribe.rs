@@ -84,7 +84,7 @@ pub(in crate::ocp) fn transcribe<'a>(
         horizon: frame.horizon,
         controls: frame.controls,
         shape: setting.shape,
-        aligned: setting.elastic.is_none() && setting.lengths.are_of_phases(),
+        aligned: setting.lengths.are_of_phases(),
         missed,
     }
 }

@@ -9,12 +9,12 @@ use crate::simulation::{ControlSignal, Simulation};
 /// Instants nearer to each other than this share of the horizon are one.
 const SAME_TIME: f64 = 1e-12;
 
-/// States over time, piecewise linear, with controls on equal intervals.
+/// States over time, piecewise linear, with controls on intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::ocp) struct Trajectory {
     /// Length \[s\].
     pub(in crate::ocp) horizon: f64,
-    /// Controls on equal intervals.
+    /// Controls on its intervals.
     pub(in crate::ocp) controls: ControlGrid,
     /// Instants \[s\], not decreasing; twice at a jump.
     pub(in crate::ocp) time: Vec<f64>,
@@ -124,6 +124,27 @@ impl Trajectory {
         self.controls.signal(self.horizon)
     }
 
+    /// The controls averaged over a span of time; in a span of no length those after it.
+    pub(in crate::ocp) fn controls_between(&self, from: f64, to: f64) -> Vec<f64> {
+        let values = self.controls.values();
+        let ends = self.controls.times(self.horizon);
+        let (from, to) = (from.clamp(0.0, self.horizon), to.clamp(0.0, self.horizon));
+        let mut sum = vec![0.0; values[0].len()];
+        let mut passed = 0.0;
+        for (value, ends) in values.iter().zip(ends.windows(2)) {
+            let overlap = (ends[1].min(to) - ends[0].max(from)).max(0.0);
+            passed += overlap;
+            for (sum, u) in sum.iter_mut().zip(value) {
+                *sum += overlap * u;
+            }
+        }
+        if passed <= 0.0 {
+            let place = ends.partition_point(|&end| end <= from);
+            return values[(place.max(1) - 1).min(values.len() - 1)].clone();
+        }
+        sum.iter().map(|sum| sum / passed).collect()
+    }
+
     /// `(q, v, r)` at time `t`, on the later side of a jump if `after`.
     pub(in crate::ocp) fn at(&self, t: f64, after: bool) -> Vec<f64> {
         let next = if after {
@@ -186,6 +207,19 @@ mod tests {
         assert_eq!(shorter.at(3.0, true), [2.0, -1.0]);
         // With three intervals the jump lies at the end of the second one.
         assert_eq!(bounce().up_to_last_jump(3), bounce());
+    }
+
+    #[test]
+    fn controls_between_are_weighted_by_the_parts_of_intervals() {
+        let nodes = vec![0.0, 1.0 / 3.0, 1.0];
+        let driven = Trajectory {
+            controls: ControlGrid::constant(vec![vec![1.0], vec![4.0]]).with_nodes(nodes),
+            ..bounce()
+        };
+        assert_eq!(driven.controls_between(0.0, 1.0), [1.0]);
+        assert_eq!(driven.controls_between(0.5, 2.0), [3.0]);
+        assert_eq!(driven.controls_between(2.0, 2.0), [4.0]);
+        assert_eq!(driven.controls.at(1.0), [4.0]);
     }
 
     #[test]

@@ -320,9 +320,9 @@ fn pushed(model: &dyn Model, x: &[f64], mut accelerations: Vec<f64>, force: &[f6
 
 /// The power of a base nearest to a size; 1 for none.
 pub(in crate::ocp) fn nearest_power(base: f64, size: f64) -> f64 {
-    let exponent = (size.log10() / base.log10()).round();
-    if size > 0.0 && exponent.is_finite() {
-        base.powf(exponent)
+    let power = base.powf((size.log10() / base.log10()).round());
+    if (power * power).is_normal() && (1.0 / (power * power)).is_normal() {
+        power
     } else {
         1.0
     }
@@ -424,7 +424,18 @@ mod tests {
 
     #[test]
     fn nearest_power_of_a_thousand_leaves_ordinary_numbers_alone() {
-        for size in [0.04, 1.0, 31.0, 0.0, f64::INFINITY, f64::NAN] {
+        // What is left of zero by rounding is no size: nothing can be divided by it, nor by its square.
+        for size in [
+            0.04,
+            1.0,
+            31.0,
+            0.0,
+            5e-324,
+            1e-170,
+            1e170,
+            f64::INFINITY,
+            f64::NAN,
+        ] {
             assert_eq!(nearest_power(1e3, size), 1.0, "{size}");
         }
         assert_eq!([40.0, 31e3].map(|size| nearest_power(1e3, size)), [1e3; 2]);

@@ -23,7 +23,7 @@ use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::sampled::drawing_range;
 use crate::ocp::settings::{ControlNodes, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
-use crate::ocp::words::aligned::{Aligned, Followed, followed};
+use crate::ocp::words::aligned::{Aligned, followed};
 use crate::ocp::words::beginnings::beginnings;
 use crate::ocp::words::off_grid::Timed;
 use crate::ocp::words::on_grid::{Grid, Placed};
@@ -57,9 +57,6 @@ pub(super) fn solve(
     settings: &Settings,
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
-    if settings.grid == ControlNodes::Aligned {
-        return solve_aligned(model, problem, settings, observer);
-    }
     let (best, mut seen, stopped) = {
         let observer = SharedObserver::new(observer);
         let task = Task {
@@ -68,6 +65,9 @@ pub(super) fn solve(
             settings,
             observer: &observer,
         };
+        if settings.grid == ControlNodes::Aligned {
+            return solve_aligned(&task);
+        }
         let first = first_grid(problem.intervals);
         let coarse = nested::with_intervals(problem, first);
         let there = Task {
@@ -116,24 +116,12 @@ pub(super) fn solve(
 }
 
 /// The same with control intervals that are aligned with phases.
-fn solve_aligned(
-    model: &dyn Model,
-    problem: &Problem,
-    settings: &Settings,
-    observer: &mut Observer<'_>,
-) -> Result<Solution, InputError> {
-    let observer = SharedObserver::new(observer);
-    let task = Task {
-        model,
-        problem,
-        settings,
-        observer: &observer,
-    };
-    let mut found = found_by_words(&task)?;
+fn solve_aligned(task: &Task) -> Result<Solution, InputError> {
+    let mut found = found_by_words(task)?;
     let seen = found.clone();
     sort(&mut found);
     found.truncate(1);
-    Ok(result(found, seen, observer.stopped()))
+    Ok(result(found, seen, task.observer.stopped()))
 }
 
 /// What was found on grids, with the work of what was looked at before.
@@ -261,11 +249,9 @@ fn aligned<'a>(
         true => judged(runner, words, grids, finer)?,
         false => Vec::new(),
     };
-    for (plan, grid) in equal.iter().zip(grids) {
-        let Some(previous) = &plan.solution.previous else {
-            continue;
-        };
-        if let Some(aligned) = Aligned::of_plan(previous.as_candidate())
+    for plan in &equal {
+        if let (Some(previous), Some(grid)) = (&plan.solution.previous, grids.first())
+            && let Some(aligned) = Aligned::of_plan(previous.as_candidate())
             && let Some(solution) = confirmed(runner, grid, aligned)?
         {
             found.push(Found { solution, ..*plan });
@@ -295,37 +281,45 @@ fn confirmed(
     grid: &Grid,
     aligned: Aligned,
 ) -> Result<Option<Solution>, InputError> {
-    let setting = grid.setting;
     let mut elements = runner.settings.elements;
-    let Some(Followed {
-        aligned,
-        stationarity,
-    }) = followed(runner, setting, (aligned, elements), grid.goals)?
-    else {
+    let first = (aligned, elements, grid.goals);
+    let judge = |runner: &mut Runner, setting: Setting, local: Local, stationarity| {
+        replayed(runner, setting, (local, stationarity), elements)
+    };
+    let found = followed(runner, grid.setting, first, judge)?;
+    let Some((aligned, stationarity, mut best)) = found else {
         return Ok(None);
     };
-    let mut best = None;
-    while elements <= FINEST * runner.settings.elements && !runner.stopped() {
-        let spans = aligned.spans(setting, elements);
-        let Ok(local) = aligned.solved(runner, setting, &spans)? else {
-            break;
-        };
-        let local = local.polished(runner);
-        let counts = vec![elements; setting.problem.intervals];
-        let setting = Setting {
-            lengths: Lengths::Phases(&spans),
-            ..setting
-        };
-        let solution = confirm(runner, setting, &counts, &local, stationarity)?;
-        report(runner, &solution);
-        let unconfirmed = solution.status == Status::Unconfirmed;
-        best = Some(solution);
-        if !unconfirmed {
+    while best.status == Status::Unconfirmed && !runner.stopped() {
+        elements *= 2;
+        if elements > FINEST * runner.settings.elements {
             break;
         }
-        elements *= 2;
+        let spans = aligned.spans(grid.setting, elements);
+        let Ok(local) = aligned.solved(runner, grid.setting, &spans)? else {
+            break;
+        };
+        let setting = Setting {
+            lengths: Lengths::Phases(&spans),
+            ..grid.setting
+        };
+        best = replayed(runner, setting, (local, stationarity), elements)?;
     }
-    Ok(best)
+    Ok(Some(best))
+}
+
+/// A plan of which that is proved, with so many elements an interval, polished and re-simulated.
+fn replayed(
+    runner: &mut Runner,
+    setting: Setting,
+    (local, stationarity): (Local, Stationarity),
+    elements: usize,
+) -> Result<Solution, InputError> {
+    let local = local.polished(runner);
+    let elements = vec![elements; setting.problem.intervals];
+    let solution = confirm(runner, setting, &elements, &local, stationarity)?;
+    report(runner, &solution);
+    Ok(solution)
 }
 
 /// What the best words come to on the grid, judged; at least one, which may be without a motion.

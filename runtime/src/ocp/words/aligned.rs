@@ -8,14 +8,13 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::edits::{Parent, RULES};
 use super::library::Library;
-use super::off_grid::{BARRIER, Goals, ITERATIONS, Motion, Timed, read, solved, spans_with};
+use super::off_grid::{BARRIER, Goals, ITERATIONS, Timed, begun, read, solved, spans_with};
 use super::search::DEARER;
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::{Lengths, Setting, Span};
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::motion::candidate::Candidate;
-use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
-use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
@@ -23,16 +22,16 @@ use crate::simulation::InputError;
 
 /// Rules that lead to the words that a motion is a limit of.
 const NEIGHBOURS: [&str; 2] = ["vanish", "press"];
-/// Most words that a motion is followed to.
-const MOVES: usize = 8;
-/// Relative gain below which there is none.
+/// Most words that are looked at on the way from one.
+const MOST: usize = 40;
+/// Relative gain below which there is none: ten tolerances of the programs, in which objectives agree.
 const GAIN: f64 = 1e-7;
 
 /// A word and the control intervals of its phases.
 #[derive(Clone)]
 pub(in crate::ocp) struct Aligned {
     draft: Draft,
-    motion: Motion,
+    motion: Trajectory,
     counts: Vec<usize>,
 }
 
@@ -42,7 +41,7 @@ impl Aligned {
         Self::of_draft(&timed.draft, &timed.motion, intervals)
     }
 
-    fn of_draft(draft: &Draft, motion: &Motion, intervals: usize) -> Option<Self> {
+    fn of_draft(draft: &Draft, motion: &Trajectory, intervals: usize) -> Option<Self> {
         let lengths = draft.phases().into_iter().map(|(from, to)| to - from);
         Some(Self {
             counts: shares(&lengths.collect::<Vec<_>>(), intervals)?,
@@ -69,7 +68,7 @@ impl Aligned {
         let intervals = plan.trajectory.controls.intervals();
         let horizon = plan.trajectory.horizon;
         let draft = Draft::read(&plan.sequence, horizon / intervals as f64, horizon);
-        Self::of_draft(&draft, &Motion::on_grid(plan.trajectory), intervals)
+        Self::of_draft(&draft, &plan.trajectory, intervals)
     }
 
     /// Its exact solution with these spans, or what is known without one.
@@ -79,9 +78,10 @@ impl Aligned {
         setting: Setting<'a>,
         spans: &'a [Span],
     ) -> Result<Result<Local<'a>, Verdict>, InputError> {
-        let Some((sequence, guess, elements)) = self.begun(spans) else {
+        let Some(sequence) = self.draft.word.sequence(&self.counts) else {
             return Ok(Err(Verdict::NotBetter(f64::INFINITY)));
         };
+        let (guess, elements) = begun(spans, &self.motion);
         let setting = Setting {
             shape: ControlShape::Constant,
             lengths: Lengths::Phases(spans),
@@ -106,9 +106,10 @@ impl Aligned {
         setting: Setting,
         (spans, goals): (&[Span], &Goals),
     ) -> Option<f64> {
-        let Some((sequence, guess, elements)) = self.begun(spans) else {
+        let Some(sequence) = self.draft.word.sequence(&self.counts) else {
             return Some(f64::INFINITY);
         };
+        let (guess, elements) = begun(spans, &self.motion);
         let setting = Setting {
             shape: ControlShape::Constant,
             lengths: Lengths::Phases(spans),
@@ -119,26 +120,6 @@ impl Aligned {
         let price = DEARER * goals.price?;
         let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
         Some(solution.objective)
-    }
-
-    /// Its sequence, a motion to start from, and the finite elements of each interval; `None` where its switches have no order.
-    fn begun(&self, spans: &[Span]) -> Option<(Sequence, Trajectory, Vec<usize>)> {
-        let sequence = self.draft.word.sequence(&self.counts)?;
-        let ends = |span: &Span| {
-            let (from, width) = (span.from, (span.to - span.from) / span.pieces as f64);
-            (0..span.pieces).map(move |k| (from + width * k as f64, from + width * (k + 1) as f64))
-        };
-        let controls = spans.iter().flat_map(ends);
-        let controls = controls.map(|(from, to)| self.motion.controls(from, to));
-        let guess = Trajectory {
-            horizon: spans.iter().map(|span| span.duration).sum(),
-            controls: ControlGrid::constant(controls.collect()),
-            ..self.motion.trajectory.clone()
-        };
-        let elements = spans
-            .iter()
-            .flat_map(|s| std::iter::repeat_n(s.elements, s.pieces));
-        Some((sequence, guess, elements.collect()))
     }
 
     /// The words that a solution points to.
@@ -159,68 +140,72 @@ impl Aligned {
     }
 }
 
-/// Where a word and the words that it points to have led: the best of them, and what is proved of it.
-pub(in crate::ocp) struct Followed {
-    pub(in crate::ocp) aligned: Aligned,
-    pub(in crate::ocp) stationarity: Stationarity,
-}
-
-/// Follows better ones of the words that a solution points to, until there is none.
-pub(in crate::ocp) fn followed(
+/// Follows better ones of the words that a solution points to, until there is none, and hands the exact solution of that to a judge, with what
+/// is proved of it; the word, what is proved and the judgement, if there is a solution.
+pub(in crate::ocp) fn followed<T>(
     runner: &mut Runner,
     setting: Setting,
-    (aligned, elements): (Aligned, usize),
-    goals: &Goals,
-) -> Result<Option<Followed>, InputError> {
+    (aligned, elements, goals): (Aligned, usize, &Goals),
+    judge: impl FnOnce(&mut Runner, Setting, Local, Stationarity) -> Result<T, InputError>,
+) -> Result<Option<(Aligned, Stationarity, T)>, InputError> {
     let mut best = aligned;
     let mut known: Vec<Word> = vec![best.word().clone()];
-    for _ in 0..MOVES {
+    loop {
         let spans = best.spans(setting, elements);
         let Ok(local) = best.solved(runner, setting, &spans)? else {
             return Ok(None);
         };
-        let objective = local.solution.objective;
-        let least = objective - GAIN * local.program.program.size_of(objective);
-        let mut stationarity = Stationarity::B;
-        let mut better = None;
-        for other in best.neighbours(setting, &local) {
-            if known.contains(other.word()) || runner.stopped() {
-                continue;
-            }
-            known.push(other.word().clone());
-            let spans = other.spans(setting, elements);
-            match other.merit(runner, setting, (&spans, goals)) {
-                Some(merit) if merit >= least => continue,
-                Some(_) => {}
-                None => {
-                    stationarity = Stationarity::None;
-                    continue;
-                }
-            }
-            match other.solved(runner, setting, &spans)? {
-                Ok(found) if found.solution.objective < least => {
-                    better = Some(other);
-                    break;
-                }
-                Err(Verdict::Undecided) => stationarity = Stationarity::None,
-                _ => {}
-            }
+        let (stationarity, better) = if known.len() > MOST {
+            (Stationarity::None, None)
+        } else {
+            compared(
+                runner,
+                setting,
+                (&best, &local, elements, goals),
+                &mut known,
+            )?
+        };
+        let Some(better) = better else {
+            let own = Setting {
+                lengths: Lengths::Phases(&spans),
+                ..setting
+            };
+            let judged = judge(runner, own, local, stationarity)?;
+            return Ok(Some((best, stationarity, judged)));
+        };
+        best = better;
+    }
+}
+
+/// What the words that a solution points to say of it, and the first of them that is better; those that are known are passed over.
+fn compared(
+    runner: &mut Runner,
+    setting: Setting,
+    (best, local, elements, goals): (&Aligned, &Local, usize, &Goals),
+    known: &mut Vec<Word>,
+) -> Result<(Stationarity, Option<Aligned>), InputError> {
+    let objective = local.solution.objective;
+    let least = objective - GAIN * local.program.program.size_of(objective);
+    let mut stationarity = Stationarity::B;
+    for other in best.neighbours(setting, local) {
+        if known.contains(other.word()) || runner.stopped() {
+            continue;
         }
-        match better {
-            Some(other) => best = other,
-            None => {
-                let aligned = best;
-                return Ok(Some(Followed {
-                    aligned,
-                    stationarity,
-                }));
+        known.push(other.word().clone());
+        let spans = other.spans(setting, elements);
+        let merit = other.merit(runner, setting, (&spans, goals));
+        if merit.is_some_and(|merit| merit >= least) {
+            continue;
+        }
+        match other.solved(runner, setting, &spans)? {
+            Ok(found) if found.solution.objective < least => {
+                return Ok((stationarity, Some(other)));
             }
+            Err(Verdict::Undecided) => stationarity = Stationarity::None,
+            _ => {}
         }
     }
-    Ok(Some(Followed {
-        aligned: best,
-        stationarity: Stationarity::None,
-    }))
+    Ok((stationarity, None))
 }
 
 /// So many intervals divided by lengths, at least one each; `None` where there are fewer of them.

@@ -1,7 +1,7 @@
 //! Words to begin with: of simulated motions under random controls, of what they begin with, of the ride, and the empty one.
 
 use super::library::Library;
-use super::off_grid::{Goals, Motion};
+use super::off_grid::Goals;
 use super::word::Draft;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
@@ -37,7 +37,7 @@ pub(super) const MOST_PHASES: usize = 16;
 /// A word to begin with, and the motion that it is of.
 pub(in crate::ocp) struct Beginning {
     pub(super) draft: Draft,
-    pub(super) motion: Motion,
+    pub(super) motion: Trajectory,
     pub(super) source: &'static str,
 }
 
@@ -50,7 +50,7 @@ pub(in crate::ocp) fn beginnings(
     let mut library = Library::default();
     let mut found: Vec<Beginning> = Vec::new();
     let sampled = best_of_each_order(runner, (setting, range), (DRAWN, CHANGED), LEARNED)?;
-    let mut drafts: Vec<(Draft, Motion)> = Vec::new();
+    let mut drafts: Vec<(Draft, Trajectory)> = Vec::new();
     for candidate in sampled.motions {
         let (draft, motion) = read(setting, candidate);
         library.learn(&draft.word);
@@ -83,15 +83,11 @@ pub(in crate::ocp) fn beginnings(
     let empty = Sequence::without_switches(modes_at_start(setting, &straight));
     let length = straight.horizon / problem.intervals as f64;
     let draft = Draft::read(&empty, length, straight.horizon);
-    let motion = Motion::on_grid(straight.clone());
+    let motion = straight.clone();
     add(&mut found, (draft, motion), "empty");
     for sequence in steps(setting, &straight) {
         let draft = Draft::read(&sequence, length, straight.horizon);
-        add(
-            &mut found,
-            (draft, Motion::on_grid(straight.clone())),
-            "steps",
-        );
+        add(&mut found, (draft, straight.clone()), "steps");
     }
     found.retain(|beginning| runner.settings.uses(beginning.source));
     if runner.settings.uses(IMPLICIT)
@@ -112,7 +108,7 @@ pub(in crate::ocp) fn beginnings(
 }
 
 /// Adds what motions begin with, of that many phases.
-fn add_beginnings(found: &mut Vec<Beginning>, drafts: &[(Draft, Motion)], phases: usize) {
+fn add_beginnings(found: &mut Vec<Beginning>, drafts: &[(Draft, Trajectory)], phases: usize) {
     let mut count = 0;
     for (draft, motion) in drafts {
         let shorter = draft.up_to(phases);
@@ -130,7 +126,7 @@ fn implicit(
     runner: &mut Runner,
     setting: Setting,
     guess: &Trajectory,
-) -> Result<Option<(Draft, Motion)>, InputError> {
+) -> Result<Option<(Draft, Trajectory)>, InputError> {
     let mut relaxed = RelaxedMotions::default();
     let failure = runner.take_failure();
     let candidate = CoarseToFine::new(setting, guess).next(runner, &mut relaxed)?;
@@ -167,7 +163,11 @@ fn sizes(setting: Setting, units: &[f64]) -> Vec<f64> {
 }
 
 /// Adds a word that is not there yet; whether it was added.
-fn add(found: &mut Vec<Beginning>, (draft, motion): (Draft, Motion), source: &'static str) -> bool {
+fn add(
+    found: &mut Vec<Beginning>,
+    (draft, motion): (Draft, Trajectory),
+    source: &'static str,
+) -> bool {
     let known = found.iter().any(|other| other.draft.word == draft.word);
     if !known {
         found.push(Beginning {
@@ -180,11 +180,11 @@ fn add(found: &mut Vec<Beginning>, (draft, motion): (Draft, Motion), source: &'s
 }
 
 /// The word of a candidate.
-fn read(setting: Setting, candidate: Candidate) -> (Draft, Motion) {
+fn read(setting: Setting, candidate: Candidate) -> (Draft, Trajectory) {
     let trajectory = candidate.trajectory;
     let length = trajectory.horizon / setting.problem.intervals as f64;
     let draft = Draft::read(&candidate.sequence, length, trajectory.horizon);
-    (draft, Motion::on_grid(trajectory))
+    (draft, trajectory)
 }
 
 /// Motions under no controls, and under those in the middle of their bounds.

@@ -26,7 +26,12 @@ pub(super) struct Parent<'p> {
 }
 
 /// All rules, the cheapest first.
-pub(super) const RULES: [Rule; 10] = [
+pub(super) const RULES: [Rule; 11] = [
+    Rule {
+        name: "collapse",
+        price: 0.0,
+        drafts: collapse,
+    },
     Rule {
         name: "vanish",
         price: 0.0,
@@ -208,6 +213,26 @@ impl Parent<'_> {
         }
         found
     }
+}
+
+/// Without any phase of no length: while one is there, a program without another of them is as degenerate as before.
+fn collapse(parent: &Parent) -> Vec<Draft> {
+    if parent.vanished().nth(1).is_none() {
+        return Vec::new();
+    }
+    let mut timed = parent.timed.clone();
+    for _ in 0..parent.word().phases() {
+        let left = Parent {
+            timed: &timed,
+            ..*parent
+        };
+        let shorter = |phase| as_touch(&left, phase).or_else(|| left.without(phase));
+        let Some(draft) = left.vanished().find_map(shorter) else {
+            break;
+        };
+        timed.draft = draft;
+    }
+    vec![timed.draft]
 }
 
 /// Without a phase of no length.

@@ -38,15 +38,6 @@ const WORTH_OF_PHASE: f64 = 1e-3;
 /// Miss of all goals, in their sizes, that is none.
 pub(super) const NO_MISS: f64 = 1e-3;
 
-/// A motion with controls that are constant between nodes.
-#[derive(Debug, Clone)]
-pub(in crate::ocp) struct Motion {
-    /// States at their times; controls one after the other.
-    pub(in crate::ocp) trajectory: Trajectory,
-    /// Times between which the controls are constant \[s\], the first 0.
-    pub(in crate::ocp) nodes: Vec<f64>,
-}
-
 /// How finely a word is stated.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fineness {
@@ -103,7 +94,7 @@ pub(super) struct Press {
 #[derive(Debug, Clone)]
 pub(in crate::ocp) struct Timed {
     pub(super) draft: Draft,
-    pub(super) motion: Motion,
+    pub(super) motion: Trajectory,
     pub(super) objective: f64,
     /// Objective and price of what is missed.
     pub(super) merit: f64,
@@ -112,37 +103,6 @@ pub(in crate::ocp) struct Timed {
     pub(super) presses: Vec<Press>,
     /// Rule that made the word.
     pub(super) origin: &'static str,
-}
-
-impl Motion {
-    /// A motion with controls on equal intervals.
-    pub(in crate::ocp) fn on_grid(trajectory: Trajectory) -> Self {
-        let count = trajectory.controls.intervals();
-        let node = |k: usize| trajectory.horizon * k as f64 / count as f64;
-        let nodes = (0..=count).map(node).collect();
-        Self { trajectory, nodes }
-    }
-
-    /// Controls averaged over a span of time.
-    pub(super) fn controls(&self, from: f64, to: f64) -> Vec<f64> {
-        let values = self.trajectory.controls.values();
-        let last = self.nodes[self.nodes.len() - 1];
-        let (from, to) = (from.clamp(0.0, last), to.clamp(0.0, last));
-        let mut sum = vec![0.0; values[0].len()];
-        let mut passed = 0.0;
-        for (value, ends) in values.iter().zip(self.nodes.windows(2)) {
-            let overlap = (ends[1].min(to) - ends[0].max(from)).max(0.0);
-            passed += overlap;
-            for (sum, u) in sum.iter_mut().zip(value) {
-                *sum += overlap * u;
-            }
-        }
-        if passed <= 0.0 {
-            let place = self.nodes.partition_point(|&node| node <= from);
-            return values[(place.max(1) - 1).min(values.len() - 1)].clone();
-        }
-        sum.iter().map(|sum| sum / passed).collect()
-    }
 }
 
 /// The spans of the phases of a draft.
@@ -200,7 +160,7 @@ pub(super) fn solve(
     runner: &mut Runner,
     setting: Setting,
     (tableau, fineness): (&ButcherTableau, Fineness),
-    (draft, motion): (&Draft, &Motion),
+    (draft, motion): (&Draft, &Trajectory),
     goals: &mut Goals,
 ) -> Option<Timed> {
     let spans = spans(draft, setting.problem, fineness);
@@ -213,7 +173,7 @@ pub(super) fn solve(
     let scale = Scale::of(setting.model, setting.problem);
     let units = setting
         .units
-        .of_motion(setting.model, &scale, &motion.trajectory, setting.bounds);
+        .of_motion(setting.model, &scale, motion, setting.bounds);
     let program_setting = Setting {
         problem: &problem,
         tableau,
@@ -223,28 +183,31 @@ pub(super) fn solve(
         elastic: Some(&goals.sizes),
         ..setting
     };
-    let total: f64 = spans.iter().map(|span| span.duration).sum();
-    let pieces = || {
-        spans.iter().flat_map(|span| {
-            let end = |j: usize| span.from + (span.to - span.from) * j as f64 / span.pieces as f64;
-            (0..span.pieces).map(move |j| (end(j), end(j + 1)))
-        })
-    };
-    let guess = Trajectory {
-        horizon: total,
-        controls: ControlGrid::constant(pieces().map(|(a, b)| motion.controls(a, b)).collect()),
-        ..motion.trajectory.clone()
-    };
-    let elements = spans
-        .iter()
-        .flat_map(|span| vec![span.elements; span.pieces]);
-    let elements: Vec<usize> = elements.collect();
+    let (guess, elements) = begun(&spans, motion);
     let mut program = transcribe(program_setting, &sequence, &guess, &[], &elements);
     let price = *goals
         .price
         .get_or_insert(Goals::price_of(program.program.objective_size()));
     let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
     Some(read(&program, &solution, (draft, &counts)))
+}
+
+/// A motion to start from with these spans, driven as that one, and the finite elements of each interval.
+pub(super) fn begun(spans: &[Span], motion: &Trajectory) -> (Trajectory, Vec<usize>) {
+    let pieces = spans.iter().flat_map(|span| {
+        let end = |j: usize| span.from + (span.to - span.from) * j as f64 / span.pieces as f64;
+        (0..span.pieces).map(move |j| (end(j), end(j + 1)))
+    });
+    let controls = pieces.map(|(from, to)| motion.controls_between(from, to));
+    let guess = Trajectory {
+        horizon: spans.iter().map(|span| span.duration).sum(),
+        controls: ControlGrid::constant(controls.collect()),
+        ..motion.clone()
+    };
+    let elements = spans
+        .iter()
+        .flat_map(|span| std::iter::repeat_n(span.elements, span.pieces));
+    (guess, elements.collect())
 }
 
 /// The solution with goals that are missed where that is worth its price.
@@ -284,10 +247,7 @@ pub(super) fn read(
 ) -> Timed {
     let (trajectory, _) = program.result(&solution.x);
     let solved = program.solved(&solution.x);
-    let mut nodes = vec![trajectory.horizon; counts.iter().sum::<usize>() + 1];
-    for (phase, solved) in program.phases.iter().zip(&solved).rev() {
-        nodes[phase.interval] = solved.start;
-    }
+    let nodes = trajectory.controls.times(trajectory.horizon);
     let mut first = 0;
     let ends = counts.iter().map(|count| {
         first += count;
@@ -309,7 +269,7 @@ pub(super) fn read(
         merit: solution.objective,
         missed,
         presses: presses(program, solution, counts, &begins),
-        motion: Motion { trajectory, nodes },
+        motion: trajectory,
         origin: "",
     }
 }
@@ -407,7 +367,7 @@ impl Timed {
     }
 
     pub(in crate::ocp) fn trajectory(&self) -> &Trajectory {
-        &self.motion.trajectory
+        &self.motion
     }
 
     pub(in crate::ocp) fn merit(&self) -> f64 {

@@ -98,13 +98,13 @@ impl Placed {
 impl Grid<'_, '_> {
     /// The best of the ways to put a word on the grid.
     pub(in crate::ocp) fn rounded(&self, runner: &mut Runner, timed: &Timed) -> Option<Placed> {
-        let horizon = timed.motion.trajectory.horizon;
+        let horizon = timed.motion.horizon;
         let intervals = self.setting.problem.intervals;
         let end = |k: usize| horizon * k as f64 / intervals as f64;
-        let controls = (0..intervals).map(|k| timed.motion.controls(end(k), end(k + 1)));
+        let controls = (0..intervals).map(|k| timed.motion.controls_between(end(k), end(k + 1)));
         let trajectory = Trajectory {
             controls: ControlGrid::constant(controls.collect()),
-            ..timed.motion.trajectory.clone()
+            ..timed.motion.clone()
         };
         let times = timed.draft.times.iter();
         let times: Vec<f64> = times
@@ -268,12 +268,12 @@ fn places(setting: Setting, timed: &Timed, rounding: Rounding) -> Vec<At> {
     let n = setting.problem.q.len();
     let (lower, upper) = setting.bounds;
     let motion = &timed.motion;
-    let horizon = motion.trajectory.horizon;
+    let horizon = motion.horizon;
     let count = timed.draft.times.len();
     let jumps = |time: f64| {
         let reach = 1e-3 * horizon;
-        let before = motion.controls(time - reach, time);
-        let after = motion.controls(time, time + reach);
+        let before = motion.controls_between(time - reach, time);
+        let after = motion.controls_between(time, time + reach);
         let changes = before.iter().zip(&after).enumerate();
         changes.fold(0.0, |most: f64, (k, (a, b))| {
             let range = upper[n + k] - lower[n + k];

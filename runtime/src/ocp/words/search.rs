@@ -3,9 +3,10 @@
 use super::beginnings::{Beginning, MOST_PHASES};
 use super::edits::{Parent, RULES, Rule};
 use super::library::Library;
-use super::off_grid::{Fineness, Goals, Motion, NO_MISS, Timed, solve};
+use super::off_grid::{Fineness, Goals, NO_MISS, Timed, solve};
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Settings;
 use crate::progress::BestMotion;
@@ -181,7 +182,7 @@ impl<'a, 'r> Words<'a, 'r> {
         &mut self,
         runner: &mut Runner,
         draft: &Draft,
-        motion: &Motion,
+        motion: &Trajectory,
         origin: &'static str,
     ) -> Option<usize> {
         if draft.word.phases() > MOST_PHASES || runner.stopped() {
