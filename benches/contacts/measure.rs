@@ -2,34 +2,33 @@
 
 use crate::row::Row;
 use crate::{FAMILIES, option};
+use cpu_time::ProcessTime;
 use hangtime::model::Model;
 use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Moreau, Simulator};
-use hangtime_solver::clock::ThreadTime;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Names of the methods.
 pub(crate) const METHODS: [&str; 3] = ["default", "event", "moreau"];
 
-/// CPU time of a call \[s\].
-fn timed<T>(call: impl FnOnce() -> T) -> (T, f64) {
-    let clock = ThreadTime::try_now();
-    let result = call();
-    let elapsed = clock.and_then(|clock| clock.try_elapsed());
-    (
-        result,
-        elapsed.map_or(f64::NAN, |elapsed| elapsed.as_secs_f64()),
-    )
+/// CPU time of a call \[s\], of all threads: texts are read on one of their own.
+fn timed<T>(call: impl FnOnce(&dyn Fn() -> f64) -> T) -> (T, f64) {
+    let clock = ProcessTime::try_now();
+    let elapsed = || {
+        let elapsed = clock.as_ref().ok().and_then(|clock| clock.try_elapsed().ok());
+        elapsed.map_or(f64::NAN, |elapsed| elapsed.as_secs_f64())
+    };
+    let result = call(&elapsed);
+    (result, elapsed())
 }
 
 /// One run, its CPU time, and how it ended.
 fn run(method: &dyn Simulator, model: &dyn Model, limit: f64) -> (f64, String) {
-    let begin = Instant::now();
     let mut over = false;
-    let (result, seconds) = timed(|| {
+    let (result, seconds) = timed(|elapsed| {
         let problem = InitialValueProblem::of(model, None)?;
         method.simulate(model, &problem, &mut |_| {
-            over = begin.elapsed().as_secs_f64() > limit;
+            over = elapsed() > limit;
             !over
         })
     });
@@ -57,7 +56,7 @@ pub(crate) fn child() -> Option<Row> {
     let limit: f64 = option("--limit")?.parse().ok()?;
     let family = FAMILIES.iter().find(|family| family.name == name)?;
     let text = (family.text)(bodies);
-    let (scene, load) = timed(|| hangtime_scene_files::of_text("scene.hang", &text));
+    let (scene, load) = timed(|_| hangtime_scene_files::of_text("scene.hang", &text));
     let mut row = Row {
         family: name,
         bodies,

@@ -122,7 +122,12 @@ impl Evaluated {
 pub(super) struct Equations {
     /// `d_i`, or `d_i - mu e_i` and `d_i + mu e_i` for a contact that slips.
     pub(super) columns: Vec<f64>,
+    /// What the unknowns add to the rows, row-major, as of the last solution.
+    pub(super) couplings: Vec<f64>,
+    /// The same, taken apart where it is solved.
     pub(super) matrix: Vec<f64>,
+    /// Where a row has components.
+    pub(super) support: Vec<usize>,
     pub(super) right: Vec<f64>,
     /// Normal and tangential contact accelerations at the last evaluation.
     pub(super) r: Vec<f64>,
@@ -136,7 +141,9 @@ impl Equations {
     pub(super) fn new((n, contacts): (usize, usize), rows: usize) -> Self {
         Self {
             columns: vec![0.0; contacts * n],
-            matrix: vec![0.0; rows * rows],
+            couplings: Vec::new(),
+            matrix: Vec::new(),
+            support: Vec::new(),
             right: vec![0.0; rows],
             r: vec![0.0; contacts],
             s: vec![0.0; contacts],
