@@ -11,24 +11,27 @@ use std::time::{Duration, Instant};
 /// Names of the methods.
 pub(crate) const METHODS: [&str; 3] = ["default", "event", "moreau"];
 
-/// CPU time of a call \[s\], of all threads: texts are read on one of their own.
-fn timed<T>(call: impl FnOnce(&dyn Fn() -> f64) -> T) -> (T, f64) {
-    let clock = ProcessTime::try_now();
-    let elapsed = || {
-        let elapsed = clock.as_ref().ok().and_then(|clock| clock.try_elapsed().ok());
-        elapsed.map_or(f64::NAN, |elapsed| elapsed.as_secs_f64())
-    };
-    let result = call(&elapsed);
-    (result, elapsed())
+/// CPU time that this program has taken \[s\], on all threads: texts are read on one of their own.
+fn cpu() -> f64 {
+    let taken = ProcessTime::try_now().map(|now| now.as_duration().as_secs_f64());
+    taken.unwrap_or(f64::NAN)
+}
+
+/// CPU time of a call \[s\].
+fn timed<T>(call: impl FnOnce() -> T) -> (T, f64) {
+    let begin = cpu();
+    let result = call();
+    (result, cpu() - begin)
 }
 
 /// One run, its CPU time, and how it ended.
 fn run(method: &dyn Simulator, model: &dyn Model, limit: f64) -> (f64, String) {
     let mut over = false;
-    let (result, seconds) = timed(|elapsed| {
+    let begin = cpu();
+    let (result, seconds) = timed(|| {
         let problem = InitialValueProblem::of(model, None)?;
         method.simulate(model, &problem, &mut |_| {
-            over = elapsed() > limit;
+            over = cpu() - begin > limit;
             !over
         })
     });
@@ -56,7 +59,7 @@ pub(crate) fn child() -> Option<Row> {
     let limit: f64 = option("--limit")?.parse().ok()?;
     let family = FAMILIES.iter().find(|family| family.name == name)?;
     let text = (family.text)(bodies);
-    let (scene, load) = timed(|_| hangtime_scene_files::of_text("scene.hang", &text));
+    let (scene, load) = timed(|| hangtime_scene_files::of_text("scene.hang", &text));
     let mut row = Row {
         family: name,
         bodies,

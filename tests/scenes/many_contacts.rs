@@ -111,7 +111,11 @@ fn chain_of_24_links_moves_as_the_equations_of_the_textbook_say() {
         for (i, angle) in last(&run.trajectory.q).iter().enumerate() {
             // Of order four: what half the steps differ by is 15 times the error. The default promises 1e-6 of the largest angle.
             let error = (whole[i] - half[i]).abs() / 15.0 + 1e-6;
-            assert!((angle - whole[i]).abs() < error, "{i}: {angle} {}", whole[i]);
+            assert!(
+                (angle - whole[i]).abs() < error,
+                "{i}: {angle} {}",
+                whole[i]
+            );
             assert!(error < 1e-5, "{i}: {error:e}");
         }
     }

@@ -284,3 +284,32 @@ pub(crate) fn substitute(roots: &[Sym], replace: impl Fn(Variable) -> Option<Sym
         .map(|root| images.get(root).copied().unwrap_or(*root))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::{Function, reset};
+
+    fn is_velocity(variable: Variable) -> bool {
+        matches!(variable, Variable::Velocity(_))
+    }
+
+    #[test]
+    fn degree_counts_powers_of_the_chosen_variables_alone() {
+        reset();
+        let [q, v, w] = [
+            Variable::Coordinate(0),
+            Variable::Velocity(0),
+            Variable::Velocity(1),
+        ]
+        .map(Sym::variable);
+        let of = |sym| degree(sym, is_velocity);
+        assert_eq!(of(q * q * q), Some(0));
+        assert_eq!(of(q.call(Function::Sin) * v * w + q * v), Some(2));
+        assert_eq!(of((q * v + w) * (v + w) * v), Some(3));
+        assert_eq!(of(v.call(Function::Sin)), None);
+        assert_eq!(of(Sym::ONE / v), None);
+        assert!(contains(q * v + q, is_velocity));
+        assert!(!contains(q.call(Function::Sin), is_velocity));
+    }
+}

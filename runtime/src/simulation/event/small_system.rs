@@ -61,7 +61,9 @@ pub(in crate::simulation) fn solve(matrix: &mut [f64], right: &mut [f64]) -> Opt
     }
     for row in (0..m).rev() {
         for k in row + 1..m {
-            right[row] -= matrix[row * m + k] * right[k];
+            if matrix[row * m + k] != 0.0 {
+                right[row] -= matrix[row * m + k] * right[k];
+            }
         }
         right[row] /= matrix[row * m + row];
     }

@@ -33,7 +33,7 @@ pub(in crate::simulation) struct SwitchingFunctions {
     pub(in crate::simulation) undefined: Option<usize>,
     /// Sizes of the terms that a switching function balances if it is a force,
     /// `|curvature| + sum_k |n_k a_k| + sum_j |D_ij r_j|` for a normal one: rounding error is a share of it.
-    pub(super) force_scale: Vec<f64>,
+    pub(in crate::simulation) force_scale: Vec<f64>,
     /// Accelerations that are nothing to a contact: `sqrt(D_i a'M a)`, the largest normal acceleration that
     /// forces of the size of those present could give, at the last change of the mode.
     pub(super) force_floor: Vec<f64>,
