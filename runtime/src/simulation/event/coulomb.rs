@@ -173,12 +173,12 @@ impl CoulombProblem<'_> {
         let m = self.laws.len();
         let fits = |closed: &u32| {
             let mut states = known.iter().enumerate();
-            states.all(|(i, known)| known.is_none_or(|known| known == (closed >> i & 1 == 1)))
+            states.all(|(i, known)| known.is_none_or(|known| known == ((closed >> i) & 1 == 1)))
         };
         let mut chosen: Vec<u32> = (0..1 << m).filter(fits).collect();
         chosen.sort_by_key(|closed| closed.count_ones());
         chosen.into_iter().find_map(|closed| {
-            let state = |i: usize| match closed >> i & 1 {
+            let state = |i: usize| match (closed >> i) & 1 {
                 0 => ContactState::Open,
                 _ => ContactState::Frictionless,
             };
