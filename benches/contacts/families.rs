@@ -181,6 +181,27 @@ pub(crate) fn chain(n: usize) -> String {
     )
 }
 
+/// A chain of `n` links that hangs freely, from the angles on that link `i` has with the vertical.
+pub(crate) fn hanging(n: usize, angle: impl Fn(usize) -> f64, horizon: f64) -> String {
+    let joint = |i: usize| {
+        let before = match i {
+            1 => String::new(),
+            _ => format!("p{} + ", i - 1),
+        };
+        format!("let p{i} = {before}l*(sin(q{i}), -cos(q{i}))")
+    };
+    format!(
+        "parameters {{ g: m/s^2 = 9.81, l: m = 0.1 }} coordinates {{ {} }} {} lagrangian {} start {{ {} }} horizon \
+         {horizon:e} [s]",
+        each(n, ", ", |i| format!("q{i}")),
+        each(n, " ", joint),
+        each(n, " + ", |i| format!(
+            "1 [kg]*|dot(p{i})|^2/2 - 1 [kg]*g*p{i}.z"
+        )),
+        each(n, ", ", |i| format!("q{i}: {:e}", angle(i))),
+    )
+}
+
 /// An elastic bar of `n` masses and springs that flies onto a wall.
 pub(crate) fn bar(n: usize) -> String {
     let spring = |i: usize| format!("k*{n}/2*(x{} - x{i} - {} [m])^2", i + 1, 1.0 / n as f64);

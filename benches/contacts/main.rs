@@ -33,7 +33,7 @@ pub(crate) struct Family {
 }
 
 /// All families.
-pub(crate) const FAMILIES: [Family; 8] = [
+pub(crate) const FAMILIES: [Family; 9] = [
     Family {
         name: "cradle, elastic",
         text: |n| families::row(n, "restitution 1", 1.0),
@@ -67,6 +67,11 @@ pub(crate) const FAMILIES: [Family; 8] = [
     Family {
         name: "chain above a floor",
         text: families::chain,
+        sizes: &[2, 5, 10, 20, 40, 60, 100],
+    },
+    Family {
+        name: "hanging chain",
+        text: |n| families::hanging(n, |i| 0.8 + 0.02 * i as f64, 1.0),
         sizes: &[2, 5, 10, 20, 40, 60, 100],
     },
     Family {

@@ -57,6 +57,110 @@ fn default_and_event_driven_agree_on_up_to_forty_contacts() {
     }
 }
 
+/// The textbook's equations of a chain of `n` links of length `l` with equal masses at their ends, in absolute angles from the vertical:
+/// `sum_j c_ij (l cos(q_i - q_j) q_j'' + l sin(q_i - q_j) q_j'^2) + c_i g sin q_i = 0`, where `c_i` masses hang below link `i` and
+/// `c_ij` below both. The rates of `(q, q')`.
+fn chain_rates(state: &[f64], l: f64) -> Vec<f64> {
+    let n = state.len() / 2;
+    let (q, v) = state.split_at(n);
+    let below = |i: usize| (n - i) as f64;
+    let mut matrix = nalgebra::DMatrix::zeros(n, n);
+    let mut right = nalgebra::DVector::zeros(n);
+    for i in 0..n {
+        right[i] = -below(i) * 9.81 * q[i].sin();
+        for j in 0..n {
+            let (c, apart) = (below(i.max(j)) * l, q[i] - q[j]);
+            matrix[(i, j)] = c * apart.cos();
+            right[i] -= c * apart.sin() * v[j] * v[j];
+        }
+    }
+    let rates = nalgebra::Cholesky::new(matrix).expect("positive definite");
+    let rates = rates.solve(&right);
+    v.iter().copied().chain(rates.iter().copied()).collect()
+}
+
+/// Its motion by the classical Runge-Kutta method.
+fn chain_by_hand(mut state: Vec<f64>, l: f64, (horizon, steps): (f64, usize)) -> Vec<f64> {
+    let h = horizon / steps as f64;
+    let moved = |state: &[f64], rates: &[f64], h: f64| -> Vec<f64> {
+        let pairs = state.iter().zip(rates);
+        pairs.map(|(x, rate)| x + h * rate).collect()
+    };
+    for _ in 0..steps {
+        let one = chain_rates(&state, l);
+        let two = chain_rates(&moved(&state, &one, h / 2.0), l);
+        let three = chain_rates(&moved(&state, &two, h / 2.0), l);
+        let four = chain_rates(&moved(&state, &three, h), l);
+        for (i, x) in state.iter_mut().enumerate() {
+            *x += h / 6.0 * (one[i] + 2.0 * two[i] + 2.0 * three[i] + four[i]);
+        }
+    }
+    state
+}
+
+/// So many links swing down freely from where they are nearly stretched.
+#[test]
+fn chain_of_24_links_moves_as_the_equations_of_the_textbook_say() {
+    let (n, horizon) = (24, 0.3);
+    let scene = scene(&families::hanging(n, |i| 0.8 + 0.02 * i as f64, horizon));
+    let start = (1..=n).map(|i| 0.8 + 0.02 * i as f64);
+    let start: Vec<f64> = start.chain(vec![0.0; n]).collect();
+    let half = chain_by_hand(start.clone(), 0.1, (horizon, 100));
+    let whole = chain_by_hand(start, 0.1, (horizon, 200));
+    for run in [default_run(&scene), event_driven(&scene)] {
+        for (i, angle) in last(&run.trajectory.q).iter().enumerate() {
+            // Of order four: what half the steps differ by is 15 times the error. The default promises 1e-6 of the largest angle.
+            let error = (whole[i] - half[i]).abs() / 15.0 + 1e-6;
+            assert!(
+                (angle - whole[i]).abs() < error,
+                "{i}: {angle} {}",
+                whole[i]
+            );
+            assert!(error < 1e-5, "{i}: {error:e}");
+        }
+    }
+}
+
+/// Small oscillations of a hanging chain of `n` equal masses: `omega^2 = x g/l` at a zero `x` of the Laguerre polynomial `L_n`, and the
+/// mass with `j` others below it swings by `L_j(x)`. After a period it is where it was.
+#[test]
+fn hanging_chain_of_16_links_oscillates_with_its_closed_frequencies() {
+    let n = 16;
+    let laguerre = |x: f64| {
+        let mut all = vec![1.0, 1.0 - x];
+        for j in 1..n {
+            let j1 = j as f64;
+            all.push(((2.0 * j1 + 1.0 - x) * all[j] - j1 * all[j - 1]) / (j1 + 1.0));
+        }
+        all
+    };
+    // The two lowest zeros, between neighbours of other sign.
+    let grid = (0..10_000).map(|k| 1e-4 * f64::from(k));
+    let crosses = |&x: &f64| laguerre(x)[n] * laguerre(x + 1e-4)[n] < 0.0;
+    for x in grid.filter(crosses).take(2) {
+        let (mut low, mut high) = (x, x + 1e-4);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            match laguerre(low)[n] * laguerre(middle)[n] < 0.0 {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        let shape = laguerre(low);
+        let period = std::f64::consts::TAU / (low * 9.81 / 0.1).sqrt();
+        // Link i from the top is between the masses with n - i and n + 1 - i others below.
+        let bent = |i: usize| shape[n - i] - shape[n + 1 - i];
+        let largest = (1..=n).map(|i| bent(i).abs()).fold(0.0, f64::max);
+        let angle = |i: usize| 1e-4 * bent(i) / largest;
+        let run = default_run(&scene(&families::hanging(n, angle, period)));
+        for (i, q) in last(&run.trajectory.q).iter().enumerate() {
+            // Promised are 1e-6 of the largest angle; what is not linear is 1e-4 squared of it.
+            let error = (q - angle(i + 1)).abs();
+            assert!(error < 1.1e-6 * 1e-4, "{i}: {error:e} {period}");
+        }
+    }
+}
+
 /// More of them: `HANGTIME_SCENES=3000 cargo test --test scenes random_rows`.
 #[test]
 fn random_rows_of_balls_keep_momentum_and_agree() {

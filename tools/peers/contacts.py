@@ -11,8 +11,14 @@ import resource
 import subprocess
 import sys
 import time
+from pathlib import Path
+
+SYSTEM = "/usr/bin/python3"
+"""The Python of the system, for which Debian packages Siconos."""
 
 STEP = 1e-3
+LONGEST = 120
+"""Longest time that one run may take [s]."""
 HEADING = ["family", "bodies", "method", "contacts", "load_s", "run_s", "memory_mb", "ended"]
 SIZES = {
     "cradle, elastic": [2, 5, 10, 20, 50, 100, 200],
@@ -21,6 +27,11 @@ SIZES = {
     "chain above a floor": [2, 5, 10, 20, 40, 60, 100],
 }
 HORIZONS = {"cradle, elastic": 1.0, "tower of boxes": 1.0, "discs in a box, all pairs": 0.5, "chain above a floor": 1.0}
+
+
+def scattered(i, salt):
+    """The same numbers as in the scenes of the benchmark."""
+    return (i * 2_654_435_761 + salt * 40_503 + 12_345) % 1_000_003 / 1_000_003
 
 
 def slides(axes):
@@ -49,21 +60,20 @@ def mujoco_text(family, n):
         walls = floor + "".join(
             f'<geom type="plane" pos="{x} 0 0" zaxis="{side} 0 0" size="50 50 1"/>' for x, side in ((0, 1), (wide, -1))
         )
+        x = lambda i: 0.15 + 0.3 * (i % columns) + 0.06 * (scattered(i + 1, 3) - 0.5)
+        z = lambda i: 0.15 + 0.25 * (i // columns) + 0.04 * (scattered(i + 1, 4) - 0.5)
         bodies = "".join(
-            f'<body pos="{0.15 + 0.3 * (i % columns)} 0 {0.15 + 0.25 * (i // columns)}">{slides(["1 0 0", "0 0 1"])}'
-            '<geom type="sphere" size="0.1" mass="1" friction="0 0 0"/></body>'
+            f'<body pos="{x(i)} 0 {z(i)}">{slides(["1 0 0", "0 0 1"])}<geom type="sphere" size="0.1" mass="1"/></body>'
             for i in range(n)
         )
         return walls + bodies, 3 * n + n * (n - 1) // 2
-    text, close, angle = "", "", 0.0
+    text, close = "", ""
     for i in range(1, n + 1):
-        absolute = 0.8 + 0.02 * i
         place = f"0 0 {0.07 * n}" if i == 1 else "0 0 -0.1"
         text += (
             f'<body pos="{place}"><joint type="hinge" axis="0 -1 0" ref="0" springref="0"/>'
-            '<geom type="sphere" size="0.001" pos="0 0 -0.1" mass="1" friction="0 0 0"/>'
+            '<geom type="sphere" size="0.001" pos="0 0 -0.1" mass="1"/>'
         )
-        angle = absolute
         close += "</body>"
     return floor + text + close, n
 
@@ -75,11 +85,14 @@ def run_mujoco(family, n):
     text, contacts = mujoco_text(family, n)
     gravity = "0 0 0" if family == "cradle, elastic" else "0 0 -9.81"
     model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><option timestep="{STEP}" gravity="{gravity}"/><worldbody>{text}</worldbody></mujoco>'
+        f'<mujoco><option timestep="{STEP}" gravity="{gravity}"/><default><geom condim="1"/></default>'
+        f"<worldbody>{text}</worldbody></mujoco>"
     )
     data = mujoco.MjData(model)
     if family == "cradle, elastic":
         data.qvel[0] = 1.0
+    if family == "discs in a box, all pairs":
+        data.qvel[::2] = [scattered(i + 1, 5) - 0.5 for i in range(n)]
     if family == "chain above a floor":
         # Relative angles; the first one is absolute.
         data.qpos[:] = 0.02
@@ -124,6 +137,14 @@ def run_siconos(family, n):
     return n - 1 if row else n, load, time.process_time() - begin
 
 
+def interpreter(package):
+    """A Python that has a package: this one, or that of the system."""
+    for python in (sys.executable, SYSTEM):
+        if Path(python).exists() and not subprocess.run([python, "-c", f"import {package}"], capture_output=True).returncode:
+            return python
+    return None
+
+
 def main():
     if len(sys.argv) == 5 and sys.argv[1] == "--child":
         method, family, n = sys.argv[2], sys.argv[3], int(sys.argv[4])
@@ -136,13 +157,17 @@ def main():
         table = csv.writer(out)
         table.writerow(HEADING)
         for method in ("mujoco", "siconos"):
+            python = interpreter(method)
+            if python is None:
+                print(f"{method}: not installed")
+                continue
             for family, sizes in SIZES.items():
                 for n in sizes:
-                    command = [sys.executable, __file__, "--child", method, family, str(n)]
+                    command = [python, __file__, "--child", method, family, str(n)]
                     try:
-                        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+                        done = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST)
                     except subprocess.TimeoutExpired:
-                        print(f"{method} {family} {n}: more than 600 s")
+                        print(f"{method} {family} {n}: more than {LONGEST} s")
                         break
                     if done.returncode:
                         reason = done.stderr.strip().splitlines()

@@ -82,14 +82,24 @@ pub(crate) fn solve(factors: &[f64], pivots: &[usize], b: &mut [f64]) {
     for (k, &pivot) in pivots.iter().enumerate() {
         b.swap(k, pivot);
     }
+    // Factors of bodies that do not touch each other begin, or end, with zeros: looking at them is faster than adding them.
     for i in 1..n {
         let row = &factors[i * n..i * n + i];
-        let sum: f64 = row.iter().zip(&*b).map(|(l, x)| l * x).sum();
+        let first = row.iter().position(|l| *l != 0.0).unwrap_or(i);
+        let sum: f64 = row[first..]
+            .iter()
+            .zip(&b[first..])
+            .map(|(l, x)| l * x)
+            .sum();
         b[i] -= sum;
     }
     for i in (0..n).rev() {
         let row = &factors[i * n + i + 1..(i + 1) * n];
-        let sum: f64 = row.iter().zip(&b[i + 1..]).map(|(u, x)| u * x).sum();
+        let end = row
+            .iter()
+            .rposition(|u| *u != 0.0)
+            .map_or(0, |last| last + 1);
+        let sum: f64 = row[..end].iter().zip(&b[i + 1..]).map(|(u, x)| u * x).sum();
         b[i] = (b[i] - sum) / factors[i * n + i];
     }
 }

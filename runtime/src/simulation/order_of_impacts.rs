@@ -176,14 +176,14 @@ impl<'a> Bodies<'a> {
         {
             *last = time;
         }
-        self.evaluate();
+        self.evaluate(0..self.contacts.surfaces);
     }
 
-    fn evaluate(&mut self) {
+    /// Evaluates these surfaces under the present velocities.
+    fn evaluate(&mut self, surfaces: impl IntoIterator<Item = usize>) {
         let n = self.v.len();
         self.x[n..2 * n].copy_from_slice(&self.v);
-        self.contacts
-            .evaluate_contacts(&self.x, 0..self.contacts.surfaces);
+        self.contacts.evaluate_contacts(&self.x, surfaces);
     }
 }
 
@@ -203,14 +203,14 @@ impl impact_cluster::Bodies for Bodies<'_> {
     }
 
     fn ground_moves(&mut self, contacts: &[usize]) -> bool {
-        self.evaluate();
+        self.evaluate(contacts.iter().copied());
         contacts
             .iter()
             .any(|&i| self.contacts.ground_moves(i, &self.v))
     }
 
     fn normal_velocity(&mut self, contact: usize) -> f64 {
-        self.evaluate();
+        self.evaluate([contact]);
         self.contacts.normal_velocity(contact)
     }
 
@@ -231,7 +231,7 @@ impl impact_cluster::Bodies for Bodies<'_> {
     fn bring_to_rest(&mut self, contacts: &[usize]) {
         let restitution = vec![0.0; contacts.len()];
         let mut impulses = Vec::new();
-        self.evaluate();
+        self.evaluate(contacts.iter().copied());
         // What cannot rest goes on as it is.
         let _ = impact::strike(
             &self.contacts,
@@ -243,7 +243,7 @@ impl impact_cluster::Bodies for Bodies<'_> {
     }
 
     fn strike(&mut self, together: &[usize], elastic: bool) -> Result<f64, ModeError> {
-        self.evaluate();
+        self.evaluate(together.iter().copied());
         let restitution = together
             .iter()
             .map(|&i| if elastic { self.restitution[i] } else { 0.0 });

@@ -348,6 +348,7 @@ fn inertia(
         return Ok(());
     }
     states::momenta(checker, lagrangian, place)?;
+    graph::begin(graph::Stage::Inertia);
     rules::inertia(&checker.coordinates, lagrangian, place, checker.diagnostics)
 }
 

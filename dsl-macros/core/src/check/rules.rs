@@ -54,6 +54,22 @@ fn without_coordinates(name: &Name, checker: &mut Checker<'_>) {
     }
 }
 
+/// Number of coordinates above which an energy that is quadratic as it is written is not differentiated twice to see it.
+const MANY: usize = 8;
+
+/// E22: what is derived is too large; from there on all is zero, of which nothing can be said.
+fn derivable(place: Place, diagnostics: &mut Diagnostics) -> Checked<()> {
+    if !graph::is_exhausted() {
+        return Ok(());
+    }
+    Err(diagnostics.report(
+        "E22",
+        place,
+        "the declaration is too large: it was given up in the momenta; choose coordinates of which fewer move together, or \
+         leave out bodies",
+    ))
+}
+
 /// E04 and E05: the Lagrangian contains velocities, every coordinate has inertia, and the kinetic
 /// energy is quadratic in the velocities.
 pub(super) fn inertia(
@@ -62,7 +78,8 @@ pub(super) fn inertia(
     place: Place,
     diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
-    if !graph::depends_on(lagrangian, is_velocity) {
+    derivable(place, diagnostics)?;
+    if !graph::contains(lagrangian, is_velocity) {
         return Err(diagnostics.report(
             "E04",
             place,
@@ -74,10 +91,20 @@ pub(super) fn inertia(
         .map(|i| Variable::Velocity(i as u16))
         .collect();
     let momenta = graph::gradient(lagrangian, &velocities);
+    let quadratic = coordinates.len() > MANY
+        && graph::degree(lagrangian, is_velocity).is_some_and(|degree| degree <= 2);
     let mut result = Ok(());
     for (i, coordinate) in coordinates.iter().enumerate() {
-        let row = graph::partial(&momenta, velocities[i]);
-        if row.iter().all(|entry| entry.is_structural_zero()) {
+        let row = match quadratic {
+            true => Vec::new(),
+            false => graph::partial(&momenta, velocities[i]),
+        };
+        derivable(place, diagnostics)?;
+        let moves = match quadratic {
+            true => graph::contains(momenta[i], is_velocity),
+            false => row.iter().any(|entry| !entry.is_structural_zero()),
+        };
+        if !moves {
             result = Err(diagnostics.report(
                 "E05",
                 coordinate.name.place(),

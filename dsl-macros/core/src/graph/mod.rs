@@ -27,7 +27,8 @@ pub(crate) use limits::{Fault, Stage, allowed, begin, is_exhausted, spend, stage
 pub(crate) use node::{Node, Sym, Variable, children, generation, reset};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
-    depends_on, directional, gradient, is_longer_than, partial, reachable, substitute, variables,
+    contains, degree, depends_on, directional, gradient, is_longer_than, partial, reachable,
+    substitute, variables,
 };
 pub use profile::Profile;
 pub(crate) use second_order::hessian;

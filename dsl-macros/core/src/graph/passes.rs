@@ -58,6 +58,64 @@ pub(crate) fn depends_on(root: Sym, test: impl Fn(Variable) -> bool) -> bool {
     variables(&[root]).into_iter().any(test)
 }
 
+/// Whether an expression contains a variable for which `test` holds; looks no further than the first one.
+pub(crate) fn contains(root: Sym, test: impl Fn(Variable) -> bool) -> bool {
+    let mut seen: Set<Sym> = Set::default();
+    let mut stack = vec![root];
+    while let Some(sym) = stack.pop() {
+        let node = sym.node();
+        if matches!(node, Node::Variable(variable) if test(variable)) {
+            return true;
+        }
+        if seen.insert(sym) {
+            let parts = children(&node);
+            if !spend(1 + parts.len()) {
+                return false;
+            }
+            stack.extend(parts);
+        }
+    }
+    false
+}
+
+/// Degree of an expression in the variables for which `test` holds, as it is written: what cancels counts. `None` where it is no
+/// polynomial in them.
+pub(crate) fn degree(root: Sym, test: impl Fn(Variable) -> bool) -> Option<u32> {
+    let mut degrees: Table<Sym, u32> = Table::default();
+    for sym in reachable(&[root]) {
+        let of = |part: &Sym| degrees.get(part).copied().unwrap_or(0);
+        let node = sym.node();
+        let degree = match &node {
+            Node::Number(_) => 0,
+            Node::Variable(variable) => u32::from(test(*variable)),
+            Node::Sum(terms) => terms.iter().map(|(term, _)| of(term)).max()?,
+            Node::Product(factors) => {
+                let mut all = 0_u32;
+                for (factor, halves) in factors.iter() {
+                    let own = of(factor);
+                    let power = u32::try_from(*halves).ok().filter(|halves| halves % 2 == 0);
+                    all = match (own, power) {
+                        (0, _) => all,
+                        (_, Some(halves)) => all.saturating_add(own.saturating_mul(halves / 2)),
+                        (_, None) => return None,
+                    };
+                }
+                all
+            }
+            Node::Kept(inner) => of(inner),
+            Node::Call(..) | Node::Call2(..) => {
+                let varies = children(&node).iter().any(|part| of(part) > 0);
+                if varies {
+                    return None;
+                }
+                0
+            }
+        };
+        degrees.insert(sym, degree);
+    }
+    degrees.get(&root).copied()
+}
+
 /// Derivatives of `roots` in the direction in which each variable moves by `direction`: one sweep of
 /// dual numbers over the graph.
 pub(crate) fn directional(roots: &[Sym], direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
@@ -225,4 +283,33 @@ pub(crate) fn substitute(roots: &[Sym], replace: impl Fn(Variable) -> Option<Sym
         .iter()
         .map(|root| images.get(root).copied().unwrap_or(*root))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::{Function, reset};
+
+    fn is_velocity(variable: Variable) -> bool {
+        matches!(variable, Variable::Velocity(_))
+    }
+
+    #[test]
+    fn degree_counts_powers_of_the_chosen_variables_alone() {
+        reset();
+        let [q, v, w] = [
+            Variable::Coordinate(0),
+            Variable::Velocity(0),
+            Variable::Velocity(1),
+        ]
+        .map(Sym::variable);
+        let of = |sym| degree(sym, is_velocity);
+        assert_eq!(of(q * q * q), Some(0));
+        assert_eq!(of(q.call(Function::Sin) * v * w + q * v), Some(2));
+        assert_eq!(of((q * v + w) * (v + w) * v), Some(3));
+        assert_eq!(of(v.call(Function::Sin)), None);
+        assert_eq!(of(Sym::ONE / v), None);
+        assert!(contains(q * v + q, is_velocity));
+        assert!(!contains(q.call(Function::Sin), is_velocity));
+    }
 }

@@ -163,6 +163,29 @@ impl CoulombProblem<'_> {
             .collect()
     }
 
+    /// The first of the basic solutions of contacts without friction, in the order of [`solutions`](Self::solutions), in which those
+    /// that are `known` to be closed, or open, are.
+    pub(super) fn first_without_friction(
+        &self,
+        zero: f64,
+        known: &[Option<bool>],
+    ) -> Option<CoulombSolution> {
+        let m = self.laws.len();
+        let fits = |closed: &u32| {
+            let mut states = known.iter().enumerate();
+            states.all(|(i, known)| known.is_none_or(|known| known == ((closed >> i) & 1 == 1)))
+        };
+        let mut chosen: Vec<u32> = (0..1 << m).filter(fits).collect();
+        chosen.sort_by_key(|closed| closed.count_ones());
+        chosen.into_iter().find_map(|closed| {
+            let state = |i: usize| match (closed >> i) & 1 {
+                0 => ContactState::Open,
+                _ => ContactState::Frictionless,
+            };
+            self.basic((0..m).map(state).collect(), zero)
+        })
+    }
+
     /// `row' (p, s)` of the matrix.
     pub(super) fn product(&self, row: usize, p: &[f64], s: &[f64]) -> f64 {
         let m = self.laws.len();

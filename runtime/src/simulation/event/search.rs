@@ -25,9 +25,26 @@ const SECANTS: usize = 12;
 /// Secant steps and bisections together; 64 bisections use up all digits.
 const POLISHING: usize = 80;
 
+/// Number of switching functions from which on those of one place of a step are remembered: a function is looked at in its turn,
+/// at places that are mostly those of the others, and each force takes the forces of all contacts.
+const MANY: usize = 16;
+/// Most places that are remembered; the bisection always looks at seven.
+const PLACES_REMEMBERED: usize = 16;
+
+/// The switching functions at a place of the continuous extension.
+#[derive(Debug, Clone)]
+struct Place {
+    theta: f64,
+    values: Vec<f64>,
+    /// Sizes of the terms of those that are forces.
+    scales: Vec<f64>,
+}
+
 /// Buffers of the search.
 #[derive(Debug, Clone)]
 pub(super) struct EventSearch {
+    /// Where forces were evaluated since the last true step.
+    places: Vec<Place>,
     state: Vec<f64>,
     slope: Vec<f64>,
     end: Vec<f64>,
@@ -102,6 +119,7 @@ pub(super) enum Outcome {
 impl EventSearch {
     pub(super) fn new(dimension: usize, functions: usize) -> Self {
         Self {
+            places: Vec::new(),
             state: vec![0.0; dimension],
             slope: vec![0.0; dimension],
             end: vec![0.0; dimension],
@@ -171,6 +189,7 @@ impl EventSearch {
         method: &mut Dop853,
         step: Step<'_>,
     ) -> Outcome {
+        self.places.clear();
         for i in 0..dynamics.functions() {
             self.from[i] = may_cross(dynamics, i).then_some(Sample {
                 at: 0.0,
@@ -281,7 +300,26 @@ impl EventSearch {
     ) -> f64 {
         let t = step.t + theta * step.h;
         method.interpolate(theta, &mut self.state[..2 * dynamics.n]);
-        switching::switching_value(dynamics, function, t, &self.state, &mut self.slope)
+        let is_force = dynamics.switch(function).is_force();
+        if let Some(known) = self.places.iter().find(|known| known.theta == theta)
+            && is_force
+        {
+            dynamics.load(t, &self.state);
+            dynamics
+                .switching
+                .force_scale
+                .copy_from_slice(&known.scales);
+            return known.values[function];
+        }
+        let value = switching::switching_value(dynamics, function, t, &self.state, &mut self.slope);
+        if is_force && dynamics.functions() >= MANY && self.places.len() < PLACES_REMEMBERED {
+            self.places.push(Place {
+                theta,
+                values: dynamics.switching.values.clone(),
+                scales: dynamics.switching.force_scale.clone(),
+            });
+        }
+        value
     }
 
     /// Normal velocity of a contact at the end of the last true step.
@@ -306,6 +344,7 @@ impl EventSearch {
         function: usize,
         h: f64,
     ) -> f64 {
+        self.places.clear();
         method.step(dynamics, step.t, step.y, h);
         if !motion::project(dynamics, step.t + h, method.end_mut()) {
             return f64::NAN;

@@ -4,11 +4,15 @@
 /// and contact normals that differ by less than `1e-6` rad cannot be told apart by their forces.
 const SINGULAR: f64 = 1e-12;
 
+/// Order of a matrix from which on rows are looked through for zeros.
+const LARGE: usize = 16;
+
 /// Solves `matrix x = right` (row-major, order `right.len()`); the solution replaces `right` and the
 /// matrix is destroyed. Returns the sign of its determinant, `None` if it is singular to working accuracy.
 pub(in crate::simulation) fn solve(matrix: &mut [f64], right: &mut [f64]) -> Option<f64> {
     let m = right.len();
     let mut sign = 1.0;
+    let mut places: Vec<usize> = Vec::new();
     let largest = matrix.iter().fold(0.0_f64, |s, a| s.max(a.abs()));
     for column in 0..m {
         let mut pivot = column;
@@ -29,17 +33,37 @@ pub(in crate::simulation) fn solve(matrix: &mut [f64], right: &mut [f64]) -> Opt
             right.swap(column, pivot);
         }
         sign *= matrix[column * m + column].signum();
-        for row in column + 1..m {
-            let factor = matrix[row * m + column] / matrix[column * m + column];
-            for k in column..m {
-                matrix[row * m + k] -= factor * matrix[column * m + k];
+        let (above, below) = matrix.split_at_mut((column + 1) * m);
+        let pivot_row = &above[column * m..];
+        let sparse = m >= LARGE && {
+            let behind = (column..m).filter(|&k| pivot_row[k] != 0.0);
+            places.clear();
+            places.extend(behind);
+            4 * places.len() < m - column
+        };
+        for (row, other) in below.chunks_exact_mut(m).enumerate() {
+            let factor = other[column] / pivot_row[column];
+            // Contacts of bodies that do not touch each other are not coupled.
+            if factor == 0.0 {
+                continue;
             }
-            right[row] -= factor * right[column];
+            if sparse {
+                for &k in &places {
+                    other[k] -= factor * pivot_row[k];
+                }
+            } else {
+                for (other, above) in other[column..].iter_mut().zip(&pivot_row[column..]) {
+                    *other -= factor * above;
+                }
+            }
+            right[column + 1 + row] -= factor * right[column];
         }
     }
     for row in (0..m).rev() {
         for k in row + 1..m {
-            right[row] -= matrix[row * m + k] * right[k];
+            if matrix[row * m + k] != 0.0 {
+                right[row] -= matrix[row * m + k] * right[k];
+            }
         }
         right[row] /= matrix[row * m + row];
     }

@@ -33,7 +33,7 @@ pub(in crate::simulation) struct SwitchingFunctions {
     pub(in crate::simulation) undefined: Option<usize>,
     /// Sizes of the terms that a switching function balances if it is a force,
     /// `|curvature| + sum_k |n_k a_k| + sum_j |D_ij r_j|` for a normal one: rounding error is a share of it.
-    pub(super) force_scale: Vec<f64>,
+    pub(in crate::simulation) force_scale: Vec<f64>,
     /// Accelerations that are nothing to a contact: `sqrt(D_i a'M a)`, the largest normal acceleration that
     /// forces of the size of those present could give, at the last change of the mode.
     pub(super) force_floor: Vec<f64>,
@@ -122,7 +122,12 @@ impl Evaluated {
 pub(super) struct Equations {
     /// `d_i`, or `d_i - mu e_i` and `d_i + mu e_i` for a contact that slips.
     pub(super) columns: Vec<f64>,
+    /// What the unknowns add to the rows, row-major, as of the last solution.
+    pub(super) couplings: Vec<f64>,
+    /// The same, taken apart where it is solved.
     pub(super) matrix: Vec<f64>,
+    /// Where a row has components.
+    pub(super) support: Vec<usize>,
     pub(super) right: Vec<f64>,
     /// Normal and tangential contact accelerations at the last evaluation.
     pub(super) r: Vec<f64>,
@@ -136,7 +141,9 @@ impl Equations {
     pub(super) fn new((n, contacts): (usize, usize), rows: usize) -> Self {
         Self {
             columns: vec![0.0; contacts * n],
-            matrix: vec![0.0; rows * rows],
+            couplings: Vec::new(),
+            matrix: Vec::new(),
+            support: Vec::new(),
             right: vec![0.0; rows],
             r: vec![0.0; contacts],
             s: vec![0.0; contacts],

@@ -4,6 +4,9 @@ use super::{Dynamics, Stuck, dot};
 use crate::model::{contact_point, tangent_point};
 use crate::simulation::event::small_system;
 
+/// Number of coordinates from which on rows are looked through for zeros.
+const LARGE: usize = 16;
+
 /// Row of the constraints that the mode keeps: the normals of active contacts, then the tangents of
 /// sticking ones.
 pub(super) fn constraint<'a>(dynamics: &'a Dynamics<'_>, row: usize) -> &'a [f64] {
@@ -68,32 +71,57 @@ pub(super) fn force_direction<'a>(
     }
 }
 
-/// What the unknown of a column adds to a row.
-fn entry(dynamics: &Dynamics<'_>, (row, column): (usize, usize), slipping: bool) -> f64 {
+/// Writes what the unknowns of the first `rows` rows add to one of them.
+fn couple(
+    dynamics: &Dynamics<'_>,
+    (row, slipping): (usize, bool),
+    support: &mut Vec<usize>,
+    couplings: &mut [f64],
+) {
     let active = &dynamics.mode.active;
     if is_given(dynamics, row) {
-        let other = active.get(column);
-        return other.map_or(0.0, |&other| dynamics.coupling(active[row], other));
+        for (column, coupling) in couplings.iter_mut().enumerate() {
+            let other = active.get(column);
+            *coupling = other.map_or(0.0, |&other| dynamics.coupling(active[row], other));
+        }
+        return;
     }
-    dot(
-        constraint(dynamics, row),
-        force_direction(dynamics, column, slipping),
-    )
+    let covector = constraint(dynamics, row);
+    let columns = couplings.iter_mut().enumerate();
+    if dynamics.n < LARGE {
+        for (column, coupling) in columns {
+            *coupling = dot(covector, force_direction(dynamics, column, slipping));
+        }
+        return;
+    }
+    // A contact is between two bodies, however many there are.
+    support.clear();
+    support.extend((0..dynamics.n).filter(|&k| covector[k] != 0.0));
+    for (column, coupling) in columns {
+        let direction = force_direction(dynamics, column, slipping);
+        *coupling = support.iter().map(|&k| covector[k] * direction[k]).sum();
+    }
 }
 
 /// Solves for the unknowns of the first `rows` rows. Returns the sign of the determinant, `None` if they are
 /// dependent.
 pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
-    for row in 0..rows {
-        for column in 0..rows {
-            dynamics.equations.matrix[row * rows + column] =
-                entry(dynamics, (row, column), slipping);
-        }
+    let mut couplings = std::mem::take(&mut dynamics.equations.couplings);
+    let mut support = std::mem::take(&mut dynamics.equations.support);
+    couplings.resize(rows * rows, 0.0);
+    for (row, couplings) in couplings.chunks_exact_mut(rows.max(1)).enumerate() {
+        couple(dynamics, (row, slipping), &mut support, couplings);
     }
-    small_system::solve(
-        &mut dynamics.equations.matrix[..rows * rows],
-        &mut dynamics.equations.right[..rows],
-    )
+    dynamics.equations.couplings = couplings;
+    dynamics.equations.support = support;
+    solve_again(dynamics, rows)
+}
+
+/// Solves the rows of the last solution for other right-hand sides.
+fn solve_again(dynamics: &mut Dynamics<'_>, rows: usize) -> Option<f64> {
+    let equations = &mut dynamics.equations;
+    equations.matrix.clone_from(&equations.couplings);
+    small_system::solve(&mut equations.matrix, &mut equations.right[..rows])
 }
 
 /// `to += sum_row column_row right_row` over the first rows.
@@ -163,7 +191,7 @@ pub(super) fn store_forces(dynamics: &mut Dynamics<'_>, rows: usize) {
     }
 }
 
-/// Takes from the accelerations `a` what rounding has left in the rows. In them terms of the size of the forces cancel:
+/// Takes from the accelerations `a`, those of the last solution, what rounding has left in the rows. In them terms of the size of the forces cancel:
 /// a body that sticks would fall by that for as long as it rests.
 pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
     let normals = dynamics.mode.active.len();
@@ -183,12 +211,12 @@ pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
             false => dynamics.contact_accelerations(held.contact, a).1,
         };
     }
-    if solve_rows(dynamics, rows, true).is_some() {
+    if solve_again(dynamics, rows).is_some() {
         add_columns(dynamics, rows, true, a);
     }
 }
 
-/// Size of the terms that the equation of a row balances.
+/// Size of the terms that the equation of a row of the last solution balances.
 pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64 {
     let (_, free) = match dynamics.mode.active.get(row) {
         Some(&i) => dynamics.free_normal_acceleration(i),
@@ -197,10 +225,11 @@ pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64
             dynamics.free_sliding_acceleration(held.contact)
         }
     };
-    (0..rows)
-        .filter(|&other| other != row)
-        .fold(free, |sum, other| {
-            let coupling = entry(dynamics, (row, other), true);
-            sum + (coupling * dynamics.equations.right[other]).abs()
+    let couplings = &dynamics.equations.couplings[row * rows..][..rows];
+    let terms = couplings.iter().zip(&dynamics.equations.right).enumerate();
+    terms
+        .filter(|&(other, _)| other != row)
+        .fold(free, |sum, (_, (coupling, force))| {
+            sum + (coupling * force).abs()
         })
 }

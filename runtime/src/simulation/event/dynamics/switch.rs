@@ -42,7 +42,7 @@ impl Switch {
         }
     }
 
-    pub(super) fn is_force(self) -> bool {
+    pub(in crate::simulation) fn is_force(self) -> bool {
         matches!(self, Self::NormalForce(_) | Self::FrictionLimit(..))
     }
 }
