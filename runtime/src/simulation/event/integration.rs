@@ -491,14 +491,17 @@ impl<'a> Integration<'a> {
         let vanished = self.pass_edge(vanished);
         self.dynamics
             .observe_rounding(self.t, &self.y, self.h, at_start);
+        let value = resets::function(&mut self.dynamics, (self.t, &self.y), vanished);
         let mut set = resets::set(
             &mut self.dynamics,
             (self.t, &mut self.y),
             vanished,
             &previously,
         );
-        let vanished = vanished.filter(|_| set.is_empty());
-        let impact = self.impact(vanished)?;
+        // Where a condition reads nothing that was set its function vanishes as before, however far rounding has left it from zero.
+        let now = resets::function(&mut self.dynamics, (self.t, &self.y), vanished);
+        let vanished = vanished.filter(|_| set.is_empty() || value.is_some() && now == value);
+        let mut impact = self.impact(vanished)?;
         if !impact.struck.is_empty() {
             set.extend(resets::set(
                 &mut self.dynamics,
@@ -514,14 +517,21 @@ impl<'a> Integration<'a> {
             self.y[n..2 * n].copy_from_slice(&after);
         }
         // An impact changes velocities and forces: what has vanished before it may not have done so after.
-        let vanished = vanished.filter(|_| impact.struck.is_empty());
-        let (mut again, resting) = (true, &impact.resting);
-        while again {
+        let mut vanished = vanished.filter(|_| impact.struck.is_empty());
+        loop {
             let (dynamics, probe, y) = (&mut self.dynamics, &mut self.probe, &mut self.y);
+            let resting = &impact.resting;
             contact_mode::change(dynamics, probe, self.t, y, resting, vanished, outlook)
                 .map_err(|problem| self.place().undetermined(problem))?;
             let now = (self.t, &mut self.y[..]);
-            again = !at_start && resets::set_turned(&mut self.dynamics, now, &previously, &mut set);
+            if at_start || !resets::set_turned(&mut self.dynamics, now, &previously, &mut set) {
+                break;
+            }
+            // What was set may lead into a surface.
+            let next = self.impact(None)?;
+            impact.struck.extend(next.struck);
+            impact.resting = next.resting;
+            vanished = None;
         }
         if at_start {
             self.result.initial_modes = self.dynamics.contact_modes();
