@@ -1,6 +1,7 @@
 //! The run: steps, events, records.
 
 mod outputs;
+mod step_size;
 
 use hangtime_solver::clock::ThreadTime;
 
@@ -287,40 +288,6 @@ impl<'a> Integration<'a> {
         Ok(())
     }
 
-    /// Expects a first step by the free accelerations, to which those of the first contact mode are compared: beside what
-    /// would give the velocities in a glance, any of them would be small.
-    fn expect_step(&mut self, longest: f64) {
-        let n = self.dynamics.n;
-        self.dynamics.observe(self.t, &self.y, self.h);
-        let a = self.dynamics.free_acceleration().to_vec();
-        let mass = self.dynamics.mass(self.t, &self.y);
-        let scale = &self.step.error_scale;
-        let time = scale.time_at_start(mass, &self.y[n..2 * n], &a);
-        self.dynamics.expect_moment(time.min(longest));
-    }
-
-    /// A first step size: a share of the shortest time in which velocities or accelerations change.
-    fn first_step(&mut self, longest: f64) -> f64 {
-        let n = self.dynamics.n;
-        let moment = GLANCE * longest;
-        let slope = self.method.slope();
-        for ((later, y), slope) in self.dense.state.iter_mut().zip(&self.y).zip(slope) {
-            *later = y + moment * slope;
-        }
-        self.dynamics
-            .derivative(self.t + moment, &self.dense.state, &mut self.dense.slope);
-        let change: Vec<f64> = self.dense.slope[n..2 * n]
-            .iter()
-            .zip(&slope[n..2 * n])
-            .map(|(later, now)| later - now)
-            .collect();
-        let mass = self.dynamics.mass(self.t, &self.y);
-        let time = self.step.error_scale.shortest_time(mass, &change, moment);
-        let h = (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest);
-        self.dynamics.expect_moment(h);
-        h
-    }
-
     /// Tells the measures of errors and zeros of the present state, whose derivative is known.
     fn observe(&mut self) {
         let n = self.dynamics.n;
@@ -330,19 +297,6 @@ impl<'a> Integration<'a> {
         self.step
             .error_scale
             .observe(mass, &self.y[n..2 * n], &slope[n..2 * n]);
-    }
-
-    /// Length of a step of at most `wanted` that tells what depends on time.
-    fn foreseen(&mut self, wanted: f64) -> f64 {
-        let Some(explicit_time) = &mut self.checks.explicit_time else {
-            return wanted;
-        };
-        self.dynamics.load(self.t, &self.y);
-        let longest = explicit_time.longest(self.dynamics.input(), wanted);
-        if longest < wanted {
-            self.h = longest;
-        }
-        longest
     }
 
     /// Tries a step of length `h`; `false` if it was rejected and `self.h` reduced.
@@ -395,6 +349,7 @@ impl<'a> Integration<'a> {
             }
         }
         if error > 1.0 || error.is_nan() {
+            self.observe_rounding();
             self.h = Dop853::smaller_size(h, error);
             if self.h <= SHORTEST * self.t.max(self.problem.horizon) {
                 return Err(self.step_failure(error));
