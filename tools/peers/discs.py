@@ -96,21 +96,15 @@ def main():
     y = start(1.1, 9.0, 0.4, -8.5, [0.0, 0.0])
     time, y, _ = integrate(y, 0.0, 1.5, None)
     shown("Euler's disc", time, y)
-    y = start(0.35, 14.0, 0.0, 3.0, [0.4, -0.7])
-    # The slide slows down evenly at its end: the time that is left follows from two speeds.
-    ends = [integrate(y, 0.0, 1.2, 0.25, least) for least in (1e-5, 1e-6, 1e-7)]
-    for end in ends:
-        if not end[2]:
-            shown("coin slides", end[0], end[1])
-            return
-    print("slips", [end[0] for end in ends])
-    time, y, _ = ends[-1]
-    rate = (ends[0][0] - time) / (1e-5 - 1e-7)
-    shown("coin at the end of its slide, about", time - rate * 1e-7, y)
+    mu = 0.4
+    y = start(0.3, 12.0, 0.0, -4.0, [0.4, -0.7])
+    # At the end of a slide its speed falls evenly: the time that is left follows from two speeds.
+    (earlier, _, _), (time, y, stops) = [integrate(y, 0.0, 0.8, mu, least) for least in (1e-6, 1e-8)]
+    assert stops
     force = rates(y, None)[1]
-    print("share of the cone in rolling:", np.hypot(*force[:2]) / (0.25 * force[2]))
-    # From the last speed of the slide, 1e-7, that of rolling: the rest is below the digits shown.
-    time, y, _ = integrate(y, time, 1.2, None)
+    assert np.hypot(*force[:2]) < mu * force[2], "it would go on sliding"
+    shown("coin at the end of its slide", time + (time - earlier) / 99, y)
+    time, y, _ = integrate(y, time, 0.8, None)
     shown("coin", time, y)
 
 
