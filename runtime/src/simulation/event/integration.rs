@@ -79,6 +79,8 @@ struct StepEnds {
     at_end: Residuals,
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
+    /// Time \[s\], length \[s\] and error of the last step that was rejected.
+    rejected: Option<(f64, f64, f64)>,
 }
 
 /// What is limited.
@@ -125,6 +127,7 @@ impl<'a> Integration<'a> {
                 end_values: vec![0.0; functions],
                 at_end: Residuals::default(),
                 orientation: 1.0,
+                rejected: None,
             },
             forces: Forces::new(contacts),
             dense: Outputs::new(dimension, problem.horizon, settings.output_times),
@@ -349,7 +352,7 @@ impl<'a> Integration<'a> {
             }
         }
         if error > 1.0 || error.is_nan() {
-            self.observe_rounding();
+            self.look_at_rounding(h, error);
             self.h = Dop853::smaller_size(h, error);
             if self.h <= SHORTEST * self.t.max(self.problem.horizon) {
                 return Err(self.step_failure(error));

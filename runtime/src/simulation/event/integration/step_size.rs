@@ -3,6 +3,9 @@
 use super::{GLANCE, Integration};
 use crate::simulation::event::dop853::System;
 
+/// Power of the length of a step with which errors of steps fall much faster.
+const SLOWLY: i32 = 3;
+
 impl Integration<'_> {
     /// Expects a first step by the free accelerations, to which those of the first contact mode are compared: beside what
     /// would give the velocities in a glance, any of them would be small.
@@ -38,8 +41,20 @@ impl Integration<'_> {
         h
     }
 
+    /// Looks at what rounding makes of accelerations where a step of length `h` is rejected for an `error` that hardly falls with the length,
+    /// as those of a method of order 8 do.
+    pub(super) fn look_at_rounding(&mut self, h: f64, error: f64) {
+        let last = self.step.rejected.replace((self.t, h, error));
+        let hardly_falls = last.is_some_and(|(time, length, before)| {
+            time == self.t && h < length && error > before * (h / length).powi(SLOWLY)
+        });
+        if hardly_falls {
+            self.observe_rounding();
+        }
+    }
+
     /// Tells the measure of errors what the last digits of the present state make of its derivative, which is known.
-    pub(super) fn observe_rounding(&mut self) {
+    fn observe_rounding(&mut self) {
         let n = self.dynamics.n;
         let mut change = vec![0.0_f64; n];
         // All digits one way, and neighbours against each other: what one choice hides in a difference shows in the other.
