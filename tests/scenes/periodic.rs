@@ -256,18 +256,3 @@ fn hopper_repeats_itself_by_a_motor_that_gives_back_what_each_landing_takes() {
         );
     }
 }
-
-#[test]
-fn motion_that_rests_for_nothing_has_no_longest_time_to_look_for() {
-    // Standing on the spring costs nothing, however long it lasts: one look at later ends is enough.
-    let text = include_str!("../../models/gallery/hopper.hang")
-        .replace("z == 0.1 [m], leg", "z == start(z), time >= 0.3 [s], leg")
-        .replace(
-            "start { z: 0.1 [m], leg: 0.8 [m], dot(z): -1 }",
-            "start { leg: 0.75 [m] }",
-        )
-        .replace("free { dot(z) in -3..=-0.5, leg", "free { leg");
-    let solution = optimum(&text, 4);
-    assert!(solution.objective.abs() < 1e-6, "{solution}");
-    assert!((0.3..50.0).contains(&solution.horizon), "{solution}");
-}

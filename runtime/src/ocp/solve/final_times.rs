@@ -20,9 +20,6 @@ const MOVES: usize = 5;
 /// further away may be no more than flat in those of its program.
 const NEAR: f64 = 1.5;
 
-/// Share of an objective by which it changes at least where final times are looked at that are up to twenty times as long.
-const FLAT: f64 = 1e-7;
-
 /// A plan that another round looks beyond.
 struct Before {
     plan: Solution,
@@ -76,18 +73,6 @@ pub(super) fn solve_grid<'s>(
         let (at_an_end, off_units) = (next.is_some(), off_centre || of_another_size);
         let next = next.or_else(|| off_units.then_some(solution.horizon));
         known.extend(trace.known);
-        if let Some(plan) = before.take_if(|before| is_flat(before, &solution)) {
-            let (counts, seconds) = (solution.counts, solution.seconds);
-            let final_times = solution.final_times;
-            let plan = Solution {
-                counts,
-                seconds,
-                final_times,
-                ..plan.plan
-            };
-            trace.known = known;
-            return Ok((plan, trace));
-        }
         let goes_on = trace.repeats.is_none() && solution.status != Status::Interrupted;
         let next = next.filter(|_| goes_on && moves < MOVES);
         if let Some(next) = next {
@@ -153,17 +138,6 @@ fn conclusion(
         None if is_found(&last) || status == Status::Interrupted => last,
         None => failed.unwrap_or(last),
     }
-}
-
-/// Whether a plan at an end of the final times that were looked at lies there by chance: looking beyond leads to the end of the next ones, and to
-/// nothing that costs less or more, as where a body may rest for as long as it likes.
-fn is_flat(before: &Before, next: &Solution) -> bool {
-    let plan = &before.plan;
-    let solved = |solution: &Solution| solution.status == Status::Solved;
-    before.at_an_end
-        && solved(plan)
-        && solved(next)
-        && (next.objective - plan.objective).abs() <= plan.tolerated(FLAT)
 }
 
 /// Whether there is a motion, and not only a plan that the dynamics do not follow.
