@@ -91,8 +91,10 @@ impl ErrorScale {
     /// makes of them are no errors of steps, and no shorter step is without them. Strong springs about their rest positions have the largest.
     pub(super) fn observe_rounding(&mut self, mass: &[f64], change: &[f64]) {
         for group in 0..self.undecided.len() {
-            let size = self.size(group, mass, change);
-            self.undecided[group] = STATE_ROUNDINGS * size;
+            let size = STATE_ROUNDINGS * self.size(group, mass, change);
+            if size.is_finite() {
+                self.undecided[group] = size;
+            }
         }
     }
 

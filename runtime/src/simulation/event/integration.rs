@@ -6,6 +6,7 @@ mod step_size;
 use hangtime_solver::clock::ThreadTime;
 
 use self::outputs::Outputs;
+use self::step_size::{Attempts, Rejected};
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};
 use super::diagnosis::Place;
@@ -79,16 +80,7 @@ struct StepEnds {
     at_end: Residuals,
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
-    /// Time \[s\], length \[s\] and error of the last step that was rejected.
-    rejected: Option<(f64, f64, f64)>,
-}
-
-/// What is limited.
-#[derive(Default)]
-struct Attempts {
-    steps: usize,
-    /// Steps at the same instant.
-    repeats: usize,
+    rejected: Rejected,
 }
 
 /// What is looked at during the run, and said after it.
@@ -127,7 +119,7 @@ impl<'a> Integration<'a> {
                 end_values: vec![0.0; functions],
                 at_end: Residuals::default(),
                 orientation: 1.0,
-                rejected: None,
+                rejected: Rejected::default(),
             },
             forces: Forces::new(contacts),
             dense: Outputs::new(dimension, problem.horizon, settings.output_times),
@@ -291,6 +283,30 @@ impl<'a> Integration<'a> {
         Ok(())
     }
 
+    /// Expects a first step by the free accelerations, to which those of the first contact mode are compared: beside what
+    /// would give the velocities in a glance, any of them would be small.
+    fn expect_step(&mut self, longest: f64) {
+        let n = self.dynamics.n;
+        self.dynamics.observe(self.t, &self.y, self.h);
+        let a = self.dynamics.free_acceleration().to_vec();
+        let mass = self.dynamics.mass(self.t, &self.y);
+        let scale = &self.step.error_scale;
+        let time = scale.time_at_start(mass, &self.y[n..2 * n], &a);
+        self.dynamics.expect_moment(time.min(longest));
+    }
+
+    /// A first step size: a share of the shortest time in which velocities or accelerations change.
+    fn first_step(&mut self, longest: f64) -> f64 {
+        let moment = GLANCE * longest;
+        let now = (self.t, &self.y[..], self.method.slope());
+        let change = step_size::change(&mut self.dynamics, &mut self.dense, now, moment);
+        let mass = self.dynamics.mass(self.t, &self.y);
+        let time = self.step.error_scale.shortest_time(mass, &change, moment);
+        let h = (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest);
+        self.dynamics.expect_moment(h);
+        h
+    }
+
     /// Tells the measures of errors and zeros of the present state, whose derivative is known.
     fn observe(&mut self) {
         let n = self.dynamics.n;
@@ -300,6 +316,19 @@ impl<'a> Integration<'a> {
         self.step
             .error_scale
             .observe(mass, &self.y[n..2 * n], &slope[n..2 * n]);
+    }
+
+    /// Length of a step of at most `wanted` that tells what depends on time.
+    fn foreseen(&mut self, wanted: f64) -> f64 {
+        let Some(explicit_time) = &mut self.checks.explicit_time else {
+            return wanted;
+        };
+        self.dynamics.load(self.t, &self.y);
+        let longest = explicit_time.longest(self.dynamics.input(), wanted);
+        if longest < wanted {
+            self.h = longest;
+        }
+        longest
     }
 
     /// Tries a step of length `h`; `false` if it was rejected and `self.h` reduced.
@@ -352,7 +381,12 @@ impl<'a> Integration<'a> {
             }
         }
         if error > 1.0 || error.is_nan() {
-            self.look_at_rounding(h, error);
+            if self.step.rejected.hardly_falls((self.t, h), error) {
+                let now = (self.t, &self.y[..], self.method.slope());
+                let change = step_size::rounding(&mut self.dynamics, &mut self.dense, now);
+                let mass = self.dynamics.mass(self.t, &self.y);
+                self.step.error_scale.observe_rounding(mass, &change);
+            }
             self.h = Dop853::smaller_size(h, error);
             if self.h <= SHORTEST * self.t.max(self.problem.horizon) {
                 return Err(self.step_failure(error));
