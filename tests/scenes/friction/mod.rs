@@ -2,6 +2,7 @@
 
 mod compiled;
 mod discs;
+mod held;
 mod load;
 mod space;
 mod speed;
