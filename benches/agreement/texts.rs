@@ -12,12 +12,13 @@ use super::draw::Draw;
 type Family = fn(&mut Draw) -> String;
 
 /// The families by their names.
-pub(crate) const FAMILIES: [(&str, Family); 5] = [
+pub(crate) const FAMILIES: [(&str, Family); 6] = [
     ("mixed", mixed),
     ("floors", floors),
     ("wheels", wheels),
     ("piles", piles),
     ("clearances", clearances),
+    ("linkages", linkages),
 ];
 
 /// The scene of a text.
@@ -290,5 +291,71 @@ fn clearances(draw: &mut Draw) -> String {
         "start {{ a: {angle:.9} [rad], b: {other:.9} [rad], dot(a): {speed:.6} [rad/s], dot(b): {follows:.6} [rad/s] }}"
     ));
     text.line("horizon 0.6 [s]");
+    text.0
+}
+
+/// Rods that are pinned to each other and to a pivot by joints, each a body with three coordinates, with stops between neighbours, over a
+/// rough floor that the end strikes; sometimes with the end on a rail, which closes a loop.
+fn linkages(draw: &mut Draw) -> String {
+    let count = 1 + draw.between(0.0, 3.0) as usize;
+    let closed = count > 1 && draw.chance(0.3);
+    let mut text = Text::default();
+    let names = (0..count).map(|k| format!("x{k}: m, z{k}: m, a{k}: rad"));
+    let names = names.collect::<Vec<_>>().join(", ");
+    text.line(&format!("coordinates {{ {names} }}"));
+    let (mut energy, mut joints, mut stops) = (String::new(), Text::default(), Text::default());
+    let mut start = Vec::new();
+    let (mut pin, mut place, mut before) = ("(0 [m], 0 [m])".to_owned(), (0.0, 0.0), None);
+    let stop_law = law(draw);
+    for k in 0..count {
+        let (length, mass) = (draw.between(0.5, 1.5), draw.between(0.5, 2.0));
+        let (angle, half) = (draw.between(0.3, 1.2), 0.5 * length);
+        let (dx, dz) = (half * angle.cos(), half * angle.sin());
+        start.push(format!(
+            "x{k}: {}, z{k}: {}, a{k}: {angle}, dot(a{k}): {:.4}",
+            place.0 + dx,
+            place.1 + dz,
+            draw.between(-2.0, 2.0)
+        ));
+        let _ = write!(
+            energy,
+            " + {mass:.4} [kg]/2*(dot(x{k})^2 + dot(z{k})^2) + {:.6} [kg m^2]/2*dot(a{k})^2 - {:.4} [N]*z{k}",
+            mass * length * length / 12.0,
+            9.81 * mass
+        );
+        let end = |sign: char| {
+            format!("(x{k} {sign} {half} [m]*cos(a{k}), z{k} {sign} {half} [m]*sin(a{k}))")
+        };
+        joints.line(&format!("joint pin{k}: {} == {pin}", end('-')));
+        if let Some(other) = before
+            && draw.chance(0.6)
+        {
+            let limit: f64 = f64::abs(angle - other) + draw.between(0.1, 1.5);
+            let bend = format!("a{k} - a{}", k - 1);
+            stops.line(&format!("surface up{k}: {bend} <= {limit:.4} [rad]"));
+            stops.line(&format!("surface down{k}: {bend} >= -{limit:.4} [rad]"));
+            stops.line(&format!("impact up{k}, down{k}: {stop_law}"));
+        }
+        (pin, before) = (end('+'), Some(angle));
+        place = (place.0 + 2.0 * dx, place.1 + 2.0 * dz);
+    }
+    if closed {
+        joints.line(&format!("joint rail: ({pin}).y == {} [m]", place.0));
+    }
+    text.line(&format!("lagrangian{}", energy.trim_start_matches(" +")));
+    text.0.push_str(&joints.0);
+    text.0.push_str(&stops.0);
+    let floor = draw.between(-0.6, -0.2);
+    text.line(&format!("let tip = {pin}"));
+    text.line(&format!("surface floor: tip.z >= {floor:.4} [m]"));
+    let law = law(draw);
+    match floor_friction(draw) {
+        Some(mu) => text.line(&format!(
+            "impact floor: {law}, friction {mu:.4}, sliding dot(tip.y)"
+        )),
+        None => text.line(&format!("impact floor: {law}")),
+    }
+    text.line(&format!("start {{ {} }}", start.join(", ")));
+    text.line("horizon 1 [s]");
     text.0
 }

@@ -46,6 +46,8 @@ pub(crate) const GALLERY: &[Scene] = gallery! {
     "legs" {
         "hop": "a body on a massive foot hops from flat ground",
             "With how little effort does the foot rise by 0.3 m?" => "41.68 N^2 s." (10: 41.67526238);
+        "hopper": "two masses on a spring hop on the spot for ever",
+            "With how little effort of its motor?" => "2.177 N^2 s a hop: it gives back what the landing takes." (10: 2.177154493);
         "hop-forward": "a body on a springy leg hops forward on rough ground",
             "With how little effort does it hop a metre?" => "10.64 N^2 s." (10: 10.640004796);
         "biped": "a body on two legs walks half a metre on rough ground",

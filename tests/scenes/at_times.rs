@@ -105,3 +105,47 @@ fn simulation_records_what_is_asked_for() {
         assert!((end["x >= 1 [m] at 0.75 [s]"] - 0.5).abs() < 1e-9);
     }
 }
+
+#[test]
+fn thrust_ends_at_a_gate_that_is_found() {
+    // The thrust 2 until the gate g, then nothing: 2 (g T - g^2/2) = 1.3 with T = 2; the control, which costs, has nothing to add.
+    let text = "coordinates { x: m } controls { u: m/s^2 } lagrangian dot(x)^2/2*1 [kg]
+        forces { x: (u + if t >= gate { 0 [m/s^2] } else { 2 [m/s^2] })*1 [kg] }
+        minimize integral(u^2) at gate in 0.1..=1.9 [s] { dot(x) >= 0.1 [m/s] } finally { x == 1.3 [m] } horizon 2 [s]";
+    let solution = solved(text, 3, ControlShape::Constant);
+    close(solution.objective, 0.0);
+    let gate = 2.0 - (4.0_f64 - 1.3).sqrt();
+    let found = solution.parameters[0].value;
+    // A cost that vanishes to 1e-8 leaves controls of 1e-4 and as much of the gate.
+    assert!((found - gate).abs() < 1e-3, "{found} for {gate}");
+    let motion = solution.motion.expect("a motion");
+    let switched = motion.events.iter().filter(|e| e.kind == EventKind::Switch);
+    assert!(
+        switched.count() == 1 && motion.events.len() == 2,
+        "{motion}"
+    );
+}
+
+#[test]
+fn dear_gate_lies_where_the_control_takes_over() {
+    // x(2) = 2 (2 g - g^2/2) + 2 u = 1.3 with constant u: the least of u^2 2 + w (g - 1)^2 over g.
+    let text = "coordinates { x: m } controls { u: m/s^2 } lagrangian dot(x)^2/2*1 [kg]
+        forces { x: (u + if t >= gate { 0 [m/s^2] } else { 2 [m/s^2] })*1 [kg] }
+        minimize integral(u^2) + 3 [m^2/s^5]*(gate - 1 [s])^2 at gate in 0.1..=1.9 [s] { x >= 0 [m] }
+        finally { x == 1.3 [m] } horizon 2 [s]";
+    let push = |g: f64| (1.3 - 4.0 * g + g * g) / 2.0;
+    let cost = |g: f64| 2.0 * push(g).powi(2) + 3.0 * (g - 1.0).powi(2);
+    let (mut low, mut high) = (0.1, 1.0);
+    for _ in 0..200 {
+        let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+        if cost(a) < cost(b) {
+            high = b;
+        } else {
+            low = a;
+        }
+    }
+    let solution = solved(text, 1, ControlShape::Constant);
+    close(solution.objective, cost(low));
+    let found = solution.parameters[0].value;
+    assert!((found - low).abs() < 1e-5, "{found} for {low}");
+}

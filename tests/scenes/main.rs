@@ -25,6 +25,7 @@ mod readme;
 mod scene_files;
 #[path = "../stability/mod.rs"]
 mod stability;
+mod starts;
 mod states;
 mod switched;
 mod teaching_models;

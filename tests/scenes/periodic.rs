@@ -203,3 +203,56 @@ fn compass_walker_repeats_its_step_with_the_published_angles_and_rates() {
         assert!((found - wanted).abs() < 1e-5, "{found} for {wanted}");
     }
 }
+
+#[test]
+fn hopper_repeats_itself_by_a_motor_that_gives_back_what_each_landing_takes() {
+    let scene = of_text(
+        "hopper.hang",
+        include_str!("../../models/gallery/hopper.hang"),
+    );
+    let scene = scene.expect("no mistakes");
+    let solution = solve(&scene).intervals(10).run().expect("accepted");
+    assert!(solution.status.is_solved(), "{solution}");
+    // The least that is known; about a thousandth of what the weight does in the same time.
+    assert!(solution.objective <= 2.17716, "{solution}");
+    let motion = solution.motion.as_ref().expect("a motion");
+    let mut landings = motion
+        .events
+        .iter()
+        .filter(|event| event.kind == EventKind::Impact);
+    let landing = landings.next().expect("a landing");
+    assert!(landings.next().is_none(), "{motion}");
+    // The foot of 1 kg loses its speed, the body none.
+    let lost = 0.5 * landing.v_before[0].powi(2);
+    let leg = |k: usize| motion.at(0.06 * k as f64).expect("inside")["leg"];
+    let pushes = solution.controls.iter().enumerate();
+    let work: f64 = pushes.map(|(k, u)| u[0] * (leg(k + 1) - leg(k))).sum();
+    // Plan and motion are 1e-5 apart in the velocities of masses of 10 kg.
+    assert!((work - lost).abs() < 1e-3 * lost, "{work} for {lost}");
+    // By the other method the end is the start as well.
+    let (q, v) = start(&solution);
+    let controls = ControlSignal::PiecewiseConstant {
+        times: (0..10).map(|k| 0.06 * f64::from(k)).collect(),
+        values: solution.controls.clone(),
+    };
+    let again = simulate(&scene)
+        .start("leg", q[1])
+        .start("dot(z)", v[0])
+        .start("dot(leg)", v[1])
+        .controls(controls)
+        .run()
+        .expect("accepted");
+    let end = again.at(0.6).expect("its end");
+    for (name, wanted) in [
+        ("z", 0.1),
+        ("leg", q[1]),
+        ("dot(z)", v[0]),
+        ("dot(leg)", v[1]),
+    ] {
+        assert!(
+            (end[name] - wanted).abs() < 1e-4,
+            "{name}: {} for {wanted}",
+            end[name]
+        );
+    }
+}

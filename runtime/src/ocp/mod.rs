@@ -89,6 +89,7 @@ mod settings;
 mod size;
 mod solution;
 mod solve;
+mod struck;
 mod summary;
 mod unknown;
 mod words;

@@ -84,6 +84,14 @@ impl Problem {
         }
     }
 
+    /// The length of the motion, or a guess of it \[s\]; NaN of a problem without.
+    pub(in crate::ocp) fn length(&self, model: &dyn Model) -> f64 {
+        match self.horizon {
+            Horizon::Fixed(horizon) => horizon,
+            Horizon::Free { guess } => guess.or_else(|| model.horizon()).unwrap_or(1.0),
+        }
+    }
+
     /// Checks everything that can be known beforehand.
     ///
     /// # Errors
@@ -97,16 +105,13 @@ impl Problem {
                 format!("in 1..={MOST_INTERVALS}"),
             ));
         }
-        let horizon = match self.horizon {
-            Horizon::Fixed(horizon) if horizon.is_nan() => {
-                return Err(refusal::unsupported(
-                    "an optimal control problem without final time",
-                    "declare a `horizon`, or let `time` occur in `minimize` or `finally`",
-                ));
-            }
-            Horizon::Fixed(horizon) => horizon,
-            Horizon::Free { guess } => guess.or_else(|| model.horizon()).unwrap_or(1.0),
-        };
+        if matches!(self.horizon, Horizon::Fixed(horizon) if horizon.is_nan()) {
+            return Err(refusal::unsupported(
+                "an optimal control problem without final time",
+                "declare a `horizon`, or let `time` occur in `minimize` or `finally`",
+            ));
+        }
+        let horizon = self.length(model);
         self.initial_value_problem(&self.start(), horizon, ControlSignal::Zero)
             .check(model)?;
         InitialValueProblem::check_at_once(model, "optimal control")?;

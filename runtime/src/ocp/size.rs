@@ -18,6 +18,7 @@ use super::program::units::Units;
 use super::scale::Scale;
 use super::search::ride::ride;
 use super::settings::{Formulation, Settings, TimeFreezingSettings};
+use super::struck::after_impact;
 use super::unknown::with_unknowns;
 use crate::model::{Declaration, Kernel, Model};
 use crate::rk::{ButcherTableau, Scheme};
@@ -68,6 +69,8 @@ pub fn program_sizes(
         Some(known) => (&*known.model, &known.problem),
         None => (model, problem),
     };
+    let struck = after_impact(model, problem);
+    let problem = struck.as_ref().map_or(problem, |known| &known.problem);
     problem.check(model)?;
     match &settings.formulation {
         Formulation::Phases => phases(model, problem, settings),

@@ -7,6 +7,7 @@
 
 use super::{
     Diagnosis, InitialValueProblem, InputError, Simulation, SimulationStatus, number, singular,
+    struck_at_start,
 };
 use crate::joints::{JointError, Joints};
 use crate::model::{JointsDeclaration, Model, contact_point, joint_rows};
@@ -102,9 +103,20 @@ impl<'a> Closed<'a> {
         &self.notes
     }
 
-    /// Measures how well the joints hold along a `run`, and says what is to be said of its start.
+    /// Measures how well the joints hold along a `run` of a method that locates impacts, and says what is to be said of its start.
     pub(crate) fn finish(self, run: &mut Simulation) {
-        let (model, _) = self.scene();
+        self.end(run, true);
+    }
+
+    /// The same of a method that does not locate impacts.
+    pub(crate) fn finish_without_events(self, run: &mut Simulation) {
+        self.end(run, false);
+    }
+
+    fn end(self, run: &mut Simulation, locates: bool) {
+        let (model, problem) = self.scene();
+        let struck = struck_at_start::notes(model, problem, run, locates);
+        run.notes.extend(struck);
         let Some(declared) = model.declaration().joints else {
             return;
         };
@@ -442,9 +454,48 @@ fn moved(model: &dyn Model, from: &[f64], to: &[f64]) -> Option<String> {
         return None;
     }
     Some(format!(
-        "the start was completed, so that all joints hold: {}",
-        words.join(", ")
+        "the start was completed, so that all joints hold: {}{}",
+        words.join(", "),
+        off(model, from, to)
     ))
+}
+
+/// How far the joints are from holding at a start `from` that was moved, where that is more than rounding of what their terms are there and
+/// at its end `to`.
+fn off(model: &dyn Model, from: &[f64], to: &[f64]) -> String {
+    let declaration = model.declaration();
+    let Some(declared) = declaration.joints else {
+        return String::new();
+    };
+    let rows = declared.rows();
+    let at = |state: &[f64]| {
+        let mut x = state.to_vec();
+        x.resize(declaration.inputs(), 0.0);
+        x
+    };
+    let (from, to) = (at(from), at(to));
+    let mut values = vec![0.0; 2 * rows];
+    model.joints(&from, &mut values);
+    let mut words = Vec::new();
+    for (row, (joint, own)) in declared.equations().enumerate() {
+        for (positions, value) in [(true, values[row]), (false, values[rows + row])] {
+            let size = |x: &[f64]| terms(model, x, positions)[row];
+            if value.abs() <= ROUNDING * size(&from).max(size(&to)) {
+                continue;
+            }
+            let (what, unit) = match positions {
+                true => ("", joint.unit.to_owned()),
+                false => ("the velocity of ", super::per_second(joint.unit)),
+            };
+            let shown = format!("{} {unit}", number(value));
+            let equation = joint.equation(own);
+            words.push(format!("{} in {what}{equation}", shown.trim_end()));
+        }
+    }
+    match words.is_empty() {
+        true => String::new(),
+        false => format!("; as given they were off by {}", words.join(", ")),
+    }
 }
 
 /// Adds how far rows are from holding along a run to its residuals; a status where a row that was not held does not follow from the

@@ -30,6 +30,7 @@ mod shared_load;
 mod singular;
 mod smooth;
 mod state;
+mod struck_at_start;
 mod trajectory;
 mod watch;
 

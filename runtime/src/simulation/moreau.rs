@@ -125,7 +125,7 @@ impl Simulator for Moreau {
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }
-        closed.finish(&mut result);
+        closed.finish_without_events(&mut result);
         Ok(result)
     }
 

@@ -276,6 +276,15 @@ impl InitialValueProblem {
         self.horizon * way.sum::<f64>()
     }
 
+    /// Up to which size the gap of a contact at the start `x`, where it is evaluated, is none.
+    fn closed_gap(&self, model: &dyn Model, contact: usize, (x, point): (&[f64], &[f64])) -> f64 {
+        let normal = &point[contact_point::NORMAL..][..self.q.len()];
+        let terms = normal.iter().zip(&self.q).map(|(n, q)| (n * q).abs());
+        let way = MOTION_TOLERANCE * self.way(model, x, normal);
+        let rounding = ROUNDINGS * self.gap_rounding(model, contact, x);
+        (GAP_TOLERANCE * terms.sum::<f64>()).max(way).max(rounding)
+    }
+
     /// Checks gaps and coefficients at the start `x`.
     fn check_contacts(&self, model: &dyn Model, x: &[f64]) -> Result<(), InputError> {
         let declaration = model.declaration();
@@ -285,16 +294,7 @@ impl InitialValueProblem {
             let gap = model.gap(i, x);
             finite(&format!("initial gap `{}`", contact.name), gap)?;
             model.contact(i, x, &mut point);
-            let normal = &point[contact_point::NORMAL..][..n];
-            let terms = normal.iter().zip(&self.q).map(|(n, q)| (n * q).abs());
-            let mut others = contact
-                .alternatives
-                .iter()
-                .map(|&other| model.gap(other, x));
-            let largest = others.all(|other| other <= gap);
-            let way = MOTION_TOLERANCE * self.way(model, x, normal);
-            let inside = largest && gap < -(GAP_TOLERANCE * terms.sum::<f64>()).max(way);
-            if inside && gap < -ROUNDINGS * self.gap_rounding(model, i, x) {
+            if acts(model, i, x) && gap < -self.closed_gap(model, i, (x, &point)) {
                 return Err(InputError::new(format!(
                     "start inside the ground (E08): gap `{}` = {gap:e} {} < 0; start at gap >= 0, which the formula of the \
                      surface gives where it is meant to be touched, or write the surface with the other sign if the free \
@@ -472,6 +472,26 @@ impl InitialValueProblem {
             .write_checked(0.0, &mut x[2 * n..2 * n + declaration.controls.len()]);
         x
     }
+}
+
+/// Whether no other piece of the edge that a contact belongs to is larger at the input `x`.
+fn acts(model: &dyn Model, contact: usize, x: &[f64]) -> bool {
+    let gap = model.gap(contact, x);
+    let others = model.declaration().contacts[contact].alternatives.iter();
+    others.copied().all(|other| model.gap(other, x) <= gap)
+}
+
+/// Whether a contact is closed at the start `x` of a problem that was checked.
+pub(in crate::simulation) fn touches_at_start(
+    model: &dyn Model,
+    problem: &InitialValueProblem,
+    contact: usize,
+    x: &[f64],
+) -> bool {
+    let mut point = vec![0.0; contact_point::length(problem.q.len())];
+    model.contact(contact, x, &mut point);
+    let closed = problem.closed_gap(model, contact, (x, &point));
+    acts(model, contact, x) && model.gap(contact, x) <= closed
 }
 
 /// What is wrong where the inertia has fallen to nothing: the first coordinate whose pivot in the mass matrix is below the share

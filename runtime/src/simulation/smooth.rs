@@ -6,7 +6,7 @@ use hangtime_solver::clock::ThreadTime;
 use super::event::dop853::{Dop853, System};
 use super::event::dynamics::Dynamics;
 use super::fixed::check_gaps;
-use super::joints;
+use super::joints::{self, Closed};
 use super::other_grid::{self, Judge, OtherGrid};
 use super::watch::Watch;
 use super::{
@@ -112,7 +112,7 @@ impl Simulator for Smooth {
             }
         }
         joints::refuse(model, "smoothed steps", joints::LOCATED)?;
-        problem.check(model)?;
+        let closed = Closed::of(model, problem)?;
         InitialValueProblem::check_inelastic(model, self.name())?;
         InitialValueProblem::check_friction(
             model,
@@ -146,6 +146,7 @@ impl Simulator for Smooth {
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
             result.seconds.total = elapsed.as_secs_f64();
         }
+        closed.finish_without_events(&mut result);
         Ok(result)
     }
 

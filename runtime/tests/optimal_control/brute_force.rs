@@ -240,12 +240,6 @@ fn problem_with_wrong_input_is_refused_in_one_line() {
         ..problem.clone()
     };
     insta::assert_snapshot!(refuse(&no_intervals), @"number of control intervals = 0: must be in 1..=10000");
-    let falling = Problem {
-        q: vec![0.0],
-        v: vec![-1.0],
-        ..problem.clone()
-    };
-    insta::assert_snapshot!(refuse(&falling), @"initial normal velocity of `ground` = -1 m/s: must be at least 0 on the surface: start after the impact");
     let mut settings = one_start();
     settings.stages = 1;
     let error = ocp::solve(&hopper, &problem, &settings, &mut |_| true).unwrap_err();

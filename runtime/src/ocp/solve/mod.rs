@@ -20,6 +20,7 @@ use super::joined::joined;
 use super::problem::Problem;
 use super::settings::{ControlNodes, Formulation, Guess, Settings};
 use super::solution::{Solution, Status};
+use super::struck::after_impact;
 use super::unknown::with_unknowns;
 use crate::Observer;
 use crate::model::Model;
@@ -65,8 +66,24 @@ fn solve_given(
     }
 }
 
-/// Solves a problem whose start fulfils the joints of its scene.
+/// Solves a problem whose start fulfils the joints of its scene, from after the impact of its start on.
 fn solve_joined(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    observer: &mut Observer<'_>,
+) -> Result<Solution, InputError> {
+    match after_impact(model, problem) {
+        Some(struck) => {
+            let solution = solve_consistent(model, &struck.problem, settings, observer)?;
+            Ok(struck.note(solution))
+        }
+        None => solve_consistent(model, problem, settings, observer),
+    }
+}
+
+/// Solves a problem whose start fulfils joints and strikes nothing.
+fn solve_consistent(
     model: &dyn Model,
     problem: &Problem,
     settings: &Settings,

@@ -7,7 +7,7 @@ use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, rows, switching};
 use super::impact::Undetermined;
-use crate::model::pair_size;
+use crate::model::{Switching, pair_size};
 use crate::simulation::problem::negative_bound;
 
 /// Accelerations below this share of those they balance are compared by what follows a moment later: event
@@ -396,7 +396,7 @@ fn in_frames(
 }
 
 /// The side of a switch that is only passed, where its function vanishes: the other one of a side that has ended, else that of its
-/// rate, and where that vanishes too, of the function a little later.
+/// rate, and where that vanishes too, of the function a little later. What a condition has set may have turned its rate, which comes first.
 fn side(
     dynamics: &mut Dynamics<'_>,
     contact: usize,
@@ -404,13 +404,21 @@ fn side(
     rate: f64,
     vanished: Option<Switch>,
 ) -> Direction {
-    if let Some(Switch::SlidingVelocity(other, direction)) = vanished
-        && other == contact
-    {
-        return direction.reversed();
-    }
-    if rate.abs() > BIACTIVE * dynamics.sliding_acceleration_scale(contact) {
-        return Direction::of(rate);
+    let ended = match vanished {
+        Some(Switch::SlidingVelocity(other, direction)) if other == contact => {
+            Some(direction.reversed())
+        }
+        _ => None,
+    };
+    let declared = &dynamics.model.declaration().contacts[contact];
+    let sets = declared.switch == Some(Switching::Resets);
+    match ended {
+        Some(direction) if !sets => return direction,
+        _ if rate.abs() > BIACTIVE * dynamics.sliding_acceleration_scale(contact) => {
+            return Direction::of(rate);
+        }
+        Some(direction) => return direction,
+        None => {}
     }
     let n = dynamics.n;
     let moment = LATER * moment;

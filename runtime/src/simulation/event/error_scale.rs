@@ -12,6 +12,9 @@ const IDLE: f64 = 1e-3;
 /// rests while its forces change moves by no more than that, and no step makes it smooth.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
+/// How many roundings of positions and velocities leave their accelerations undecided: those of the stages of a step and of the sums between.
+const STATE_ROUNDINGS: f64 = 16.0;
+
 /// Numbers below have squares without all digits.
 const TINY: f64 = 1e-140;
 
@@ -30,6 +33,8 @@ pub(super) struct ErrorScale {
     end: Vec<f64>,
     /// Size of the accelerations of each group without contact forces in the step tried.
     free: Vec<f64>,
+    /// By how much the last digit of positions and velocities changes the accelerations of each group, where it has been asked for.
+    undecided: Vec<f64>,
 }
 
 impl ErrorScale {
@@ -60,6 +65,7 @@ impl ErrorScale {
             acceleration: vec![0.0; units.len()],
             end: vec![0.0; units.len()],
             free: vec![0.0; units.len()],
+            undecided: vec![0.0; units.len()],
         }
     }
 
@@ -78,6 +84,17 @@ impl ErrorScale {
         for group in 0..self.end.len() {
             self.end[group] = self.size(group, mass, v);
             self.free[group] = self.size(group, mass, free);
+        }
+    }
+
+    /// Takes note of the `change` of accelerations with the last digits of positions and velocities: errors of steps that are less than what it
+    /// makes of them are no errors of steps, and no shorter step is without them. Strong springs about their rest positions have the largest.
+    pub(super) fn observe_rounding(&mut self, mass: &[f64], change: &[f64]) {
+        for group in 0..self.undecided.len() {
+            let size = STATE_ROUNDINGS * self.size(group, mass, change);
+            if size.is_finite() {
+                self.undecided[group] = size;
+            }
         }
     }
 
@@ -122,7 +139,7 @@ impl ErrorScale {
         }
         let group = self.group[component % n];
         let speed = self.fastest[group].max(self.end[group]);
-        let rounding = ROUNDING * h * self.free[group];
+        let rounding = h * f64::max(ROUNDING * self.free[group], self.undecided[group]);
         // Numbers below have no digits: those of a pulse that has hardly begun are an error of their own size.
         if component < n {
             f64::max(tolerance * (h * speed), h * rounding).max(f64::MIN_POSITIVE)

@@ -1,10 +1,12 @@
 //! The run: steps, events, records.
 
 mod outputs;
+mod step_size;
 
 use hangtime_solver::clock::ThreadTime;
 
 use self::outputs::Outputs;
+use self::step_size::{Attempts, Rejected};
 use super::audit::Audit;
 use super::contact_mode::{self, Outlook};
 use super::diagnosis::Place;
@@ -78,14 +80,7 @@ struct StepEnds {
     at_end: Residuals,
     /// Sign of the determinant of the equations of the mode.
     orientation: f64,
-}
-
-/// What is limited.
-#[derive(Default)]
-struct Attempts {
-    steps: usize,
-    /// Steps at the same instant.
-    repeats: usize,
+    rejected: Rejected,
 }
 
 /// What is looked at during the run, and said after it.
@@ -124,6 +119,7 @@ impl<'a> Integration<'a> {
                 end_values: vec![0.0; functions],
                 at_end: Residuals::default(),
                 orientation: 1.0,
+                rejected: Rejected::default(),
             },
             forces: Forces::new(contacts),
             dense: Outputs::new(dimension, problem.horizon, settings.output_times),
@@ -301,19 +297,9 @@ impl<'a> Integration<'a> {
 
     /// A first step size: a share of the shortest time in which velocities or accelerations change.
     fn first_step(&mut self, longest: f64) -> f64 {
-        let n = self.dynamics.n;
         let moment = GLANCE * longest;
-        let slope = self.method.slope();
-        for ((later, y), slope) in self.dense.state.iter_mut().zip(&self.y).zip(slope) {
-            *later = y + moment * slope;
-        }
-        self.dynamics
-            .derivative(self.t + moment, &self.dense.state, &mut self.dense.slope);
-        let change: Vec<f64> = self.dense.slope[n..2 * n]
-            .iter()
-            .zip(&slope[n..2 * n])
-            .map(|(later, now)| later - now)
-            .collect();
+        let now = (self.t, &self.y[..], self.method.slope());
+        let change = step_size::change(&mut self.dynamics, &mut self.dense, now, moment);
         let mass = self.dynamics.mass(self.t, &self.y);
         let time = self.step.error_scale.shortest_time(mass, &change, moment);
         let h = (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest);
@@ -395,6 +381,12 @@ impl<'a> Integration<'a> {
             }
         }
         if error > 1.0 || error.is_nan() {
+            if self.step.rejected.hardly_falls((self.t, h), error) {
+                let now = (self.t, &self.y[..], self.method.slope());
+                let change = step_size::rounding(&mut self.dynamics, &mut self.dense, now);
+                let mass = self.dynamics.mass(self.t, &self.y);
+                self.step.error_scale.observe_rounding(mass, &change);
+            }
             self.h = Dop853::smaller_size(h, error);
             if self.h <= SHORTEST * self.t.max(self.problem.horizon) {
                 return Err(self.step_failure(error));
@@ -491,14 +483,17 @@ impl<'a> Integration<'a> {
         let vanished = self.pass_edge(vanished);
         self.dynamics
             .observe_rounding(self.t, &self.y, self.h, at_start);
+        let value = resets::function(&mut self.dynamics, (self.t, &self.y), vanished);
         let mut set = resets::set(
             &mut self.dynamics,
             (self.t, &mut self.y),
             vanished,
             &previously,
         );
-        let vanished = vanished.filter(|_| set.is_empty());
-        let impact = self.impact(vanished)?;
+        // Where a condition reads nothing that was set its function vanishes as before, however far rounding has left it from zero.
+        let now = resets::function(&mut self.dynamics, (self.t, &self.y), vanished);
+        let vanished = vanished.filter(|_| set.is_empty() || value.is_some() && now == value);
+        let mut impact = self.impact(vanished)?;
         if !impact.struck.is_empty() {
             set.extend(resets::set(
                 &mut self.dynamics,
@@ -514,14 +509,21 @@ impl<'a> Integration<'a> {
             self.y[n..2 * n].copy_from_slice(&after);
         }
         // An impact changes velocities and forces: what has vanished before it may not have done so after.
-        let vanished = vanished.filter(|_| impact.struck.is_empty());
-        let (mut again, resting) = (true, &impact.resting);
-        while again {
+        let mut vanished = vanished.filter(|_| impact.struck.is_empty());
+        loop {
             let (dynamics, probe, y) = (&mut self.dynamics, &mut self.probe, &mut self.y);
+            let resting = &impact.resting;
             contact_mode::change(dynamics, probe, self.t, y, resting, vanished, outlook)
                 .map_err(|problem| self.place().undetermined(problem))?;
             let now = (self.t, &mut self.y[..]);
-            again = !at_start && resets::set_turned(&mut self.dynamics, now, &previously, &mut set);
+            if at_start || !resets::set_turned(&mut self.dynamics, now, &previously, &mut set) {
+                break;
+            }
+            // What was set may lead into a surface.
+            let next = self.impact(None)?;
+            impact.struck.extend(next.struck);
+            impact.resting = next.resting;
+            vanished = None;
         }
         if at_start {
             self.result.initial_modes = self.dynamics.contact_modes();

@@ -40,6 +40,20 @@ pub(super) fn set(
     }
 }
 
+/// The value of the function of a condition that has just `vanished` at a time and a state `y`; none of another switch.
+pub(super) fn function(
+    dynamics: &mut Dynamics<'_>,
+    (t, y): (f64, &[f64]),
+    vanished: Option<Switch>,
+) -> Option<f64> {
+    let Some(Switch::SlidingVelocity(contact, _)) = vanished else {
+        return None;
+    };
+    dynamics.load(t, y);
+    dynamics.evaluate_tangent(contact);
+    Some(dynamics.sliding_velocity(contact))
+}
+
 /// Sets what those conditions ask for that have come true since the mode `previously` without an event of theirs: their functions vanish at
 /// the present state and rise from there on, as where a step ends at a jump of the controls. Adds them to those `set`; whether there is any.
 pub(super) fn set_turned(

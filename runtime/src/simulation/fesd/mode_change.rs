@@ -90,7 +90,26 @@ fn settle_after(
     located: Option<usize>,
 ) -> Result<(), ModeError> {
     let v_before = driver.now.state.v.clone();
+    let previous = driver.now.active.clone();
     let mut set = resets::set(driver, located);
+    let mut struck = change_mode(driver, switched, &mut set)?;
+    while resets::set_turned(driver, &previous, &mut set) {
+        // What was set may lead into a surface, or change what holds.
+        driver.now.active.clone_from(&previous);
+        struck.extend(change_mode(driver, switched, &mut set)?);
+    }
+    record_events(driver, (&struck, &set), &previous, &v_before);
+    driver.element.set_mode(&driver.now.active);
+    driver.element.set_frames(driver.now.contacts.frames());
+    driver.evaluate_state()
+}
+
+/// Impact of everything that touches and closes, which may make conditions true that are `set`, then the contact mode; what was struck.
+fn change_mode(
+    driver: &mut Driver<'_>,
+    switched: &[usize],
+    set: &mut Vec<usize>,
+) -> Result<Vec<usize>, ModeError> {
     let contacts = driver.setup.contacts();
     driver.now.evaluate_contacts(contacts);
     driver.now.contacts.remember_sizes(&driver.now.x);
@@ -102,7 +121,6 @@ fn settle_after(
     if !impact.struck.is_empty() {
         set.extend(resets::set(driver, None));
     }
-    let previous = driver.now.active.clone();
     let now = &mut driver.now;
     let surfaces = impact.cluster.as_deref().unwrap_or(surfaces);
     // At an edge the impact may have led to another piece.
@@ -122,10 +140,7 @@ fn settle_after(
         let now = &mut driver.now;
         impact::hold(&now.contacts, &now.active, &mut now.state.v)?;
     }
-    record_events(driver, (&impact.struck, &set), &previous, &v_before);
-    driver.element.set_mode(&driver.now.active);
-    driver.element.set_frames(driver.now.contacts.frames());
-    driver.evaluate_state()
+    Ok(impact.struck)
 }
 
 /// Records the conditions that came true and were `set`, the impacts of the contacts that were `struck`, and what has changed since the contacts of `previous` were held.

@@ -1,7 +1,7 @@
 //! Conditions that come true: what they set.
 
 use super::driver::Driver;
-use crate::fesd::active_contact::find;
+use crate::fesd::active_contact::{ActiveContact, find};
 use crate::model::Switching;
 
 /// Whether a contact is a condition that sets something.
@@ -32,10 +32,39 @@ pub(super) fn set(driver: &mut Driver<'_>, located: Option<usize>) -> Vec<usize>
             !set.contains(&i) && (located == Some(i) || holds)
         });
         let Some(i) = next else { return set };
-        let mut velocities = now.state.v.clone();
-        driver.setup.model.reset(i, &now.x, &mut velocities);
-        driver.now.state.v = velocities;
-        driver.now.write_input();
+        carry_out(driver, i);
         set.push(i);
     }
+}
+
+/// Sets what a condition asks for.
+fn carry_out(driver: &mut Driver<'_>, condition: usize) {
+    let mut velocities = driver.now.state.v.clone();
+    let model = driver.setup.model;
+    model.reset(condition, &driver.now.x, &mut velocities);
+    driver.now.state.v = velocities;
+    driver.now.write_input();
+}
+
+/// Sets what those conditions ask for that have come true since the contacts of `previous` were held, without a switch of theirs: their
+/// functions vanish at the present state and rise from there on, as where another switch, or a jump of the controls, comes at the same time.
+/// Those that were `set` before are left out; the others are added to them. Whether there is any.
+pub(super) fn set_turned(
+    driver: &mut Driver<'_>,
+    previous: &[ActiveContact],
+    set: &mut Vec<usize>,
+) -> bool {
+    let sense = |held: &[ActiveContact], i| find(held, i).map_or(0.0, |held| held.sense());
+    let active = &driver.now.active;
+    let turned: Vec<usize> = driver
+        .setup
+        .contacts()
+        .filter(|&i| is_condition(driver, i) && !set.contains(&i))
+        .filter(|&i| sense(previous, i) > 0.0 && sense(active, i) < 0.0)
+        .collect();
+    for &i in &turned {
+        carry_out(driver, i);
+    }
+    set.extend(&turned);
+    !turned.is_empty()
 }

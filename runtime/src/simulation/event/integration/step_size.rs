@@ -1,0 +1,73 @@
+//! What tells how long steps may be, and how many there are: how accelerations change, and what rounding leaves of the errors of steps.
+
+use super::outputs::Outputs;
+use crate::simulation::event::dop853::System;
+use crate::simulation::event::dynamics::Dynamics;
+
+/// Power of the length of a step with which errors of steps fall much faster.
+const SLOWLY: i32 = 3;
+
+/// What is limited.
+#[derive(Default)]
+pub(super) struct Attempts {
+    pub(super) steps: usize,
+    /// Steps at the same instant.
+    pub(super) repeats: usize,
+}
+
+/// The last step that was rejected.
+#[derive(Default)]
+pub(super) struct Rejected {
+    /// Its time \[s\], length \[s\] and error.
+    last: Option<(f64, f64, f64)>,
+}
+
+impl Rejected {
+    /// Takes note of another one, at the time `t` with the length `h`; whether its `error` has hardly fallen with the length, other than those of
+    /// a method of order 8 do.
+    pub(super) fn hardly_falls(&mut self, (t, h): (f64, f64), error: f64) -> bool {
+        let last = self.last.replace((t, h, error));
+        last.is_some_and(|(time, length, before)| {
+            time == t && h < length && error > before * (h / length).powi(SLOWLY)
+        })
+    }
+}
+
+/// By how much accelerations change within a `moment` after the state `y`, whose derivative is `slope`.
+pub(super) fn change(
+    dynamics: &mut Dynamics<'_>,
+    dense: &mut Outputs,
+    (t, y, slope): (f64, &[f64], &[f64]),
+    moment: f64,
+) -> Vec<f64> {
+    let n = dynamics.n;
+    for ((later, y), slope) in dense.state.iter_mut().zip(y).zip(slope) {
+        *later = y + moment * slope;
+    }
+    dynamics.derivative(t + moment, &dense.state, &mut dense.slope);
+    let accelerations = dense.slope[n..2 * n].iter().zip(&slope[n..2 * n]);
+    accelerations.map(|(later, now)| later - now).collect()
+}
+
+/// By how much the last digits of the state `y` change its accelerations, which are those of `slope`.
+pub(super) fn rounding(
+    dynamics: &mut Dynamics<'_>,
+    dense: &mut Outputs,
+    (t, y, slope): (f64, &[f64], &[f64]),
+) -> Vec<f64> {
+    let n = dynamics.n;
+    let mut change = vec![0.0_f64; n];
+    // All digits one way, and neighbours against each other: what one choice hides in a difference shows in the other.
+    for other in [1.0, -1.0] {
+        for (k, (moved, y)) in dense.state.iter_mut().zip(y).enumerate() {
+            let sense = if k % 2 == 0 { 1.0 } else { other };
+            *moved = y * (1.0 + sense * f64::EPSILON);
+        }
+        dynamics.derivative(t, &dense.state, &mut dense.slope);
+        let accelerations = dense.slope[n..2 * n].iter().zip(&slope[n..2 * n]);
+        for (change, (moved, now)) in change.iter_mut().zip(accelerations) {
+            *change = change.max((moved - now).abs());
+        }
+    }
+    change
+}
