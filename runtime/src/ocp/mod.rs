@@ -90,6 +90,7 @@ mod size;
 mod solution;
 mod solve;
 mod summary;
+mod tuning;
 mod unknown;
 mod words;
 

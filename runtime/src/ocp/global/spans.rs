@@ -11,16 +11,8 @@ use crate::ocp::motion::mode::closed_mode;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::tuning::freezing::{BESIDE, HALVINGS, STEPS};
 use crate::simulation::{ContactMode, Direction};
-
-/// Steps of a phase.
-const STEPS: usize = 16;
-/// Share of the motion next to a switch at which the state is on one side of it, and below which a phase or a jump is none.
-const BESIDE: f64 = 1e-9;
-/// Halvings of the range of the speed of the clock.
-const HALVINGS: usize = 60;
-/// Speed above which a contact slides \[m/s\].
-const SLIDING: f64 = 1e-9;
 
 /// What happens in each of the intervals.
 pub(super) fn spans(
@@ -119,7 +111,7 @@ impl Motion<'_> {
         for switch in group {
             // What an impact throws off has no part in it.
             let leaves =
-                switch.opens() && self.system.system.normal_velocity(switch.contact) > SLIDING;
+                switch.opens() && self.system.system.normal_velocity(switch.contact) > BESIDE;
             self.modes[switch.contact] = if leaves { switch.mode } else { switch.impulse };
         }
         let jump = self.jump(&struck, time, (&before, &after));
@@ -203,7 +195,7 @@ impl Motion<'_> {
         let changes = struck.iter().filter_map(|&i| {
             system.layout.slip_group(i)?;
             let velocity = system.system.sliding_velocity(i);
-            let slides = closed_mode(true, velocity, SLIDING);
+            let slides = closed_mode(true, velocity, BESIDE);
             (slides != ContactMode::Stick && slides != self.modes[i]).then_some((i, slides))
         });
         let changes: Vec<(usize, ContactMode)> = changes.collect();

@@ -1,5 +1,6 @@
 //! The optimal control problem as one complementarity problem: time-freezing and FESD.
 
+use crate::ocp::tuning::candidates::SAMPLES;
 use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::NlpProblem;
 
@@ -43,9 +44,6 @@ pub struct TimeFreezing<'a> {
     /// What is known of the sides of pairs, for a known motion.
     sides: KnownSides,
 }
-
-/// Points of a guess in each interval.
-const SAMPLES: usize = 4;
 
 /// One motion out of a [`TimeFreezing`] program.
 #[derive(Debug, Clone, PartialEq)]

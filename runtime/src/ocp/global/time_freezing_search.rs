@@ -1,6 +1,9 @@
 //! The contact sequence from the complementarity problem of finite elements on the time-freezing system, and its exact solution
 //! with that of a motion.
 
+use crate::ocp::tuning::freezing::{
+    BARRIER, BOUNCE, EXACT, EXACT_ITERATIONS, ITERATIONS, OPEN, PUSH,
+};
 use std::io;
 
 use hangtime_solver::clock::ThreadTime;
@@ -27,21 +30,6 @@ use crate::ocp::settings::TimeFreezingSettings;
 use crate::ocp::solution::{RelaxedReport, TimeFreezingReport};
 use crate::simulation::ContactMode;
 use crate::simulation::{InputError, ProblemSize};
-
-/// Mean step function of an element above which its contact is open: in flight it is 1, in contact
-/// `a_bar / (a_bar + r)` for a normal acceleration `r`.
-const OPEN: f64 = 0.99;
-/// Time on the clock, in intervals, below which a contact that bounces has not come to rest: it stands during a jump.
-const BOUNCE: f64 = 0.05;
-/// Most iterations of one rule. The programs are larger than those of the other phases.
-const ITERATIONS: usize = 1500;
-/// Tolerances of the exact program, its first barrier parameter, the share of that by which its start is kept off its bounds, and
-/// its most iterations. Its rows hold to the first tolerance; where multipliers are not determined by it, its objective is
-/// stationary to the second one.
-const EXACT: [f64; 2] = [1e-9, 1e-6];
-const BARRIER: f64 = 1e-5;
-const PUSH: f64 = 1e-2;
-const EXACT_ITERATIONS: usize = 200;
 
 /// Solves the relaxed complementarity problem from a guess, or from the simulation under its controls, and reads motion and
 /// contact sequence from it, if there is one. Nothing where the program cannot be started.

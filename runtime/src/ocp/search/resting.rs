@@ -6,22 +6,14 @@
 //! turns round where controls jump may come to rest a little before, if the force that holds it then lies within the cone; no
 //! multiplier tells.
 
-use super::neighbours::{ENTRY, Neighbour};
+use super::neighbours::Neighbour;
 use super::pressure::Pressure;
 use crate::model::tangent_point;
 use crate::ocp::collocation::layout::{Phase, SolvedPhase};
 use crate::ocp::motion::model_input::acceleration;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::tuning::neighbours::{ENTRY, SHORT, STILL, WITHIN};
 use crate::simulation::{ContactMode, Direction};
-
-/// Velocity below which a contact does not move, in the unit of its row.
-const STILL: f64 = 1e-6;
-
-/// A slip that lasts fewer intervals may be none.
-const SHORT: f64 = 1.5;
-
-/// Share of the friction that is left on both sides of a force within the cone.
-const WITHIN: f64 = 1e-6;
 
 /// Sequences in which one contact rests where it slips.
 pub(super) fn resting(pressure: &Pressure) -> Vec<Neighbour> {

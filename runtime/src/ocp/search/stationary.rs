@@ -9,6 +9,7 @@
 //! little is better. That holds all the more where the inequalities inside these phases are left out, since then the
 //! program allows more; so it is asked a second time, where the first has no answer.
 
+use crate::ocp::tuning::neighbours::{HELD, NONE};
 use hangtime_solver::nlp;
 
 use super::attempt::{Attempt, Attempts, Start, interior_point};
@@ -16,11 +17,6 @@ use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::program::runner::{Run, Runner};
 use crate::simulation::InputError;
-
-/// First barrier parameter and most iterations.
-const HELD: (f64, usize) = (1e-5, 60);
-/// Change of the objective, relative to it, that counts as none: for each interval of length, or between two motions.
-const NONE: f64 = 1e-6;
 
 /// What a neighbour's program with held lengths says.
 pub(super) enum Held<'a> {

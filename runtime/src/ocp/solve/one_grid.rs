@@ -1,5 +1,6 @@
 //! From a guess to a judged motion, on one grid of the controls.
 
+use crate::ocp::tuning::grids::MORE_STAGES;
 use hangtime_solver::Seconds;
 use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp;
@@ -27,9 +28,6 @@ use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
-
-/// By how many stages the scheme grows where the re-simulation does not confirm a plan.
-const MORE_STAGES: usize = 2;
 
 /// What a solution on one grid takes over from the one before it.
 pub(super) struct Start<'s> {

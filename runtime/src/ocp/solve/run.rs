@@ -1,5 +1,6 @@
 //! Single runs on one grid: from a start, or from a motion on a coarser grid.
 
+use crate::ocp::tuning::equal::OPTIMUM;
 use hangtime_solver::Seconds;
 use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Stationarity;
@@ -19,9 +20,6 @@ use crate::ocp::progress::Watch;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
 use crate::simulation::InputError;
-
-/// Relative increase of the objective that rounding and tolerances explain.
-const NOT_WORSE: f64 = 1e-6;
 
 /// A problem on one grid.
 #[derive(Clone, Copy)]
@@ -146,7 +144,7 @@ impl Task<'_, '_> {
 /// objective that is not worse.
 pub(super) fn is_as_good(solution: &Solution, kept: &Solution) -> bool {
     let (a, b) = (rank(solution), rank(kept));
-    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 + kept.tolerated(NOT_WORSE)
+    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 + kept.tolerated(OPTIMUM)
 }
 
 /// A motion on a coarser grid as one on a grid with that many intervals, where every one of these lies within one of the
