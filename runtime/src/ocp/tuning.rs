@@ -17,14 +17,13 @@ pub(in crate::ocp) mod equal {
     pub(in crate::ocp) const OPTIMUM: f64 = 1e-6;
     /// The same of what an optimum costs, solved to its tolerance by different paths. Follows: a hundred of these tolerances.
     pub(in crate::ocp) const COST: f64 = 1e-7;
+    /// What is rounding: of gaps and velocities of size one, of shares of the motion, of sums, and of objectives relative to their size; an
+    /// objective that is better by more is better. Follows: a million roundings of numbers of size one, and the tolerance of the programs.
+    pub(in crate::ocp) const ROUNDING: f64 = 1e-9;
     /// Switches within this share of the motion happen at one instant. Follows: what separates them is rounding and [`OPTIMUM`].
     pub(in crate::ocp) const INSTANT: f64 = 1e-6;
     /// Miss of a goal, in its size, that is none: [`super::off_grid::TOLERANCE`] of programs leaves as much. Chosen.
     pub(in crate::ocp) const MET: f64 = 1e-3;
-    /// Gap, in its unit, below which a contact is on its surface. Follows: rounding of gaps of size one, with a margin.
-    pub(in crate::ocp) const ON_THE_SURFACE: f64 = 1e-9;
-    /// The same where initial values are free: as far as a relaxed program may hold it off. Follows: [`super::relaxed::COARSE_LAST`].
-    pub(in crate::ocp) const NEAR_THE_SURFACE: f64 = 1e-3;
 }
 
 /// Words to begin with, and the random motions that they are read from.
@@ -65,7 +64,8 @@ pub(in crate::ocp) mod off_grid {
     pub(in crate::ocp) const ROUNDED: f64 = 0.3;
     /// By how much an element may become longer: what happens between the stages of longer ones is anybody's guess. Chosen.
     pub(in crate::ocp) const LONGEST: f64 = 1.5;
-    /// Tolerance of a program. Chosen: words differ by more.
+    /// Tolerance of a program of which the order of contacts is read, off the grid and of the first contact-implicit ones; relative gain,
+    /// and share of all presses, below which there is none. Chosen: words differ by more.
     pub(in crate::ocp) const TOLERANCE: f64 = 1e-4;
     /// First barrier parameter. Chosen: guesses are far from solutions.
     pub(in crate::ocp) const BARRIER: f64 = 1e-2;
@@ -91,8 +91,6 @@ pub(in crate::ocp) mod table {
     pub(in crate::ocp) const GUESSES: usize = 3;
     /// Times of switches, shares of the motion, that differ by less are the same guess. Chosen.
     pub(in crate::ocp) const SAME_TIMES: f64 = 0.06;
-    /// Relative gain below which there is none. Follows: [`super::off_grid::TOLERANCE`].
-    pub(in crate::ocp) const GAIN: f64 = super::off_grid::TOLERANCE;
     /// What a phase has to gain for a word to be better with it, relative: with more phases there are more control pieces. Chosen.
     pub(in crate::ocp) const WORTH_OF_PHASE: f64 = 1e-3;
     /// Prices, relative to the objective: of a further draft of the same rule, and of a phase. Chosen, with those of the rules.
@@ -140,8 +138,6 @@ pub(in crate::ocp) mod edits {
     /// Chosen: the program moves it from there.
     pub(in crate::ocp) const INSERTED: f64 = 0.08;
     pub(in crate::ocp) const ROOM: f64 = 0.02;
-    /// Presses below this share of all are none. Follows: [`super::off_grid::TOLERANCE`].
-    pub(in crate::ocp) const PRESSES: f64 = super::off_grid::TOLERANCE;
     /// By how much of a share a cycle that was seen once comes before one that was not. Chosen: it decides between equal ones.
     pub(in crate::ocp) const OFTEN: f64 = 1e-4;
     /// Most phases that are left out with one, up to one with the modes of the phase before it. Chosen.
@@ -176,8 +172,6 @@ pub(in crate::ocp) mod on_grid {
     /// Most intervals of a grid that words are put on, and the fewest where a finer one is asked for. Chosen.
     pub(in crate::ocp) const FINE: usize = 40;
     pub(in crate::ocp) const LEAST: usize = 8;
-    /// Motions that go on to a finer grid, and to the judge. Chosen.
-    pub(in crate::ocp) const CARRIED: usize = 2;
     pub(in crate::ocp) const JUDGED: usize = 3;
     /// By how much elements become more at most where intervals are aligned with phases and a motion is not confirmed. Chosen.
     pub(in crate::ocp) const FINEST: usize = 8;
@@ -196,7 +190,8 @@ pub(in crate::ocp) mod sampled {
     /// Places where a motion may end, and where conditions are looked at: so many in an interval, and no fewer than these. Chosen.
     pub(in crate::ocp) const PLACES: usize = 8;
     pub(in crate::ocp) const LEAST_PLACES: usize = 64;
-    /// Tolerance of simulations of which only the end counts. Chosen: below [`super::equal::MET`].
+    /// Tolerance of simulations of which only the end counts, and violation of a goal or bound, in its unit, that simulation and
+    /// interpolation may cause. Chosen: below [`super::equal::MET`].
     pub(in crate::ocp) const TOLERANCE: f64 = 1e-6;
     /// Most events of an order. Chosen.
     pub(in crate::ocp) const EVENTS: usize = 8;
@@ -213,15 +208,13 @@ pub(in crate::ocp) mod sampled {
     /// Ends of the random numbers, from -1 to 1, by which all controls are changed, those of one interval, or those of one that is moved.
     /// Follows: each as often.
     pub(in crate::ocp) const OF_EACH_KIND: f64 = 1.0 / 3.0;
-    /// By how much further than the nearest one, in units of the conditions, a motion may be that is tried, and orders that are. Chosen.
-    pub(in crate::ocp) const FAR: f64 = 1.0;
+    /// Orders that are tried. Chosen.
     pub(in crate::ocp) const TRIED: usize = 12;
-    /// Motions by which ranges of random controls are compared, share of the bounds in the next narrower range, most such steps, and the
-    /// share of the distance to the goals below which motions are nearer in it. Chosen.
+    /// Motions by which ranges of random controls are compared, share of the bounds in the next narrower range, and most such
+    /// steps. Chosen.
     pub(in crate::ocp) const PILOTS: u64 = 12;
     pub(in crate::ocp) const NARROWED: f64 = 0.25;
     pub(in crate::ocp) const NARROWER: i32 = 12;
-    pub(in crate::ocp) const NEARER: f64 = 0.5;
 }
 
 /// Programs of contact sequences on a grid.
@@ -242,16 +235,12 @@ pub(in crate::ocp) mod attempt {
     pub(in crate::ocp) const FIRST_TOLERANCE: f64 = 2e-7;
     /// Most iterations of the second stage. Measured: none of 2500 that came to a solution took more.
     pub(in crate::ocp) const SECOND: usize = 100;
-    /// Share of the barrier parameter by which a warm point is kept off its bounds. Chosen: it stays where it is.
-    pub(in crate::ocp) const WARM_PUSH: f64 = 1e-2;
     /// Rounds of cuts of one sequence. Chosen.
     pub(in crate::ocp) const ROUNDS: usize = 6;
     /// Share of the tolerance to which a result is polished, and most iterations. Measured: 248 of 259 took at most seven, none more than
     /// 18.
     pub(in crate::ocp) const POLISH: f64 = 1e-3;
     pub(in crate::ocp) const POLISH_ITERATIONS: usize = 30;
-    /// Relative decrease of the objective that counts as an improvement. Follows: the tolerance of the programs.
-    pub(in crate::ocp) const IMPROVEMENT: f64 = 1e-9;
 }
 
 /// Neighbours of a contact sequence, and when a multiplier points to one. Lengths and distances are in intervals.
@@ -274,14 +263,10 @@ pub(in crate::ocp) mod neighbours {
     pub(in crate::ocp) const INSERTED: [f64; 2] = [0.2, 0.03];
     /// Distance from a switch of the same contact within which no other one is inserted. Chosen: more than [`INSERTED`], twice.
     pub(in crate::ocp) const NEAR: f64 = 0.6;
-    /// Normal acceleration that pulls a contact off, as a share of that which holds it. Chosen: what the solver leaves.
-    pub(in crate::ocp) const PULLED: f64 = 1e-6;
-    /// Velocity below which a contact does not move, in the unit of its row. Chosen: the same.
-    pub(in crate::ocp) const STILL: f64 = 1e-6;
-    /// Share of the friction that is left on both sides of a force within the cone. Chosen: the same.
-    pub(in crate::ocp) const WITHIN: f64 = 1e-6;
-    /// Multipliers above this share of the largest one belong to conditions that matter. Chosen: the same.
-    pub(in crate::ocp) const ACTIVE: f64 = 1e-6;
+    /// What the solver leaves: multipliers above this share of the largest one belong to conditions that matter, a normal acceleration
+    /// above this share of that which holds a contact pulls it off, a force that keeps this share of the friction from both edges is within
+    /// the cone, and what slides slower, in the unit of its row, does not move. Chosen: above the tolerance of the programs (1e-9).
+    pub(in crate::ocp) const LEFT: f64 = 1e-6;
     /// A condition that is met with a distance to spare is active only where the multiplier, as a share of the largest one, is above this
     /// share of that distance. Chosen: the product of both is what the solver leaves of complementarity, so that a small multiplier at a
     /// distance means nothing.
@@ -292,8 +277,6 @@ pub(in crate::ocp) mod neighbours {
     /// First barrier parameter, and most iterations, of programs whose new phases are held at their least lengths. Chosen: they start at
     /// their solution.
     pub(in crate::ocp) const HELD: (f64, usize) = (1e-5, 60);
-    /// Change of the objective, relative to it, that counts as none: for each interval of length, or between two motions. Chosen.
-    pub(in crate::ocp) const NONE: f64 = 1e-6;
     /// Share of that by which the objective of several at once may be lower than that of the best. Chosen: as precise as that is.
     pub(in crate::ocp) const PRECISION: f64 = 0.1;
     /// Least number of intervals between two with further phases in one program, which starts from the multipliers of the best where both
@@ -318,10 +301,9 @@ pub(in crate::ocp) mod candidates {
     /// switch was within which it stays at one. Chosen.
     pub(in crate::ocp) const FREE_TOLERANCE: f64 = 1e-5;
     pub(in crate::ocp) const AT_A_JUMP: f64 = 0.25;
-    /// When a step begins and ends, as shares of its part of the time, and gaits in a row without a solution after which no more are tried.
+    /// When a step begins, as a share of its part of the time, and ends, as far before its end; and gaits in a row without a solution after which no more are tried.
     /// Chosen.
     pub(in crate::ocp) const BEGINS: f64 = 0.25;
-    pub(in crate::ocp) const ENDS: f64 = 0.75;
     pub(in crate::ocp) const STUMBLES: usize = 6;
     /// Points of a simulation, and samples of a guess, in each interval. Chosen.
     pub(in crate::ocp) const OUTPUTS: usize = 10;
@@ -330,10 +312,8 @@ pub(in crate::ocp) mod candidates {
     pub(in crate::ocp) const UNDRIVEN: usize = 20;
     /// A contact that closes within this share of the first interval was closed at the start. Chosen.
     pub(in crate::ocp) const AT_ONCE: f64 = 1e-3;
-    /// Instants of the ride without controls at which the goals are looked at, and violation of a goal or bound, in its unit, that
-    /// simulation and interpolation may cause. Chosen.
+    /// Instants of the ride without controls at which the goals are looked at. Chosen.
     pub(in crate::ocp) const RIDE: usize = 2000;
-    pub(in crate::ocp) const RIDE_MISSES: f64 = 1e-6;
 }
 
 /// States that controls can lead to, for goals that take several swings.
@@ -358,9 +338,9 @@ pub(in crate::ocp) mod reach {
 pub(in crate::ocp) mod relaxed {
     use hangtime_solver::mpcc::RelaxationRule;
 
-    /// Last relaxation and tolerance of the first programs. Chosen: their contact sequences are read, not their motions.
+    /// Last relaxation of the first programs, and, in its unit, the gap that a contact at the start of free initial values may be held off by
+    /// it. Chosen: their contact sequences are read, not their motions.
     pub(in crate::ocp) const COARSE_LAST: f64 = 1e-3;
-    pub(in crate::ocp) const COARSE_TOLERANCE: f64 = 1e-4;
     /// The same of the refined ones, and their first barrier parameter. Chosen: they start at solutions of the first ones.
     pub(in crate::ocp) const FINE_RELAXED: f64 = 1e-6;
     pub(in crate::ocp) const FINE_BARRIER: f64 = 1e-4;
@@ -380,8 +360,6 @@ pub(in crate::ocp) mod relaxed {
     /// Relative difference of the objective within which relaxed motions of two starts are the same. Follows: as solutions of one program
     /// they agree to its tolerance.
     pub(in crate::ocp) const SAME_BETWEEN_STARTS: f64 = 1e-5;
-    /// Where in an element of an Euler step a contact closes, as a share of it. Follows: the step says no more.
-    pub(in crate::ocp) const CLOSING: f64 = 0.5;
     /// Half waves by which a motion is bent. Chosen.
     pub(in crate::ocp) const WAVES: i32 = 3;
     /// Exponents of the factors by which a horizon is changed at random: of a bent motion for each share of bending, and of a perturbed
@@ -399,8 +377,6 @@ pub(in crate::ocp) mod relaxed {
 pub(in crate::ocp) mod freezing {
     /// Starts beside the first: elements added, and a factor of the auxiliary acceleration. Chosen.
     pub(in crate::ocp) const VARIANTS: [(usize, f64); 4] = [(0, 1.0), (0, 0.5), (1, 1.0), (0, 2.0)];
-    /// About how many intervals its coarse grid has. Chosen: programs are larger than those of phases.
-    pub(in crate::ocp) const COARSE: usize = 10;
     /// Mean step function of an element above which its contact is open. Follows: in flight it is 1, in contact `a_bar / (a_bar + r)` for
     /// a normal acceleration `r`.
     pub(in crate::ocp) const OPEN: f64 = 0.99;
@@ -411,16 +387,14 @@ pub(in crate::ocp) mod freezing {
     /// Tolerances of the exact program: its rows hold to the first one; where multipliers are not determined by it, its objective is
     /// stationary to the second one. Chosen.
     pub(in crate::ocp) const EXACT: [f64; 2] = [1e-9, 1e-6];
-    /// Its first barrier parameter, the share of that by which its start is kept off its bounds, and its most iterations. Chosen.
+    /// Its first barrier parameter, the share of a barrier parameter by which this and other warm starts are kept off their bounds, and its
+    /// most iterations. Chosen: they stay where they are.
     pub(in crate::ocp) const BARRIER: f64 = 1e-5;
     pub(in crate::ocp) const PUSH: f64 = 1e-2;
     pub(in crate::ocp) const EXACT_ITERATIONS: usize = 200;
     /// Steps of a phase as a guess of the program, and halvings of the range of the speed of its clock. Chosen; follows: to rounding.
     pub(in crate::ocp) const STEPS: usize = 16;
     pub(in crate::ocp) const HALVINGS: usize = 60;
-    /// Share of the motion next to a switch at which the state is on one side of it, below which a phase or a jump is none, and speed
-    /// \[m/s\] above which a contact slides. Chosen: above rounding.
-    pub(in crate::ocp) const BESIDE: f64 = 1e-9;
 }
 
 /// Searches on grids: starts, grids on the way to a finer one, and what goes on.
@@ -428,13 +402,13 @@ pub(in crate::ocp) mod grids {
     /// Fewest intervals of a grid on the way, and most of one on which motions are looked for from all starts. Chosen.
     pub(in crate::ocp) const COARSEST: usize = 7;
     pub(in crate::ocp) const COARSE: usize = 16;
-    /// Intervals of the grid where none of those is contained in the one asked for. Chosen.
+    /// Intervals of the grid where none of those is contained in the one asked for, and about so many of the coarse grid of the time-freezing
+    /// formulation. Chosen.
     pub(in crate::ocp) const NEAR: usize = 10;
     /// Most starts on a grid beside the one that all starts are tried on. Chosen.
     pub(in crate::ocp) const BESIDE: usize = 2;
-    /// Motions that go on to finer grids, and with the one that the neighbours of the best lead to. Chosen.
+    /// Motions that go on to finer grids, beside the one that the neighbours of the best lead to. Chosen.
     pub(in crate::ocp) const KEPT: usize = 2;
-    pub(in crate::ocp) const KEPT_WITH_PROVEN: usize = KEPT + 1;
     /// Motions whose neighbours are decided at most, as long as they lead to better ones; of more starts one in so many. Chosen.
     pub(in crate::ocp) const TRIED: usize = 6;
     pub(in crate::ocp) const STARTS_OF_ONE_TRIED: usize = 3;
@@ -463,9 +437,8 @@ pub(in crate::ocp) mod grids {
     pub(in crate::ocp) const FROM_A_DISTANCE: f64 = 10.0;
     /// Elements an interval of the refined programs of starts. Chosen: motions differ in their discretizations more than in their guesses.
     pub(in crate::ocp) const REFINED_ELEMENTS: [usize; 5] = [4, 3, 6, 2, 5];
-    /// Without controls: finite elements of a phase on one interval for each that is asked for, and most starts there. Chosen.
+    /// Without controls: finite elements of a phase on one interval for each that is asked for; there are [`BATCH`] starts there. Chosen.
     pub(in crate::ocp) const ELEMENTS_OF_ONE: usize = 5;
-    pub(in crate::ocp) const STARTS_ON_ONE: usize = 4;
     /// By how many stages the scheme grows where the re-simulation does not confirm a plan. Chosen.
     pub(in crate::ocp) const MORE_STAGES: usize = 2;
     /// How often the range of final times is moved, each time by a factor of 20 at most, or the units. Chosen.
@@ -477,16 +450,12 @@ pub(in crate::ocp) mod grids {
     pub(in crate::ocp) const NO_MOTION: f64 = 1e-2;
     /// Share of the longest final time that was looked at below which one is as good as none. Follows: two moves of the range end there.
     pub(in crate::ocp) const NO_TIME: f64 = 2e-4;
-    /// Relative difference of the objective from the final time within which it is that. Follows: rounding.
-    pub(in crate::ocp) const SAME_TIME: f64 = 1e-9;
 }
 
 /// What shows that no motion exists.
 pub(in crate::ocp) mod impossible {
     /// Steps towards the nearest point. Measured: two weights are found in a few.
     pub(in crate::ocp) const STEPS: usize = 500;
-    /// Share of the terms of `y'g` below which it may be rounding error. Follows: sums of a thousand terms.
-    pub(in crate::ocp) const ROUNDING: f64 = 1e-9;
     /// Longest final time that is looked at, to the given one, and how exactly the least one that is not impossible is found. Chosen.
     pub(in crate::ocp) const LONGEST: f64 = 1e6;
     pub(in crate::ocp) const PRECISION: f64 = 1e-3;

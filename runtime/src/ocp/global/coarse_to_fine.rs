@@ -1,9 +1,10 @@
 //! The search for contact sequences: contact-implicit programs from coarse to fine.
 
 use crate::ocp::tuning::equal::MOTION;
+use crate::ocp::tuning::off_grid::TOLERANCE;
 use crate::ocp::tuning::relaxed::{
-    CLOSING, COARSE_LAST, COARSE_PROGRAMS, COARSE_TOLERANCE, FINE_BARRIER, FINE_RELAXED,
-    INFEASIBLE, LEAST_ELEMENTS, LEAST_FINE_ELEMENTS, SAME_BETWEEN_STARTS,
+    COARSE_LAST, COARSE_PROGRAMS, FINE_BARRIER, FINE_RELAXED, INFEASIBLE, LEAST_ELEMENTS,
+    LEAST_FINE_ELEMENTS, SAME_BETWEEN_STARTS,
 };
 use hangtime_solver::mpcc;
 use hangtime_solver::mpcc::RelaxationRule;
@@ -25,7 +26,7 @@ use crate::simulation::InputError;
 /// The first programs.
 const COARSE: Relaxation = Relaxation {
     last: COARSE_LAST,
-    tolerance: COARSE_TOLERANCE,
+    tolerance: TOLERANCE,
     barrier: None,
 };
 
@@ -300,7 +301,8 @@ fn relaxed(
         modes,
     };
     let initially = modes_at_start(setting, &trajectory);
-    let sequence = of_elements(initially, &elements, CLOSING);
+    // In the middle of its element: an Euler step says no more.
+    let sequence = of_elements(initially, &elements, 0.5);
     Ok(Ok(Candidate {
         objective: unit * solution.objective,
         sequence: with_passages(setting.model, sequence, &trajectory, false),

@@ -5,10 +5,11 @@
 //! passes is solved to the tolerance.
 
 use crate::ocp::tuning::attempt::{
-    AFTER_CUT, EXPLORED, FIRST, FIRST_TOLERANCE, IMPROVEMENT, NEIGHBOUR, POLISH, POLISH_ITERATIONS,
-    QUICK, ROUNDS, SECOND, WARM_PUSH,
+    AFTER_CUT, EXPLORED, FIRST, FIRST_TOLERANCE, NEIGHBOUR, POLISH, POLISH_ITERATIONS, QUICK,
+    ROUNDS, SECOND,
 };
-use crate::ocp::tuning::equal::COST;
+use crate::ocp::tuning::equal::{COST, ROUNDING};
+use crate::ocp::tuning::freezing::PUSH;
 use crate::ocp::tuning::off_grid::RESTORED;
 use hangtime_solver::nlp;
 
@@ -332,7 +333,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
     pub(super) fn improves(&self, objective: f64) -> bool {
         self.best.as_ref().is_none_or(|best| {
             let size = best.program.program.size_of(objective);
-            objective <= best.solution.objective - IMPROVEMENT * size
+            objective <= best.solution.objective - ROUNDING * size
         })
     }
 
@@ -495,7 +496,7 @@ fn least_objective(first: &nlp::Solution) -> f64 {
 
 /// Settings that leave a warm point where it is.
 fn warm(mut settings: nlp::Settings, barrier_parameter: f64) -> nlp::Settings {
-    settings.bound_push = WARM_PUSH * barrier_parameter;
+    settings.bound_push = PUSH * barrier_parameter;
     settings.bound_fraction = settings.bound_push;
     settings
 }

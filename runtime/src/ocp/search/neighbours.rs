@@ -5,7 +5,7 @@ use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::edit_sequence::without;
 use crate::ocp::motion::model_input::free_normal_acceleration;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
-use crate::ocp::tuning::neighbours::{APART, CLOSE, ENTRY, PULLED, SHORT, STUCK};
+use crate::ocp::tuning::neighbours::{APART, CLOSE, ENTRY, LEFT, SHORT, STUCK};
 use crate::simulation::ContactMode;
 
 /// A sequence that differs from that of a solution by one change.
@@ -241,7 +241,7 @@ fn is_pulled_off(pressure: &Pressure, interval: usize, contact: usize) -> bool {
     };
     let then = after.and_then(|after| after.stages.first());
     let then = then.map_or(0.0, |stage| acceleration(&stage.drive));
-    acceleration(&before.drive) > PULLED * then.abs()
+    acceleration(&before.drive) > LEFT * then.abs()
 }
 
 /// Whether a contact is the only one that is closed at the end of the motion.

@@ -1,6 +1,6 @@
 //! Where a solution presses against the sequence it was given.
 
-use crate::ocp::tuning::neighbours::{ACTIVE, NEAR};
+use crate::ocp::tuning::neighbours::{LEFT, NEAR};
 use hangtime_solver::nlp;
 
 use crate::ocp::collocation::layout::{Phase, Stage};
@@ -45,7 +45,7 @@ impl Pressure<'_, '_> {
     }
 
     fn is_active(&self, multiplier: f64, distance: f64) -> bool {
-        multiplier > self.largest * ACTIVE.max(self.distant * distance)
+        multiplier > self.largest * LEFT.max(self.distant * distance)
     }
 
     /// Whether a contact switches near a time.

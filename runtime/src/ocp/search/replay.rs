@@ -11,7 +11,7 @@ use crate::ocp::motion::read_sequence::{
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::tuning::candidates::{AT_ONCE, OUTPUTS, UNDRIVEN};
-use crate::ocp::tuning::equal::ON_THE_SURFACE;
+use crate::ocp::tuning::equal::{ON_THE_SURFACE, ROUNDING};
 use crate::simulation::{
     Ending, Event, EventDriven, EventKind, InputError, Simulation, SimulationStatus, simulate_to,
 };
@@ -126,7 +126,7 @@ pub(in crate::ocp) fn read_replay(
             Some(first) => (first.kind == EventKind::LiftOff) != (first.time < AT_ONCE * interval),
             None => !replay.initial_modes[contact].is_open(),
         };
-        let on_the_surface = ON_THE_SURFACE * setting.units.share_of_gap(contact);
+        let on_the_surface = ROUNDING * setting.units.share_of_gap(contact);
         *closed |=
             !pieces.is_idle(contact) && model.gap(contact, &input) <= on_the_surface && is_closed;
     }

@@ -12,7 +12,7 @@ use crate::model::tangent_point;
 use crate::ocp::collocation::layout::{Phase, SolvedPhase};
 use crate::ocp::motion::model_input::acceleration;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
-use crate::ocp::tuning::neighbours::{ENTRY, SHORT, STILL, WITHIN};
+use crate::ocp::tuning::neighbours::{ENTRY, LEFT, SHORT};
 use crate::simulation::{ContactMode, Direction};
 
 /// Sequences in which one contact rests where it slips.
@@ -85,7 +85,7 @@ fn is_still(pressure: &Pressure, contact: usize, (from, to): Ends) -> bool {
     let mut rows = within
         .flat_map(|(phase, _)| velocity_rows(phase, contact))
         .peekable();
-    rows.peek().is_some() && rows.all(|row| pressure.slacks[row] < STILL)
+    rows.peek().is_some() && rows.all(|row| pressure.slacks[row] < LEFT)
 }
 
 /// Rows of the sliding velocities of a contact at the stages.
@@ -173,5 +173,5 @@ fn could_stick(
     // From the friction of the slip to that of the opposite one.
     let slowed = -slips.sign() * (dot(&a) + point[tangent_point::CURVATURE]);
     let range = 2.0 * friction * dot(direction);
-    WITHIN * range < slowed && slowed < (1.0 - WITHIN) * range
+    LEFT * range < slowed && slowed < (1.0 - LEFT) * range
 }

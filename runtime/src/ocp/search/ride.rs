@@ -9,7 +9,8 @@ use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::ocp::tuning::candidates::{RIDE, RIDE_MISSES};
+use crate::ocp::tuning::candidates::RIDE;
+use crate::ocp::tuning::sampled::TOLERANCE;
 use crate::simulation::{EventDriven, InputError, simulate_once};
 
 /// The motion without controls, or with those nearest to 0 within their bounds.
@@ -129,7 +130,7 @@ fn end_of(setting: Setting, state: Vec<f64>, met: Option<usize>) -> End {
     let violation = others.fold(0.0, f64::max);
     End {
         state,
-        reaches: violation <= RIDE_MISSES,
+        reaches: violation <= TOLERANCE,
         violation,
     }
 }
@@ -145,7 +146,7 @@ pub(super) fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
     } = setting;
     let n = problem.q.len();
     let coordinates = (0..n).all(|k| {
-        let room = RIDE_MISSES * units.states[k];
+        let room = TOLERANCE * units.states[k];
         (bounds.0[k] - room..=bounds.1[k] + room).contains(&z[k])
     });
     let Some(declared) = model.declaration().optimal_control else {
@@ -162,9 +163,9 @@ pub(super) fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
     coordinates
         && constraints.all(|(constraint, &value)| {
             if constraint.equality {
-                value.abs() <= RIDE_MISSES
+                value.abs() <= TOLERANCE
             } else {
-                value >= -RIDE_MISSES
+                value >= -TOLERANCE
             }
         })
 }

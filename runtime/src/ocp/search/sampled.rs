@@ -5,8 +5,8 @@
 //! ones and further orders (an archive of elites, Mouret and Clune 2015). The best of all orders are what programs start from.
 
 use crate::ocp::tuning::sampled::{
-    ALIKE, BEST, CHANGED, CHANGES, DRAWN, EVENTS, FAR, LEAST_PLACES, LONGER, LONGER_THAN_BEFORE,
-    NARROWED, NARROWER, NEARER, OF_EACH_KIND, OF_RANGE, PILOTS, PLACES, TOLERANCE, TRIED, WITHIN,
+    ALIKE, BEST, CHANGED, CHANGES, DRAWN, EVENTS, LEAST_PLACES, LONGER, LONGER_THAN_BEFORE,
+    NARROWED, NARROWER, OF_EACH_KIND, OF_RANGE, PILOTS, PLACES, TOLERANCE, TRIED, WITHIN,
 };
 use std::collections::BTreeMap;
 
@@ -105,7 +105,8 @@ pub(in crate::ocp) fn best_of_each_order(
     }
     let mut found = Vec::new();
     let ends = archive.sorted();
-    let far = ends.first().map_or(0.0, |end| FAR + archive.rank(end).2);
+    // No further than the nearest one by more than a unit of the conditions.
+    let far = ends.first().map_or(0.0, |end| 1.0 + archive.rank(end).2);
     let near = ends.into_iter().filter(|end| archive.rank(end).2 <= far);
     for end in near.take(most) {
         let Throw {
@@ -228,7 +229,8 @@ pub(in crate::ocp) fn drawing_range(setting: Setting) -> Result<Range, InputErro
     for narrower in 1..=NARROWER {
         let range = within(NARROWED.powi(narrower));
         let distance = usual_distance(&units, &ends(&range));
-        if distance >= NEARER * least {
+        // Nearer is no more than half as far.
+        if distance >= 0.5 * least {
             break;
         }
         (best, least) = (range, distance);

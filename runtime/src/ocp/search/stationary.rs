@@ -9,7 +9,8 @@
 //! little is better. That holds all the more where the inequalities inside these phases are left out, since then the
 //! program allows more; so it is asked a second time, where the first has no answer.
 
-use crate::ocp::tuning::neighbours::{HELD, NONE};
+use crate::ocp::tuning::equal::OPTIMUM;
+use crate::ocp::tuning::neighbours::HELD;
 use hangtime_solver::nlp;
 
 use super::attempt::{Attempt, Attempts, Start, interior_point};
@@ -158,5 +159,8 @@ pub(super) fn slope(
 
 /// Change of an objective that counts as none.
 pub(super) fn none(program: &Collocation, objective: f64) -> f64 {
-    NONE * objective.abs().max(NONE * program.program.objective_unit())
+    OPTIMUM
+        * objective
+            .abs()
+            .max(OPTIMUM * program.program.objective_unit())
 }

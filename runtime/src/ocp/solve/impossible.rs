@@ -12,7 +12,8 @@
 use crate::model::Model;
 use crate::ocp::collocation::discretization::parabolas;
 use crate::ocp::problem::{Horizon, Problem, bounds};
-use crate::ocp::tuning::impossible::{LONGEST, PRECISION, ROUNDING, STEPS};
+use crate::ocp::tuning::equal::ROUNDING;
+use crate::ocp::tuning::impossible::{LONGEST, PRECISION, STEPS};
 
 /// What is shown.
 #[derive(Debug, Clone, Copy, PartialEq)]

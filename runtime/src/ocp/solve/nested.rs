@@ -25,8 +25,8 @@ use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Solution, Source, Status};
 use crate::ocp::tuning::equal::{COST, MOTION};
 use crate::ocp::tuning::grids::{
-    BESIDE, COARSE, COARSEST, FINER, FINEST, KEPT, KEPT_WITH_PROVEN, NEAR, NO_MOTION, PROGRAMS,
-    STARTS_OF_ONE_TRIED, TRIED, WORTH,
+    BESIDE, COARSE, COARSEST, FINER, FINEST, KEPT, NEAR, NO_MOTION, PROGRAMS, STARTS_OF_ONE_TRIED,
+    TRIED, WORTH,
 };
 use crate::simulation::InputError;
 
@@ -132,7 +132,7 @@ fn solve_in_elements<'o>(
     };
     let proves = settings.starts() > 1;
     let tried = TRIED.max(settings.starts() / STARTS_OF_ONE_TRIED);
-    let kept = if proves { KEPT_WITH_PROVEN } else { KEPT };
+    let kept = if proves { KEPT + 1 } else { KEPT };
     let quick = Settings {
         maximum_programs: settings.maximum_programs.min(most),
         ..settings.clone()
@@ -342,7 +342,7 @@ fn proven(task: &Task, found: Vec<Found>, seen: &mut Vec<Found>) -> Result<Vec<F
     let best = decided(task, found.clone(), Effort::Certify, seen)?;
     let mut all: Vec<Found> = best.into_iter().collect();
     all.extend(found.into_iter().take(KEPT));
-    Ok(best_of(all, KEPT_WITH_PROVEN))
+    Ok(best_of(all, KEPT + 1))
 }
 
 /// Decides the neighbours of the best motion, and of the next one where it is not confirmed; without one that is, looks once

@@ -1,7 +1,7 @@
 //! What several runs come to: the best of them, and the distinct local optima that they saw.
 
-use crate::ocp::tuning::equal::{COST, OPTIMUM};
-use crate::ocp::tuning::grids::{NO_MOTION, NO_TIME, SAME_TIME};
+use crate::ocp::tuning::equal::{COST, OPTIMUM, ROUNDING};
+use crate::ocp::tuning::grids::{NO_MOTION, NO_TIME};
 use std::collections::BTreeSet;
 
 use hangtime_solver::Seconds;
@@ -60,7 +60,7 @@ pub(super) fn ends_at_no_time(model: &dyn Model, solution: &Solution) -> bool {
     let time = solution.horizon;
     solution.status == Status::Unbounded
         && declared.is_some_and(|declared| declared.free_time && !declared.running_cost)
-        && (solution.objective - time).abs() <= SAME_TIME * time
+        && (solution.objective - time).abs() <= ROUNDING * time
         && time <= NO_TIME * solution.final_times.1
 }
 

@@ -1,7 +1,7 @@
 //! Starts without an exploration: variants of the time-freezing formulation, and a known motion.
 
-use crate::ocp::tuning::freezing::{COARSE, VARIANTS};
-use crate::ocp::tuning::grids::REFINED_ELEMENTS;
+use crate::ocp::tuning::freezing::VARIANTS;
+use crate::ocp::tuning::grids::{NEAR, REFINED_ELEMENTS};
 use rayon::prelude::*;
 
 use super::nested;
@@ -53,7 +53,7 @@ pub(super) fn solve(
 /// one leads to a certified motion. What they end at on this grid, and on the coarse one.
 fn freeze(task: &Task) -> Result<(Vec<Found>, Vec<Found>), InputError> {
     let intervals = task.problem.intervals;
-    let factor = (intervals as f64 / COARSE as f64).round().max(1.0) as usize;
+    let factor = (intervals as f64 / NEAR as f64).round().max(1.0) as usize;
     let problem = Problem {
         intervals: intervals.div_ceil(factor),
         ..task.problem.clone()

@@ -12,7 +12,7 @@ use crate::ocp::problem::Problem;
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
 use crate::ocp::tuning::equal::MOTION;
-use crate::ocp::tuning::grids::{ELEMENTS_OF_ONE, STARTS_ON_ONE};
+use crate::ocp::tuning::grids::{BATCH, ELEMENTS_OF_ONE};
 use crate::simulation::InputError;
 
 /// Solves on the grid of the problem and on one interval.
@@ -32,7 +32,7 @@ pub(super) fn solve(
     };
     let settings = Settings {
         elements: settings.elements * ELEMENTS_OF_ONE,
-        starts: Some(settings.starts().min(STARTS_ON_ONE)),
+        starts: Some(settings.starts().min(BATCH)),
         ..settings.clone()
     };
     let mut other = nested::solve(model, &whole, &settings, observer)?;

@@ -1,8 +1,9 @@
 //! The search over words, and what it finds on the grid of the problem.
 
+use crate::ocp::tuning::grids::KEPT;
 use crate::ocp::tuning::off_grid::STAGES;
 use crate::ocp::tuning::on_grid::{
-    BEYOND, CARRIED, FINE, FINEST, JUDGED, LEAST, MOVED, MOVED_WITHIN, PLACED,
+    BEYOND, FINE, FINEST, JUDGED, LEAST, MOVED, MOVED_WITHIN, PLACED,
 };
 use hangtime_solver::Seconds;
 use hangtime_solver::clock::ThreadTime;
@@ -65,7 +66,7 @@ pub(super) fn solve(
         sort(&mut found);
         if first < problem.intervals {
             found.retain(|found| found.solution.motion.is_some());
-            found.truncate(CARRIED);
+            found.truncate(KEPT);
             found = nested::carry(&task, &found, &mut seen)?;
             sort(&mut found);
         }

@@ -9,9 +9,8 @@ use super::word::{Draft, Instant, Word, between, closed_modes, touch};
 use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::start_modes::may_be_closed_at_start;
-use crate::ocp::tuning::edits::{
-    INSERTED, LEFT_OUT, OFTEN, PRESSES, ROOM, TOUCHED, VANISHED, price,
-};
+use crate::ocp::tuning::edits::{INSERTED, LEFT_OUT, OFTEN, ROOM, TOUCHED, VANISHED, price};
+use crate::ocp::tuning::off_grid::TOLERANCE;
 use crate::simulation::ContactMode;
 
 /// A rule: its name, its price, and the drafts that it makes.
@@ -227,7 +226,7 @@ fn press(parent: &Parent) -> Vec<Draft> {
         .timed
         .presses
         .iter()
-        .filter(|press| press.share > PRESSES)
+        .filter(|press| press.share > TOLERANCE)
     {
         let now = &modes[press.phase];
         let (from, to) = parent.draft().phases()[press.phase];

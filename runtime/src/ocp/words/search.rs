@@ -11,10 +11,10 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Settings;
 use crate::ocp::tuning::beginnings::MOST_PHASES;
 use crate::ocp::tuning::equal::{MET, MOTION};
-use crate::ocp::tuning::off_grid::{DEARER, EVEN_PIECES, FREE_PIECES, LEAST_PIECES};
+use crate::ocp::tuning::off_grid::{DEARER, EVEN_PIECES, FREE_PIECES, LEAST_PIECES, TOLERANCE};
 use crate::ocp::tuning::table::{
-    GAIN, GUESSES, KEPT, MOST_EXCESS, NEXT_OF_RULE, OF_EACH_WORD, OF_PARENT, OF_PHASE, PATIENCE,
-    POORER, PROGRAMS, REFINEMENTS, SAME_TIMES, SHORTER, WORTH,
+    GUESSES, KEPT, MOST_EXCESS, NEXT_OF_RULE, OF_EACH_WORD, OF_PARENT, OF_PHASE, PATIENCE, POORER,
+    PROGRAMS, REFINEMENTS, SAME_TIMES, SHORTER, WORTH,
 };
 use crate::progress::BestMotion;
 use crate::rk::ButcherTableau;
@@ -126,7 +126,7 @@ impl<'a, 'r> Words<'a, 'r> {
             };
             let found = &self.solved[index];
             let size = self.size();
-            let better = found.value(size) < parent.value(size) - GAIN * size;
+            let better = found.value(size) < parent.value(size) - TOLERANCE * size;
             let shorter = found.word().phases() < parent.word().phases()
                 && found.merit < self.best_merit() + SHORTER * size;
             if self.best == Some(index) {
@@ -203,7 +203,7 @@ impl<'a, 'r> Words<'a, 'r> {
         self.solved.push(timed);
         let improves = self
             .best
-            .is_none_or(|best| self.value(index) < self.value(best) - GAIN * self.size());
+            .is_none_or(|best| self.value(index) < self.value(best) - TOLERANCE * self.size());
         let seen = &mut self.seen[place];
         seen.merit = seen.merit.min(merit);
         if improves {
@@ -292,7 +292,7 @@ impl<'a, 'r> Words<'a, 'r> {
             let (index, _) = cheapest?;
             let next = self.waiting.swap_remove(index);
             let mine = self.seen.iter().find(|seen| seen.word == next.draft.word);
-            let worse = self.merit(next.parent) - GAIN * self.size();
+            let worse = self.merit(next.parent) - TOLERANCE * self.size();
             let again = next.rule == "press";
             if again || mine.is_none_or(|seen| seen.merit >= worse) {
                 return Some(next);
