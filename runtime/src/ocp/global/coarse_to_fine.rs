@@ -1,11 +1,5 @@
 //! The search for contact sequences: contact-implicit programs from coarse to fine.
 
-use crate::ocp::tuning::equal::MOTION;
-use crate::ocp::tuning::off_grid::TOLERANCE;
-use crate::ocp::tuning::relaxed::{
-    COARSE_LAST, COARSE_PROGRAMS, FINE_BARRIER, FINE_RELAXED, INFEASIBLE, LEAST_ELEMENTS,
-    LEAST_FINE_ELEMENTS, SAME_BETWEEN_STARTS,
-};
 use hangtime_solver::mpcc;
 use hangtime_solver::mpcc::RelaxationRule;
 use hangtime_solver::nlp;
@@ -21,6 +15,12 @@ use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Failure, Runner};
 use crate::ocp::settings::Settings;
+use crate::ocp::tuning::equal::MOTION;
+use crate::ocp::tuning::off_grid::TOLERANCE;
+use crate::ocp::tuning::relaxed::{
+    COARSE_LAST, COARSE_PROGRAMS, FINE_BARRIER, FINE_RELAXED, INFEASIBLE, LEAST_ELEMENTS,
+    LEAST_FINE_ELEMENTS, SAME_BETWEEN_STARTS,
+};
 use crate::simulation::InputError;
 
 /// The first programs.

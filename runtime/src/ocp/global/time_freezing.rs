@@ -1,6 +1,5 @@
 //! The optimal control problem as one complementarity problem: time-freezing and FESD.
 
-use crate::ocp::tuning::candidates::SAMPLES;
 use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::NlpProblem;
 
@@ -18,6 +17,7 @@ use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem, bounds};
 use crate::ocp::settings::{self, TimeFreezingSettings};
+use crate::ocp::tuning::candidates::SAMPLES;
 use crate::refusal;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InitialValueProblem, InputError, SizeGroup};

@@ -1,9 +1,6 @@
 //! The contact sequence from the complementarity problem of finite elements on the time-freezing system, and its exact solution
 //! with that of a motion.
 
-use crate::ocp::tuning::freezing::{
-    BARRIER, BOUNCE, EXACT, EXACT_ITERATIONS, ITERATIONS, OPEN, PUSH,
-};
 use std::io;
 
 use hangtime_solver::clock::ThreadTime;
@@ -28,6 +25,9 @@ use crate::ocp::problem::Problem;
 use crate::ocp::program::runner::{Failure, Runner};
 use crate::ocp::settings::TimeFreezingSettings;
 use crate::ocp::solution::{RelaxedReport, TimeFreezingReport};
+use crate::ocp::tuning::freezing::{
+    BARRIER, BOUNCE, EXACT, EXACT_ITERATIONS, ITERATIONS, OPEN, PUSH,
+};
 use crate::simulation::ContactMode;
 use crate::simulation::{InputError, ProblemSize};
 

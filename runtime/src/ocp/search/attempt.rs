@@ -4,6 +4,9 @@
 //! sequence can be better than the best, and where its motion needs cuts; most sequences end there. Only a motion that
 //! passes is solved to the tolerance.
 
+use hangtime_solver::nlp;
+
+use crate::model::Model;
 use crate::ocp::tuning::attempt::{
     AFTER_CUT, EXPLORED, FIRST, FIRST_TOLERANCE, NEIGHBOUR, POLISH, POLISH_ITERATIONS, QUICK,
     ROUNDS, SECOND,
@@ -11,9 +14,6 @@ use crate::ocp::tuning::attempt::{
 use crate::ocp::tuning::equal::{COST, ROUNDING};
 use crate::ocp::tuning::freezing::PUSH;
 use crate::ocp::tuning::off_grid::RESTORED;
-use hangtime_solver::nlp;
-
-use crate::model::Model;
 
 use crate::ocp::collocation::between_stages::between_stages;
 use crate::ocp::collocation::discretization::Setting;

@@ -1,8 +1,5 @@
 //! From motions that may be near an optimum to local optima: the contact sequences that they suggest.
 
-use crate::ocp::tuning::candidates::{FAILURES, MOST_STRUCK, SHORT_SWITCHES, STRUCK};
-use crate::ocp::tuning::candidates::{RETIMED, STUMBLES};
-use crate::ocp::tuning::equal::MOTION;
 use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose};
@@ -27,6 +24,9 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
 use crate::ocp::settings::{Formulation, TimeFreezingSettings};
 use crate::ocp::solution::TimeFreezingReport;
+use crate::ocp::tuning::candidates::{FAILURES, MOST_STRUCK, SHORT_SWITCHES, STRUCK};
+use crate::ocp::tuning::candidates::{RETIMED, STUMBLES};
+use crate::ocp::tuning::equal::MOTION;
 use crate::simulation::{ContactMode, InputError};
 
 /// Which of the sequences that a candidate suggests are tried.

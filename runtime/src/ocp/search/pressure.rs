@@ -1,6 +1,5 @@
 //! Where a solution presses against the sequence it was given.
 
-use crate::ocp::tuning::neighbours::{LEFT, NEAR};
 use hangtime_solver::nlp;
 
 use crate::ocp::collocation::layout::{Phase, Stage};
@@ -8,6 +7,7 @@ use crate::ocp::collocation::program::Collocation;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::ocp::program::units::Units;
+use crate::ocp::tuning::neighbours::{LEFT, NEAR};
 use crate::simulation::ContactMode;
 
 /// What a solved program says about its sequence.

@@ -1,6 +1,5 @@
 //! Following improving neighbours of a contact sequence.
 
-use crate::ocp::tuning::neighbours::{DISTANT, INSERTED, NOTHING};
 use hangtime_solver::mpcc::Stationarity;
 
 use super::at_nodes::{all_at_once, at_nodes, warped};
@@ -20,6 +19,7 @@ use crate::ocp::motion::sequence::{Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Settings;
+use crate::ocp::tuning::neighbours::{DISTANT, INSERTED, NOTHING};
 use crate::simulation::InputError;
 
 /// Where a repair ended.

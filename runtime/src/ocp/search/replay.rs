@@ -11,7 +11,7 @@ use crate::ocp::motion::read_sequence::{
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::tuning::candidates::{AT_ONCE, OUTPUTS, UNDRIVEN};
-use crate::ocp::tuning::equal::{ON_THE_SURFACE, ROUNDING};
+use crate::ocp::tuning::equal::ROUNDING;
 use crate::simulation::{
     Ending, Event, EventDriven, EventKind, InputError, Simulation, SimulationStatus, simulate_to,
 };

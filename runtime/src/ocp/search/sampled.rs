@@ -4,10 +4,6 @@
 //! a distance to goals, bounds and path constraints, and a cost. Of each order the best is kept, and changed at random to find better
 //! ones and further orders (an archive of elites, Mouret and Clune 2015). The best of all orders are what programs start from.
 
-use crate::ocp::tuning::sampled::{
-    ALIKE, BEST, CHANGED, CHANGES, DRAWN, EVENTS, LEAST_PLACES, LONGER, LONGER_THAN_BEFORE,
-    NARROWED, NARROWER, OF_EACH_KIND, OF_RANGE, PILOTS, PLACES, TOLERANCE, TRIED, WITHIN,
-};
 use std::collections::BTreeMap;
 
 use super::replay::{parts, simulated};
@@ -22,6 +18,10 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Horizon;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Guess;
+use crate::ocp::tuning::sampled::{
+    ALIKE, BEST, CHANGED, CHANGES, DRAWN, EVENTS, LEAST_PLACES, LONGER, LONGER_THAN_BEFORE,
+    NARROWED, NARROWER, OF_EACH_KIND, OF_RANGE, PILOTS, PLACES, TOLERANCE, TRIED, WITHIN,
+};
 use crate::simulation::{Event, EventDriven, EventKind, InputError, simulate_once};
 
 /// What happens, one after the other: contacts, and whether they are struck.

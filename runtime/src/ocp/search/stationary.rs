@@ -9,14 +9,14 @@
 //! little is better. That holds all the more where the inequalities inside these phases are left out, since then the
 //! program allows more; so it is asked a second time, where the first has no answer.
 
-use crate::ocp::tuning::equal::OPTIMUM;
-use crate::ocp::tuning::neighbours::HELD;
 use hangtime_solver::nlp;
 
 use super::attempt::{Attempt, Attempts, Start, interior_point};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::program::runner::{Run, Runner};
+use crate::ocp::tuning::equal::OPTIMUM;
+use crate::ocp::tuning::neighbours::HELD;
 use crate::simulation::InputError;
 
 /// What a neighbour's program with held lengths says.

@@ -7,13 +7,13 @@
 //! ([`stationary`](super::stationary)); the others are asked one by one. A cut in an interval with further phases has no place
 //! any more. With fewer conditions the program allows more, so that what is stationary in it is so with them.
 
-use crate::ocp::tuning::neighbours::{BETWEEN, PRECISION};
 use std::ops::RangeInclusive;
 
 use super::attempt::{Attempt, Attempts, Verdict};
 use super::stationary::{none, slope, solved};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::runner::Runner;
+use crate::ocp::tuning::neighbours::{BETWEEN, PRECISION};
 use crate::simulation::InputError;
 
 /// A neighbour with all switches of the best, and others.

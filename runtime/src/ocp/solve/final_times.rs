@@ -5,7 +5,6 @@
 //! program without a solution, lies at an end of the range, the search starts again around that end; so it does where
 //! controls without bounds come out of another size than they were measured in.
 
-use crate::ocp::tuning::grids::{MOVES, OFF_CENTRE};
 use hangtime_solver::mpcc::Stationarity;
 
 use super::one_grid::{Round, Start, Trace, solve_round};
@@ -13,6 +12,7 @@ use crate::model::Model;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
+use crate::ocp::tuning::grids::{MOVES, OFF_CENTRE};
 use crate::simulation::InputError;
 
 /// A plan that another round looks beyond.

@@ -1,6 +1,5 @@
 //! From a guess to a judged motion, on one grid of the controls.
 
-use crate::ocp::tuning::grids::MORE_STAGES;
 use hangtime_solver::Seconds;
 use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp;
@@ -26,6 +25,7 @@ use crate::ocp::search::ride::ride;
 use crate::ocp::search::sampled::sampled;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
+use crate::ocp::tuning::grids::MORE_STAGES;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 

@@ -1,7 +1,5 @@
 //! What several runs come to: the best of them, and the distinct local optima that they saw.
 
-use crate::ocp::tuning::equal::{COST, OPTIMUM, ROUNDING};
-use crate::ocp::tuning::grids::{NO_MOTION, NO_TIME};
 use std::collections::BTreeSet;
 
 use hangtime_solver::Seconds;
@@ -9,6 +7,8 @@ use hangtime_solver::mpcc::Stationarity;
 
 use crate::model::Model;
 use crate::ocp::solution::{Counts, Improvement, Optimum, Solution, Source, Status};
+use crate::ocp::tuning::equal::{COST, OPTIMUM, ROUNDING};
+use crate::ocp::tuning::grids::{NO_MOTION, NO_TIME};
 
 /// A motion, or why there is none, and the start that it goes back to.
 #[derive(Clone)]

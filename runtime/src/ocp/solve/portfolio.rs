@@ -10,10 +10,6 @@
 //! they do not end, as these are many; and of the starts near the best every second one is near the best of the others, so that these do not
 //! decide alone where is looked.
 
-use crate::ocp::tuning::equal::MOTION;
-use crate::ocp::tuning::grids::{
-    AGREEING, BATCH, BENDS, FREEZES, FROM_A_DISTANCE, ITERATIONS, NEAR_THE_BEST, SAMPLES,
-};
 use std::ops::Range;
 
 use hangtime_solver::nlp;
@@ -27,6 +23,10 @@ use crate::ocp::effort::Effort;
 use crate::ocp::problem::has_free_start;
 use crate::ocp::settings::{EulerStep, Formulation, Guess, Settings, TimeFreezingSettings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
+use crate::ocp::tuning::equal::MOTION;
+use crate::ocp::tuning::grids::{
+    AGREEING, BATCH, BENDS, FREEZES, FROM_A_DISTANCE, ITERATIONS, NEAR_THE_BEST, SAMPLES,
+};
 use crate::simulation::InputError;
 
 /// What an exploration ends at.

@@ -1,6 +1,5 @@
 //! Single runs on one grid: from a start, or from a motion on a coarser grid.
 
-use crate::ocp::tuning::equal::OPTIMUM;
 use hangtime_solver::Seconds;
 use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Stationarity;
@@ -19,6 +18,7 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
+use crate::ocp::tuning::equal::OPTIMUM;
 use crate::simulation::InputError;
 
 /// A problem on one grid.

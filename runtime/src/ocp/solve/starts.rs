@@ -1,7 +1,5 @@
 //! Starts without an exploration: variants of the time-freezing formulation, and a known motion.
 
-use crate::ocp::tuning::freezing::VARIANTS;
-use crate::ocp::tuning::grids::{NEAR, REFINED_ELEMENTS};
 use rayon::prelude::*;
 
 use super::nested;
@@ -14,6 +12,8 @@ use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Solution, Source, Status, TimeFreezingReport};
+use crate::ocp::tuning::freezing::VARIANTS;
+use crate::ocp::tuning::grids::{NEAR, REFINED_ELEMENTS};
 use crate::simulation::InputError;
 use crate::{Observer, Progress};
 

@@ -1,10 +1,5 @@
 //! The search over words, and what it finds on the grid of the problem.
 
-use crate::ocp::tuning::grids::KEPT;
-use crate::ocp::tuning::off_grid::STAGES;
-use crate::ocp::tuning::on_grid::{
-    BEYOND, FINE, FINEST, JUDGED, LEAST, MOVED, MOVED_WITHIN, PLACED,
-};
 use hangtime_solver::Seconds;
 use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Stationarity;
@@ -28,6 +23,11 @@ use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::sampled::drawing_range;
 use crate::ocp::settings::{ControlNodes, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
+use crate::ocp::tuning::grids::KEPT;
+use crate::ocp::tuning::off_grid::STAGES;
+use crate::ocp::tuning::on_grid::{
+    BEYOND, FINE, FINEST, JUDGED, LEAST, MOVED, MOVED_WITHIN, PLACED,
+};
 use crate::ocp::words::aligned::{Aligned, followed};
 use crate::ocp::words::beginnings::beginnings;
 use crate::ocp::words::off_grid::Timed;

@@ -4,9 +4,6 @@
 //! Here each phase has intervals of its own, of equal length within it, at least one; its length is free, so that no switch presses on an
 //! end of an interval. What a motion presses against are other words then, of which those are solved that its multipliers point to.
 
-use crate::ocp::tuning::equal::COST;
-use crate::ocp::tuning::off_grid::{BARRIER, DEARER, ITERATIONS};
-use crate::ocp::tuning::on_grid::FOLLOWED;
 use hangtime_solver::mpcc::Stationarity;
 
 use super::edits::{Parent, RULES};
@@ -20,6 +17,9 @@ use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
+use crate::ocp::tuning::equal::COST;
+use crate::ocp::tuning::off_grid::{BARRIER, DEARER, ITERATIONS};
+use crate::ocp::tuning::on_grid::FOLLOWED;
 use crate::simulation::InputError;
 
 /// Rules that lead to the words that a motion is a limit of.
