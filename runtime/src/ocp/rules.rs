@@ -40,7 +40,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 23] = [
+pub const RULES: [Rule; 22] = [
     rule(
         Source,
         "sample",
@@ -73,7 +73,6 @@ pub const RULES: [Rule; 23] = [
     ),
     rule(Edit, "drop", "Without a phase."),
     rule(Edit, "touch", "A touch where a contact is open."),
-    rule(Edit, "cut", "Without the last instant."),
     rule(
         Edit,
         "refine",

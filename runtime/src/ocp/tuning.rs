@@ -1,7 +1,8 @@
 //! The constants that steer the search: what is looked for, in which order, and when it is enough.
 //!
-//! None of them decides what is true of a result. A motion is what its re-simulation says, an optimum what its multipliers and neighbours say, whatever stands here; other values lead to other motions, or to the same with more work. Tolerances of the mathematics (collocation, motions, judgement)
-//! stand where they are used.
+//! None of them decides what is true of a result. A motion is what its re-simulation says, an optimum what its multipliers and neighbours
+//! say, whatever stands here; other values lead to other motions, or to the same with more work. Tolerances of the mathematics
+//! (collocation, motions, judgement) stand where they are used.
 //!
 //! Units: *share of the motion* is of its final time, *relative* is to the size of the objective, *intervals* are those of the control grid;
 //! what has no unit is a number or a count. Origins: *measured* with the figure, *follows* from something else, or *chosen*, where nothing
@@ -48,7 +49,7 @@ pub(in crate::ocp) mod beginnings {
 
 /// Programs of words: phases of free length.
 pub(in crate::ocp) mod off_grid {
-    /// Stages of the collocation. Follows: errors of order five are below [`TOLERANCE`] with [`ELEMENTS`].
+    /// Stages of the collocation. Chosen: order five.
     pub(in crate::ocp) const STAGES: usize = 3;
     /// Control pieces of a word for least time, which have lengths of their own, and of another, and the least number of a phase.
     /// Chosen: bang-bang controls need few of any length, others many of the same.
@@ -96,9 +97,11 @@ pub(in crate::ocp) mod table {
     /// Prices, relative to the objective: of a further draft of the same rule, and of a phase. Chosen, with those of the rules.
     pub(in crate::ocp) const NEXT_OF_RULE: f64 = 0.015;
     pub(in crate::ocp) const OF_PHASE: f64 = 0.004;
-    /// Share of the parent's excess over the best that counts. Chosen: at 1 nothing but the best is followed, at 0 everything is.
+    /// Share of the parent's excess over the best that counts. Chosen: between the best alone and
+    /// all alike.
     pub(in crate::ocp) const OF_PARENT: f64 = 0.5;
-    /// Excess of a parent, relative, above which all are alike. Follows: without a bound words that miss their goals overflow prices.
+    /// Excess of a parent, relative, above which all are alike. Chosen: words that miss their goals are
+    /// alike.
     pub(in crate::ocp) const MOST_EXCESS: f64 = 1e3;
     /// Relative excess over the best up to which a shorter word is followed. Chosen.
     pub(in crate::ocp) const SHORTER: f64 = 0.1;
@@ -129,8 +132,6 @@ pub(in crate::ocp) mod edits {
         pub(in crate::ocp) const DROP: f64 = 0.03;
         /// A touch.
         pub(in crate::ocp) const TOUCH: f64 = 0.03;
-        /// Without the last instant.
-        pub(in crate::ocp) const CUT: f64 = 0.04;
     }
     /// A phase shorter than this share of the motion has vanished. Follows: a little above [`super::off_grid::LEAST`].
     pub(in crate::ocp) const VANISHED: f64 = 3e-3;

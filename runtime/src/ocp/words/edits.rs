@@ -28,7 +28,7 @@ pub(super) struct Parent<'p> {
 }
 
 /// All rules, the cheapest first.
-pub(super) const RULES: [Rule; 7] = [
+pub(super) const RULES: [Rule; 6] = [
     Rule {
         name: "collapse",
         price: price::COLLAPSE,
@@ -58,11 +58,6 @@ pub(super) const RULES: [Rule; 7] = [
         name: "touch",
         price: price::TOUCH,
         drafts: touches,
-    },
-    Rule {
-        name: "cut",
-        price: price::CUT,
-        drafts: cut,
     },
 ];
 
@@ -375,27 +370,6 @@ fn touches(parent: &Parent) -> Vec<Draft> {
                 }
             }
         }
-    }
-    found
-}
-
-/// Without the last instant.
-fn cut(parent: &Parent) -> Vec<Draft> {
-    let count = parent.word().instants.len();
-    if count == 0 {
-        return Vec::new();
-    }
-    let mut draft = parent.timed_splice((count - 1, count), &[], Vec::new());
-    draft.word.ends_with_impact = false;
-    let mut found = vec![draft];
-    let closes = parent.word().instants[count - 1]
-        .iter()
-        .any(|switch| switch.closes);
-    if closes && !parent.word().ends_with_impact {
-        let mut ending = parent.draft().clone();
-        ending.horizon = ending.times[count - 1];
-        ending.word.ends_with_impact = true;
-        found.push(ending);
     }
     found
 }
