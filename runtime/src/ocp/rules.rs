@@ -71,8 +71,8 @@ pub const RULES: [Rule; 22] = [
         "flip",
         "One contact otherwise in a phase, or in half of it.",
     ),
-    rule(Edit, "drop", "Without a phase."),
     rule(Edit, "touch", "A touch where a contact is open."),
+    rule(Edit, "cut", "Without the last instant."),
     rule(
         Edit,
         "refine",

@@ -128,10 +128,10 @@ pub(in crate::ocp) mod edits {
         pub(in crate::ocp) const PRESS: f64 = 0.01;
         /// One contact otherwise.
         pub(in crate::ocp) const FLIP: f64 = 0.025;
-        /// Without a phase.
-        pub(in crate::ocp) const DROP: f64 = 0.03;
         /// A touch.
         pub(in crate::ocp) const TOUCH: f64 = 0.03;
+        /// Without the last instant.
+        pub(in crate::ocp) const CUT: f64 = 0.04;
     }
     /// A phase shorter than this share of the motion has vanished. Follows: a little above [`super::off_grid::LEAST`].
     pub(in crate::ocp) const VANISHED: f64 = 3e-3;

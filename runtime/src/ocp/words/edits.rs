@@ -50,14 +50,14 @@ pub(super) const RULES: [Rule; 6] = [
         drafts: flip,
     },
     Rule {
-        name: "drop",
-        price: price::DROP,
-        drafts: drop_cycle,
-    },
-    Rule {
         name: "touch",
         price: price::TOUCH,
         drafts: touches,
+    },
+    Rule {
+        name: "cut",
+        price: price::CUT,
+        drafts: cut,
     },
 ];
 
@@ -346,12 +346,6 @@ fn flipped(parent: &Parent, phase: usize, there: &[ContactMode]) -> Option<Draft
     Some(draft)
 }
 
-/// Without a cycle or a phase.
-fn drop_cycle(parent: &Parent) -> Vec<Draft> {
-    let phases = 0..parent.word().phases();
-    phases.filter_map(|phase| parent.without(phase)).collect()
-}
-
 /// A touch where a contact is open.
 fn touches(parent: &Parent) -> Vec<Draft> {
     let modes = parent.word().modes();
@@ -370,6 +364,27 @@ fn touches(parent: &Parent) -> Vec<Draft> {
                 }
             }
         }
+    }
+    found
+}
+
+/// Without the last instant.
+fn cut(parent: &Parent) -> Vec<Draft> {
+    let count = parent.word().instants.len();
+    if count == 0 {
+        return Vec::new();
+    }
+    let mut draft = parent.timed_splice((count - 1, count), &[], Vec::new());
+    draft.word.ends_with_impact = false;
+    let mut found = vec![draft];
+    let closes = parent.word().instants[count - 1]
+        .iter()
+        .any(|switch| switch.closes);
+    if closes && !parent.word().ends_with_impact {
+        let mut ending = parent.draft().clone();
+        ending.horizon = ending.times[count - 1];
+        ending.word.ends_with_impact = true;
+        found.push(ending);
     }
     found
 }
