@@ -368,10 +368,14 @@ fn select_by_jerk(
     let mut rates = vec![0.0; lines.len()];
     coulomb::solve(&matrix, &jerk, &cones, &mut rates)?;
     let size = lines.len();
-    for (k, &condition) in undecided.iter().enumerate() {
+    // What sticks from now on comes first: it may hold normal velocities, so that no force is needed for that.
+    let edges_first = |&k: &usize| !matches!(undecided[k], Undecided::Edge { .. });
+    let mut order: Vec<usize> = (0..undecided.len()).collect();
+    order.sort_by_key(edges_first);
+    for k in order {
         let zero = |line: usize| biactive * scales[line] / time_scale;
         let total = |line: usize| jerk[line] + dot(&matrix[line * size..(line + 1) * size], &rates);
-        match condition {
+        match undecided[k] {
             Undecided::Edge { contact, sense } => {
                 let slips = Tangential::slip(sense);
                 let slip = rates[k] <= zero(k)
@@ -383,7 +387,11 @@ fn select_by_jerk(
             }
             Undecided::Normal { contact, sense } => {
                 let before = find(previous, contact);
-                if !(rates[k] > zero(k) || total(k) <= zero(k) && before.is_some()) {
+                let presses = rates[k] > zero(k);
+                if !(presses || total(k) <= zero(k) && before.is_some()) {
+                    continue;
+                }
+                if !presses && is_held(contacts, x, strict, contact)? {
                     continue;
                 }
                 let cone = cones.iter().position(|cone| cone.normal == k);
@@ -409,6 +417,23 @@ fn select_by_jerk(
         }
     }
     Ok(())
+}
+
+/// Whether the `active` contacts keep the normal velocity of another one at `x` as it is, which then needs no force.
+fn is_held(
+    contacts: &mut Contacts<'_>,
+    x: &[f64],
+    active: &[ActiveContact],
+    contact: usize,
+) -> Result<bool, ModeError> {
+    let seen = active.iter().map(|held| held.contact);
+    contacts.evaluate(x, seen.chain([contact]));
+    let slope = 0.0;
+    Ok(!sharing::is_independent(
+        contacts,
+        active,
+        Line::Normal { contact, slope },
+    )?)
 }
 
 /// Rates of the accelerations of `lines` along the motion, while the `active` contacts hold theirs: a central difference over a `step`

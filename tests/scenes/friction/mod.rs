@@ -1,6 +1,7 @@
 //! Friction of speed, of rest and of load, and in space: motions against closed forms and independent integration.
 
 mod compiled;
+mod held;
 mod load;
 mod space;
 mod speed;

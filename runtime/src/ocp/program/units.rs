@@ -9,7 +9,7 @@
 //! millimetres and kilonewtons gives the solver the same numbers as one in metres and newtons. Goals keep the numbers that they are
 //! stated in, but for those of motions that are far smaller.
 
-use crate::model::{Model, contact_point, tangent_point};
+use crate::model::{Model, Switching, contact_point, tangent_point};
 use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
@@ -84,9 +84,11 @@ impl Units {
         let mut acceleration = vec![0.0; n];
         model.free_acceleration(&x, &mut acceleration);
         let pushed = pushed(model, &x, at_hand, &force);
+        let set = set(model, motion);
         let sizes = acceleration.into_iter().zip(pushed).enumerate();
         let sizes = sizes.map(|(k, (acceleration, pushed))| {
             let values = motion.states.iter().map(|state| state[k].abs());
+            let values = values.chain([set[k] * motion.horizon]);
             let limits = [bounds.0[k].abs(), bounds.1[k].abs()];
             let limits = limits.into_iter().filter(|limit| limit.is_finite());
             let size = values.chain(limits).fold(reach(acceleration), f64::max);
@@ -316,6 +318,29 @@ fn pushed(model: &dyn Model, x: &[f64], mut accelerations: Vec<f64>, force: &[f6
         }
     }
     accelerations
+}
+
+/// The largest velocities, of states of first order those themselves, that conditions would set along a motion, whether or not they come true.
+fn set(model: &dyn Model, motion: &Trajectory) -> Vec<f64> {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let mut largest = vec![0.0_f64; n];
+    for (contact, declared) in declaration.contacts.iter().enumerate() {
+        if declared.switch != Some(Switching::Resets) {
+            continue;
+        }
+        for state in &motion.states {
+            let mut x = state[..2 * n].to_vec();
+            x.extend(drive(model, motion.controls.start(), 0.0));
+            // What it does not set says nothing.
+            let mut set = vec![0.0; n];
+            model.reset(contact, &x, &mut set);
+            for (largest, set) in largest.iter_mut().zip(set) {
+                *largest = largest.max(set.abs());
+            }
+        }
+    }
+    largest
 }
 
 /// The power of a base nearest to a size; 1 for none.

@@ -149,16 +149,27 @@ impl Parent<'_> {
             let cut = self.timed_splice((phase - 1, same), &[], Vec::new());
             return (!ends).then_some(cut);
         }
-        let next = modes
-            .get(phase + 1)
-            .filter(|_| phase < word.instants.len())?;
-        let passes = word.instants[phase - 1..=phase]
-            .iter()
-            .flatten()
-            .any(|s| s.passes);
-        let straight = between(&modes[phase - 1], next);
+        self.straight(phase)
+    }
+
+    /// Straight from the phase before to the next one.
+    fn straight(&self, phase: usize) -> Option<Draft> {
+        let (word, modes) = (self.word(), self.word().modes());
+        let (before, next) = (phase.checked_sub(1)?, modes.get(phase + 1)?);
+        if phase >= word.instants.len() {
+            return None;
+        }
+        let instants = word.instants[before..=phase].iter().flatten();
+        let passes = instants.into_iter().any(|switch| switch.passes);
+        let straight = between(&modes[before], next);
         let time = self.draft().times[phase];
-        (!passes).then(|| self.timed_splice((phase - 1, phase + 1), &[straight], vec![time]))
+        (!passes && !straight.is_empty())
+            .then(|| self.timed_splice((before, phase + 1), &[straight], vec![time]))
+    }
+
+    /// Without this phase alone, as far as that is a word: what follows it has lengths of its own.
+    fn without_one(&self, phase: usize) -> Option<Draft> {
+        self.straight(phase).or_else(|| self.without(phase))
     }
 }
 
@@ -173,7 +184,7 @@ fn collapse(parent: &Parent) -> Vec<Draft> {
             timed: &timed,
             ..*parent
         };
-        let shorter = |phase| as_touch(&left, phase).or_else(|| left.without(phase));
+        let shorter = |phase| as_touch(&left, phase).or_else(|| left.without_one(phase));
         let Some(draft) = left.vanished().find_map(shorter) else {
             break;
         };
@@ -187,7 +198,7 @@ fn vanish(parent: &Parent) -> Vec<Draft> {
     let mut found = Vec::new();
     for phase in parent.vanished() {
         found.extend(as_touch(parent, phase));
-        found.extend(parent.without(phase));
+        found.extend(parent.without_one(phase));
     }
     found
 }

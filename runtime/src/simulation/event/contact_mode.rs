@@ -653,6 +653,10 @@ fn signs_after(
         let i = candidate.contact;
         dynamics.evaluate_sides(i);
         let (normal, tangential) = dynamics.contact_accelerations(i, &accelerations);
+        // What the others hold has no acceleration that could tell.
+        if dynamics.state(i).is_open() && motion::keeps_apart(dynamics, i) {
+            return Sign::Positive;
+        }
         let value = match dynamics.state(i) {
             ContactState::Open => normal,
             ContactState::Stick => dynamics.normal_force(i).min(dynamics.friction_reserve(i)),
