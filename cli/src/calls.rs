@@ -415,6 +415,7 @@ fn told(now: &Progress, best: Option<f64>, contacts: bool) -> String {
     let doing = match (now.step, contacts) {
         ("start", _) => "getting ready",
         ("random motions", _) => "trying random motions",
+        ("reachable states", _) => "looking how far the controls reach",
         ("collocation", true) => "computing when the contacts of one order happen",
         ("collocation", false) => "computing the motion",
         (_, true) => "looking for which contacts happen",

@@ -55,6 +55,9 @@ pub enum Guess {
     Perturbed(u64),
     /// The simulated motion under random controls, which change a few times, from this seed.
     Random(u64),
+    /// Simulated motions under the largest and smallest controls and those at rest, of many the few that end nearest to the
+    /// goals: for goals that take several swings. [`Straight`](Self::Straight) for the time-freezing formulation.
+    Reachable,
     /// None: the search begins with random motions, simulated, the nearest to the goals of each order of impacts.
     /// [`Straight`](Self::Straight) where these lead to no motion, and for the time-freezing formulation.
     Sampled,

@@ -317,6 +317,24 @@ pub(in crate::ocp) mod candidates {
     pub(in crate::ocp) const RIDE: usize = 2000;
 }
 
+/// States that controls can lead to, for goals that take several swings.
+pub(in crate::ocp) mod reach {
+    /// Steps of a motion: as many as there are intervals, or about so many, of several intervals or of parts of them. Chosen.
+    pub(in crate::ocp) const STEPS: usize = 20;
+    /// Longest motion where the final time is free, relative to its guess. Chosen.
+    pub(in crate::ocp) const LONGEST: f64 = 4.0;
+    /// Most motions that are simulated on a step: the product of the states that are kept after the one before it and the controls that
+    /// are tried. Chosen.
+    pub(in crate::ocp) const SIMULATED: usize = 3000;
+    /// Finest cells of the range of a state, and how many there are of the next coarser ones. Chosen.
+    pub(in crate::ocp) const FINEST: f64 = 64.0;
+    pub(in crate::ocp) const COARSER: f64 = 0.8;
+    /// Most controls of which all combinations are tried; of more, one at a time. Chosen.
+    pub(in crate::ocp) const COMBINED: usize = 2;
+    /// Motions that programs are started from. Chosen.
+    pub(in crate::ocp) const STARTED: usize = 8;
+}
+
 /// Contact-implicit programs, and guesses that they start from.
 pub(in crate::ocp) mod relaxed {
     use hangtime_solver::mpcc::RelaxationRule;

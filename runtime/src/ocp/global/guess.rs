@@ -20,7 +20,7 @@ pub(in crate::ocp) fn guess(
 ) -> Result<Trajectory, InputError> {
     let straight = straight(model, problem, bounds);
     match guess {
-        Guess::Straight | Guess::Sampled | Guess::Stepping => Ok(straight),
+        Guess::Straight | Guess::Reachable | Guess::Sampled | Guess::Stepping => Ok(straight),
         Guess::Rest => Ok(at_rest(straight, model, problem)),
         Guess::Ride => ride(straight, model, problem, &problem.start()),
         Guess::Perturbed(seed) => Ok(perturbed(straight, model, problem, *seed, bounds)),
@@ -223,7 +223,7 @@ fn randomly_driven(
 /// Size of the control with index `k` among the bounds, where it has none: the least that accelerates a coordinate as much as it
 /// does by itself at the start, together with what takes it to its goal and to rest there in the time of the motion; 1
 /// where nothing of that kind says how large it is.
-fn natural_size(model: &dyn Model, motion: &Trajectory, k: usize) -> f64 {
+pub(in crate::ocp) fn natural_size(model: &dyn Model, motion: &Trajectory, k: usize) -> f64 {
     let n = model.declaration().coordinates.len();
     let mut input = motion.states[0][..2 * n].to_vec();
     input.extend(drive(model, motion.controls.start(), 0.0));

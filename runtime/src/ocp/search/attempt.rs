@@ -238,6 +238,11 @@ impl<'a, 'e> Attempts<'a, 'e> {
         new
     }
 
+    /// Lets sequences be attempted again, from motions that are unlike those before.
+    pub(super) fn forget(&mut self) {
+        self.tried.clear();
+    }
+
     /// Whether a sequence was attempted, for whatever purpose.
     pub(super) fn was_tried(&self, sequence: &Sequence) -> bool {
         let signature = sequence.signature();

@@ -4,6 +4,7 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::attempt::{Attempt, Attempts, Local, Purpose};
 use super::free_lengths::retimed;
+use super::reach::reachable;
 use super::repair::{Repaired, is_left, repair};
 use super::replay::{simulated, simulations};
 use super::stepping::stepping;
@@ -104,6 +105,18 @@ impl<'a> Search<'a, '_> {
                 self.try_time_freezing(runner, formulation, guess, simulated)
             }
         }
+    }
+
+    /// The same of motions to states that controls can lead to, the one that ends nearest to the goals first, until one leads to a
+    /// local optimum.
+    pub(in crate::ocp) fn try_reachable(&mut self, runner: &mut Runner) -> Result<(), InputError> {
+        for candidate in reachable(runner, self.attempts.setting)? {
+            if self.found.optima.is_empty() && !runner.stopped() {
+                self.attempts.forget();
+                self.try_candidate(runner, candidate, Readings::All)?;
+            }
+        }
+        Ok(())
     }
 
     /// The same of simulated motions, each in its units.

@@ -12,6 +12,7 @@ pub(in crate::ocp) mod friction_neighbours;
 pub(in crate::ocp) mod nearest;
 pub(in crate::ocp) mod neighbours;
 pub(in crate::ocp) mod pressure;
+pub(in crate::ocp) mod reach;
 pub(in crate::ocp) mod repair;
 pub(in crate::ocp) mod replay;
 mod resting;

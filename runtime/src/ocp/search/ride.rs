@@ -136,7 +136,7 @@ fn end_of(setting: Setting, state: Vec<f64>, met: Option<usize>) -> End {
 }
 
 /// Whether a state of the ride keeps the bounds and the path constraints.
-fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
+pub(super) fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
     let Setting {
         model,
         problem,

@@ -21,7 +21,7 @@ use crate::model::Model;
 use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
 use crate::ocp::search::candidates::Proved;
-use crate::ocp::settings::Settings;
+use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Solution, Source, Status};
 use crate::ocp::tuning::equal::{COST, MOTION};
 use crate::ocp::tuning::grids::{
@@ -361,11 +361,21 @@ fn looked_again(
     mut found: Vec<Found>,
     seen: &mut Vec<Found>,
 ) -> Result<Vec<Found>, InputError> {
-    let failed = found.first().is_none_or(|best| {
-        !matches!(rank(&best.solution).0, 0 | 1) && best.solution.status != Status::Unbounded
-    });
-    if failed && !task.observer.stopped() {
-        let other = task.solve_from(0, task.settings, Effort::Conclude)?;
+    // States that controls can lead to were looked for on coarse grids already, unless there was a single start.
+    let reaches = task.problem.intervals > COARSE && task.settings.starts() > 1;
+    let guesses = [task.settings.guess.clone(), Guess::Reachable];
+    for guess in guesses.into_iter().take(1 + usize::from(reaches)) {
+        let failed = found.first().is_none_or(|best| {
+            !matches!(rank(&best.solution).0, 0 | 1) && best.solution.status != Status::Unbounded
+        });
+        if !failed || task.observer.stopped() {
+            break;
+        }
+        let settings = Settings {
+            guess,
+            ..task.settings.clone()
+        };
+        let other = task.solve_from(0, &settings, Effort::Conclude)?;
         seen.push(other.clone());
         if found.first().is_none_or(|best| is_better(&other, best)) {
             found.insert(0, other);

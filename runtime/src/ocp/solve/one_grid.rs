@@ -291,12 +291,14 @@ fn find<'a>(
     }
     if settings.formulation == Formulation::Phases && coarser.is_none() {
         match settings.guess {
+            Guess::Reachable => search.try_reachable(runner)?,
             Guess::Sampled => search.try_simulated(runner, simulated)?,
             Guess::Stepping => search.try_stepping(runner, guessed)?,
             _ => {}
         }
         // One of several searches leaves the rest to the others.
         let beside = match settings.guess {
+            Guess::Reachable => true,
             Guess::Sampled | Guess::Stepping => runner.effort == Effort::Explore,
             _ => false,
         };

@@ -3,8 +3,8 @@
 //! Programs on a coarse grid are small, so that many starts cost less than one program of the grid asked for. Starts are
 //! solved in batches of a fixed size, each start by itself: what comes out does not depend on the number of threads. A
 //! start ends where one of an earlier batch was before, which makes those cheap that bring nothing new; after the first
-//! batch every second one begins at the best motion so far, bent out of shape, which finds what random motions seldom do. One
-//! start of the second
+//! batch every second one begins at the best motion so far, bent out of shape, which finds what random motions seldom do. Where that
+//! batch has no motion at all, the next one begins with those that simulated controls lead nearest to the goals. One start of the second
 //! batch takes its contact sequence from the program of the time-freezing system, which ends at other motions than the contact-implicit ones.
 //! Beside the first batch simulated motions are tried, one of each order of impacts, and gaits. Where others come through their sequences
 //! they do not end, as these are many; and of the starts near the best every second one is near the best of the others, so that these do not
@@ -106,7 +106,7 @@ impl<'t, 'a, 's> Exploration<'t, 'a, 's> {
                 near: near.map(|near| (near, BENDS[start / 2 % BENDS.len()])),
                 ..self.known.from(start)
             };
-            let mut settings = member(self.task.settings, start);
+            let mut settings = member(self.task.settings, start, best.is_some());
             if start == FREEZES && can_freeze(self.task.model) {
                 settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
                 settings.guess = Guess::Straight;
@@ -175,7 +175,7 @@ impl<'t, 'a, 's> Exploration<'t, 'a, 's> {
 fn with_guess(task: &Task, guess: Guess, known: &Known) -> Option<Found> {
     let settings = Settings {
         guess,
-        ..member(task.settings, SAMPLES)
+        ..member(task.settings, SAMPLES, false)
     };
     let run = task.solve_after(&settings, Effort::Explore, known.from(SAMPLES));
     let (found, _) = run.ok()?;
@@ -242,11 +242,12 @@ fn has_surfaces(model: &dyn Model) -> bool {
 }
 
 /// The settings of a start; the guess of the first one is the caller's. Those near the best have a guess as well: there may be
-/// none yet.
-fn member(settings: &Settings, start: usize) -> Settings {
+/// none yet. Where the first batch has not `found` a motion, one looks for states that controls can lead to.
+fn member(settings: &Settings, start: usize, found: bool) -> Settings {
     let guess = match start {
         0 => settings.guess.clone(),
         2 => Guess::Ride,
+        4 if !found => Guess::Reachable,
         4 => Guess::Rest,
         5 => Guess::Perturbed(start as u64),
         _ => Guess::Random(start as u64),
