@@ -91,6 +91,7 @@ mod solution;
 mod solve;
 mod struck;
 mod summary;
+mod tuning;
 mod unknown;
 mod words;
 

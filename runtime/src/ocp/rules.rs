@@ -40,7 +40,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 31] = [
+pub const RULES: [Rule; 22] = [
     rule(
         Source,
         "sample",
@@ -52,11 +52,6 @@ pub const RULES: [Rule; 31] = [
         "What these begin with, up to three phases.",
     ),
     rule(Source, "ride", "The motion without controls."),
-    rule(
-        Source,
-        "middle",
-        "The motion under controls in the middle of their bounds.",
-    ),
     rule(Source, "empty", "No switch at all."),
     rule(Source, "steps", "Steps of feet that stand at the start."),
     rule(
@@ -76,17 +71,8 @@ pub const RULES: [Rule; 31] = [
         "flip",
         "One contact otherwise in a phase, or in half of it.",
     ),
-    rule(Edit, "drop", "Without a phase."),
-    rule(Edit, "duplicate", "A cycle once more."),
     rule(Edit, "touch", "A touch where a contact is open."),
     rule(Edit, "cut", "Without the last instant."),
-    rule(Edit, "move", "A cycle in another phase of the same modes."),
-    rule(
-        Edit,
-        "walk",
-        "Another way between two phases, as it was seen.",
-    ),
-    rule(Edit, "append", "One more instant at the end."),
     rule(
         Edit,
         "refine",
@@ -96,11 +82,6 @@ pub const RULES: [Rule; 31] = [
         Mapping,
         "at-jumps",
         "Switches at the nearest end of an interval, where controls jump.",
-    ),
-    rule(
-        Mapping,
-        "over",
-        "Switches near an end of an interval on its other side.",
     ),
     rule(
         Mapping,
@@ -118,11 +99,6 @@ pub const RULES: [Rule; 31] = [
         "settling",
         "Bounces that die out as one landing, and the other way round.",
     ),
-    rule(
-        Basin,
-        "grazing",
-        "A touch where a flight is held back by a surface.",
-    ),
     rule(Basin, "resting", "A short rest where a contact is touched."),
     rule(
         Basin,
@@ -133,11 +109,6 @@ pub const RULES: [Rule; 31] = [
         Basin,
         "all-at-once",
         "All switches an interval earlier and later.",
-    ),
-    rule(
-        Last,
-        "second",
-        "The neighbours of the second best motion as well, where it costs up to 2 % more.",
     ),
     rule(
         Last,

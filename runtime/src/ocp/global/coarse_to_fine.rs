@@ -15,39 +15,26 @@ use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Failure, Runner};
 use crate::ocp::settings::Settings;
+use crate::ocp::tuning::equal::MOTION;
+use crate::ocp::tuning::off_grid::TOLERANCE;
+use crate::ocp::tuning::relaxed::{
+    COARSE_LAST, COARSE_PROGRAMS, FINE_BARRIER, FINE_RELAXED, INFEASIBLE, LEAST_ELEMENTS,
+    LEAST_FINE_ELEMENTS, SAME_BETWEEN_STARTS,
+};
 use crate::simulation::InputError;
-
-/// Elements an interval of the first programs of the global phase, and the rules that relax them: the programs differ
-/// in the local optima that they end at.
-const COARSE_PROGRAMS: [(usize, RelaxationRule); 3] = [
-    (1, RelaxationRule::Proportional),
-    (2, RelaxationRule::Continuation),
-    (2, RelaxationRule::RollOff),
-];
-
-/// How many of the first programs have to end at stationary points of their violation, or to be left on the way to one, until one of several starts leaves the
-/// others, and refined ones from the guess: of 87 such searches of the zoo, 2 came through the third one, and none through a
-/// refined one.
-const INFEASIBLE: usize = 2;
-
-/// Least number of elements of the whole motion in the coarsest program; with fewer intervals they are divided.
-const LEAST_ELEMENTS: usize = 24;
-
-/// The same of a program that carries a motion on to a finer grid.
-const LEAST_FINE_ELEMENTS: usize = 120;
 
 /// The first programs.
 const COARSE: Relaxation = Relaxation {
-    last: 1e-3,
-    tolerance: 1e-4,
+    last: COARSE_LAST,
+    tolerance: TOLERANCE,
     barrier: None,
 };
 
 /// The refined ones, which start at solutions of the first ones.
 const FINE: Relaxation = Relaxation {
-    last: 1e-6,
-    tolerance: 1e-6,
-    barrier: Some(1e-4),
+    last: FINE_RELAXED,
+    tolerance: FINE_RELAXED,
+    barrier: Some(FINE_BARRIER),
 };
 
 /// Rules of the refined programs, in the order in which they are tried.
@@ -56,15 +43,6 @@ const FINE_RULES: [RelaxationRule; 3] = [
     RelaxationRule::RollOff,
     RelaxationRule::Continuation,
 ];
-
-/// Relative difference of the objective within which two relaxed motions count as the same.
-const SAME: f64 = 1e-3;
-
-/// The same of those of two starts, of which one is not refined: as solutions of one program they agree to its tolerance.
-const SAME_BETWEEN_STARTS: f64 = 1e-5;
-
-/// Where in an element of an Euler step a contact closes, as a share of the element: it says no more.
-const CLOSING: f64 = 0.5;
 
 /// The relaxed motions on a grid that searches came through.
 #[derive(Clone, Default)]
@@ -323,7 +301,8 @@ fn relaxed(
         modes,
     };
     let initially = modes_at_start(setting, &trajectory);
-    let sequence = of_elements(initially, &elements, CLOSING);
+    // In the middle of its element: an Euler step says no more.
+    let sequence = of_elements(initially, &elements, 0.5);
     Ok(Ok(Candidate {
         objective: unit * solution.objective,
         sequence: with_passages(setting.model, sequence, &trajectory, false),
@@ -335,7 +314,7 @@ fn relaxed(
 fn is_new(objectives: &mut Vec<f64>, objective: f64) -> bool {
     let new = !objectives
         .iter()
-        .any(|&other| is_same(other, objective, SAME));
+        .any(|&other| is_same(other, objective, MOTION));
     if new {
         objectives.push(objective);
     }

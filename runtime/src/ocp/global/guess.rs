@@ -7,13 +7,9 @@ use crate::ocp::motion::targets::{horizon_guess, targets};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Guess;
+use crate::ocp::tuning::candidates::SAMPLES;
+use crate::ocp::tuning::relaxed::{BENT_TIME, OF_RANGE, OF_SIZE, OF_WAY, PERTURBED_TIME, WAVES};
 use crate::simulation::{EventDriven, InputError, simulate_once};
-
-/// Samples of a guess in each interval.
-const SAMPLES: usize = 4;
-
-/// Half waves by which a motion is bent.
-const WAVES: i32 = 3;
 
 /// The start of the global phase.
 pub(in crate::ocp) fn guess(
@@ -256,7 +252,7 @@ pub(in crate::ocp) fn bent(
 ) -> Trajectory {
     let n = problem.q.len();
     let mut random = uniform(seed);
-    let mut motion = scaled(motion, problem, || (1.5 * bend * random()).exp());
+    let mut motion = scaled(motion, problem, || (BENT_TIME * bend * random()).exp());
     for k in 0..n {
         let values = || motion.states.iter().map(|x| x[k]);
         let range =
@@ -291,15 +287,15 @@ fn perturbed(
 ) -> Trajectory {
     let n = problem.q.len();
     let mut random = uniform(seed);
-    let mut motion = scaled(motion, problem, || (0.15 * random()).exp());
+    let mut motion = scaled(motion, problem, || (PERTURBED_TIME * random()).exp());
     let mut values = motion.controls.values().to_vec();
     for controls in &mut values {
         for (u, k) in controls.iter_mut().zip(n..) {
             let range = bounds.1[k] - bounds.0[k];
             let size = if range.is_finite() {
-                0.25 * range
+                OF_RANGE * range
             } else {
-                0.1 * natural_size(model, &motion, k)
+                OF_SIZE * natural_size(model, &motion, k)
             };
             *u = (*u + size * random()).clamp(bounds.0[k], bounds.1[k]);
         }
@@ -307,7 +303,7 @@ fn perturbed(
     motion.controls = ControlGrid::constant(values);
     let last = (motion.states.len() - 1) as f64;
     for (k, target) in targets(problem, model).into_iter().enumerate() {
-        let bend = 0.05 * random() * target.map_or(0.0, |target| target - problem.q[k]);
+        let bend = OF_WAY * random() * target.map_or(0.0, |target| target - problem.q[k]);
         for (i, x) in motion.states.iter_mut().enumerate() {
             x[k] += bend * (std::f64::consts::PI * i as f64 / last).sin();
         }

@@ -11,16 +11,9 @@ use crate::ocp::motion::mode::closed_mode;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::tuning::equal::ROUNDING;
+use crate::ocp::tuning::freezing::{HALVINGS, STEPS};
 use crate::simulation::{ContactMode, Direction};
-
-/// Steps of a phase.
-const STEPS: usize = 16;
-/// Share of the motion next to a switch at which the state is on one side of it, and below which a phase or a jump is none.
-const BESIDE: f64 = 1e-9;
-/// Halvings of the range of the speed of the clock.
-const HALVINGS: usize = 60;
-/// Speed above which a contact slides \[m/s\].
-const SLIDING: f64 = 1e-9;
 
 /// What happens in each of the intervals.
 pub(super) fn spans(
@@ -78,7 +71,7 @@ struct Motion<'a> {
 impl Motion<'_> {
     /// The phase between two times, in units of intervals; none between switches at once.
     fn phase(&mut self, from: f64, to: f64) -> Option<Span> {
-        let beside = BESIDE * self.trajectory.horizon;
+        let beside = ROUNDING * self.trajectory.horizon;
         let (from, duration) = (from * self.interval, (to - from) * self.interval);
         if duration < 4.0 * beside {
             return None;
@@ -111,7 +104,7 @@ impl Motion<'_> {
             .map(|s| s.contact)
             .collect();
         let time = group[0].time * self.interval;
-        let beside = BESIDE * self.trajectory.horizon;
+        let beside = ROUNDING * self.trajectory.horizon;
         let n = self.system.system.coordinates();
         let before = self.trajectory.at(time - beside, false)[..2 * n].to_vec();
         let after = self.trajectory.at(time + beside, true)[..2 * n].to_vec();
@@ -119,7 +112,7 @@ impl Motion<'_> {
         for switch in group {
             // What an impact throws off has no part in it.
             let leaves =
-                switch.opens() && self.system.system.normal_velocity(switch.contact) > SLIDING;
+                switch.opens() && self.system.system.normal_velocity(switch.contact) > ROUNDING;
             self.modes[switch.contact] = if leaves { switch.mode } else { switch.impulse };
         }
         let jump = self.jump(&struck, time, (&before, &after));
@@ -146,7 +139,7 @@ impl Motion<'_> {
         let e = |&i: &usize| self.system.system.restitution(i);
         let rebound = struck.iter().map(e).fold(0.0, f64::max);
         let fall = struck.iter().fold(0.0, |most: f64, &i| most.max(speeds[i])) / a_bar;
-        if fall < BESIDE * self.trajectory.horizon {
+        if fall < ROUNDING * self.trajectory.horizon {
             return Vec::new();
         }
         let n = self.system.system.coordinates();
@@ -203,7 +196,7 @@ impl Motion<'_> {
         let changes = struck.iter().filter_map(|&i| {
             system.layout.slip_group(i)?;
             let velocity = system.system.sliding_velocity(i);
-            let slides = closed_mode(true, velocity, SLIDING);
+            let slides = closed_mode(true, velocity, ROUNDING);
             (slides != ContactMode::Stick && slides != self.modes[i]).then_some((i, slides))
         });
         let changes: Vec<(usize, ContactMode)> = changes.collect();

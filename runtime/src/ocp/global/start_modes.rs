@@ -5,12 +5,9 @@ use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::has_free_start;
+use crate::ocp::tuning::equal::ROUNDING;
+use crate::ocp::tuning::relaxed::COARSE_LAST;
 use crate::simulation::ContactMode;
-
-/// Gap below which a motion starts on a surface, in its unit.
-const AT_START: f64 = 1e-9;
-/// The same where initial values are free: as far as a relaxed program may hold it off.
-const NEAR_START: f64 = 1e-3;
 
 /// What the contacts do at the start of a motion.
 pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> Vec<ContactMode> {
@@ -25,7 +22,7 @@ pub(in crate::ocp) fn modes_at_start(setting: Setting, motion: &Trajectory) -> V
     input.resize(model.declaration().inputs(), 0.0);
     let free = has_free_start(model);
     let pieces = Pieces::at(model, &input);
-    let near = if free { NEAR_START } else { AT_START };
+    let near = if free { COARSE_LAST } else { ROUNDING };
     (0..model.declaration().contacts.len())
         .map(|contact| {
             if pieces.is_idle(contact) || model.gap(contact, &input) > near * units.gap[contact] {
@@ -51,5 +48,5 @@ pub(in crate::ocp) fn may_be_closed_at_start(setting: Setting, contact: usize) -
     }
     let mut input = problem.start();
     input.resize(model.declaration().inputs(), 0.0);
-    model.gap(contact, &input) <= AT_START * units.gap[contact]
+    model.gap(contact, &input) <= ROUNDING * units.gap[contact]
 }

@@ -17,6 +17,7 @@ use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem, bounds};
 use crate::ocp::settings::{self, TimeFreezingSettings};
+use crate::ocp::tuning::candidates::SAMPLES;
 use crate::refusal;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InitialValueProblem, InputError, SizeGroup};
@@ -43,9 +44,6 @@ pub struct TimeFreezing<'a> {
     /// What is known of the sides of pairs, for a known motion.
     sides: KnownSides,
 }
-
-/// Points of a guess in each interval.
-const SAMPLES: usize = 4;
 
 /// One motion out of a [`TimeFreezing`] program.
 #[derive(Debug, Clone, PartialEq)]

@@ -25,23 +25,11 @@ use crate::ocp::problem::Problem;
 use crate::ocp::program::runner::{Failure, Runner};
 use crate::ocp::settings::TimeFreezingSettings;
 use crate::ocp::solution::{RelaxedReport, TimeFreezingReport};
+use crate::ocp::tuning::freezing::{
+    BARRIER, BOUNCE, EXACT, EXACT_ITERATIONS, ITERATIONS, OPEN, PUSH,
+};
 use crate::simulation::ContactMode;
 use crate::simulation::{InputError, ProblemSize};
-
-/// Mean step function of an element above which its contact is open: in flight it is 1, in contact
-/// `a_bar / (a_bar + r)` for a normal acceleration `r`.
-const OPEN: f64 = 0.99;
-/// Time on the clock, in intervals, below which a contact that bounces has not come to rest: it stands during a jump.
-const BOUNCE: f64 = 0.05;
-/// Most iterations of one rule. The programs are larger than those of the other phases.
-const ITERATIONS: usize = 1500;
-/// Tolerances of the exact program, its first barrier parameter, the share of that by which its start is kept off its bounds, and
-/// its most iterations. Its rows hold to the first tolerance; where multipliers are not determined by it, its objective is
-/// stationary to the second one.
-const EXACT: [f64; 2] = [1e-9, 1e-6];
-const BARRIER: f64 = 1e-5;
-const PUSH: f64 = 1e-2;
-const EXACT_ITERATIONS: usize = 200;
 
 /// Solves the relaxed complementarity problem from a guess, or from the simulation under its controls, and reads motion and
 /// contact sequence from it, if there is one. Nothing where the program cannot be started.

@@ -7,6 +7,13 @@
 use hangtime_solver::nlp;
 
 use crate::model::Model;
+use crate::ocp::tuning::attempt::{
+    AFTER_CUT, EXPLORED, FIRST, FIRST_TOLERANCE, NEIGHBOUR, POLISH, POLISH_ITERATIONS, QUICK,
+    ROUNDS, SECOND,
+};
+use crate::ocp::tuning::equal::{COST, ROUNDING};
+use crate::ocp::tuning::freezing::PUSH;
+use crate::ocp::tuning::off_grid::RESTORED;
 
 use crate::ocp::collocation::between_stages::between_stages;
 use crate::ocp::collocation::discretization::Setting;
@@ -20,32 +27,6 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Ended, Run, Runner};
 use crate::ocp::settings::Settings;
 use crate::simulation::{ContactMode, InputError};
-
-/// Barrier parameters that a program is started with, in this order, and most iterations with each: of the first
-/// program, of a neighbour, which starts near its solution, and of a sequence about which nothing is claimed.
-const FIRST: [(f64, usize); 3] = [(1e-2, usize::MAX), (1e-3, usize::MAX), (1e-1, usize::MAX)];
-/// The same of the first program where nothing is to be proved: of those that are solved from there, 49 of 50 take fewer.
-pub(super) const QUICK: [(f64, usize); 1] = [(1e-2, 130)];
-const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 300)];
-const EXPLORED: [(f64, usize); 1] = [(1e-4, 60)];
-/// The same after a cut.
-const AFTER_CUT: (f64, usize) = (1e-5, 80);
-/// Iterations of the restoration phase after which the first program of a sequence is left where nothing is to be proved: of 1014 that
-/// come to nothing 98 in 100 take some, mostly many; of 705 that are solved 29 take some, and four of these more than five.
-pub(super) const RESTORED: usize = 5;
-/// Most iterations of the second stage: none of 2500 that came to a solution took more.
-const SECOND: usize = 100;
-/// Rounds of cuts of one sequence.
-const ROUNDS: usize = 6;
-/// Tolerance of the first stage.
-const FIRST_TOLERANCE: f64 = 2e-7;
-/// Share of the tolerance to which a result is polished, and most iterations: 248 of 259 took at most seven, none more than 18.
-const POLISH: f64 = 1e-3;
-const POLISH_ITERATIONS: usize = 30;
-/// Relative difference of the objective within which two local optima of a sequence are the same.
-const SAME: f64 = 1e-7;
-/// Relative decrease of the objective that counts as an improvement.
-const IMPROVEMENT: f64 = 1e-9;
 
 /// Whether a sequence holds the function of a switch at zero that is only passed.
 fn rests_where_none_may(model: &dyn Model, sequence: &Sequence) -> bool {
@@ -179,7 +160,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
     pub(super) fn visited_from(&self, visits: usize) -> Option<usize> {
         let best = self.best.as_ref()?;
         let (signature, objective) = (best.sequence.signature(), best.solution.objective);
-        let close = SAME * best.program.program.size_of(objective);
+        let close = COST * best.program.program.size_of(objective);
         let mut visited = self.visited[..visits].iter();
         let visit = visited.find(|visited| {
             visited.signature == signature && (visited.objective - objective).abs() <= close
@@ -352,7 +333,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
     pub(super) fn improves(&self, objective: f64) -> bool {
         self.best.as_ref().is_none_or(|best| {
             let size = best.program.program.size_of(objective);
-            objective <= best.solution.objective - IMPROVEMENT * size
+            objective <= best.solution.objective - ROUNDING * size
         })
     }
 
@@ -515,7 +496,7 @@ fn least_objective(first: &nlp::Solution) -> f64 {
 
 /// Settings that leave a warm point where it is.
 fn warm(mut settings: nlp::Settings, barrier_parameter: f64) -> nlp::Settings {
-    settings.bound_push = 1e-2 * barrier_parameter;
+    settings.bound_push = PUSH * barrier_parameter;
     settings.bound_fraction = settings.bound_push;
     settings
 }

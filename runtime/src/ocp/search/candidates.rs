@@ -25,28 +25,10 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
 use crate::ocp::settings::{Formulation, TimeFreezingSettings};
 use crate::ocp::solution::TimeFreezingReport;
+use crate::ocp::tuning::candidates::{FAILURES, MOST_STRUCK, SHORT_SWITCHES, STRUCK};
+use crate::ocp::tuning::candidates::{RETIMED, STUMBLES};
+use crate::ocp::tuning::equal::MOTION;
 use crate::simulation::{ContactMode, InputError};
-
-/// Most switches of short contacts and flights for which a sequence is tried with them, too.
-const SHORT_SWITCHES: usize = 2;
-
-/// Relative difference of the objective within which a motion that is solved anew is the same: what smaller residuals change, and more.
-const SAME: f64 = 1e-3;
-
-/// Simulated motions of which it is asked when their switches have to be, as long as none has led to a plan.
-const RETIMED: usize = 3;
-
-/// How often a contact that bounces is struck in motions that are made up: always so often, and at most so often where that
-/// becomes better all the time, or there is no motion yet.
-const STRUCK: usize = 3;
-const MOST_STRUCK: usize = 8;
-
-/// Motions that are made up in a row without a solution after which no more are: those of two contacts. Of more, as of the pieces of a
-/// surface with edges, there are many, and few of them can follow one another.
-const FAILURES: usize = 24;
-
-/// Gaits in a row without a solution after which no more are tried.
-const STUMBLES: usize = 6;
 
 /// Which of the sequences that a candidate suggests are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,7 +76,7 @@ impl Proved {
     fn is_of(&self, local: &Local, sequence: &Signature) -> bool {
         let difference = (local.solution.objective - self.objective).abs();
         local.sequence.signature() == *sequence
-            && difference <= SAME * local.program.program.size_of(self.objective)
+            && difference <= MOTION * local.program.program.size_of(self.objective)
     }
 }
 

@@ -1,11 +1,12 @@
 //! Neighbours of a sequence in which edges are passed elsewhere, or not at all.
 
-use super::neighbours::{CLOSE, Neighbour, distinct};
+use super::neighbours::{Neighbour, distinct};
 use super::pressure::Pressure;
 use crate::model::edge;
 use crate::ocp::collocation::layout::Phase;
 use crate::ocp::motion::edit_sequence::{lasts_at_edge, touching_at_edge};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::tuning::neighbours::CLOSE;
 use crate::simulation::ContactMode;
 
 /// Sequences without a passage and the way back, with both where a piece is kept though another one is larger, with an end

@@ -5,7 +5,7 @@
 //! switches are in the intervals of equal length in which the motion needs them, and its controls, averaged over these, are a
 //! start.
 
-use super::attempt::{Attempts, QUICK, RESTORED, interior_point};
+use super::attempt::{Attempts, interior_point};
 use crate::ocp::collocation::discretization::{Lengths, Places, Setting};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
@@ -14,12 +14,9 @@ use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::sequence::{Place, Sequence};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Run, Runner};
-
-/// A switch less than this many intervals from a jump of the controls at which it was stays at one.
-const AT_A_JUMP: f64 = 0.25;
-
-/// Tolerance of the program.
-const TOLERANCE: f64 = 1e-5;
+use crate::ocp::tuning::attempt::QUICK;
+use crate::ocp::tuning::candidates::{AT_A_JUMP, FREE_TOLERANCE};
+use crate::ocp::tuning::off_grid::RESTORED;
 
 /// The motion of a sequence on intervals of free lengths, read on those of equal length; `None` where there is none.
 pub(super) fn retimed(
@@ -45,7 +42,7 @@ pub(super) fn retimed(
     let mut program = transcribe(setting, sequence, &guess, &[], attempts.elements);
     let (barrier, iterations) = QUICK[0];
     let mut settings = interior_point(runner.settings);
-    settings.tolerance = TOLERANCE.max(settings.tolerance);
+    settings.tolerance = FREE_TOLERANCE.max(settings.tolerance);
     settings.initial_barrier_parameter = barrier;
     settings.maximum_iterations = settings.maximum_iterations.min(iterations);
     let run = Run {

@@ -1,9 +1,10 @@
 //! Neighbours of a sequence in which contacts stick or slip elsewhere: where a solution presses against the edge of a
 //! friction cone, or against the direction of a slip.
 
-use super::neighbours::{ENTRY, Neighbour, STUCK, distinct};
+use super::neighbours::{Neighbour, distinct};
 use super::pressure::Pressure;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::tuning::neighbours::{ENTRY, STUCK};
 use crate::simulation::{ContactMode, Direction};
 
 /// A change of the way of sliding, for a while.

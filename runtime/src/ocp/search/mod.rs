@@ -9,7 +9,6 @@ pub(in crate::ocp) mod candidates;
 mod edge_neighbours;
 mod free_lengths;
 pub(in crate::ocp) mod friction_neighbours;
-mod grazing;
 pub(in crate::ocp) mod nearest;
 pub(in crate::ocp) mod neighbours;
 pub(in crate::ocp) mod pressure;

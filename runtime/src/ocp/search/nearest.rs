@@ -1,14 +1,13 @@
 //! What a problem without a motion asks for too much: of simulated motions under random controls within their bounds the one that comes
 //! nearest to the goals, changed at random to come nearer. It says nothing of what is possible at all, but names what is hard.
 
-use super::sampled::{CHANGED, CHANGES, DRAWN, End, drawing_range, drawn, ends_of_changed};
+use super::sampled::{End, drawing_range, drawn, ends_of_changed};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::uniform;
 use crate::ocp::solution::{Miss, Nearest};
+use crate::ocp::tuning::equal::MET;
+use crate::ocp::tuning::sampled::{CHANGED, CHANGES, DRAWN};
 use crate::simulation::InputError;
-
-/// Share of the unit of a condition up to which it is met.
-const MET: f64 = 1e-3;
 
 /// The simulated motion that comes nearest to the goals; none where no simulation ends.
 pub(in crate::ocp) fn nearest(setting: Setting) -> Result<Option<Nearest>, InputError> {

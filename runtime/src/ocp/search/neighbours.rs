@@ -5,28 +5,8 @@ use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::edit_sequence::without;
 use crate::ocp::motion::model_input::free_normal_acceleration;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::tuning::neighbours::{APART, CLOSE, ENTRY, LEFT, SHORT, STUCK};
 use crate::simulation::ContactMode;
-
-/// Switches of a contact closer than this many intervals may cancel each other.
-pub(super) const CLOSE: f64 = 1.1;
-
-/// A switch nearer to the end of its interval than this share of it sticks there.
-pub(in crate::ocp) const STUCK: f64 = 0.01;
-
-/// A contact shorter than this many intervals may be no more than a touch.
-const TOUCH: f64 = 1.5;
-
-/// Where a moved switch is started, as a distance from the end it came through.
-pub(in crate::ocp) const ENTRY: f64 = 0.05;
-
-/// Half the length of an inserted contact or flight, in intervals, and that of a second attempt.
-pub(in crate::ocp) const INSERTED: [f64; 2] = [0.2, 0.03];
-
-/// Normal acceleration that pulls a contact off, as a share of that which holds it.
-const PULLED: f64 = 1e-6;
-
-/// What lasts as many intervals or more is not held at the least lengths of phases.
-const APART: f64 = 2.0 * STUCK;
 
 /// A sequence that differs from that of a solution by one change.
 #[derive(Debug, Clone, PartialEq)]
@@ -261,7 +241,7 @@ fn is_pulled_off(pressure: &Pressure, interval: usize, contact: usize) -> bool {
     };
     let then = after.and_then(|after| after.stages.first());
     let then = then.map_or(0.0, |stage| acceleration(&stage.drive));
-    acceleration(&before.drive) > PULLED * then.abs()
+    acceleration(&before.drive) > LEFT * then.abs()
 }
 
 /// Whether a contact is the only one that is closed at the end of the motion.
@@ -279,7 +259,7 @@ fn touches_and_contacts(pressure: &Pressure) -> Vec<Neighbour> {
     let mut found = Vec::new();
     for (i, j) in pressure.sequence.neighbours() {
         let (first, second) = (&switches[i], &switches[j]);
-        if first.stays() && second.opens() && second.time - first.time < TOUCH {
+        if first.stays() && second.opens() && second.time - first.time < SHORT {
             let mut sequence = pressure.sequence.clone();
             sequence.switches[i].mode = ContactMode::Open;
             sequence.switches.remove(j);

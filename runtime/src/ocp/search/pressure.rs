@@ -7,24 +7,14 @@ use crate::ocp::collocation::program::Collocation;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity, zero_velocity};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::ocp::program::units::Units;
+use crate::ocp::tuning::neighbours::{LEFT, NEAR};
 use crate::simulation::ContactMode;
-
-/// Distance from a switch of the same contact within which no other one is inserted, in intervals.
-const NEAR: f64 = 0.6;
-
-/// Multipliers above this share of the largest one belong to conditions that matter.
-const ACTIVE: f64 = 1e-6;
-
-/// A condition that is met with a distance to spare is active only where the multiplier, as a share of the largest one, is
-/// above this share of that distance: the product of both is what the solver leaves of complementarity, so that a
-/// small multiplier at a distance means nothing.
-pub(super) const DISTANT: f64 = 1e-2;
 
 /// What a solved program says about its sequence.
 pub(in crate::ocp) struct Pressure<'a, 'm> {
     pub(in crate::ocp) program: &'a Collocation<'m>,
     pub(in crate::ocp) solution: &'a nlp::Solution,
-    /// [`DISTANT`], or 0 where every multiplier counts.
+    /// [`DISTANT`](crate::ocp::tuning::neighbours::DISTANT), or 0 where every multiplier counts.
     pub(in crate::ocp) distant: f64,
     /// The largest multiplier of a row; infinite where all are errors.
     pub(in crate::ocp) largest: f64,
@@ -55,7 +45,7 @@ impl Pressure<'_, '_> {
     }
 
     fn is_active(&self, multiplier: f64, distance: f64) -> bool {
-        multiplier > self.largest * ACTIVE.max(self.distant * distance)
+        multiplier > self.largest * LEFT.max(self.distant * distance)
     }
 
     /// Whether a contact switches near a time.

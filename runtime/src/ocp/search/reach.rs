@@ -5,6 +5,9 @@
 //! many ways lead to much the same state (cell-to-cell mapping, Hsu 1980). Motions that end nearest to the goals are what programs
 //! start from.
 
+use crate::ocp::tuning::equal::MOTION;
+use crate::ocp::tuning::reach::{COARSER, COMBINED, FINEST, LONGEST, SIMULATED, STARTED, STEPS};
+use crate::ocp::tuning::sampled::{TOLERANCE, WITHIN};
 use std::collections::HashSet;
 
 use super::replay::simulated;
@@ -19,27 +22,6 @@ use crate::ocp::problem::Horizon;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Guess;
 use crate::simulation::{ControlSignal, EventDriven, InputError, SimulationStatus, simulate_once};
-
-/// Steps of a motion: as many as there are intervals, or about so many, of several intervals or of parts of them.
-const STEPS: usize = 20;
-/// Longest motion where the final time is free, relative to its guess.
-const LONGEST: f64 = 4.0;
-/// Most motions that are simulated on a step: the product of the states that are kept after the one before it and the controls that
-/// are tried.
-const SIMULATED: usize = 3000;
-/// Finest cells of the range of a state, and how many there are of the next coarser ones.
-const FINEST: f64 = 64.0;
-const COARSER: f64 = 0.8;
-/// Most controls of which all combinations are tried; of more, one at a time.
-const COMBINED: usize = 2;
-/// Tolerance of the simulations.
-const TOLERANCE: f64 = 1e-6;
-/// Share of the ends that miss a goal by less than its unit.
-const WITHIN: f64 = 0.75;
-/// Relative difference of states that are the same one.
-const SAME: f64 = 1e-3;
-/// Motions that programs are started from.
-const STARTED: usize = 8;
 
 /// A state that controls lead to.
 struct Reached {
@@ -309,7 +291,7 @@ fn units(ends: &[End]) -> Vec<f64> {
 
 fn is_same(a: &[f64], b: &[f64]) -> bool {
     let mut pairs = a.iter().zip(b);
-    pairs.all(|(a, b)| (a - b).abs() <= SAME * a.abs().max(b.abs()))
+    pairs.all(|(a, b)| (a - b).abs() <= MOTION * a.abs().max(b.abs()))
 }
 
 #[cfg(test)]

@@ -4,9 +4,8 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::at_nodes::{all_at_once, at_nodes, warped};
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
-use super::grazing::grazing;
 use super::neighbours::Neighbour;
-use super::pressure::{DISTANT, Pressure};
+use super::pressure::Pressure;
 use super::resting::{resting, resting_shortly};
 use super::settling::settling;
 use super::simultaneous::simultaneous;
@@ -20,11 +19,8 @@ use crate::ocp::motion::sequence::{Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Settings;
+use crate::ocp::tuning::neighbours::{DISTANT, INSERTED, NOTHING};
 use crate::simulation::InputError;
-
-/// Multipliers of rows up to so many tolerances are errors, which add up over the phases: where all are, no condition keeps the motion from a
-/// better one.
-const NOTHING: f64 = 100.0;
 
 /// Where a repair ended.
 pub(super) enum Repaired {
@@ -126,13 +122,13 @@ impl Around {
             },
             sequence: &best.sequence,
             intervals: attempts.setting.problem.intervals,
-            inserted: neighbours::INSERTED[0],
+            inserted: INSERTED[0],
             touching: touching_gap(runner.settings),
             units: attempts.setting.units,
         };
         let nearer = match runner.effort {
             Effort::Certify | Effort::Conclude => neighbours_of(&Pressure {
-                inserted: neighbours::INSERTED[1],
+                inserted: INSERTED[1],
                 ..pressure
             }),
             Effort::Explore | Effort::Carry => Vec::new(),
@@ -163,11 +159,10 @@ type Basins = fn(&Pressure) -> Vec<Sequence>;
 
 /// Sequences in other basins, by the rules of the search that are followed; those of the whole motion where it may be the result.
 fn basins(pressure: &Pressure, settings: &Settings, proves: bool) -> Vec<Sequence> {
-    let rules: [(&str, Basins); 7] = [
+    let rules: [(&str, Basins); 6] = [
         ("shortened", neighbours::shortened),
         ("sliding-moved", friction_neighbours::shifted),
         ("settling", settling),
-        ("grazing", grazing),
         ("resting", resting_shortly),
         ("at-nodes", at_nodes),
         ("all-at-once", all_at_once),

@@ -10,20 +10,11 @@ use crate::ocp::motion::read_sequence::{
 };
 use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::tuning::candidates::{AT_ONCE, OUTPUTS, UNDRIVEN};
+use crate::ocp::tuning::equal::ROUNDING;
 use crate::simulation::{
     Ending, Event, EventDriven, EventKind, InputError, Simulation, SimulationStatus, simulate_to,
 };
-
-/// A contact that closes within this share of the first interval, from a gap \[its unit\] no larger than this, was
-/// closed at the start.
-const AT_ONCE: f64 = 1e-3;
-const ON_THE_SURFACE: f64 = 1e-9;
-
-/// Points of the simulation in each interval.
-const OUTPUTS: usize = 10;
-
-/// Parts of a motion without controls, which has one interval: what counts as short on equal intervals does so in these.
-const UNDRIVEN: usize = 20;
 
 /// Equal parts of a motion by which its simulation is read: its control intervals, or else as many as make it fine enough.
 pub(in crate::ocp) fn parts(setting: Setting) -> usize {
@@ -135,7 +126,7 @@ pub(in crate::ocp) fn read_replay(
             Some(first) => (first.kind == EventKind::LiftOff) != (first.time < AT_ONCE * interval),
             None => !replay.initial_modes[contact].is_open(),
         };
-        let on_the_surface = ON_THE_SURFACE * setting.units.share_of_gap(contact);
+        let on_the_surface = ROUNDING * setting.units.share_of_gap(contact);
         *closed |=
             !pieces.is_idle(contact) && model.gap(contact, &input) <= on_the_surface && is_closed;
     }

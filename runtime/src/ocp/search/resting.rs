@@ -6,22 +6,14 @@
 //! turns round where controls jump may come to rest a little before, if the force that holds it then lies within the cone; no
 //! multiplier tells.
 
-use super::neighbours::{ENTRY, Neighbour};
+use super::neighbours::Neighbour;
 use super::pressure::Pressure;
 use crate::model::tangent_point;
 use crate::ocp::collocation::layout::{Phase, SolvedPhase};
 use crate::ocp::motion::model_input::acceleration;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::tuning::neighbours::{ENTRY, LEFT, SHORT};
 use crate::simulation::{ContactMode, Direction};
-
-/// Velocity below which a contact does not move, in the unit of its row.
-const STILL: f64 = 1e-6;
-
-/// A slip that lasts fewer intervals may be none.
-const SHORT: f64 = 1.5;
-
-/// Share of the friction that is left on both sides of a force within the cone.
-const WITHIN: f64 = 1e-6;
 
 /// Sequences in which one contact rests where it slips.
 pub(super) fn resting(pressure: &Pressure) -> Vec<Neighbour> {
@@ -93,7 +85,7 @@ fn is_still(pressure: &Pressure, contact: usize, (from, to): Ends) -> bool {
     let mut rows = within
         .flat_map(|(phase, _)| velocity_rows(phase, contact))
         .peekable();
-    rows.peek().is_some() && rows.all(|row| pressure.slacks[row] < STILL)
+    rows.peek().is_some() && rows.all(|row| pressure.slacks[row] < LEFT)
 }
 
 /// Rows of the sliding velocities of a contact at the stages.
@@ -181,5 +173,5 @@ fn could_stick(
     // From the friction of the slip to that of the opposite one.
     let slowed = -slips.sign() * (dot(&a) + point[tangent_point::CURVATURE]);
     let range = 2.0 * friction * dot(direction);
-    WITHIN * range < slowed && slowed < (1.0 - WITHIN) * range
+    LEFT * range < slowed && slowed < (1.0 - LEFT) * range
 }

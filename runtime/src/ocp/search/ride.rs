@@ -9,12 +9,9 @@ use crate::ocp::motion::control_grid::ControlGrid;
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::tuning::candidates::RIDE;
+use crate::ocp::tuning::sampled::TOLERANCE;
 use crate::simulation::{EventDriven, InputError, simulate_once};
-
-/// Instants at which the goals are looked at.
-const SAMPLES: usize = 2000;
-/// Violation of a goal or bound that simulation and interpolation may cause.
-const NEAR: f64 = 1e-6;
 
 /// The motion without controls, or with those nearest to 0 within their bounds.
 pub(in crate::ocp) struct Ride {
@@ -48,7 +45,7 @@ pub(in crate::ocp) fn ride(tolerance: f64, setting: Setting) -> Result<Option<Ri
     let longest = setting.final_times().longest;
     let simulator = EventDriven {
         tolerance,
-        output_times: SAMPLES,
+        output_times: RIDE,
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, longest, controls.signal(longest));
@@ -133,7 +130,7 @@ fn end_of(setting: Setting, state: Vec<f64>, met: Option<usize>) -> End {
     let violation = others.fold(0.0, f64::max);
     End {
         state,
-        reaches: violation <= NEAR,
+        reaches: violation <= TOLERANCE,
         violation,
     }
 }
@@ -149,7 +146,7 @@ pub(super) fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
     } = setting;
     let n = problem.q.len();
     let coordinates = (0..n).all(|k| {
-        let room = NEAR * units.states[k];
+        let room = TOLERANCE * units.states[k];
         (bounds.0[k] - room..=bounds.1[k] + room).contains(&z[k])
     });
     let Some(declared) = model.declaration().optimal_control else {
@@ -166,9 +163,9 @@ pub(super) fn is_within(setting: Setting, z: &[f64], controls: &[f64]) -> bool {
     coordinates
         && constraints.all(|(constraint, &value)| {
             if constraint.equality {
-                value.abs() <= NEAR
+                value.abs() <= TOLERANCE
             } else {
-                value >= -NEAR
+                value >= -TOLERANCE
             }
         })
 }

@@ -18,45 +18,11 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Horizon;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Guess;
+use crate::ocp::tuning::sampled::{
+    ALIKE, BEST, CHANGED, CHANGES, DRAWN, EVENTS, LEAST_PLACES, LONGER, LONGER_THAN_BEFORE,
+    NARROWED, NARROWER, OF_EACH_KIND, OF_RANGE, PILOTS, PLACES, TOLERANCE, TRIED, WITHIN,
+};
 use crate::simulation::{Event, EventDriven, EventKind, InputError, simulate_once};
-
-/// Motions that are drawn, and those that are made of the best ones.
-pub(super) const DRAWN: u64 = 256;
-pub(super) const CHANGED: usize = 768;
-/// How much longer than its random length, or than the one that it is made of, a motion with a free final time is followed.
-const LONGER: f64 = 2.0;
-const LONGER_THAN_BEFORE: f64 = 1.5;
-/// Places where a motion may end, and where conditions are looked at: so many in an interval, and no fewer than these.
-const PLACES: usize = 8;
-const LEAST_PLACES: usize = 64;
-/// Tolerance of the simulations.
-const TOLERANCE: f64 = 1e-6;
-/// Most events of an order.
-const EVENTS: usize = 8;
-/// Share of the drawn ends that miss a goal by less than its unit.
-const WITHIN: f64 = 0.75;
-/// Unit of the violation of bounds, as a share of what is between them.
-const OF_RANGE: f64 = 0.2;
-/// Distances, in units of the conditions, that differ by less are alike: then the cost decides.
-const ALIKE: f64 = 0.05;
-/// The best motions, one of which is changed in turn with any one.
-const BEST: usize = 8;
-/// By how much of their range values are changed at most, in turn.
-pub(super) const CHANGES: [f64; 4] = [0.5, 0.2, 0.07, 0.02];
-/// Ends of the random numbers, from -1 to 1, by which all controls are changed, those of one interval, or those of one that is moved.
-const OF_EACH_KIND: f64 = 1.0 / 3.0;
-/// By how much further than the nearest one a motion may be that is tried.
-const FAR: f64 = 1.0;
-/// Orders that are tried.
-const TRIED: usize = 12;
-
-/// Motions by which ranges of random controls are compared.
-const PILOTS: u64 = 12;
-/// Share of the bounds of controls in the next narrower range, most such steps, and the share of the distance to the goals below which
-/// motions are nearer in it.
-const NARROWED: f64 = 0.25;
-const NARROWER: i32 = 12;
-const NEARER: f64 = 0.5;
 
 /// What happens, one after the other: contacts, and whether they are struck.
 pub(super) type Order = Vec<(usize, bool)>;
@@ -139,7 +105,8 @@ pub(in crate::ocp) fn best_of_each_order(
     }
     let mut found = Vec::new();
     let ends = archive.sorted();
-    let far = ends.first().map_or(0.0, |end| FAR + archive.rank(end).2);
+    // No further than the nearest one by more than a unit of the conditions.
+    let far = ends.first().map_or(0.0, |end| 1.0 + archive.rank(end).2);
     let near = ends.into_iter().filter(|end| archive.rank(end).2 <= far);
     for end in near.take(most) {
         let Throw {
@@ -262,7 +229,8 @@ pub(in crate::ocp) fn drawing_range(setting: Setting) -> Result<Range, InputErro
     for narrower in 1..=NARROWER {
         let range = within(NARROWED.powi(narrower));
         let distance = usual_distance(&units, &ends(&range));
-        if distance >= NEARER * least {
+        // Nearer is no more than half as far.
+        if distance >= 0.5 * least {
             break;
         }
         (best, least) = (range, distance);

@@ -4,15 +4,10 @@
 //! back, one bounce more and no landing may be better; and where a motion ends as the contact touches without a blow, a landing before
 //! that. Neither adjoins the other.
 
-use super::neighbours::ENTRY;
 use super::pressure::Pressure;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::tuning::neighbours::{BOUNCES_BEFORE, ENTRY, TOUCHES};
 use crate::simulation::ContactMode;
-
-/// Ends of intervals before a landing at which it is tried as a bounce.
-const BEFORE: usize = 4;
-/// Most bounces that a landing is tried with in front of it.
-const TOUCHES: usize = 2;
 
 /// The other way of each elastic contact.
 pub(super) fn settling(pressure: &Pressure) -> Vec<Sequence> {
@@ -51,7 +46,7 @@ fn bouncing_off(pressure: &Pressure, contact: usize, within: usize) -> Vec<Seque
     };
     let landing = switches[index];
     let own = (landing.interval, landing.place, landing.time);
-    let nodes = (0..BEFORE).filter_map(|back| within.checked_sub(back));
+    let nodes = (0..BOUNCES_BEFORE).filter_map(|back| within.checked_sub(back));
     let nodes = nodes.map(|node| (node, Place::Start, node as f64));
     let sequences = std::iter::once(own)
         .chain(nodes)

@@ -1,8 +1,9 @@
 //! Impacts of several contacts that follow each other as fast as phases allow: at one instant, or in the other order.
 
-use super::neighbours::{Neighbour, STUCK};
+use super::neighbours::Neighbour;
 use super::pressure::Pressure;
 use crate::ocp::motion::sequence::{Sequence, Switch};
+use crate::ocp::tuning::neighbours::STUCK;
 
 /// Sequences in which two impacts in a phase's least distance of each other are one, or change places. What an impact of several
 /// contacts does is no limit of what their impacts do one after the other, so none of them adjoins.

@@ -15,12 +15,9 @@ use super::attempt::{Attempt, Attempts, Start, interior_point};
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::program::runner::{Run, Runner};
+use crate::ocp::tuning::equal::OPTIMUM;
+use crate::ocp::tuning::neighbours::HELD;
 use crate::simulation::InputError;
-
-/// First barrier parameter and most iterations.
-const HELD: (f64, usize) = (1e-5, 60);
-/// Change of the objective, relative to it, that counts as none: for each interval of length, or between two motions.
-const NONE: f64 = 1e-6;
 
 /// What a neighbour's program with held lengths says.
 pub(super) enum Held<'a> {
@@ -162,5 +159,8 @@ pub(super) fn slope(
 
 /// Change of an objective that counts as none.
 pub(super) fn none(program: &Collocation, objective: f64) -> f64 {
-    NONE * objective.abs().max(NONE * program.program.objective_unit())
+    OPTIMUM
+        * objective
+            .abs()
+            .max(OPTIMUM * program.program.objective_unit())
 }

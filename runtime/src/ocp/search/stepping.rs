@@ -9,11 +9,8 @@ use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::motion::mode::{closed_mode, is_frictional};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::tuning::candidates::BEGINS;
 use crate::simulation::ContactMode;
-
-/// When a step begins and ends, as shares of its part of the time.
-const BEGINS: f64 = 0.25;
-const ENDS: f64 = 0.75;
 
 /// The sequences of all gaits for which there are intervals enough, those of fewer steps first.
 pub(in crate::ocp) fn stepping(setting: Setting, guess: &Trajectory) -> Vec<Sequence> {
@@ -41,7 +38,7 @@ fn with_steps(
     let part = intervals as f64 / gait.len() as f64;
     let mut sequence = standing.clone();
     for (step, &contact) in gait.iter().enumerate() {
-        let [begins, ends] = [BEGINS, ENDS].map(|share| (step as f64 + share) * part);
+        let [begins, ends] = [BEGINS, 1.0 - BEGINS].map(|share| (step as f64 + share) * part);
         let flies = standing.initially[contact].is_open();
         let (off, on) = if flies {
             (ends, begins)

@@ -13,13 +13,8 @@ use super::attempt::{Attempt, Attempts, Verdict};
 use super::stationary::{none, slope, solved};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::runner::Runner;
+use crate::ocp::tuning::neighbours::{BETWEEN, PRECISION};
 use crate::simulation::InputError;
-
-/// Least number of intervals between two with further phases: a program starts from the multipliers of the best where both have the same
-/// phases. With 1, 3, 7 the solve of the zoo's `spinning-wheel` on 80 intervals took 333, 280, 392 programs, asked for proofs only.
-const BETWEEN: usize = 3;
-/// Share of the change that counts as none by which the objective may be lower than that of the best: as precise as that is.
-const PRECISION: f64 = 0.1;
 
 /// A neighbour with all switches of the best, and others.
 pub(super) struct Insertion<'s> {

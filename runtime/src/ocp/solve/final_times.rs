@@ -12,13 +12,8 @@ use crate::model::Model;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
+use crate::ocp::tuning::grids::{MOVES, OFF_CENTRE};
 use crate::simulation::InputError;
-
-/// How often the range is moved, each time by a factor of 20 at most, or the units.
-const MOVES: usize = 5;
-/// Factor from the centre of a moved range within which a plan is measured in units of its own size: one that is
-/// further away may be no more than flat in those of its program.
-const NEAR: f64 = 1.5;
 
 /// A plan that another round looks beyond.
 struct Before {
@@ -68,7 +63,7 @@ pub(super) fn solve_grid<'s>(
         solution.final_times = (allowed.shortest, allowed.longest);
         let off_centre = centre.is_some_and(|centre| {
             let factor = solution.horizon / centre;
-            solution.motion.is_some() && !(1.0 / NEAR..=NEAR).contains(&factor)
+            solution.motion.is_some() && !(1.0 / OFF_CENTRE..=OFF_CENTRE).contains(&factor)
         });
         let (at_an_end, off_units) = (next.is_some(), off_centre || of_another_size);
         let next = next.or_else(|| off_units.then_some(solution.horizon));

@@ -12,14 +12,8 @@
 use crate::model::Model;
 use crate::ocp::collocation::discretization::parabolas;
 use crate::ocp::problem::{Horizon, Problem, bounds};
-
-/// Steps towards the nearest point; two weights are found in a few.
-const STEPS: usize = 500;
-/// Share of the terms of `y'g` below which it may be rounding error.
-const ROUNDING: f64 = 1e-9;
-/// Longest final time that is looked at, to the given one, and how exactly the least one that is not impossible is found.
-const LONGEST: f64 = 1e6;
-const PRECISION: f64 = 1e-3;
+use crate::ocp::tuning::equal::ROUNDING;
+use crate::ocp::tuning::impossible::{LONGEST, PRECISION, STEPS};
 
 /// What is shown.
 #[derive(Debug, Clone, Copy, PartialEq)]

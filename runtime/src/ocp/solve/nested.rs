@@ -11,7 +11,7 @@
 
 use super::one_grid::{Known, Trace};
 use super::optima::{
-    Found, NO_MOTION, costs_the_same, ends_at_no_time, is_better, is_same, rank, result, sort,
+    Found, costs_the_same, ends_at_no_time, is_better, is_same, rank, result, sort,
 };
 use super::portfolio::{Explored, explore};
 use super::run::{Task, is_as_good, on_grid};
@@ -23,36 +23,12 @@ use crate::ocp::problem::Problem;
 use crate::ocp::search::candidates::Proved;
 use crate::ocp::settings::{Guess, Settings};
 use crate::ocp::solution::{Solution, Source, Status};
+use crate::ocp::tuning::equal::{COST, MOTION};
+use crate::ocp::tuning::grids::{
+    BESIDE, COARSE, COARSEST, FINER, FINEST, KEPT, NEAR, NO_MOTION, PROGRAMS, STARTS_OF_ONE_TRIED,
+    TRIED, WORTH,
+};
 use crate::simulation::InputError;
-
-/// Fewest intervals of a grid that motions are looked for on by way of it.
-const COARSEST: usize = 7;
-/// Most intervals of a grid on which motions are looked for from all starts.
-const COARSE: usize = 16;
-/// Intervals of the grid where none of those above is contained in the one asked for.
-const NEAR: usize = 10;
-/// Most starts on a grid beside the one that all starts are tried on.
-const BESIDE: usize = 2;
-/// Motions that go on to finer grids, and with them the one that the neighbours of the best lead to.
-const KEPT: usize = 2;
-const KEPT_WITH_PROVEN: usize = KEPT + 1;
-/// Motions whose neighbours are decided at most, as long as they lead to better ones; of more starts one in three.
-const TRIED: usize = 6;
-const STARTS_OF_ONE_TRIED: usize = 3;
-/// Relative decrease of the objective by which neighbours lead to a better motion.
-const IMPROVED: f64 = 1e-3;
-/// Relative excess of the objective up to which the next motion is decided as well.
-const CLOSE: f64 = 2e-2;
-/// Most programs on a grid before the neighbours of the best motion are decided.
-const PROGRAMS: usize = 12;
-/// Relative excess of the objective that residuals before a polish explain; beyond it the motion before is kept.
-const UNPOLISHED: f64 = 1e-7;
-/// Relative excess of the objective beyond which a motion does not go on: finer grids seldom make up for more.
-const WORTH: f64 = 0.5;
-
-/// Factor by which the elements of a phase become more where most plans are no motions, and the most that this comes to.
-const FINER: usize = 2;
-const FINEST: usize = 4;
 
 /// Solves on the grid of the problem by way of coarser ones, with finer elements where most plans are none.
 pub(super) fn solve(
@@ -83,7 +59,7 @@ pub(super) fn solve(
         if let Some(finer) = finer {
             return Ok(better_of(finer, solution));
         }
-        let poorer = solution.objective > left + solution.tolerated(IMPROVED);
+        let poorer = solution.objective > left + solution.tolerated(MOTION);
         let found = rank(&solution).0 <= 1 && !poorer;
         if found || tried.elements == settings.elements || observer.stopped() {
             return Ok(solution);
@@ -156,7 +132,7 @@ fn solve_in_elements<'o>(
     };
     let proves = settings.starts() > 1;
     let tried = TRIED.max(settings.starts() / STARTS_OF_ONE_TRIED);
-    let kept = if proves { KEPT_WITH_PROVEN } else { KEPT };
+    let kept = if proves { KEPT + 1 } else { KEPT };
     let quick = Settings {
         maximum_programs: settings.maximum_programs.min(most),
         ..settings.clone()
@@ -366,7 +342,7 @@ fn proven(task: &Task, found: Vec<Found>, seen: &mut Vec<Found>) -> Result<Vec<F
     let best = decided(task, found.clone(), Effort::Certify, seen)?;
     let mut all: Vec<Found> = best.into_iter().collect();
     all.extend(found.into_iter().take(KEPT));
-    Ok(best_of(all, KEPT_WITH_PROVEN))
+    Ok(best_of(all, KEPT + 1))
 }
 
 /// Decides the neighbours of the best motion, and of the next one where it is not confirmed; without one that is, looks once
@@ -408,8 +384,8 @@ fn looked_again(
     Ok(found)
 }
 
-/// The best motion with its neighbours decided, and the next one where it costs hardly more, as its neighbours may lead further; those
-/// after it where it is not confirmed, or not proved and the next one costs the same, or where neighbours have led to a better motion:
+/// The best motion with its neighbours decided; those after it where it is not confirmed, or not proved and the next one costs the same, or
+/// where neighbours have led to a better motion:
 /// then those that starts came to are not optima yet, and a poorer one may lead further. One that comes through what was passed on the
 /// way to a motion that is proved leads there as well, and ends.
 pub(super) fn decided(
@@ -421,19 +397,13 @@ pub(super) fn decided(
     let mut best: Option<Found> = None;
     let mut improved = false;
     let mut passed = Known::default();
-    let first = found.first().map(|first| &first.solution);
-    let close = first.map_or(f64::NAN, |best| best.objective + best.tolerated(CLOSE));
     for (index, one) in found.into_iter().enumerate() {
-        let next = index == 1
-            && task.settings.uses("second")
-            && one.solution.motion.is_some()
-            && one.solution.objective <= close;
         let enough = |best: &Found| {
             let unproved = best.solution.status == Status::Uncertified;
             is_as_good(&best.solution, &one.solution)
                 && !(unproved && costs_the_same(&best.solution, &one.solution))
         };
-        if !improved && !next && best.as_ref().is_some_and(enough) {
+        if !improved && best.as_ref().is_some_and(enough) {
             break;
         }
         let before = one.solution.objective;
@@ -441,7 +411,7 @@ pub(super) fn decided(
         if one.solution.status == Status::Solved {
             passed.extend(trace.known);
         }
-        improved = one.solution.objective < before - one.solution.tolerated(IMPROVED);
+        improved = one.solution.objective < before - one.solution.tolerated(MOTION);
         if best.as_ref().is_none_or(|best| is_better(&one, best)) {
             best = Some(one);
         }
@@ -463,7 +433,7 @@ fn judged(
         objective,
         ..
     } = one.solution;
-    let unpolished = objective + one.solution.tolerated(UNPOLISHED);
+    let unpolished = objective + one.solution.tolerated(COST);
     let open = matches!(status, Status::Uncertified | Status::Unconfirmed);
     let solved = status == Status::Solved;
     if !(open || solved) || task.observer.stopped() {
@@ -478,7 +448,7 @@ fn judged(
     };
     let (carried, trace) = task.carry(&one, effort, known)?;
     let better = rank(&carried.solution).0 == 0
-        && carried.solution.objective < objective - carried.solution.tolerated(UNPOLISHED);
+        && carried.solution.objective < objective - carried.solution.tolerated(COST);
     let worse = carried.solution.objective > unpolished;
     if solved && !better && (worse || carried.solution.status != Status::Solved) {
         let mut carried = carried;

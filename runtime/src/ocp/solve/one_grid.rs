@@ -25,11 +25,9 @@ use crate::ocp::search::ride::ride;
 use crate::ocp::search::sampled::sampled;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
+use crate::ocp::tuning::grids::MORE_STAGES;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
-
-/// By how many stages the scheme grows where the re-simulation does not confirm a plan.
-const MORE_STAGES: usize = 2;
 
 /// What a solution on one grid takes over from the one before it.
 pub(super) struct Start<'s> {

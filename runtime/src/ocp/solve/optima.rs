@@ -7,19 +7,8 @@ use hangtime_solver::mpcc::Stationarity;
 
 use crate::model::Model;
 use crate::ocp::solution::{Counts, Improvement, Optimum, Solution, Source, Status};
-
-/// Relative difference of the objective within which two local optima count as the same.
-const SAME: f64 = 1e-6;
-
-/// The same within which one of them does not cost less: what refining their elements by different paths changes.
-const COSTS_THE_SAME: f64 = 1e-7;
-
-/// Distance of a plan from its re-simulation beyond which it is no motion \[m or rad, in scenes of the order of these\].
-pub(super) const NO_MOTION: f64 = 1e-2;
-/// Relative difference of the objective from the final time within which it is that.
-const SAME_TIME: f64 = 1e-9;
-/// Share of the longest final time that was looked at below which one is as good as none: two moves of the range end there.
-const NO_TIME: f64 = 2e-4;
+use crate::ocp::tuning::equal::{COST, OPTIMUM, ROUNDING};
+use crate::ocp::tuning::grids::{NO_MOTION, NO_TIME};
 
 /// A motion, or why there is none, and the start that it goes back to.
 #[derive(Clone)]
@@ -61,7 +50,7 @@ pub(super) fn is_better(later: &Found, earlier: &Found) -> bool {
 /// Whether two motions are confirmed, and neither of them costs less.
 pub(super) fn costs_the_same(one: &Solution, other: &Solution) -> bool {
     let (a, b) = (rank(one), rank(other));
-    a.0 == 0 && b.0 == 0 && (a.1 - b.1).abs() <= one.tolerated(COSTS_THE_SAME)
+    a.0 == 0 && b.0 == 0 && (a.1 - b.1).abs() <= one.tolerated(COST)
 }
 
 /// Whether final times without an end lead to a motion that no other one can beat by more than its own final time: that is the
@@ -71,7 +60,7 @@ pub(super) fn ends_at_no_time(model: &dyn Model, solution: &Solution) -> bool {
     let time = solution.horizon;
     solution.status == Status::Unbounded
         && declared.is_some_and(|declared| declared.free_time && !declared.running_cost)
-        && (solution.objective - time).abs() <= SAME_TIME * time
+        && (solution.objective - time).abs() <= ROUNDING * time
         && time <= NO_TIME * solution.final_times.1
 }
 
@@ -90,7 +79,7 @@ pub(super) fn is_same(a: &Solution, b: &Solution) -> bool {
 
 /// The same of another objective and number of switches.
 fn agrees(a: &Solution, objective: f64, switches: usize) -> bool {
-    a.planned_events.len() == switches && (a.objective - objective).abs() <= a.tolerated(SAME)
+    a.planned_events.len() == switches && (a.objective - objective).abs() <= a.tolerated(OPTIMUM)
 }
 
 /// The first of the motions that were found, with the work of all runs and the local optima that were seen.
@@ -146,7 +135,7 @@ fn improvements(seen: &[Found]) -> Vec<Improvement> {
     {
         cpu += solution.seconds.total;
         let (class, objective) = rank(solution);
-        let better = |last: &Improvement| objective < last.objective - solution.tolerated(SAME);
+        let better = |last: &Improvement| objective < last.objective - solution.tolerated(OPTIMUM);
         if class == 0 && found.last().is_none_or(better) {
             found.push(Improvement {
                 cpu,

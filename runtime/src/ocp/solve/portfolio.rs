@@ -23,35 +23,11 @@ use crate::ocp::effort::Effort;
 use crate::ocp::problem::has_free_start;
 use crate::ocp::settings::{EulerStep, Formulation, Guess, Settings, TimeFreezingSettings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
+use crate::ocp::tuning::equal::MOTION;
+use crate::ocp::tuning::grids::{
+    AGREEING, BATCH, BENDS, FREEZES, FROM_A_DISTANCE, ITERATIONS, NEAR_THE_BEST, SAMPLES,
+};
 use crate::simulation::InputError;
-
-/// Starts that are solved side by side before it is asked whether they are enough.
-const BATCH: usize = 4;
-
-/// Independent starts that lead to the best motion where it is not looked for from more: of fewer, all may have fallen into
-/// the same trap.
-const AGREEING: usize = 4;
-
-/// One start in so many looks near the best motion after the first batch, in turn near the best of all, and of those that are not simulated.
-const NEAR_THE_BEST: usize = 2;
-
-/// Shares of its range by which the best motion is bent for starts near it: little that of all, much that of those that are not simulated.
-const BENDS: [f64; 2] = [0.1, 0.3];
-
-/// Most iterations of a program of a start: of several, some take few.
-const ITERATIONS: usize = 250;
-
-/// The start that takes its contact sequence from the program of the time-freezing system.
-const FREEZES: usize = 6;
-
-/// The start beside which simulated motions are tried.
-const SAMPLES: usize = 3;
-
-/// First barrier parameter of the contact-implicit programs in which contacts act from a distance.
-const FROM_A_DISTANCE: f64 = 10.0;
-
-/// Relative difference of the objective within which two starts found the same motion.
-const SAME: f64 = 1e-3;
 
 /// What an exploration ends at.
 pub(super) struct Explored {
@@ -241,7 +217,7 @@ fn best_was_found_again(all: &[Found], beside: &[Found]) -> bool {
     let Some(best) = best(all.iter().chain(beside)) else {
         return false;
     };
-    let most = best.solution.objective + best.solution.tolerated(SAME);
+    let most = best.solution.objective + best.solution.tolerated(MOTION);
     let independent = all.iter().filter(|found| !looks_near_the_best(found.start));
     let same = independent.map(|found| rank(&found.solution));
     let same = same.filter(|rank| rank.0 == 0 && rank.1 <= most);

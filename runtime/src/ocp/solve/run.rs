@@ -18,10 +18,8 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
+use crate::ocp::tuning::equal::OPTIMUM;
 use crate::simulation::InputError;
-
-/// Relative increase of the objective that rounding and tolerances explain.
-const NOT_WORSE: f64 = 1e-6;
 
 /// A problem on one grid.
 #[derive(Clone, Copy)]
@@ -146,7 +144,7 @@ impl Task<'_, '_> {
 /// objective that is not worse.
 pub(super) fn is_as_good(solution: &Solution, kept: &Solution) -> bool {
     let (a, b) = (rank(solution), rank(kept));
-    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 + kept.tolerated(NOT_WORSE)
+    a.0 < b.0 || a.0 == b.0 && a.1 <= b.1 + kept.tolerated(OPTIMUM)
 }
 
 /// A motion on a coarser grid as one on a grid with that many intervals, where every one of these lies within one of the

@@ -12,18 +12,10 @@ use crate::ocp::effort::Effort;
 use crate::ocp::problem::Problem;
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Solution, Source, Status, TimeFreezingReport};
+use crate::ocp::tuning::freezing::VARIANTS;
+use crate::ocp::tuning::grids::{NEAR, REFINED_ELEMENTS};
 use crate::simulation::InputError;
 use crate::{Observer, Progress};
-
-/// Elements an interval of the refined programs of the starts. Motions differ in their discretizations more than in
-/// their guesses.
-const REFINED_ELEMENTS: [usize; 5] = [4, 3, 6, 2, 5];
-
-/// Changes of the time-freezing formulation: elements added, and a factor of the auxiliary acceleration.
-const FREEZING: [(usize, f64); 4] = [(0, 1.0), (0, 0.5), (1, 1.0), (0, 2.0)];
-
-/// About how many intervals the coarse grid of the time-freezing formulation has.
-const COARSE: usize = 10;
 
 /// Solves from all starts side by side; the first result among the best, and the distinct local optima.
 pub(super) fn solve(
@@ -61,7 +53,7 @@ pub(super) fn solve(
 /// one leads to a certified motion. What they end at on this grid, and on the coarse one.
 fn freeze(task: &Task) -> Result<(Vec<Found>, Vec<Found>), InputError> {
     let intervals = task.problem.intervals;
-    let factor = (intervals as f64 / COARSE as f64).round().max(1.0) as usize;
+    let factor = (intervals as f64 / NEAR as f64).round().max(1.0) as usize;
     let problem = Problem {
         intervals: intervals.div_ceil(factor),
         ..task.problem.clone()
@@ -149,8 +141,8 @@ fn variant(settings: &Settings, start: usize) -> Settings {
                 2 => Guess::Straight,
                 _ => Guess::Ride,
             };
-            let (elements, factor) = FREEZING[start / 2 % FREEZING.len()];
-            freezing.elements += elements + start / 2 / FREEZING.len();
+            let (elements, factor) = VARIANTS[start / 2 % VARIANTS.len()];
+            freezing.elements += elements + start / 2 / VARIANTS.len();
             freezing.auxiliary_acceleration *= factor;
             if start > 1 && (start / 2).is_multiple_of(2) {
                 // Of the rules that are good at contact sequences, now one, now the other leads to the better motion.

@@ -11,14 +11,9 @@ use crate::model::Model;
 use crate::ocp::problem::Problem;
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::{Solution, Status};
+use crate::ocp::tuning::equal::MOTION;
+use crate::ocp::tuning::grids::{BATCH, ELEMENTS_OF_ONE};
 use crate::simulation::InputError;
-
-/// Finite elements of a phase for each that is asked for; where the re-simulation wants more, there are more.
-const ELEMENTS: usize = 5;
-/// Most starts on one interval, simulated motions beside them.
-const STARTS: usize = 4;
-/// Relative difference of the objective by which the motion on one interval has to be better.
-const BETTER: f64 = 1e-3;
 
 /// Solves on the grid of the problem and on one interval.
 pub(super) fn solve(
@@ -36,8 +31,8 @@ pub(super) fn solve(
         ..problem.clone()
     };
     let settings = Settings {
-        elements: settings.elements * ELEMENTS,
-        starts: Some(settings.starts().min(STARTS)),
+        elements: settings.elements * ELEMENTS_OF_ONE,
+        starts: Some(settings.starts().min(BATCH)),
         ..settings.clone()
     };
     let mut other = nested::solve(model, &whole, &settings, observer)?;
@@ -45,7 +40,7 @@ pub(super) fn solve(
     let proves = costs_the_same(&other, &solution)
         && other.status == Status::Solved
         && solution.status == Status::Uncertified;
-    let better = own.0 < least.0 || own.1 < least.1 - solution.tolerated(BETTER) || proves;
+    let better = own.0 < least.0 || own.1 < least.1 - solution.tolerated(MOTION) || proves;
     if better && own.0 <= least.0 && other.status != Status::Interrupted {
         std::mem::swap(&mut solution, &mut other);
         state_on(&mut solution, problem.intervals);

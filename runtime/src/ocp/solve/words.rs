@@ -23,6 +23,11 @@ use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::sampled::drawing_range;
 use crate::ocp::settings::{ControlNodes, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Source, Status};
+use crate::ocp::tuning::grids::KEPT;
+use crate::ocp::tuning::off_grid::STAGES;
+use crate::ocp::tuning::on_grid::{
+    BEYOND, FINE, FINEST, JUDGED, LEAST, MOVED, MOVED_WITHIN, PLACED,
+};
 use crate::ocp::words::aligned::{Aligned, followed};
 use crate::ocp::words::beginnings::beginnings;
 use crate::ocp::words::off_grid::Timed;
@@ -31,24 +36,6 @@ use crate::ocp::words::search::Words;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 use crate::{Observer, Progress};
-
-/// Stages of the programs of words.
-const STAGES: usize = 3;
-/// Excess of the objective off the grid over the best on it beyond which a word is not put on it.
-const BEYOND: f64 = 1e-2;
-/// Words that are put on the grid, where one of them reaches the goals there.
-const PLACED: usize = 6;
-/// Words whose switches are moved on the grid, the best first, and the excess over the best up to which they are.
-const MOVED: usize = 2;
-const MOVED_WITHIN: f64 = 2e-2;
-/// Most intervals of a grid that words are put on, and the fewest where a finer one is asked for; motions that go on to that.
-const FINE: usize = 40;
-const LEAST: usize = 8;
-const CARRIED: usize = 2;
-/// Motions that go on to the judge.
-const JUDGED: usize = 3;
-/// By how much elements become more at most where intervals are aligned with phases and a motion is not confirmed.
-const FINEST: usize = 8;
 
 /// Solves on the grid of the problem by way of words.
 pub(super) fn solve(
@@ -79,7 +66,7 @@ pub(super) fn solve(
         sort(&mut found);
         if first < problem.intervals {
             found.retain(|found| found.solution.motion.is_some());
-            found.truncate(CARRIED);
+            found.truncate(KEPT);
             found = nested::carry(&task, &found, &mut seen)?;
             sort(&mut found);
         }

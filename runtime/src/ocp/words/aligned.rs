@@ -8,8 +8,7 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::edits::{Parent, RULES};
 use super::library::Library;
-use super::off_grid::{BARRIER, Goals, ITERATIONS, Timed, begun, read, solved, spans_with};
-use super::search::DEARER;
+use super::off_grid::{Goals, Timed, begun, read, solved, spans_with};
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::{Lengths, Setting, Span};
 use crate::ocp::collocation::transcribe::transcribe;
@@ -18,14 +17,13 @@ use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
+use crate::ocp::tuning::equal::COST;
+use crate::ocp::tuning::off_grid::{BARRIER, DEARER, ITERATIONS};
+use crate::ocp::tuning::on_grid::FOLLOWED;
 use crate::simulation::InputError;
 
 /// Rules that lead to the words that a motion is a limit of.
 const NEIGHBOURS: [&str; 2] = ["vanish", "press"];
-/// Most words that are looked at on the way from one.
-const MOST: usize = 40;
-/// Relative gain below which there is none: ten tolerances of the programs, in which objectives agree.
-const GAIN: f64 = 1e-7;
 
 /// A word and the control intervals of its phases.
 #[derive(Clone)]
@@ -155,7 +153,7 @@ pub(in crate::ocp) fn followed<T>(
         let Ok(local) = best.solved(runner, setting, &spans)? else {
             return Ok(None);
         };
-        let (stationarity, better) = if known.len() > MOST {
+        let (stationarity, better) = if known.len() > FOLLOWED {
             (Stationarity::None, None)
         } else {
             compared(
@@ -185,7 +183,7 @@ fn compared(
     known: &mut Vec<Word>,
 ) -> Result<(Stationarity, Option<Aligned>), InputError> {
     let objective = local.solution.objective;
-    let least = objective - GAIN * local.program.program.size_of(objective);
+    let least = objective - COST * local.program.program.size_of(objective);
     let mut stationarity = Stationarity::B;
     for other in best.neighbours(setting, local) {
         if known.contains(other.word()) || runner.stopped() {

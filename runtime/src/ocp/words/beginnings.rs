@@ -1,4 +1,5 @@
-//! Words to begin with: of simulated motions under random controls, of what they begin with, of the ride, and the empty one.
+//! Words to begin with: of simulated motions under random controls, of what they begin with, of the ride without controls, of steps, of a
+//! contact-implicit program, and the one without switches.
 
 use super::library::Library;
 use super::off_grid::Goals;
@@ -12,27 +13,17 @@ use crate::ocp::motion::sequence::Sequence;
 use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
-use crate::ocp::search::replay::{parts, simulations};
+use crate::ocp::search::replay::simulations;
 use crate::ocp::search::sampled::{Range, best_of_each_order};
 use crate::ocp::search::stepping::stepping;
 use crate::ocp::settings::Guess;
+use crate::ocp::tuning::beginnings::{
+    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEPS, WORDS,
+};
 use crate::simulation::InputError;
 
-/// Motions under random controls that are drawn, and made of the best of them.
-const DRAWN: u64 = 100;
-const CHANGED: usize = 200;
-/// Best orders of events that become words, and those from which the library learns.
-const WORDS: usize = 6;
-const LEARNED: usize = 24;
-/// Beginnings of motions that become words: of up to so many phases, so many of each length.
-const PHASES: usize = 3;
-const OF_EACH_LENGTH: usize = 2;
-/// Words of steps.
-const STEPS: usize = 8;
 /// The source whose words come from a contact-implicit program.
 const IMPLICIT: &str = "contact-implicit";
-/// Most phases of a word.
-pub(super) const MOST_PHASES: usize = 16;
 
 /// A word to begin with, and the motion that it is of.
 pub(in crate::ocp) struct Beginning {
@@ -64,15 +55,6 @@ pub(in crate::ocp) fn beginnings(
     for phases in 1..=PHASES {
         add_beginnings(&mut found, &drafts, phases);
     }
-    for (source, motion) in rides(runner, setting)? {
-        for candidate in motion {
-            let (draft, motion) = read(setting, candidate);
-            library.learn(&draft.word);
-            if draft.word.phases() <= MOST_PHASES {
-                add(&mut found, (draft, motion), source);
-            }
-        }
-    }
     let Setting {
         model,
         problem,
@@ -80,11 +62,18 @@ pub(in crate::ocp) fn beginnings(
         ..
     } = setting;
     let straight = guess(model, problem, &Guess::Straight, bounds)?;
+    let tolerance = runner.settings.replay_tolerance;
+    for candidate in simulations(setting, &straight, tolerance).unwrap_or_default() {
+        let (draft, motion) = read(setting, candidate);
+        library.learn(&draft.word);
+        if draft.word.phases() <= MOST_PHASES {
+            add(&mut found, (draft, motion), "ride");
+        }
+    }
     let empty = Sequence::without_switches(modes_at_start(setting, &straight));
     let length = straight.horizon / problem.intervals as f64;
     let draft = Draft::read(&empty, length, straight.horizon);
-    let motion = straight.clone();
-    add(&mut found, (draft, motion), "empty");
+    add(&mut found, (draft, straight.clone()), "empty");
     for sequence in steps(setting, &straight) {
         let draft = Draft::read(&sequence, length, straight.horizon);
         add(&mut found, (draft, straight.clone()), "steps");
@@ -185,42 +174,4 @@ fn read(setting: Setting, candidate: Candidate) -> (Draft, Trajectory) {
     let length = trajectory.horizon / setting.problem.intervals as f64;
     let draft = Draft::read(&candidate.sequence, length, trajectory.horizon);
     (draft, trajectory)
-}
-
-/// Motions under no controls, and under those in the middle of their bounds.
-fn rides(
-    runner: &Runner,
-    setting: Setting,
-) -> Result<Vec<(&'static str, Vec<Candidate>)>, InputError> {
-    let Setting {
-        model,
-        problem,
-        bounds,
-        ..
-    } = setting;
-    let n = problem.q.len();
-    let straight = guess(model, problem, &Guess::Straight, bounds)?;
-    let middle: Vec<f64> = (n..bounds.0.len())
-        .map(|k| {
-            let middle = 0.5 * (bounds.0[k] + bounds.1[k]);
-            if middle.is_finite() { middle } else { 0.0 }
-        })
-        .collect();
-    let mut driven = straight.clone();
-    driven.controls =
-        crate::ocp::motion::control_grid::ControlGrid::constant(vec![
-            middle;
-            problem
-                .intervals
-                .max(parts(setting))
-        ]);
-    let tolerance = runner.settings.replay_tolerance;
-    let mut found = Vec::new();
-    for (source, motion) in [("ride", straight), ("middle", driven)] {
-        found.push((
-            source,
-            simulations(setting, &motion, tolerance).unwrap_or_default(),
-        ));
-    }
-    Ok(found)
 }

@@ -9,6 +9,8 @@ use super::word::{Draft, Instant, Word, between, closed_modes, touch};
 use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::start_modes::may_be_closed_at_start;
+use crate::ocp::tuning::edits::{INSERTED, LEFT_OUT, OFTEN, ROOM, TOUCHED, VANISHED, price};
+use crate::ocp::tuning::off_grid::TOLERANCE;
 use crate::simulation::ContactMode;
 
 /// A rule: its name, its price, and the drafts that it makes.
@@ -26,80 +28,38 @@ pub(super) struct Parent<'p> {
 }
 
 /// All rules, the cheapest first.
-pub(super) const RULES: [Rule; 11] = [
+pub(super) const RULES: [Rule; 6] = [
     Rule {
         name: "collapse",
-        price: 0.0,
+        price: price::COLLAPSE,
         drafts: collapse,
     },
     Rule {
         name: "vanish",
-        price: 0.0,
+        price: price::VANISH,
         drafts: vanish,
     },
     Rule {
         name: "press",
-        price: 0.01,
+        price: price::PRESS,
         drafts: press,
     },
     Rule {
         name: "flip",
-        price: 0.025,
+        price: price::FLIP,
         drafts: flip,
     },
     Rule {
-        name: "drop",
-        price: 0.03,
-        drafts: drop_cycle,
-    },
-    Rule {
-        name: "duplicate",
-        price: 0.03,
-        drafts: duplicate,
-    },
-    Rule {
         name: "touch",
-        price: 0.03,
+        price: price::TOUCH,
         drafts: touches,
     },
     Rule {
         name: "cut",
-        price: 0.04,
+        price: price::CUT,
         drafts: cut,
     },
-    Rule {
-        name: "move",
-        price: 0.05,
-        drafts: move_cycle,
-    },
-    Rule {
-        name: "walk",
-        price: 0.05,
-        drafts: walk,
-    },
-    Rule {
-        name: "append",
-        price: 0.06,
-        drafts: append,
-    },
 ];
-
-/// A phase shorter than this share of the motion has vanished.
-const VANISHED: f64 = 3e-3;
-/// Length of what is inserted where a solution presses, as a share of the motion.
-const INSERTED: f64 = 0.08;
-/// Presses below this share of all are none.
-const PRESSES: f64 = 1e-4;
-/// Most instants of a cycle that is inserted where a solution presses.
-const SHORT_CYCLE: usize = 3;
-/// How much longer or shorter a walk between two phases may be than the one in its place, in instants.
-const LONGER: usize = 2;
-/// Most instants between two phases that are walked otherwise, or of a cycle.
-const WALKED: usize = 4;
-/// Where in an open phase a touch is tried.
-const TOUCHED: [f64; 2] = [0.5, 0.9];
-/// Share of the last phase that is left to what is appended.
-const APPENDED: f64 = 0.3;
 
 impl Parent<'_> {
     fn model(&self) -> &dyn Model {
@@ -165,7 +125,7 @@ impl Parent<'_> {
     /// With a cycle in a phase, around a time.
     fn inserted(&self, phase: usize, cycle: &[Instant], time: f64, length: f64) -> Draft {
         let (from, to) = self.draft().phases()[phase];
-        let room = 0.02 * (to - from);
+        let room = ROOM * (to - from);
         let begin = (time - 0.5 * length).max(from + room);
         let end = (begin + length).min(to - room);
         self.spliced((phase, phase), cycle, (begin.min(end), end))
@@ -183,7 +143,7 @@ impl Parent<'_> {
             draft.word.initially.clone_from(&modes[1]);
             return Some(draft);
         }
-        let last = (phase + WALKED).min(modes.len());
+        let last = (phase + LEFT_OUT).min(modes.len());
         if let Some(same) = (phase..last).find(|&other| modes[other] == modes[phase - 1]) {
             let ends = word.ends_with_impact && same == word.instants.len();
             let cut = self.timed_splice((phase - 1, same), &[], Vec::new());
@@ -210,19 +170,6 @@ impl Parent<'_> {
     /// Without this phase alone, as far as that is a word: what follows it has lengths of its own.
     fn without_one(&self, phase: usize) -> Option<Draft> {
         self.straight(phase).or_else(|| self.without(phase))
-    }
-
-    /// The cycles of a word: the phases before and at the end of each.
-    fn cycles(&self) -> Vec<(usize, usize)> {
-        let modes = self.word().modes();
-        let phases = self.word().phases();
-        let mut found = Vec::new();
-        for first in 0..phases {
-            let last = (first + WALKED).min(phases.saturating_sub(1));
-            let same = (first + 1..=last).filter(|&other| modes[other] == modes[first]);
-            found.extend(same.map(|other| (first, other)));
-        }
-        found
     }
 }
 
@@ -285,27 +232,23 @@ fn press(parent: &Parent) -> Vec<Draft> {
         .timed
         .presses
         .iter()
-        .filter(|press| press.share > PRESSES)
+        .filter(|press| press.share > TOLERANCE)
     {
         let now = &modes[press.phase];
         let (from, to) = parent.draft().phases()[press.phase];
         let length = length.min(0.5 * (to - from));
-        let seen = parent.library.cycles(now).filter(|walk| {
-            let differs = walk
-                .instants
-                .iter()
-                .flatten()
-                .any(|s| s.contact == press.contact);
-            differs && walk.instants.len() <= SHORT_CYCLE
+        let seen = parent.library.cycles(now).filter(|cycle| {
+            let mut switches = cycle.instants.iter().flatten();
+            switches.any(|switch| switch.contact == press.contact)
         });
-        for walk in seen {
-            let often = walk.seen as f64 / (1 + walk.instants.len()) as f64;
-            let draft = parent.inserted(press.phase, &walk.instants, press.time, length);
-            found.push((100.0 * press.share + 0.01 * often, draft));
+        for cycle in seen {
+            let often = cycle.seen as f64 / (1 + cycle.instants.len()) as f64;
+            let draft = parent.inserted(press.phase, &cycle.instants, press.time, length);
+            found.push((press.share + OFTEN * often, draft));
         }
         for cycle in plain_cycles(parent.model(), now, press) {
             let draft = parent.inserted(press.phase, &cycle, press.time, length);
-            found.push((100.0 * press.share, draft));
+            found.push((press.share, draft));
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -414,72 +357,6 @@ fn flipped(parent: &Parent, phase: usize, there: &[ContactMode]) -> Option<Draft
     Some(draft)
 }
 
-/// Without a cycle or a phase.
-fn drop_cycle(parent: &Parent) -> Vec<Draft> {
-    let phases = 0..parent.word().phases();
-    phases.filter_map(|phase| parent.without(phase)).collect()
-}
-
-/// A cycle once more.
-fn duplicate(parent: &Parent) -> Vec<Draft> {
-    let mut cycles = parent.cycles();
-    cycles.sort_by_key(|(first, last)| last - first);
-    let twice = |(first, last): (usize, usize)| {
-        let draft = parent.draft();
-        let instants = draft.word.instants[first..last].to_vec();
-        let (from, to) = draft.phases()[last];
-        let begin = draft.times[first];
-        // What follows has half of its time left.
-        let scale = 0.5 * (to - from) / (draft.times[last - 1] - begin).max(f64::MIN_POSITIVE);
-        let again = draft.times[first..last]
-            .iter()
-            .map(|time| from + scale.min(1.0) * (time - begin));
-        parent.timed_splice((last, last), &instants, again.collect())
-    };
-    cycles.into_iter().map(twice).collect()
-}
-
-/// A cycle in another phase of the same modes, and seen cycles anywhere.
-fn move_cycle(parent: &Parent) -> Vec<Draft> {
-    let modes = parent.word().modes();
-    let mut found = Vec::new();
-    for (first, last) in parent.cycles() {
-        let instants = parent.word().instants[first..last].to_vec();
-        let length = parent.draft().times[last - 1] - parent.draft().times[first];
-        let rest = Timed {
-            draft: parent.timed_splice((first, last), &[], Vec::new()),
-            ..parent.timed.clone()
-        };
-        let rest = Parent {
-            timed: &rest,
-            ..*parent
-        };
-        for (phase, (from, to)) in rest.draft().phases().into_iter().enumerate() {
-            if phase != first && rest.word().modes()[phase] == modes[first] {
-                found.push(rest.inserted(phase, &instants, 0.5 * (from + to), length));
-            }
-        }
-    }
-    let mut seen: Vec<(f64, Draft)> = Vec::new();
-    for (phase, (from, to)) in parent.draft().phases().into_iter().enumerate() {
-        for cycle in parent.library.cycles(&modes[phase]) {
-            let draft =
-                parent.inserted(phase, &cycle.instants, 0.5 * (from + to), 0.5 * (to - from));
-            seen.push((cycle.seen as f64 / cycle.instants.len() as f64, draft));
-        }
-    }
-    seen.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // In turn, so that neither waits for the other.
-    let (mut moved, mut seen) = (found.into_iter(), seen.into_iter().map(|(_, draft)| draft));
-    let mut all = Vec::new();
-    loop {
-        match (moved.next(), seen.next()) {
-            (None, None) => return all,
-            (one, other) => all.extend(one.into_iter().chain(other)),
-        }
-    }
-}
-
 /// A touch where a contact is open.
 fn touches(parent: &Parent) -> Vec<Draft> {
     let modes = parent.word().modes();
@@ -497,66 +374,6 @@ fn touches(parent: &Parent) -> Vec<Draft> {
                     found.push(parent.timed_splice((phase, phase), &touch, vec![time]));
                 }
             }
-        }
-    }
-    found
-}
-
-/// Other ways between two phases, as they were seen.
-fn walk(parent: &Parent) -> Vec<Draft> {
-    let (word, modes) = (parent.word(), parent.word().modes());
-    let mut found: Vec<(f64, Draft)> = Vec::new();
-    for first in 0..word.instants.len() {
-        for last in first + 1..=(first + WALKED).min(word.instants.len()) {
-            let now = &word.instants[first..last];
-            let (begin, end) = (parent.draft().times[first], parent.draft().times[last - 1]);
-            let mut total = 1;
-            let from = found.len();
-            for walk in parent.library.between(&modes[first], &modes[last]) {
-                total += walk.seen;
-                if walk.instants != now && walk.instants.len().abs_diff(now.len()) <= LONGER {
-                    let draft = parent.spliced((first, last), &walk.instants, (begin, end));
-                    found.push((walk.seen as f64, draft));
-                }
-            }
-            for (share, _) in &mut found[from..] {
-                *share /= f64::from(u32::try_from(total).unwrap_or(u32::MAX));
-            }
-        }
-    }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().map(|(_, draft)| draft).collect()
-}
-
-/// One more instant at the end, as it was seen, or the last phase left out, so that an impact ends the motion.
-fn append(parent: &Parent) -> Vec<Draft> {
-    let (word, modes) = (parent.word(), parent.word().modes());
-    let count = word.instants.len();
-    if word.ends_with_impact {
-        let mut draft = parent.draft().clone();
-        draft.word.ends_with_impact = false;
-        let last = draft.times.len() - 1;
-        draft.times[last] *= 1.0 - APPENDED;
-        return vec![draft];
-    }
-    let Some(&(from, to)) = parent.draft().phases().last() else {
-        return Vec::new();
-    };
-    let time = to - APPENDED * (to - from);
-    let next = parent
-        .library
-        .walks
-        .iter()
-        .filter(|walk| walk.from == modes[count]);
-    let mut next: Vec<_> = next.filter(|walk| walk.instants.len() == 1).collect();
-    next.sort_by_key(|walk| std::cmp::Reverse(walk.seen));
-    let mut found: Vec<Draft> = Vec::new();
-    for walk in next {
-        found.push(parent.timed_splice((count, count), &walk.instants, vec![time]));
-        if walk.instants[0].iter().any(|switch| switch.closes) {
-            let mut ending = parent.timed_splice((count, count), &walk.instants, vec![to]);
-            ending.word.ends_with_impact = true;
-            found.push(ending);
         }
     }
     found

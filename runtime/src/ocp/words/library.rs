@@ -1,25 +1,21 @@
-//! What motions went through between two modes: the words of the search are made of that.
+//! What motions went through between two phases with the same modes: cycles that words are given where their solutions press.
 
 use super::word::{Instant, Word};
-use crate::ocp::motion::sequence::Switch;
+use crate::ocp::tuning::beginnings::LONGEST_CYCLE;
 use crate::simulation::ContactMode;
 
-/// Most instants of a cycle or a walk.
-const LONGEST: usize = 4;
-
-/// Instants that lead from modes of all contacts to others, or back to the same, and how often that was seen.
+/// Instants that lead from modes of all contacts back to the same, and how often that was seen.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Walk {
-    pub(super) from: Vec<ContactMode>,
-    pub(super) to: Vec<ContactMode>,
+pub(super) struct Cycle {
+    pub(super) modes: Vec<ContactMode>,
     pub(super) instants: Vec<Instant>,
     pub(super) seen: usize,
 }
 
-/// The walks between modes that were seen, in the order in which they were first.
+/// The cycles that were seen, in the order in which they were first.
 #[derive(Debug, Default)]
 pub(in crate::ocp) struct Library {
-    pub(super) walks: Vec<Walk>,
+    cycles: Vec<Cycle>,
 }
 
 impl Library {
@@ -27,27 +23,19 @@ impl Library {
     pub(super) fn learn(&mut self, word: &Word) {
         let modes = word.modes();
         for from in 0..word.instants.len() {
-            for to in from + 1..=(from + LONGEST).min(word.instants.len()) {
-                self.add(&modes[from], &modes[to], &word.instants[from..to]);
+            let last = (from + LONGEST_CYCLE).min(word.instants.len());
+            for to in (from + 1..=last).filter(|&to| modes[to] == modes[from]) {
+                self.add(&modes[from], &word.instants[from..to]);
             }
         }
     }
 
-    fn add(&mut self, from: &[ContactMode], to: &[ContactMode], instants: &[Instant]) {
-        let passes = |switch: &Switch| switch.passes;
-        // Where edges are passed, which pieces act depends on more than the modes.
-        if instants.iter().flatten().any(passes) && from != to {
-            return;
-        }
-        let known = self
-            .walks
-            .iter_mut()
-            .find(|walk| walk.from == from && walk.to == to && walk.instants == instants);
-        match known {
-            Some(walk) => walk.seen += 1,
-            None => self.walks.push(Walk {
-                from: from.to_vec(),
-                to: to.to_vec(),
+    fn add(&mut self, modes: &[ContactMode], instants: &[Instant]) {
+        let mut known = self.cycles.iter_mut();
+        match known.find(|cycle| cycle.modes == modes && cycle.instants == instants) {
+            Some(cycle) => cycle.seen += 1,
+            None => self.cycles.push(Cycle {
+                modes: modes.to_vec(),
                 instants: instants.to_vec(),
                 seen: 1,
             }),
@@ -55,19 +43,11 @@ impl Library {
     }
 
     /// The cycles that begin and end with these modes.
-    pub(super) fn cycles<'l>(&'l self, modes: &'l [ContactMode]) -> impl Iterator<Item = &'l Walk> {
-        self.between(modes, modes)
-    }
-
-    /// The walks from these modes to those.
-    pub(super) fn between<'l>(
+    pub(super) fn cycles<'l>(
         &'l self,
-        from: &'l [ContactMode],
-        to: &'l [ContactMode],
-    ) -> impl Iterator<Item = &'l Walk> {
-        self.walks
-            .iter()
-            .filter(move |walk| walk.from == from && walk.to == to)
+        modes: &'l [ContactMode],
+    ) -> impl Iterator<Item = &'l Cycle> {
+        self.cycles.iter().filter(move |cycle| cycle.modes == modes)
     }
 }
 
@@ -89,16 +69,14 @@ mod tests {
         };
         let mut library = Library::default();
         library.learn(&word);
-        let hops: Vec<&Walk> = library
+        let hops: Vec<&Cycle> = library
             .cycles(&on)
-            .filter(|walk| walk.instants.len() == 2)
+            .filter(|cycle| cycle.instants.len() == 2)
             .collect();
         assert_eq!(hops.len(), 1);
         assert_eq!((hops[0].seen, &hops[0].instants[..]), (2, &instants[..]));
-        assert!(
-            library
-                .between(&on, &off)
-                .any(|walk| walk.instants.len() == 1)
-        );
+        // From the top to the top as well, once.
+        let flights: Vec<usize> = library.cycles(&off).map(|cycle| cycle.seen).collect();
+        assert_eq!(flights, [1]);
     }
 }

@@ -11,32 +11,12 @@ use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::program::runner::{Run, Runner};
 use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::interior_point;
+use crate::ocp::tuning::off_grid::{
+    BARRIER, ELEMENTS, ITERATIONS, LEAST, LEAST_SHARE, LONGEST, PRICE, RESTORED, ROUNDED, TOLERANCE,
+};
+use crate::ocp::tuning::table::WORTH_OF_PHASE;
 use crate::rk::ButcherTableau;
 use hangtime_solver::nlp;
-
-/// Least length of a phase to start with, as a share of the motion: the program moves it from there.
-const LEAST: f64 = 2e-3;
-/// Elements of a motion: controls that switch at any time use errors of longer ones.
-const ELEMENTS: f64 = 24.0;
-/// Excess over a whole number of elements that is let pass.
-const ROUNDED: f64 = 0.3;
-/// By how much an element may become longer: what happens between the stages of longer ones is anybody's guess.
-const LONGEST: f64 = 1.5;
-/// Tolerance of a program, and its first barrier parameter.
-const TOLERANCE: f64 = 1e-4;
-pub(super) const BARRIER: f64 = 1e-2;
-/// Most iterations of a program.
-pub(super) const ITERATIONS: usize = 150;
-/// Most iterations of its restoration phase.
-const RESTORED: usize = 5;
-/// Least share of the unit of an objective that counts as its size: smaller ones drown in rounding.
-const LEAST_SHARE: f64 = 1e-6;
-/// Price of a miss to start with, in sizes of the objective per size of a goal.
-const PRICE: f64 = 10.0;
-/// What a phase has to gain for a word to be better with it, as a share of the objective.
-const WORTH_OF_PHASE: f64 = 1e-3;
-/// Miss of all goals, in their sizes, that is none.
-pub(super) const NO_MISS: f64 = 1e-3;
 
 /// How finely a word is stated.
 #[derive(Debug, Clone, Copy)]
@@ -101,8 +81,6 @@ pub(in crate::ocp) struct Timed {
     /// By how much goals are missed, in their sizes.
     pub(super) missed: f64,
     pub(super) presses: Vec<Press>,
-    /// Rule that made the word.
-    pub(super) origin: &'static str,
 }
 
 /// The spans of the phases of a draft.
@@ -270,7 +248,6 @@ pub(super) fn read(
         missed,
         presses: presses(program, solution, counts, &begins),
         motion: trajectory,
-        origin: "",
     }
 }
 

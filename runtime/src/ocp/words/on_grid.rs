@@ -1,11 +1,10 @@
 //! Words on the control grid: in which interval, or at which end of one, each switch is.
 //!
 //! A switch stays where it is put while a program on the grid is solved, so that every choice of places is a program of its own. They
-//! begin at those that the word suggests off the grid, rounded in several ways, which are in different basins; then switches that press
-//! on an end of their interval are moved through it. As off the grid goals may be missed at a price, so that places without a motion say
-//! where it presses.
+//! begin with the intervals in which switches are off the grid, and with the nearest ends where controls jump there, which is in another
+//! basin; then switches that press on an end of their interval are moved through it, and others to the nearest end. As off the grid goals may be missed at a price, so that places without a motion say where it presses.
 
-use super::off_grid::{Goals, NO_MISS, Timed, solved};
+use super::off_grid::{Goals, Timed, solved};
 use super::word::Word;
 use crate::ocp::collocation::discretization::{Lengths, Setting};
 use crate::ocp::collocation::transcribe::transcribe;
@@ -14,23 +13,11 @@ use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
+use crate::ocp::tuning::equal::{MET, OPTIMUM};
+use crate::ocp::tuning::on_grid::{
+    AT_AN_END, BARRIER, BESIDE_A_JUMP, ITERATIONS, JUMP, MOVES, PRESSES,
+};
 use crate::rk::ButcherTableau;
-
-/// Change of a control, as a share of its range, that is a jump.
-const JUMP: f64 = 0.1;
-/// Distance from an end of an interval, in intervals, at which a switch is there in any case, and within which it may be on its other
-/// side.
-const AT_AN_END: f64 = 0.05;
-const NEAR_AN_END: f64 = 0.25;
-/// Distance from an end of its interval, in intervals, within which a switch presses on it.
-const PRESSES: f64 = 0.03;
-/// First barrier parameter of a program on the grid, which starts near its solution.
-const BARRIER: f64 = 1e-3;
-/// Most iterations of a program on the grid.
-const ITERATIONS: usize = 100;
-/// Most moves of the switches of a word, and the relative gain below which there is none.
-const MOVES: usize = 8;
-const GAIN: f64 = 1e-6;
 
 /// Where the switches of an instant are: in an interval, or at its start.
 type At = (usize, Place);
@@ -55,32 +42,10 @@ pub(in crate::ocp) struct Grid<'a, 'g> {
     pub(in crate::ocp) elements: &'g [usize],
 }
 
-/// How switches are put into intervals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Rounding {
-    /// Each in the interval in which it is.
-    Inside,
-    /// At the nearest end where the controls jump there.
-    AtJumps,
-    /// Those near an end on its other side.
-    Over,
-}
-
-impl Rounding {
-    /// The rule of the search that it is; those inside are always tried.
-    fn rule(self) -> Option<&'static str> {
-        match self {
-            Self::Inside => None,
-            Self::AtJumps => Some("at-jumps"),
-            Self::Over => Some("over"),
-        }
-    }
-}
-
 impl Placed {
     /// Whether it reaches the goals.
     pub(in crate::ocp) fn reaches(&self) -> bool {
-        self.missed <= NO_MISS
+        self.missed <= MET
     }
 
     /// Those that reach the goals first, then by merit.
@@ -90,13 +55,14 @@ impl Placed {
 
     /// Whether it is better than another one by more than nothing.
     fn improves(&self, other: &Self) -> bool {
-        let gain = other.merit - self.merit > GAIN * other.merit.abs();
+        let gain = other.merit - self.merit > OPTIMUM * other.merit.abs();
         self.reaches() && !other.reaches() || self.reaches() == other.reaches() && gain
     }
 }
 
 impl Grid<'_, '_> {
-    /// The best of the ways to put a word on the grid.
+    /// The better of two ways to put a word on the grid: each switch in the interval in which it is off the grid, and those at the nearest
+    /// end where controls jump.
     pub(in crate::ocp) fn rounded(&self, runner: &mut Runner, timed: &Timed) -> Option<Placed> {
         let horizon = timed.motion.horizon;
         let intervals = self.setting.problem.intervals;
@@ -110,21 +76,19 @@ impl Grid<'_, '_> {
         let times: Vec<f64> = times
             .map(|time| time / horizon * intervals as f64)
             .collect();
-        let mut tried: Vec<Vec<At>> = Vec::new();
-        let mut best: Option<Placed> = None;
-        for rounding in [Rounding::Inside, Rounding::AtJumps, Rounding::Over] {
-            let places = in_order(places(self.setting, timed, rounding), intervals);
-            let left_out = rounding
-                .rule()
-                .is_some_and(|rule| !runner.settings.uses(rule));
-            if runner.stopped() || left_out || tried.contains(&places) {
-                continue;
-            }
-            tried.push(places.clone());
-            let placed = self.placed(runner, timed.word(), (&places, &times), &trajectory);
-            best = better(best, placed);
+        let [inside, at_jumps] =
+            [false, true].map(|at_jumps| places(self.setting, timed, at_jumps));
+        let differs = at_jumps != inside && runner.settings.uses("at-jumps");
+        let mut placed = |places: &[At]| {
+            let going_on = !runner.stopped();
+            going_on.then(|| self.placed(runner, timed.word(), (places, &times), &trajectory))?
+        };
+        let one = placed(&inside);
+        let other = differs.then(|| placed(&at_jumps)).flatten();
+        match (one, other) {
+            (Some(one), Some(other)) if other.rank() < one.rank() => Some(other),
+            (one, other) => one.or(other),
         }
-        best
     }
 
     /// The best that switches come to which are moved through the ends of their intervals.
@@ -235,13 +199,6 @@ impl Grid<'_, '_> {
     }
 }
 
-fn better(one: Option<Placed>, other: Option<Placed>) -> Option<Placed> {
-    match (one, other) {
-        (Some(one), Some(other)) if other.rank() < one.rank() => Some(other),
-        (one, other) => one.or(other),
-    }
-}
-
 /// The sequence of a word with its instants at these places; `None` where that is no order.
 fn sequence(word: &Word, places: &[At], times: &[f64], intervals: usize) -> Option<Sequence> {
     let mut switches: Vec<Switch> = Vec::new();
@@ -262,8 +219,8 @@ fn sequence(word: &Word, places: &[At], times: &[f64], intervals: usize) -> Opti
     word.with_switches(switches).ordered(intervals)
 }
 
-/// Where each instant is put.
-fn places(setting: Setting, timed: &Timed, rounding: Rounding) -> Vec<At> {
+/// The interval of each instant, or its nearest end where the controls jump there; an impact that ends the motion is at its end.
+fn places(setting: Setting, timed: &Timed, at_jumps: bool) -> Vec<At> {
     let intervals = setting.problem.intervals;
     let n = setting.problem.q.len();
     let (lower, upper) = setting.bounds;
@@ -271,7 +228,7 @@ fn places(setting: Setting, timed: &Timed, rounding: Rounding) -> Vec<At> {
     let horizon = motion.horizon;
     let count = timed.draft.times.len();
     let jumps = |time: f64| {
-        let reach = 1e-3 * horizon;
+        let reach = BESIDE_A_JUMP * horizon;
         let before = motion.controls_between(time - reach, time);
         let after = motion.controls_between(time, time + reach);
         let changes = before.iter().zip(&after).enumerate();
@@ -288,19 +245,19 @@ fn places(setting: Setting, timed: &Timed, rounding: Rounding) -> Vec<At> {
         }
         let z = time / horizon * intervals as f64;
         let inside = ((z.max(0.0) as usize).min(intervals - 1), Place::Inside);
-        if intervals < 2 {
+        if intervals < 2 || !at_jumps {
             return inside;
         }
         let end = (z.round() as usize).clamp(1, intervals - 1);
-        let distance = (z - end as f64).abs();
-        match rounding {
-            Rounding::Over if distance < NEAR_AN_END && z < end as f64 => (end, Place::Inside),
-            Rounding::Over if distance < NEAR_AN_END => (end - 1, Place::Inside),
-            Rounding::AtJumps if distance <= AT_AN_END || jumps(time) => (end, Place::Start),
-            _ => inside,
+        match (z - end as f64).abs() <= AT_AN_END || jumps(time) {
+            true => (end, Place::Start),
+            false => inside,
         }
     };
-    timed.draft.times.iter().enumerate().map(place).collect()
+    in_order(
+        timed.draft.times.iter().enumerate().map(place).collect(),
+        intervals,
+    )
 }
 
 fn is_in_order(places: &[At]) -> bool {

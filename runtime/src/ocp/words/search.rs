@@ -1,57 +1,42 @@
 //! Best first: from the words to begin with to better ones by edits, until nothing more is gained.
 
-use super::beginnings::{Beginning, MOST_PHASES};
+use super::beginnings::Beginning;
 use super::edits::{Parent, RULES, Rule};
 use super::library::Library;
-use super::off_grid::{Fineness, Goals, NO_MISS, Timed, solve};
+use super::off_grid::{Fineness, Goals, Timed, solve};
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Settings;
+use crate::ocp::tuning::beginnings::MOST_PHASES;
+use crate::ocp::tuning::equal::{MET, MOTION};
+use crate::ocp::tuning::off_grid::{DEARER, EVEN_PIECES, FREE_PIECES, LEAST_PIECES, TOLERANCE};
+use crate::ocp::tuning::table::{
+    GUESSES, KEPT, MOST_EXCESS, NEXT_OF_RULE, OF_EACH_WORD, OF_PARENT, OF_PHASE, PATIENCE, POORER,
+    PROGRAMS, REFINEMENTS, SAME_TIMES, SHORTER, WORTH,
+};
 use crate::progress::BestMotion;
 use crate::rk::ButcherTableau;
 
-/// Most programs of a search, and programs without a gain after which it ends.
-const PROGRAMS: usize = 48;
-const PATIENCE: usize = 15;
-/// Most guesses of one word, and one more for each time that it was the best.
-const GUESSES: usize = 3;
-/// Times of switches, as shares of the motion, that differ by less are the same guess.
-const SAME_TIMES: f64 = 0.06;
-/// By how much dearer it is to miss goals for a word that would be the best.
-pub(super) const DEARER: f64 = 100.0;
-/// Relative gain below which there is none.
-const GAIN: f64 = 1e-4;
-/// Price of a further draft of the same rule, and of a phase.
-const NEXT_OF_RULE: f64 = 0.015;
-const OF_PHASE: f64 = 0.004;
-/// Share of the parent's excess over the best that counts.
-const OF_PARENT: f64 = 0.5;
-/// Excess over the best up to which a shorter word is followed.
-const SHORTER: f64 = 0.1;
 /// Control pieces of a word for least time, with lengths of their own, and of others.
 const FREE: Fineness = Fineness {
-    pieces: 10,
-    least: 2,
+    pieces: FREE_PIECES,
+    least: LEAST_PIECES,
     free: true,
 };
 const EVEN: Fineness = Fineness {
-    pieces: 20,
-    least: 2,
+    pieces: EVEN_PIECES,
+    least: LEAST_PIECES,
     free: false,
 };
+
 /// The same of the best ones at last.
 const REFINED: Fineness = Fineness {
-    pieces: 20,
-    least: 2,
+    pieces: EVEN_PIECES,
+    least: LEAST_PIECES,
     free: true,
 };
-/// Words that are refined, and those that may go on to the grid.
-const REFINEMENTS: usize = 4;
-const KEPT: usize = 12;
-/// Excess over the best up to which a word is refined.
-const WORTH: f64 = 0.3;
 
 /// A word that was looked at.
 struct Seen {
@@ -126,12 +111,7 @@ impl<'a, 'r> Words<'a, 'r> {
         beginnings: &[Beginning],
     ) -> (Vec<Timed>, Goals) {
         for beginning in beginnings {
-            self.evaluate(
-                runner,
-                &beginning.draft,
-                &beginning.motion,
-                beginning.source,
-            );
+            self.evaluate(runner, &beginning.draft, &beginning.motion);
         }
         (0..self.solved.len()).for_each(|index| self.push(index));
         self.last_gain = self.programs;
@@ -141,12 +121,12 @@ impl<'a, 'r> Words<'a, 'r> {
             && let Some(next) = self.next()
         {
             let parent = self.solved[next.parent].clone();
-            let Some(index) = self.evaluate(runner, &next.draft, &parent.motion, next.rule) else {
+            let Some(index) = self.evaluate(runner, &next.draft, &parent.motion) else {
                 continue;
             };
             let found = &self.solved[index];
             let size = self.size();
-            let better = found.value(size) < parent.value(size) - GAIN * size;
+            let better = found.value(size) < parent.value(size) - TOLERANCE * size;
             let shorter = found.word().phases() < parent.word().phases()
                 && found.merit < self.best_merit() + SHORTER * size;
             if self.best == Some(index) {
@@ -157,7 +137,7 @@ impl<'a, 'r> Words<'a, 'r> {
                 self.push(index);
             }
         }
-        self.refined(runner)
+        self.best_words(runner)
     }
 
     /// Size against which gains count.
@@ -183,7 +163,6 @@ impl<'a, 'r> Words<'a, 'r> {
         runner: &mut Runner,
         draft: &Draft,
         motion: &Trajectory,
-        origin: &'static str,
     ) -> Option<usize> {
         if draft.word.phases() > MOST_PHASES || runner.stopped() {
             return None;
@@ -216,7 +195,6 @@ impl<'a, 'r> Words<'a, 'r> {
         let first = solve(runner, self.setting, with, (draft, motion), &mut self.goals);
         self.programs += 1;
         let timed = self.dearer(runner, first?);
-        let timed = Timed { origin, ..timed };
         let merit = timed.merit;
         if !merit.is_finite() {
             return None;
@@ -225,11 +203,11 @@ impl<'a, 'r> Words<'a, 'r> {
         self.solved.push(timed);
         let improves = self
             .best
-            .is_none_or(|best| self.value(index) < self.value(best) - GAIN * self.size());
+            .is_none_or(|best| self.value(index) < self.value(best) - TOLERANCE * self.size());
         let seen = &mut self.seen[place];
         seen.merit = seen.merit.min(merit);
         if improves {
-            if self.solved[index].missed <= NO_MISS {
+            if self.solved[index].missed <= MET {
                 let objective = self.solved[index].objective;
                 runner.found(BestMotion::new(draft.word.closings(), objective, false));
             }
@@ -241,7 +219,7 @@ impl<'a, 'r> Words<'a, 'r> {
 
     /// A word that would be the best though it misses goals, at a higher price of that.
     fn dearer(&mut self, runner: &mut Runner, timed: Timed) -> Timed {
-        if timed.missed <= NO_MISS || timed.merit >= self.best_merit() {
+        if timed.missed <= MET || timed.merit >= self.best_merit() {
             return timed;
         }
         let with = (self.tableau, self.fineness);
@@ -281,7 +259,7 @@ impl<'a, 'r> Words<'a, 'r> {
             for (rank, draft) in (rule.drafts)(&parent).into_iter().enumerate() {
                 self.order += 1;
                 let own = rule.price + NEXT_OF_RULE * rank as f64;
-                let of_word = OF_PHASE * phases as f64 + OF_PARENT * excess.min(1e3);
+                let of_word = OF_PHASE * phases as f64 + OF_PARENT * excess.min(MOST_EXCESS);
                 waiting.push(Waiting {
                     priority: own + of_word,
                     order: self.order,
@@ -314,47 +292,41 @@ impl<'a, 'r> Words<'a, 'r> {
             let (index, _) = cheapest?;
             let next = self.waiting.swap_remove(index);
             let mine = self.seen.iter().find(|seen| seen.word == next.draft.word);
-            let worse = self.merit(next.parent) - GAIN * self.size();
-            let again = matches!(next.rule, "move" | "press" | "duplicate");
+            let worse = self.merit(next.parent) - TOLERANCE * self.size();
+            let again = next.rule == "press";
             if again || mine.is_none_or(|seen| seen.merit >= worse) {
                 return Some(next);
             }
         }
     }
 
-    /// The best words that reach the goals, refined, the best first.
-    fn refined(mut self, runner: &mut Runner) -> (Vec<Timed>, Goals) {
+    /// The best words, the best first: of each at most two motions that differ, and those that come first with pieces of free length.
+    fn best_words(mut self, runner: &mut Runner) -> (Vec<Timed>, Goals) {
         let size = self.size();
-        let best = self.best_merit();
+        let most = self.best_merit() + WORTH * size;
         let mut all = std::mem::take(&mut self.solved);
-        all.retain(|timed| timed.merit <= best + WORTH * size);
+        all.retain(|timed| timed.merit <= most);
         all.sort_by(|a, b| a.value(size).total_cmp(&b.value(size)));
         let mut kept: Vec<Timed> = Vec::new();
         for timed in all {
             let same = kept.iter().filter(|other| other.word() == timed.word());
-            let mut same = same.map(|other| (other.merit - timed.merit).abs());
-            let count = kept
-                .iter()
-                .filter(|other| other.word() == timed.word())
-                .count();
-            if count < 2 && !same.any(|difference| difference < 1e-3 * size) && kept.len() < KEPT {
+            let mut distances = same.map(|other| (other.merit - timed.merit).abs());
+            let differs = distances.all(|distance| distance >= MOTION * size);
+            let same = kept.iter().filter(|other| other.word() == timed.word());
+            if same.count() < OF_EACH_WORD && differs && kept.len() < KEPT {
                 kept.push(timed);
             }
         }
         for timed in kept.iter_mut().take(REFINEMENTS) {
-            let with = (self.tableau, REFINED);
-            let draft = timed.draft.clone();
-            let from = (&draft, &timed.motion.clone());
             if runner.stopped() || !runner.settings.uses("refine") {
                 break;
             }
+            let with = (self.tableau, REFINED);
+            let from = (&timed.draft, &timed.motion);
             if let Some(refined) = solve(runner, self.setting, with, from, &mut self.goals)
-                && refined.merit < timed.merit + 2e-3 * size
+                && refined.merit < timed.merit + POORER * size
             {
-                *timed = Timed {
-                    origin: timed.origin,
-                    ..refined
-                };
+                *timed = refined;
             }
         }
         kept.sort_by(|a, b| a.value(size).total_cmp(&b.value(size)));

@@ -3,10 +3,8 @@
 use crate::model::{Model, Pieces};
 use crate::ocp::motion::mode::{closed_mode, is_frictional, is_passed};
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
+use crate::ocp::tuning::equal::INSTANT;
 use crate::simulation::ContactMode;
-
-/// Switches within this share of the motion happen at one instant: what separates them is rounding.
-const SAME_INSTANT: f64 = 1e-6;
 
 /// What switches at one instant: groups of a leader and those that accompany it.
 pub(super) type Instant = Vec<Switch>;
@@ -103,7 +101,7 @@ impl Draft {
                 ..*switch
             };
             let last = times.last().copied();
-            let joins = last.is_some_and(|last| time - last <= SAME_INSTANT * horizon)
+            let joins = last.is_some_and(|last| time - last <= INSTANT * horizon)
                 && (switch.accompanies || instants.last().is_some_and(|i| may_join(i, switch)));
             match instants.last_mut().filter(|_| joins) {
                 Some(instant) => instant.push(plain),
@@ -113,7 +111,7 @@ impl Draft {
                 }
             }
         }
-        let at_the_end = |time: &f64| horizon - time <= SAME_INSTANT * horizon;
+        let at_the_end = |time: &f64| horizon - time <= INSTANT * horizon;
         let closes = |instant: &Instant| instant.iter().any(|switch| switch.closes);
         let ends_with_impact =
             times.last().is_some_and(at_the_end) && instants.last().is_some_and(closes);

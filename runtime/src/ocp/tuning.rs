@@ -1,0 +1,463 @@
+//! The constants that steer the search: what is looked for, in which order, and when it is enough.
+//!
+//! None of them decides what is true of a result. A motion is what its re-simulation says, an optimum what its multipliers and neighbours
+//! say, whatever stands here; other values lead to other motions, or to the same with more work. Tolerances of the mathematics
+//! (collocation, motions, judgement) stand where they are used.
+//!
+//! Units: *share of the motion* is of its final time, *relative* is to the size of the objective, *intervals* are those of the control grid;
+//! what has no unit is a number or a count. Origins: *measured* with the figure, *follows* from something else, or *chosen*, where nothing
+//! better than the order of magnitude is known. `cargo bench --bench zoo` tells what a change does.
+
+/// What counts as equal, and as nothing, in all parts of the search.
+pub(in crate::ocp) mod equal {
+    /// Relative difference of the objective within which motions that were found by different programs are the same one, and below which a
+    /// further search has led to nothing. Chosen: what discretizations and coarse tolerances change. Larger: optima are taken for
+    /// one another; smaller: the same motion is looked at again.
+    pub(in crate::ocp) const MOTION: f64 = 1e-3;
+    /// The same of local optima of the same kind of program. Follows: a thousand tolerances of the programs (1e-9).
+    pub(in crate::ocp) const OPTIMUM: f64 = 1e-6;
+    /// The same of what an optimum costs, solved to its tolerance by different paths. Follows: a hundred of these tolerances.
+    pub(in crate::ocp) const COST: f64 = 1e-7;
+    /// What is rounding: of gaps and velocities of size one, of shares of the motion, of sums, and of objectives relative to their size; an
+    /// objective that is better by more is better. Follows: a million roundings of numbers of size one, and the tolerance of the programs.
+    pub(in crate::ocp) const ROUNDING: f64 = 1e-9;
+    /// Switches within this share of the motion happen at one instant. Follows: what separates them is rounding and [`OPTIMUM`].
+    pub(in crate::ocp) const INSTANT: f64 = 1e-6;
+    /// Miss of a goal, in its size, that is none: [`super::off_grid::TOLERANCE`] of programs leaves as much. Chosen.
+    pub(in crate::ocp) const MET: f64 = 1e-3;
+}
+
+/// Words to begin with, and the random motions that they are read from.
+pub(in crate::ocp) mod beginnings {
+    /// Motions under random controls that are drawn, and that are made of the best of them. Chosen.
+    pub(in crate::ocp) const DRAWN: u64 = 100;
+    pub(in crate::ocp) const CHANGED: usize = 200;
+    /// Best orders of events that become words, and those from which the library of cycles learns. Chosen.
+    pub(in crate::ocp) const WORDS: usize = 6;
+    pub(in crate::ocp) const LEARNED: usize = 24;
+    /// Beginnings of motions that become words: of up to so many phases, so many of each length. Chosen; without them `brake-two-pads` of the
+    /// families ends 0.4 % worse.
+    pub(in crate::ocp) const PHASES: usize = 3;
+    pub(in crate::ocp) const OF_EACH_LENGTH: usize = 2;
+    /// Words of steps of feet that stand at the start. Chosen: of one, and of two in turn, once and twice.
+    pub(in crate::ocp) const STEPS: usize = 8;
+    /// Most instants of a cycle of the library. Chosen: a hop has two, a step and a slip three.
+    pub(in crate::ocp) const LONGEST_CYCLE: usize = 3;
+    /// Most phases of a word. Chosen: without a bound bounces that die out are words of any length.
+    pub(in crate::ocp) const MOST_PHASES: usize = 16;
+}
+
+/// Programs of words: phases of free length.
+pub(in crate::ocp) mod off_grid {
+    /// Stages of the collocation. Chosen: order five.
+    pub(in crate::ocp) const STAGES: usize = 3;
+    /// Control pieces of a word for least time, which have lengths of their own, and of another, and the least number of a phase.
+    /// Chosen: bang-bang controls need few of any length, others many of the same.
+    pub(in crate::ocp) const FREE_PIECES: usize = 10;
+    pub(in crate::ocp) const EVEN_PIECES: usize = 20;
+    pub(in crate::ocp) const LEAST_PIECES: usize = 2;
+    /// Least length of a phase to start with, a share of the motion: the program moves it from there. Chosen: at none a program starts
+    /// on a bound.
+    pub(in crate::ocp) const LEAST: f64 = 2e-3;
+    /// Elements of a motion: controls that switch at any time use errors of longer ones. Chosen.
+    pub(in crate::ocp) const ELEMENTS: f64 = 24.0;
+    /// Excess over a whole number of elements that is let pass. Chosen: else lengths next to a whole number cost an element.
+    pub(in crate::ocp) const ROUNDED: f64 = 0.3;
+    /// By how much an element may become longer: what happens between the stages of longer ones is anybody's guess. Chosen.
+    pub(in crate::ocp) const LONGEST: f64 = 1.5;
+    /// Tolerance of a program of which the order of contacts is read, off the grid and of the first contact-implicit ones; relative gain,
+    /// and share of all presses, below which there is none. Chosen: words differ by more.
+    pub(in crate::ocp) const TOLERANCE: f64 = 1e-4;
+    /// First barrier parameter. Chosen: guesses are far from solutions.
+    pub(in crate::ocp) const BARRIER: f64 = 1e-2;
+    /// Most iterations. Measured: with 100 4 % of all iterations are saved, and 7 of 398 solved programs lost.
+    pub(in crate::ocp) const ITERATIONS: usize = 150;
+    /// Most iterations of the restoration phase, here and of the first program of a sequence where nothing is to be proved. Measured: of
+    /// 1014 that come to nothing 98 in 100 take some, mostly many; of 705 that are solved 29 take some, and four of these more than five.
+    pub(in crate::ocp) const RESTORED: usize = 5;
+    /// Least share of the unit of an objective that counts as its size. Chosen: smaller ones drown in rounding.
+    pub(in crate::ocp) const LEAST_SHARE: f64 = 1e-6;
+    /// Price of a miss to start with, in sizes of the objective per size of a goal, and by how much dearer it is for a word that would be
+    /// the best. Chosen: too low a price lets words miss goals, too high a one hides the objective.
+    pub(in crate::ocp) const PRICE: f64 = 10.0;
+    pub(in crate::ocp) const DEARER: f64 = 100.0;
+}
+
+/// The table of words, best first.
+pub(in crate::ocp) mod table {
+    /// Most programs of a search, and programs without a gain after which it ends. Chosen.
+    pub(in crate::ocp) const PROGRAMS: usize = 48;
+    pub(in crate::ocp) const PATIENCE: usize = 15;
+    /// Most guesses of one word; there is one more for each time that it was the best. Chosen: a program has local optima.
+    pub(in crate::ocp) const GUESSES: usize = 3;
+    /// Times of switches, shares of the motion, that differ by less are the same guess. Chosen.
+    pub(in crate::ocp) const SAME_TIMES: f64 = 0.06;
+    /// What a phase has to gain for a word to be better with it, relative: with more phases there are more control pieces. Chosen.
+    pub(in crate::ocp) const WORTH_OF_PHASE: f64 = 1e-3;
+    /// Prices, relative to the objective: of a further draft of the same rule, and of a phase. Chosen, with those of the rules.
+    pub(in crate::ocp) const NEXT_OF_RULE: f64 = 0.015;
+    pub(in crate::ocp) const OF_PHASE: f64 = 0.004;
+    /// Share of the parent's excess over the best that counts. Chosen: between the best alone and
+    /// all alike.
+    pub(in crate::ocp) const OF_PARENT: f64 = 0.5;
+    /// Excess of a parent, relative, above which all are alike. Chosen: words that miss their goals are
+    /// alike.
+    pub(in crate::ocp) const MOST_EXCESS: f64 = 1e3;
+    /// Relative excess over the best up to which a shorter word is followed. Chosen.
+    pub(in crate::ocp) const SHORTER: f64 = 0.1;
+    /// Words that are solved once more with pieces of free length, and by how much they may become worse, relative: other elements
+    /// change as much. Chosen.
+    pub(in crate::ocp) const REFINEMENTS: usize = 4;
+    pub(in crate::ocp) const POORER: f64 = 2e-3;
+    /// Words that may go on to the grid, of each at most so many motions, and the relative excess over the best up to which they are. Chosen.
+    pub(in crate::ocp) const KEPT: usize = 12;
+    pub(in crate::ocp) const OF_EACH_WORD: usize = 2;
+    pub(in crate::ocp) const WORTH: f64 = 0.3;
+}
+
+/// Rules that make words of words.
+pub(in crate::ocp) mod edits {
+    /// Prices of the rules, relative to the objective: by how much the parent of a draft may be worse than that of another one and still
+    /// come first. Chosen: cheap where solutions themselves ask for an edit.
+    pub(in crate::ocp) mod price {
+        /// Without all phases of no length.
+        pub(in crate::ocp) const COLLAPSE: f64 = 0.0;
+        /// Without one of them.
+        pub(in crate::ocp) const VANISH: f64 = 0.0;
+        /// A cycle where a solution presses.
+        pub(in crate::ocp) const PRESS: f64 = 0.01;
+        /// One contact otherwise.
+        pub(in crate::ocp) const FLIP: f64 = 0.025;
+        /// A touch.
+        pub(in crate::ocp) const TOUCH: f64 = 0.03;
+        /// Without the last instant.
+        pub(in crate::ocp) const CUT: f64 = 0.04;
+    }
+    /// A phase shorter than this share of the motion has vanished. Follows: a little above [`super::off_grid::LEAST`].
+    pub(in crate::ocp) const VANISHED: f64 = 3e-3;
+    /// Length of what is inserted where a solution presses, a share of the motion, and of its phase the share that is left on both sides.
+    /// Chosen: the program moves it from there.
+    pub(in crate::ocp) const INSERTED: f64 = 0.08;
+    pub(in crate::ocp) const ROOM: f64 = 0.02;
+    /// By how much of a share a cycle that was seen once comes before one that was not. Chosen: it decides between equal ones.
+    pub(in crate::ocp) const OFTEN: f64 = 1e-4;
+    /// Most phases that are left out with one, up to one with the modes of the phase before it. Chosen.
+    pub(in crate::ocp) const LEFT_OUT: usize = 4;
+    /// Where in an open phase a touch is tried, shares of the phase. Chosen: in the middle, and before the landing that follows.
+    pub(in crate::ocp) const TOUCHED: [f64; 2] = [0.5, 0.9];
+}
+
+/// Words that are put on the control grid.
+pub(in crate::ocp) mod on_grid {
+    /// Change of a control, as a share of its range, that is a jump, and share of the motion on either side of a switch in which it is looked
+    /// for. Chosen.
+    pub(in crate::ocp) const JUMP: f64 = 0.1;
+    pub(in crate::ocp) const BESIDE_A_JUMP: f64 = 1e-3;
+    /// Distance from an end of an interval, in intervals, at which a switch is there with or without a jump. Chosen.
+    pub(in crate::ocp) const AT_AN_END: f64 = 0.05;
+    /// Distance of a switch from an end of its interval, in intervals, within which it presses on it. Chosen.
+    pub(in crate::ocp) const PRESSES: f64 = 0.03;
+    /// First barrier parameter, and most iterations. Chosen: a program starts near its solution.
+    pub(in crate::ocp) const BARRIER: f64 = 1e-3;
+    pub(in crate::ocp) const ITERATIONS: usize = 100;
+    /// Most moves of the switches of a word. Chosen.
+    pub(in crate::ocp) const MOVES: usize = 8;
+    /// Relative excess of the objective off the grid over the best on it beyond which a word is not put on it. Chosen: the grid mostly
+    /// costs something.
+    pub(in crate::ocp) const BEYOND: f64 = 1e-2;
+    /// Words that are put on the grid, where one of them reaches the goals there. Chosen.
+    pub(in crate::ocp) const PLACED: usize = 6;
+    /// Words whose switches are moved, the best first, and the relative excess over the best up to which they are. Chosen.
+    pub(in crate::ocp) const MOVED: usize = 2;
+    pub(in crate::ocp) const MOVED_WITHIN: f64 = 2e-2;
+    /// Most intervals of a grid that words are put on, and the fewest where a finer one is asked for. Chosen.
+    pub(in crate::ocp) const FINE: usize = 40;
+    pub(in crate::ocp) const LEAST: usize = 8;
+    pub(in crate::ocp) const JUDGED: usize = 3;
+    /// By how much elements become more at most where intervals are aligned with phases and a motion is not confirmed. Chosen.
+    pub(in crate::ocp) const FINEST: usize = 8;
+    /// Most words that are looked at on the way from an aligned one. Chosen.
+    pub(in crate::ocp) const FOLLOWED: usize = 40;
+}
+
+/// Random motions of which the best of each order of events is kept.
+pub(in crate::ocp) mod sampled {
+    /// The same as of words ([`super::beginnings`]), for searches on grids and for what is hard in a problem without a motion.
+    pub(in crate::ocp) const DRAWN: u64 = 256;
+    pub(in crate::ocp) const CHANGED: usize = 768;
+    /// How much longer than its random length, or than the one that it is made of, a motion with a free final time is followed. Chosen.
+    pub(in crate::ocp) const LONGER: f64 = 2.0;
+    pub(in crate::ocp) const LONGER_THAN_BEFORE: f64 = 1.5;
+    /// Places where a motion may end, and where conditions are looked at: so many in an interval, and no fewer than these. Chosen.
+    pub(in crate::ocp) const PLACES: usize = 8;
+    pub(in crate::ocp) const LEAST_PLACES: usize = 64;
+    /// Tolerance of simulations of which only the end counts, and violation of a goal or bound, in its unit, that simulation and
+    /// interpolation may cause. Chosen: below [`super::equal::MET`].
+    pub(in crate::ocp) const TOLERANCE: f64 = 1e-6;
+    /// Most events of an order. Chosen.
+    pub(in crate::ocp) const EVENTS: usize = 8;
+    /// Share of the ends that miss a goal by less than its unit. Chosen: the worst do not decide.
+    pub(in crate::ocp) const WITHIN: f64 = 0.75;
+    /// Unit of the violation of bounds, as a share of what is between them. Chosen.
+    pub(in crate::ocp) const OF_RANGE: f64 = 0.2;
+    /// Distances, in units of the conditions, that differ by less are alike: then the cost decides. Chosen.
+    pub(in crate::ocp) const ALIKE: f64 = 0.05;
+    /// The best motions, one of which is changed in turn with any one. Chosen.
+    pub(in crate::ocp) const BEST: usize = 8;
+    /// By how much of their range values are changed at most, in turn. Chosen: each about a third of the one before.
+    pub(in crate::ocp) const CHANGES: [f64; 4] = [0.5, 0.2, 0.07, 0.02];
+    /// Ends of the random numbers, from -1 to 1, by which all controls are changed, those of one interval, or those of one that is moved.
+    /// Follows: each as often.
+    pub(in crate::ocp) const OF_EACH_KIND: f64 = 1.0 / 3.0;
+    /// Orders that are tried. Chosen.
+    pub(in crate::ocp) const TRIED: usize = 12;
+    /// Motions by which ranges of random controls are compared, share of the bounds in the next narrower range, and most such
+    /// steps. Chosen.
+    pub(in crate::ocp) const PILOTS: u64 = 12;
+    pub(in crate::ocp) const NARROWED: f64 = 0.25;
+    pub(in crate::ocp) const NARROWER: i32 = 12;
+}
+
+/// Programs of contact sequences on a grid.
+pub(in crate::ocp) mod attempt {
+    /// Barrier parameters that a program is started with, in this order, and most iterations with each: of the first program of a sequence.
+    /// Chosen.
+    pub(in crate::ocp) const FIRST: [(f64, usize); 3] =
+        [(1e-2, usize::MAX), (1e-3, usize::MAX), (1e-1, usize::MAX)];
+    /// The same where nothing is to be proved. Measured: of those that are solved from there, 49 of 50 take fewer.
+    pub(in crate::ocp) const QUICK: [(f64, usize); 1] = [(1e-2, 130)];
+    /// The same of a neighbour, which starts near its solution, and at last from further away. Chosen.
+    pub(in crate::ocp) const NEIGHBOUR: [(f64, usize); 2] = [(1e-4, 60), (1e-2, 300)];
+    /// The same of a sequence about which nothing is claimed. Chosen.
+    pub(in crate::ocp) const EXPLORED: [(f64, usize); 1] = [(1e-4, 60)];
+    /// The same after a cut. Chosen.
+    pub(in crate::ocp) const AFTER_CUT: (f64, usize) = (1e-5, 80);
+    /// Tolerance of the first stage. Chosen: sequences that are worse are left there.
+    pub(in crate::ocp) const FIRST_TOLERANCE: f64 = 2e-7;
+    /// Most iterations of the second stage. Measured: none of 2500 that came to a solution took more.
+    pub(in crate::ocp) const SECOND: usize = 100;
+    /// Rounds of cuts of one sequence. Chosen.
+    pub(in crate::ocp) const ROUNDS: usize = 6;
+    /// Share of the tolerance to which a result is polished, and most iterations. Measured: 248 of 259 took at most seven, none more than
+    /// 18.
+    pub(in crate::ocp) const POLISH: f64 = 1e-3;
+    pub(in crate::ocp) const POLISH_ITERATIONS: usize = 30;
+}
+
+/// Neighbours of a contact sequence, and when a multiplier points to one. Lengths and distances are in intervals.
+pub(in crate::ocp) mod neighbours {
+    /// Switches of a contact closer than this may cancel each other. Chosen: those in one interval and the next.
+    pub(in crate::ocp) const CLOSE: f64 = 1.1;
+    /// A switch nearer to the end of its interval than this sticks there. Chosen.
+    pub(in crate::ocp) const STUCK: f64 = 0.01;
+    /// What lasts as long or longer is not held at the least lengths of phases. Follows: [`STUCK`] at both ends.
+    pub(in crate::ocp) const APART: f64 = 2.0 * STUCK;
+    /// A contact, or a slip, that is shorter may be no more than a touch, or a rest. Chosen: one interval or little more.
+    pub(in crate::ocp) const SHORT: f64 = 1.5;
+    /// Ends of intervals before a landing at which it is tried as a bounce, and most bounces that a landing is tried with in front of it.
+    /// Chosen.
+    pub(in crate::ocp) const BOUNCES_BEFORE: usize = 4;
+    pub(in crate::ocp) const TOUCHES: usize = 2;
+    /// Where a moved switch is started, as a distance from the end it came through. Chosen.
+    pub(in crate::ocp) const ENTRY: f64 = 0.05;
+    /// Half the length of an inserted contact or flight, and that of a second attempt. Chosen.
+    pub(in crate::ocp) const INSERTED: [f64; 2] = [0.2, 0.03];
+    /// Distance from a switch of the same contact within which no other one is inserted. Chosen: more than [`INSERTED`], twice.
+    pub(in crate::ocp) const NEAR: f64 = 0.6;
+    /// What the solver leaves: multipliers above this share of the largest one belong to conditions that matter, a normal acceleration
+    /// above this share of that which holds a contact pulls it off, a force that keeps this share of the friction from both edges is within
+    /// the cone, and what slides slower, in the unit of its row, does not move. Chosen: above the tolerance of the programs (1e-9).
+    pub(in crate::ocp) const LEFT: f64 = 1e-6;
+    /// A condition that is met with a distance to spare is active only where the multiplier, as a share of the largest one, is above this
+    /// share of that distance. Chosen: the product of both is what the solver leaves of complementarity, so that a small multiplier at a
+    /// distance means nothing.
+    pub(in crate::ocp) const DISTANT: f64 = 1e-2;
+    /// Multipliers of rows up to so many tolerances are errors, which add up over the phases: where all are, no condition keeps the motion
+    /// from a better one. Chosen.
+    pub(in crate::ocp) const NOTHING: f64 = 100.0;
+    /// First barrier parameter, and most iterations, of programs whose new phases are held at their least lengths. Chosen: they start at
+    /// their solution.
+    pub(in crate::ocp) const HELD: (f64, usize) = (1e-5, 60);
+    /// Share of that by which the objective of several at once may be lower than that of the best. Chosen: as precise as that is.
+    pub(in crate::ocp) const PRECISION: f64 = 0.1;
+    /// Least number of intervals between two with further phases in one program, which starts from the multipliers of the best where both
+    /// have the same phases. Measured: with 1, 3, 7 `spinning-wheel` of the zoo on 80 intervals takes 333, 280, 392 programs.
+    pub(in crate::ocp) const BETWEEN: usize = 3;
+}
+
+/// Motions that suggest contact sequences on a grid.
+pub(in crate::ocp) mod candidates {
+    /// Most switches of short contacts and flights for which a sequence is tried with them, too. Chosen: one contact or flight.
+    pub(in crate::ocp) const SHORT_SWITCHES: usize = 2;
+    /// How often a contact that bounces is struck in motions that are made up: always so often, and at most so often where that becomes
+    /// better all the time, or there is no motion yet. Chosen.
+    pub(in crate::ocp) const STRUCK: usize = 3;
+    pub(in crate::ocp) const MOST_STRUCK: usize = 8;
+    /// Motions that are made up in a row without a solution after which no more are. Follows: those of two contacts; of more, as of the
+    /// pieces of a surface with edges, there are many, and few of them can follow one another.
+    pub(in crate::ocp) const FAILURES: usize = 24;
+    /// Simulated motions of which it is asked when their switches have to be, as long as none has led to a plan. Chosen.
+    pub(in crate::ocp) const RETIMED: usize = 3;
+    /// Tolerance of the program with intervals of free lengths that says so, and distance in intervals from a jump of the controls at which a
+    /// switch was within which it stays at one. Chosen.
+    pub(in crate::ocp) const FREE_TOLERANCE: f64 = 1e-5;
+    pub(in crate::ocp) const AT_A_JUMP: f64 = 0.25;
+    /// When a step begins, as a share of its part of the time, and ends, as far before its end; and gaits in a row without a solution after which no more are tried.
+    /// Chosen.
+    pub(in crate::ocp) const BEGINS: f64 = 0.25;
+    pub(in crate::ocp) const STUMBLES: usize = 6;
+    /// Points of a simulation, and samples of a guess, in each interval. Chosen.
+    pub(in crate::ocp) const OUTPUTS: usize = 10;
+    pub(in crate::ocp) const SAMPLES: usize = 4;
+    /// Parts of a motion without controls, which has one interval: what counts as short on equal intervals does so in these. Chosen.
+    pub(in crate::ocp) const UNDRIVEN: usize = 20;
+    /// A contact that closes within this share of the first interval was closed at the start. Chosen.
+    pub(in crate::ocp) const AT_ONCE: f64 = 1e-3;
+    /// Instants of the ride without controls at which the goals are looked at. Chosen.
+    pub(in crate::ocp) const RIDE: usize = 2000;
+}
+
+/// States that controls can lead to, for goals that take several swings.
+pub(in crate::ocp) mod reach {
+    /// Steps of a motion: as many as there are intervals, or about so many, of several intervals or of parts of them. Chosen.
+    pub(in crate::ocp) const STEPS: usize = 20;
+    /// Longest motion where the final time is free, relative to its guess. Chosen.
+    pub(in crate::ocp) const LONGEST: f64 = 4.0;
+    /// Most motions that are simulated on a step: the product of the states that are kept after the one before it and the controls that
+    /// are tried. Chosen.
+    pub(in crate::ocp) const SIMULATED: usize = 3000;
+    /// Finest cells of the range of a state, and how many there are of the next coarser ones. Chosen.
+    pub(in crate::ocp) const FINEST: f64 = 64.0;
+    pub(in crate::ocp) const COARSER: f64 = 0.8;
+    /// Most controls of which all combinations are tried; of more, one at a time. Chosen.
+    pub(in crate::ocp) const COMBINED: usize = 2;
+    /// Motions that programs are started from. Chosen.
+    pub(in crate::ocp) const STARTED: usize = 8;
+}
+
+/// Contact-implicit programs, and guesses that they start from.
+pub(in crate::ocp) mod relaxed {
+    use hangtime_solver::mpcc::RelaxationRule;
+
+    /// Last relaxation of the first programs, and, in its unit, the gap that a contact at the start of free initial values may be held off by
+    /// it. Chosen: their contact sequences are read, not their motions.
+    pub(in crate::ocp) const COARSE_LAST: f64 = 1e-3;
+    /// The same of the refined ones, and their first barrier parameter. Chosen: they start at solutions of the first ones.
+    pub(in crate::ocp) const FINE_RELAXED: f64 = 1e-6;
+    pub(in crate::ocp) const FINE_BARRIER: f64 = 1e-4;
+    /// Elements an interval of the first programs, and the rules that relax them. Chosen: they differ in the local optima that they end at.
+    pub(in crate::ocp) const COARSE_PROGRAMS: [(usize, RelaxationRule); 3] = [
+        (1, RelaxationRule::Proportional),
+        (2, RelaxationRule::Continuation),
+        (2, RelaxationRule::RollOff),
+    ];
+    /// How many of the first programs have to end at stationary points of their violation, or to be left on the way to one, until one of
+    /// several starts leaves the others, and refined ones from the guess. Measured: of 87 such searches of the zoo, 2 came through the
+    /// third one, and none through a refined one.
+    pub(in crate::ocp) const INFEASIBLE: usize = 2;
+    /// Least number of elements of the motion in the coarsest program, and in one that carries a motion on to a finer grid. Chosen.
+    pub(in crate::ocp) const LEAST_ELEMENTS: usize = 24;
+    pub(in crate::ocp) const LEAST_FINE_ELEMENTS: usize = 120;
+    /// Relative difference of the objective within which relaxed motions of two starts are the same. Follows: as solutions of one program
+    /// they agree to its tolerance.
+    pub(in crate::ocp) const SAME_BETWEEN_STARTS: f64 = 1e-5;
+    /// Half waves by which a motion is bent. Chosen.
+    pub(in crate::ocp) const WAVES: i32 = 3;
+    /// Exponents of the factors by which a horizon is changed at random: of a bent motion for each share of bending, and of a perturbed
+    /// one. Chosen.
+    pub(in crate::ocp) const BENT_TIME: f64 = 1.5;
+    pub(in crate::ocp) const PERTURBED_TIME: f64 = 0.15;
+    /// By how much a guess is perturbed: controls, as a share of their range, or of their natural size where they have none, and
+    /// coordinates with a goal, as a share of the distance to it. Chosen.
+    pub(in crate::ocp) const OF_RANGE: f64 = 0.25;
+    pub(in crate::ocp) const OF_SIZE: f64 = 0.1;
+    pub(in crate::ocp) const OF_WAY: f64 = 0.05;
+}
+
+/// The time-freezing formulation.
+pub(in crate::ocp) mod freezing {
+    /// Starts beside the first: elements added, and a factor of the auxiliary acceleration. Chosen.
+    pub(in crate::ocp) const VARIANTS: [(usize, f64); 4] = [(0, 1.0), (0, 0.5), (1, 1.0), (0, 2.0)];
+    /// Mean step function of an element above which its contact is open. Follows: in flight it is 1, in contact `a_bar / (a_bar + r)` for
+    /// a normal acceleration `r`.
+    pub(in crate::ocp) const OPEN: f64 = 0.99;
+    /// Time on the clock, in intervals, below which a contact that bounces has not come to rest: it stands during a jump. Chosen.
+    pub(in crate::ocp) const BOUNCE: f64 = 0.05;
+    /// Most iterations of one rule. Chosen.
+    pub(in crate::ocp) const ITERATIONS: usize = 1500;
+    /// Tolerances of the exact program: its rows hold to the first one; where multipliers are not determined by it, its objective is
+    /// stationary to the second one. Chosen.
+    pub(in crate::ocp) const EXACT: [f64; 2] = [1e-9, 1e-6];
+    /// Its first barrier parameter, the share of a barrier parameter by which this and other warm starts are kept off their bounds, and its
+    /// most iterations. Chosen: they stay where they are.
+    pub(in crate::ocp) const BARRIER: f64 = 1e-5;
+    pub(in crate::ocp) const PUSH: f64 = 1e-2;
+    pub(in crate::ocp) const EXACT_ITERATIONS: usize = 200;
+    /// Steps of a phase as a guess of the program, and halvings of the range of the speed of its clock. Chosen; follows: to rounding.
+    pub(in crate::ocp) const STEPS: usize = 16;
+    pub(in crate::ocp) const HALVINGS: usize = 60;
+}
+
+/// Searches on grids: starts, grids on the way to a finer one, and what goes on.
+pub(in crate::ocp) mod grids {
+    /// Fewest intervals of a grid on the way, and most of one on which motions are looked for from all starts. Chosen.
+    pub(in crate::ocp) const COARSEST: usize = 7;
+    pub(in crate::ocp) const COARSE: usize = 16;
+    /// Intervals of the grid where none of those is contained in the one asked for, and about so many of the coarse grid of the time-freezing
+    /// formulation. Chosen.
+    pub(in crate::ocp) const NEAR: usize = 10;
+    /// Most starts on a grid beside the one that all starts are tried on. Chosen.
+    pub(in crate::ocp) const BESIDE: usize = 2;
+    /// Motions that go on to finer grids, beside the one that the neighbours of the best lead to. Chosen.
+    pub(in crate::ocp) const KEPT: usize = 2;
+    /// Motions whose neighbours are decided at most, as long as they lead to better ones; of more starts one in so many. Chosen.
+    pub(in crate::ocp) const TRIED: usize = 6;
+    pub(in crate::ocp) const STARTS_OF_ONE_TRIED: usize = 3;
+    /// Most programs on a grid before the neighbours of the best motion are decided. Chosen.
+    pub(in crate::ocp) const PROGRAMS: usize = 12;
+    /// Relative excess of the objective beyond which a motion does not go on. Chosen: finer grids seldom make up for more.
+    pub(in crate::ocp) const WORTH: f64 = 0.5;
+    /// Factor by which the elements of a phase become more where most plans are no motions, and the most that this comes to. Chosen.
+    pub(in crate::ocp) const FINER: usize = 2;
+    pub(in crate::ocp) const FINEST: usize = 4;
+    /// Starts that are solved side by side before it is asked whether they are enough, and those that have to agree on the best. Chosen:
+    /// of fewer, all may have fallen into the same trap.
+    pub(in crate::ocp) const BATCH: usize = 4;
+    pub(in crate::ocp) const AGREEING: usize = 4;
+    /// One start in so many looks near the best motion after the first batch, and shares of its range by which that is bent: little that of
+    /// all, much that of those that are not simulated. Chosen.
+    pub(in crate::ocp) const NEAR_THE_BEST: usize = 2;
+    pub(in crate::ocp) const BENDS: [f64; 2] = [0.1, 0.3];
+    /// Most iterations of a program of a start. Chosen: of several, some take few.
+    pub(in crate::ocp) const ITERATIONS: usize = 250;
+    /// The start that takes its contact sequence from the program of the time-freezing system, and the one beside which simulated motions
+    /// are tried. Chosen.
+    pub(in crate::ocp) const FREEZES: usize = 6;
+    pub(in crate::ocp) const SAMPLES: usize = 3;
+    /// First barrier parameter of the contact-implicit programs in which contacts act from a distance. Chosen.
+    pub(in crate::ocp) const FROM_A_DISTANCE: f64 = 10.0;
+    /// Elements an interval of the refined programs of starts. Chosen: motions differ in their discretizations more than in their guesses.
+    pub(in crate::ocp) const REFINED_ELEMENTS: [usize; 5] = [4, 3, 6, 2, 5];
+    /// Without controls: finite elements of a phase on one interval for each that is asked for; there are [`BATCH`] starts there. Chosen.
+    pub(in crate::ocp) const ELEMENTS_OF_ONE: usize = 5;
+    /// By how many stages the scheme grows where the re-simulation does not confirm a plan. Chosen.
+    pub(in crate::ocp) const MORE_STAGES: usize = 2;
+    /// How often the range of final times is moved, each time by a factor of 20 at most, or the units. Chosen.
+    pub(in crate::ocp) const MOVES: usize = 5;
+    /// Factor from the centre of a moved range within which a plan is measured in units of its own size. Chosen: one that is further away may
+    /// be no more than flat in those of its program.
+    pub(in crate::ocp) const OFF_CENTRE: f64 = 1.5;
+    /// Distance of a plan from its re-simulation beyond which it is no motion \[m or rad, in scenes of the order of these\]. Chosen.
+    pub(in crate::ocp) const NO_MOTION: f64 = 1e-2;
+    /// Share of the longest final time that was looked at below which one is as good as none. Follows: two moves of the range end there.
+    pub(in crate::ocp) const NO_TIME: f64 = 2e-4;
+}
+
+/// What shows that no motion exists.
+pub(in crate::ocp) mod impossible {
+    /// Steps towards the nearest point. Measured: two weights are found in a few.
+    pub(in crate::ocp) const STEPS: usize = 500;
+    /// Longest final time that is looked at, to the given one, and how exactly the least one that is not impossible is found. Chosen.
+    pub(in crate::ocp) const LONGEST: f64 = 1e6;
+    pub(in crate::ocp) const PRECISION: f64 = 1e-3;
+}
