@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::{PublishedData, Scene};
-use hangtime::model::Declaration;
+use hangtime::model::{Declaration, Model};
 use hangtime::simulation::{Event, Gradient, Simulation};
 
 use crate::arguments::{Method, SimulateArguments};
@@ -16,7 +16,7 @@ use crate::output::OutputDirectory;
 use crate::progress::Progress;
 use crate::report::{Report, refuse_rows_of_nothing};
 use crate::settings::ChosenScene;
-use crate::table::{counted, headed, number, per_second, residual_line, seconds, table};
+use crate::table::{counted, described, headed, number, per_second, residual_line, seconds, table};
 use crate::task::{SimulationTask, simulation_facts};
 
 /// Most events that are printed.
@@ -69,7 +69,7 @@ pub(crate) fn run(
     } else {
         let mut text = tables(chosen, horizon, method, &simulation, &ending);
         if let Some(gradient) = &gradient {
-            text += &gradient_table(chosen.model.declaration(), &simulation, gradient);
+            text += &gradient_table(chosen.model.as_ref(), &simulation, gradient);
         }
         text + &written
     };
@@ -203,11 +203,8 @@ fn event_table(declaration: &Declaration, events: &[Event]) -> String {
 }
 
 /// Derivatives of the end and of the events, with their units.
-fn gradient_table(
-    declaration: &Declaration,
-    simulation: &Simulation,
-    gradient: &Gradient,
-) -> String {
+fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradient) -> String {
+    let (declaration, outputs) = (model.declaration(), model.outputs());
     let units = gradient
         .with_respect_to
         .iter()
@@ -224,38 +221,92 @@ fn gradient_table(
     let mut rows: Vec<Vec<String>> = Vec::new();
     let mechanical = declaration.mechanical();
     let coordinates = &declaration.coordinates[..mechanical];
-    for (k, c) in coordinates.iter().enumerate() {
-        rows.push(row(
-            format!("{} at the end", c.name),
-            c.unit,
-            &gradient.q[k],
-        ));
+    let mut end = |q: &[Vec<f64>], v: &[Vec<f64>], values: &[(String, Vec<f64>)], side: &str| {
+        for (c, values) in coordinates.iter().zip(q) {
+            rows.push(row(format!("{} at the end{side}", c.name), c.unit, values));
+        }
+        for (c, values) in coordinates.iter().zip(v) {
+            let name = format!("d{}/dt at the end{side}", c.name);
+            rows.push(row(name, &per_second(c.unit), values));
+        }
+        for (state, values) in declaration.states.iter().zip(v.iter().skip(mechanical)) {
+            let name = format!("{} at the end{side}", state.name);
+            rows.push(row(name, state.unit, values));
+        }
+        for (name, values) in values.iter().filter(|(name, _)| name != "objective") {
+            let unit = outputs.iter().find(|output| output.name == name);
+            let unit =
+                unit.map_or_else(|| unit_of(declaration, name), |known| known.unit.to_owned());
+            rows.push(row(format!("{name} at the end{side}"), &unit, values));
+        }
+    };
+    let named = &gradient.values[..];
+    if gradient.values.is_empty() {
+        end(&gradient.q, &gradient.v, &[], "");
+    } else {
+        end(&[], &[], named, "");
     }
-    for (k, c) in coordinates.iter().enumerate() {
-        let name = format!("d{}/dt at the end", c.name);
-        rows.push(row(name, &per_second(c.unit), &gradient.v[k]));
-    }
-    for (k, state) in declaration.states.iter().enumerate() {
-        let name = format!("{} at the end", state.name);
-        rows.push(row(name, state.unit, &gradient.v[mechanical + k]));
+    if let Some(sides) = &gradient.one_sided {
+        for (side, name) in [
+            (&sides.below, ", from below"),
+            (&sides.above, ", from above"),
+        ] {
+            if gradient.values.is_empty() {
+                end(&side.q, &side.v, &[], name);
+            } else {
+                end(&[], &[], &side.values, name);
+            }
+        }
     }
     let events = simulation.events.iter().zip(&gradient.event_times);
+    let events = events.filter(|_| gradient.values.is_empty());
     for (event, values) in events.take(MOST_EVENTS) {
         let kind = event.kind.name().replace('_', " ");
         let name = format!("time of {kind} at {}", event.contact_name);
         rows.push(row(name, "s", values));
     }
-    if let Some(values) = &gradient.objective {
-        rows.push(row("objective".to_owned(), "", values));
+    let sides = gradient.one_sided.as_deref();
+    let sides = sides.map(|sides| {
+        [
+            (&sides.below, ", from below"),
+            (&sides.above, ", from above"),
+        ]
+    });
+    let sides = sides.into_iter().flatten();
+    let sides = sides.filter_map(|(side, name)| Some((side.objective.as_ref()?, name)));
+    let both = gradient.objective.as_ref().map(|values| (values, ""));
+    for (values, side) in both.into_iter().chain(sides) {
+        rows.push(row(format!("objective{side}"), "", values));
     }
-    let mut text = "\n".to_owned() + &table(header, rows);
+    let mut text = "\n".to_owned() + &table(header, rows) + &ranges(gradient, &units);
     if let Some(obstacle) = &gradient.obstacle {
         let _ = writeln!(text, "note        no derivatives: {obstacle}");
         if gradient.one_sided.is_some() {
-            text += "            to one side there are others (`one_sided` in --json)\n";
+            text += "            to one side there are others: what is open has none\n";
         }
     }
     text
+}
+
+/// How far what a motion is differentiated by may go, a line each side.
+fn ranges(gradient: &Gradient, units: &[String]) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let names = gradient.with_respect_to.iter().zip(units);
+    for ((name, unit), range) in names.zip(&gradient.ranges) {
+        for limit in [&range.below, &range.above].into_iter().flatten() {
+            let change = format!(
+                "{}{}",
+                if limit.change > 0.0 { "+" } else { "" },
+                digits(limit.change)
+            );
+            rows.push(vec![headed(name, unit), change, limit.because.clone()]);
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let header = ["same events up to", "change by", "where, to first order,"];
+    "\n".to_owned() + &described(header, rows)
 }
 
 /// The unit of something that a motion is differentiated by.

@@ -1,16 +1,22 @@
 //! Along a motion that is known: derivatives over its smooth arcs, and across its events.
+//!
+//! With a [`Tape`] the walk carries one direction of all quantities, which the checks look at, and records what is linear on the
+//! way; [`adjoint`](super::adjoint) goes back along that.
 
-use super::acceleration::{Acceleration, Hold, input};
-use super::arc::{Arc, At, Step, stage_input};
+use super::acceleration::{Acceleration, input};
+use super::arc::{Arc, At, Step};
 use super::cause::{self, Before};
-use super::cost::Cost;
+use super::front::{Front, shift};
+use super::joint_rows::JointRows;
 use super::jump::{Impact, jump};
+use super::margins::Ranges;
 use super::matrix::{Matrix, add, largest};
 use super::outputs::{Instant, outputs};
 use super::projection::project;
 use super::samples::Samples;
+use super::tape::Tape;
 use super::wanted::Wanted;
-use crate::model::{ControlPiece, Model, contact_point, tangent_point};
+use crate::model::{ControlPiece, Model, contact_point};
 use crate::simulation::{ContactMode, Event, EventKind, InitialValueProblem, Simulation};
 
 /// Distance of a step from the known motion, relative to the largest values of that, above which it is another motion.
@@ -18,37 +24,30 @@ const ANOTHER: f64 = 1e-5;
 /// Share of accelerations that balance which rounding may leave.
 const BALANCED: f64 = 1e-12;
 /// Share of its terms that the derivative of what a contact holds may have.
-const HELD: f64 = 1e-6;
+pub(super) const HELD: f64 = 1e-6;
 /// The same after a step, which has the error of the motion.
-const DRIFT: f64 = 1e-3;
+pub(super) const DRIFT: f64 = 1e-3;
 /// Share of the largest derivative that rounding may leave of one.
-const ROUNDING: f64 = 1e-9;
-/// Share of the largest gap that counts as none where a contact passes its surface.
-const TOUCHED: f64 = 1e-9;
-/// Halvings of a step in search of the least gap: its value changes with their square.
-const BISECTIONS: usize = 30;
+pub(super) const ROUNDING: f64 = 1e-9;
 
 /// The derivatives along a motion.
 // Many fields: what is known of the motion, and where in it the walk is.
 pub(super) struct Walk<'w> {
-    run: &'w Simulation,
-    problem: &'w InitialValueProblem,
-    wanted: &'w Wanted,
-    acceleration: Acceleration<'w>,
-    arc: Arc,
-    modes: Vec<ContactMode>,
-    /// Derivatives of `(q, v)` at a fixed time, where the walk is.
-    state: Matrix,
-    /// The same of the impulses of all impacts so far.
-    impulses: Matrix,
-    closing_speeds: Vec<f64>,
-    gap_sizes: Vec<f64>,
+    pub(super) run: &'w Simulation,
+    pub(super) problem: &'w InitialValueProblem,
+    pub(super) front: Front<'w>,
+    pub(super) acceleration: Acceleration<'w>,
+    joints: Option<JointRows<'w>>,
+    pub(super) arc: Arc,
+    pub(super) modes: Vec<ContactMode>,
+    /// Whether what has no derivative is refused.
+    checked: bool,
+    pub(super) closing_speeds: Vec<f64>,
+    pub(super) gap_sizes: Vec<f64>,
     /// Gap and normal velocity of each contact at each instant.
-    open_sides: Vec<Vec<[f64; 2]>>,
-    /// The objective, if its derivatives are known.
-    cost: Option<Cost<'w>>,
+    pub(super) open_sides: Vec<Vec<[f64; 2]>>,
     /// Largest coordinate and velocity of the motion.
-    sizes: [f64; 2],
+    pub(super) sizes: [f64; 2],
     /// Derivatives of the times of the events passed.
     pub(super) event_times: Vec<Vec<f64>>,
     /// Derivatives of `(q, v)` at the instants passed.
@@ -57,6 +56,10 @@ pub(super) struct Walk<'w> {
     pub(super) outputs: Vec<Matrix>,
     /// What is looked at between the instants, if anything is.
     pub(super) samples: Option<Samples<'w>>,
+    /// How far quantities may go, if that is asked for.
+    pub(super) ranges: Option<Ranges>,
+    /// What is linear on the way, where the walk goes back.
+    pub(super) tape: Option<Tape<'w>>,
 }
 
 impl<'w> Walk<'w> {
@@ -83,13 +86,13 @@ impl<'w> Walk<'w> {
         };
         Some(Self {
             acceleration: Acceleration::new(model, wanted),
+            joints: JointRows::of(model, wanted.columns()),
             arc: Arc::new()?,
             modes: run.initial_modes.clone(),
-            state: start(model, problem, wanted),
-            impulses: Matrix::zeros(2 * contacts, wanted.count()),
+            front: Front::at_start(model, problem, wanted),
+            checked: true,
             gap_sizes: most(0),
             closing_speeds: most(1),
-            cost: Cost::of(model, wanted),
             open_sides,
             sizes: [
                 size(&trajectory.q).max(f64::MIN_POSITIVE),
@@ -99,9 +102,10 @@ impl<'w> Walk<'w> {
             states: Vec::with_capacity(trajectory.time.len()),
             outputs: Vec::new(),
             samples: None,
+            tape: None,
+            ranges: None,
             run,
             problem,
-            wanted,
         })
         .filter(|_| n > 0)
     }
@@ -116,8 +120,9 @@ impl<'w> Walk<'w> {
         let mut passed = 0;
         self.enter(0)?;
         if let Some(samples) = &mut self.samples {
-            let state = (&self.state, &self.impulses);
-            samples.begin(&self.acceleration, (self.wanted, self.run), state);
+            let front = &self.front;
+            let state = (&front.state, &front.impulses);
+            samples.begin(&self.acceleration, (front.wanted, self.run), state);
         }
         loop {
             let time = times[first];
@@ -130,14 +135,22 @@ impl<'w> Walk<'w> {
                 self.evaluate(first)?;
                 self.record(first..last);
             }
+            if self.ranges.is_some() && events.is_empty() {
+                self.evaluate(first)?;
+                let ends = (last + 1 == times.len()).then(|| self.horizon_moves());
+                self.end_range(first, ends.as_deref())?;
+            }
             if events.is_empty() {
                 self.evaluate(last)?;
             } else {
-                self.pass(events, (first, last))?;
+                self.pass_recorded(events, (first, last))?;
             }
             let begins = first == 0 || !events.is_empty();
+            if first == 0 && events.is_empty() {
+                self.check_all(last)?;
+            }
             self.check_holds(last, if begins { HELD } else { DRIFT })?;
-            project(&self.acceleration, self.wanted, &mut self.state);
+            self.put_back(last)?;
             self.record(last..last + 1);
             if last + 1 == times.len() {
                 return if here > 0 && first > 0 {
@@ -146,6 +159,7 @@ impl<'w> Walk<'w> {
                     Ok(())
                 };
             }
+            self.begin_range(last, begins);
             self.step(last)?;
             first = last + 1;
         }
@@ -166,14 +180,14 @@ impl<'w> Walk<'w> {
     }
 
     /// The input vector at an instant.
-    fn input(&self, k: usize) -> Vec<f64> {
+    pub(super) fn input(&self, k: usize) -> Vec<f64> {
         let trajectory = &self.run.trajectory;
         let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
         input(self.acceleration.model, (q, v, u), trajectory.time[k])
     }
 
     /// The controls around an instant.
-    fn controls(&self, time: f64) -> ControlPiece {
+    pub(super) fn controls(&self, time: f64) -> ControlPiece {
         let count = self.acceleration.model.declaration().controls.len();
         let mut piece = ControlPiece::default();
         self.problem.controls.take_piece(time, count, &mut piece);
@@ -189,7 +203,7 @@ impl<'w> Walk<'w> {
     }
 
     /// Evaluates the motion at an instant in the mode that was entered.
-    fn evaluate(&mut self, k: usize) -> Result<(), String> {
+    pub(super) fn evaluate(&mut self, k: usize) -> Result<(), String> {
         let x = self.input(k);
         if self.acceleration.evaluate(&x) {
             Ok(())
@@ -200,35 +214,57 @@ impl<'w> Walk<'w> {
 
     /// Keeps what is known at some instants.
     fn record(&mut self, instants: std::ops::Range<usize>) {
+        if self.tape.is_some() {
+            return;
+        }
         for k in instants {
-            self.states.push(self.state.clone());
+            let front = &self.front;
+            self.states.push(front.state.clone());
             if !self.acceleration.model.outputs().is_empty() {
-                let at = Instant::recorded(&self.run.trajectory, k);
-                let (state, impulses) = (&self.state, &self.impulses);
-                let by = outputs(&self.acceleration, self.wanted, &at, state, impulses);
+                let at = Instant::recorded(self.acceleration.model, &self.run.trajectory, k);
+                let (state, impulses) = (&front.state, &front.impulses);
+                let by = outputs(&self.acceleration, front.wanted, &at, state, impulses);
                 self.outputs.push(by);
             }
         }
     }
 
-    /// Goes from an instant to the next one.
-    fn step(&mut self, k: usize) -> Result<(), String> {
+    /// The step that ends at instant `k`.
+    pub(super) fn step_to<'s>(&self, k: usize, controls: &'s ControlPiece) -> Step<'s>
+    where
+        'w: 's,
+    {
         let trajectory = &self.run.trajectory;
         let at = |k: usize| At {
             time: trajectory.time[k],
             q: &trajectory.q[k],
             v: &trajectory.v[k],
         };
+        Step {
+            from: at(k - 1),
+            to: at(k),
+            controls,
+        }
+    }
+
+    /// Derivatives of the horizon.
+    pub(super) fn horizon_moves(&self) -> Vec<f64> {
+        self.front
+            .wanted
+            .of_horizon(self.acceleration.model, self.problem)
+    }
+
+    /// Goes from an instant to the next one.
+    fn step(&mut self, k: usize) -> Result<(), String> {
+        let trajectory = &self.run.trajectory;
         let controls = self.controls(trajectory.time[k]);
-        let step = Step {
-            from: at(k),
-            to: at(k + 1),
-            controls: &controls,
-        };
-        let before = self.samples.is_some().then(|| self.state.clone());
-        let (acceleration, state) = (&mut self.acceleration, &mut self.state);
-        let cost = self.cost.as_mut();
-        let missed = self.arc.step(acceleration, self.wanted, step, state, cost);
+        let step = self.step_to(k + 1, &controls);
+        let before = self.samples.is_some().then(|| self.front.state.clone());
+        let front = &mut self.front;
+        let (state, cost) = (&mut front.state, front.cost.as_mut());
+        let lean = self.tape.as_mut().map(|tape| &mut tape.lean);
+        let acceleration = (&mut self.acceleration, lean);
+        let missed = self.arc.step(acceleration, front.wanted, step, state, cost);
         let missed = missed.ok_or_else(|| self.undetermined(k))?;
         let h = trajectory.time[k + 1] - trajectory.time[k];
         // What balances leaves its rounding.
@@ -246,74 +282,95 @@ impl<'w> Walk<'w> {
                 trajectory.time[k + 1]
             ));
         }
+        if let Some(tape) = &mut self.tape {
+            let cost = self.front.cost.as_ref();
+            tape.step(self.arc.linear(&self.acceleration, step, cost));
+        }
         self.check_touches(step, k)?;
         if let (Some(samples), Some(before)) = (&mut self.samples, before) {
-            let acceleration = (&mut self.acceleration, self.wanted);
+            let acceleration = (&mut self.acceleration, self.front.wanted);
             samples.within(
                 acceleration,
                 (&self.arc, step),
-                (&before, &self.impulses),
+                (&before, &self.front.impulses),
                 (self.run, k),
             );
         }
         Ok(())
     }
 
-    /// No open contact touches its surface within the step that was solved last and opens again: a neighbouring motion
-    /// would strike it.
-    fn check_touches(&mut self, step: Step<'_>, k: usize) -> Result<(), String> {
-        let declared = self.acceleration.model.declaration().contacts;
-        for (contact, declared) in declared.iter().enumerate() {
-            let open = self.modes.get(contact) == Some(&ContactMode::Open);
-            let sides = &self.open_sides;
-            let ([gap, speed], [next_gap, next]) = (sides[k][contact], sides[k + 1][contact]);
-            let least = ROUNDING * self.closing_speeds[contact];
-            if !open || !declared.alternatives.is_empty() || speed >= -least || next < -least {
-                continue;
-            }
-            // The gap falls no faster than it ever does.
-            let fall = (step.to.time - step.from.time) * self.closing_speeds[contact];
-            let lowest = gap.min(next_gap) - fall;
-            let touched = TOUCHED * self.gap_sizes[contact];
-            if lowest > touched {
-                continue;
-            }
-            let (time, gap) = self.least_gap(step, contact);
-            if gap.abs() <= touched {
-                return Err(format!(
-                    "at t = {time} s `{}` only grazes: it touches and is not struck, but is so for other parameters",
-                    declared.name
-                ));
-            }
+    /// Puts derivatives back onto what joints and contacts hold at an instant, where the acceleration is evaluated.
+    fn put_back(&mut self, k: usize) -> Result<(), String> {
+        let x = self.input(k);
+        let closed = match &mut self.joints {
+            Some(joints) => joints.evaluate(self.front.wanted, &x),
+            None if self.acceleration.holds.is_empty() => return Ok(()),
+            None => true,
+        };
+        if !closed {
+            return Err(format!(
+                "at t = {} s equations of joints depend on each other, so that the motion has no derivatives there",
+                self.run.trajectory.time[k]
+            ));
         }
+        let (acceleration, joints) = (&self.acceleration, &self.joints);
+        let back = |front: &mut Front<'_>| {
+            if let Some(joints) = joints {
+                joints.project(front.wanted, &mut front.state);
+            }
+            project(acceleration, front.wanted, &mut front.state);
+        };
+        if let Some(tape) = &mut self.tape {
+            let mut present = tape.present();
+            back(&mut present);
+            tape.event(present);
+        }
+        back(&mut self.front);
         Ok(())
     }
 
-    /// Where the gap of a contact that closes at the start of a step and opens at its end is the least, and that.
-    fn least_gap(&mut self, step: Step<'_>, contact: usize) -> (f64, f64) {
+    /// Passes events; with a tape, once for what that changes of each derivative, and at the start once for all quantities, whose
+    /// checks look at each of them there.
+    fn pass_recorded(&mut self, events: &[Event], range: (usize, usize)) -> Result<(), String> {
+        let Some(mut tape) = self.tape.take() else {
+            return self.pass(events, range);
+        };
+        let (holds, given) = (
+            self.acceleration.holds.clone(),
+            self.acceleration.given.clone(),
+        );
+        let modes = self.modes.clone();
         let model = self.acceleration.model;
-        let mut point = vec![0.0; contact_point::length(self.acceleration.n)];
-        let (mut low, mut high) = (0.0, 1.0);
-        let mut found = (step.from.time, f64::INFINITY);
-        for _ in 0..BISECTIONS {
-            let theta = 0.5 * (low + high);
-            let (q, v) = self.arc.within(step, theta);
-            let time = step.from.time + theta * (step.to.time - step.from.time);
-            let x = stage_input(&self.acceleration, (&q, &v), time, step.controls);
-            model.contact(contact, &x, &mut point);
-            found = (time, point[contact_point::GAP]);
-            if point[contact_point::NORMAL_VELOCITY] < 0.0 {
-                low = theta;
-            } else {
-                high = theta;
-            }
+        let again = |walk: &mut Self| {
+            walk.modes.clone_from(&modes);
+            walk.acceleration.holds.clone_from(&holds);
+            walk.acceleration.given.clone_from(&given);
+            walk.event_times
+                .truncate(walk.event_times.len() - events.len());
+        };
+        let front = std::mem::replace(&mut self.front, tape.present());
+        self.checked = false;
+        let passed = self.pass(events, range);
+        self.checked = true;
+        passed?;
+        again(self);
+        if range.0 == 0 {
+            let all = Front::at_start(model, self.problem, tape.asked);
+            tape.event(std::mem::replace(&mut self.front, all));
+            self.pass(events, range)?;
+            self.check_holds(range.1, HELD)?;
+            again(self);
+            self.front = front;
+        } else {
+            tape.event(std::mem::replace(&mut self.front, front));
         }
-        found
+        self.tape = Some(tape);
+        self.pass(events, range)
     }
 
     /// Passes the events between two instants of the same time.
     fn pass(&mut self, events: &[Event], (first, last): (usize, usize)) -> Result<(), String> {
-        let (n, m) = (self.acceleration.n, self.wanted.count());
+        let (n, m) = (self.acceleration.n, self.front.wanted.count());
         let time = self.run.trajectory.time[first];
         let (x_before, x_after) = (self.input(first), self.input(last));
         let mut times = vec![0.0; m];
@@ -322,18 +379,20 @@ impl<'w> Walk<'w> {
             self.evaluate(first)?;
             before.clone_from(&self.acceleration.value);
             times = self.time_of(events, first)?;
+            self.end_range(first, Some(&times))?;
+            self.pass_range(events, &times);
         }
-        let mut moved = self.state.clone();
+        let mut moved = self.front.state.clone();
         let v = &self.run.trajectory.v;
         shift(&mut moved, (&v[first], &before), &times, 1.0);
         let after_modes = events.last().map(|event| event.modes.clone());
         let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
         if jumps || self.velocities_jump(first, last) {
             let struck = self.struck(events, after_modes.as_deref().unwrap_or_default());
-            if first == 0 {
+            if first == 0 && self.checked {
                 self.check_start(&struck)?;
             }
-            for &contact in &struck {
+            for &contact in struck.iter().filter(|_| self.checked) {
                 self.check_laws(contact, first)?;
             }
             let impact = Impact {
@@ -344,9 +403,15 @@ impl<'w> Walk<'w> {
                 moved: &moved,
                 times: &times,
             };
-            let jump = jump(&mut self.acceleration, self.wanted, &impact)?;
+            let jump = jump(&mut self.acceleration, self.front.wanted, &impact)?;
+            self.impact_range(
+                (&struck, events),
+                (&x_before, &x_after),
+                (&moved, &jump.velocities),
+                (&times, &jump.impulses),
+            );
             moved.values[n * m..].copy_from_slice(&jump.velocities.values);
-            add(&mut self.impulses.values, 1.0, &jump.impulses.values);
+            add(&mut self.front.impulses.values, 1.0, &jump.impulses.values);
         }
         if let Some(modes) = after_modes {
             self.modes = modes;
@@ -354,8 +419,8 @@ impl<'w> Walk<'w> {
         self.enter(last)?;
         let after = (&v[last][..], &self.acceleration.value[..]);
         shift(&mut moved, after, &times, -1.0);
-        self.state = moved;
-        if let Some(cost) = &mut self.cost {
+        self.front.state = moved;
+        if let Some(cost) = &mut self.front.cost {
             let model = self.acceleration.model;
             for (x, sense) in [(&x_before, 1.0), (&x_after, -1.0)] {
                 cost.move_limit(model, x, &times, sense);
@@ -375,11 +440,13 @@ impl<'w> Walk<'w> {
             modes: &self.modes,
             v: &self.run.trajectory.v[k],
             control_rates: controls.slopes(),
-            state: &self.state,
+            state: &self.front.state,
             closing_speeds: &self.closing_speeds,
             speed: self.sizes[1],
+            checked: self.checked,
         };
-        let times = cause::time(&mut self.acceleration, self.wanted, &x, events, &before)?;
+        let wanted = self.front.wanted;
+        let times = cause::time(&mut self.acceleration, wanted, &x, events, &before)?;
         let switches = || {
             let before = self
                 .problem
@@ -390,7 +457,7 @@ impl<'w> Walk<'w> {
         match times {
             Some(times) => Ok(times),
             // Controls change at times that nothing moves.
-            None if switches() => Ok(vec![0.0; self.wanted.count()]),
+            None if switches() => Ok(vec![0.0; wanted.count()]),
             None => Err(format!(
                 "at t = {time} s nothing vanishes that says when the {} at `{}` happens for other parameters",
                 events[0].kind, events[0].contact_name
@@ -423,95 +490,6 @@ impl<'w> Walk<'w> {
             .collect()
     }
 
-    /// Contacts that are struck at the start are so for all neighbouring starts.
-    fn check_start(&mut self, struck: &[usize]) -> Result<(), String> {
-        let x = self.input(0);
-        for &contact in struck {
-            self.acceleration.load_contact(contact, &x);
-            self.check_zero(contact, contact_point::GAP, (0, HELD))?;
-        }
-        Ok(())
-    }
-
-    /// What contacts hold does not change with what the motion is differentiated by.
-    fn check_holds(&self, k: usize, share: f64) -> Result<(), String> {
-        for &hold in &self.acceleration.holds {
-            match hold {
-                Hold::Normal { contact, .. } => {
-                    self.check_laws(contact, k)?;
-                    self.check_zero(contact, contact_point::GAP, (k, share))?;
-                    self.check_zero(contact, contact_point::NORMAL_VELOCITY, (k, share))?;
-                }
-                Hold::Tangent { contact } => {
-                    let (_, by) = self
-                        .acceleration
-                        .tangent(contact, tangent_point::SLIDING_VELOCITY);
-                    self.check_row(contact, by, (k, share))?;
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// No coefficient of a law stands at its limit of 0 and is moved from there: what follows differs on both sides.
-    fn check_laws(&self, contact: usize, k: usize) -> Result<(), String> {
-        let model = self.acceleration.model;
-        let declared = &model.declaration().contacts[contact];
-        let (mu, friction_by) = self.acceleration.friction(contact);
-        let mut restitution_by = vec![0.0; self.wanted.parameters];
-        self.wanted
-            .derivatives
-            .restitution(contact, &mut restitution_by);
-        let e = model.restitution(contact);
-        for column in 0..self.wanted.count() {
-            let Some(parameter) = self.wanted.parameter(column) else {
-                continue;
-            };
-            let laws = [
-                ("restitution", e, restitution_by[parameter]),
-                ("friction", mu, friction_by[parameter]),
-            ];
-            for (law, value, by) in laws {
-                if value == 0.0 && by != 0.0 {
-                    return Err(format!(
-                        "at t = {} s `{}` has a coefficient of {law} of 0, below which there is nothing: by `{}` there is a \
-                         derivative to one side only",
-                        self.run.trajectory.time[k], declared.name, self.wanted.names[column]
-                    ));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn check_zero(&self, contact: usize, component: usize, at: (usize, f64)) -> Result<(), String> {
-        self.check_row(contact, self.acceleration.point(contact, component).1, at)
-    }
-
-    fn check_row(
-        &self,
-        contact: usize,
-        by: &[f64],
-        (k, share): (usize, f64),
-    ) -> Result<(), String> {
-        let most = largest(&self.state.values) * largest(by);
-        for column in 0..self.wanted.count() {
-            let change = self.acceleration.along(by, &self.state, column);
-            let terms = (0..self.state.values.len() / self.state.columns)
-                .map(|i| (by[i] * self.state.row(i)[column]).abs());
-            let own = self.wanted.column(column).map_or(0.0, |own| by[own].abs());
-            let size = terms.sum::<f64>() + own;
-            if change.abs() > (share * size).max(ROUNDING * most) {
-                let name = self.acceleration.model.declaration().contacts[contact].name;
-                return Err(format!(
-                    "at t = {} s `{name}` is closed, or struck, for these values only: another `{}` opens it or presses it in",
-                    self.run.trajectory.time[k], self.wanted.names[column]
-                ));
-            }
-        }
-        Ok(())
-    }
-
     /// What was looked at, to the end of the motion.
     pub(super) fn observed(&mut self) -> Option<Samples<'w>> {
         let mut samples = self.samples.take()?;
@@ -520,48 +498,54 @@ impl<'w> Walk<'w> {
         Some(samples)
     }
 
-    /// Derivatives of `(q, v)` at the end, which moves with the horizon, and of the objective, if they are known.
-    pub(super) fn end(&mut self) -> (Matrix, Option<Vec<f64>>) {
-        let mut state = self.state.clone();
-        let moves = self
-            .wanted
-            .of_horizon(self.acceleration.model, self.problem);
+    /// Derivatives at the end, which moves with the horizon: of `(q, v)`; of the outputs; and of the objective, if they are known.
+    pub(super) fn end(&mut self) -> End {
         let last = self.run.trajectory.time.len() - 1;
+        let (x, at) = (
+            self.input(last),
+            Instant::recorded(self.acceleration.model, &self.run.trajectory, last),
+        );
+        let controls = self.controls(self.run.trajectory.time[last]);
+        let (model, front) = (self.acceleration.model, &mut self.front);
+        let moves = front.wanted.of_horizon(model, self.problem);
         let (q, v) = (&self.run.trajectory.q[last], &self.run.trajectory.v[last]);
+        let mut recorded = Matrix::zeros(model.outputs().len(), front.wanted.count());
+        if !model.outputs().is_empty() {
+            let by = (&front.state, &front.impulses);
+            recorded = outputs(&self.acceleration, front.wanted, &at, by.0, by.1);
+            if moves.iter().any(|moves| *moves != 0.0) {
+                let time = front.wanted.in_time(controls.slopes().to_vec());
+                let rates = Matrix {
+                    columns: 1,
+                    values: [v, &self.acceleration.value[..]].concat(),
+                };
+                let impulses = Matrix::zeros(front.impulses.values.len() / moves.len(), 1);
+                let rates = outputs(&self.acceleration, &time, &at, &rates, &impulses);
+                for (output, rate) in rates.values.iter().enumerate() {
+                    add(recorded.row_mut(output), *rate, &moves);
+                }
+            }
+        }
+        let mut state = front.state.clone();
         shift(&mut state, (v, &self.acceleration.value), &moves, 1.0);
-        let x = self.input(last);
-        let objective = self.cost.as_mut().map(|cost| {
-            cost.move_limit(self.acceleration.model, &x, &moves, 1.0);
+        let objective = front.cost.as_mut().map(|cost| {
+            cost.move_limit(model, &x, &moves, 1.0);
             let z = [q, v, &[self.run.trajectory.time[last]][..]].concat();
             cost.at_the_end(&z, &state, &moves)
         });
-        (state, objective)
-    }
-}
-
-/// Moves the instant of derivatives of `(q, v)` along a motion with these rates.
-fn shift(state: &mut Matrix, (v, a): (&[f64], &[f64]), moves: &[f64], sense: f64) {
-    for (k, rate) in v.iter().chain(a).enumerate() {
-        add(state.row_mut(k), sense * rate, moves);
-    }
-}
-
-/// Derivatives of the initial `(q, v)`.
-fn start(model: &dyn Model, problem: &InitialValueProblem, wanted: &Wanted) -> Matrix {
-    let n = problem.q.len();
-    let mut by_parameters = vec![0.0; 2 * n * wanted.parameters];
-    wanted.derivatives.start(&mut by_parameters);
-    let mut declared = vec![0.0; 2 * n];
-    let (q, v) = declared.split_at_mut(n);
-    model.start(q, v);
-    let given = problem.q.iter().chain(&problem.v);
-    let mut state = Matrix::zeros(2 * n, wanted.count());
-    for (i, (given, declared)) in given.zip(&declared).enumerate() {
-        for (k, value) in state.row_mut(i).iter_mut().enumerate() {
-            *value = wanted.of_start(&by_parameters, i, k, given == declared);
+        End {
+            state,
+            outputs: recorded,
+            objective,
         }
     }
-    state
+}
+
+/// Derivatives at the end of a motion.
+pub(super) struct End {
+    pub(super) state: Matrix,
+    pub(super) outputs: Matrix,
+    pub(super) objective: Option<Vec<f64>>,
 }
 
 /// Gap and normal velocity of each contact at each instant of a motion.

@@ -1,0 +1,209 @@
+//! Where a motion has no derivatives: what a walk looks at on the way.
+
+use super::acceleration::Hold;
+use super::arc::{Step, stage_input};
+use super::front::Front;
+use super::matrix::largest;
+use super::walk::{HELD, ROUNDING, Walk};
+use crate::model::{Switching, contact_point, switching_terms, tangent_point};
+use crate::simulation::ContactMode;
+
+/// Share of the largest gap that counts as none where a contact passes its surface.
+const TOUCHED: f64 = 1e-9;
+/// Halvings of a step in search of the least gap: its value changes with their square.
+const BISECTIONS: usize = 30;
+
+impl Walk<'_> {
+    /// With a tape, checks at the start what contacts hold for each quantity.
+    pub(super) fn check_all(&mut self, k: usize) -> Result<(), String> {
+        let Some(asked) = self.tape.as_ref().map(|tape| tape.asked) else {
+            return Ok(());
+        };
+        let all = Front::at_start(self.acceleration.model, self.problem, asked);
+        let front = std::mem::replace(&mut self.front, all);
+        let checked = self.check_holds(k, HELD);
+        self.front = front;
+        checked
+    }
+
+    /// No open contact touches its surface within the step that was solved last and opens again: a neighbouring motion
+    /// would strike it.
+    pub(super) fn check_touches(&mut self, step: Step<'_>, k: usize) -> Result<(), String> {
+        let declared = self.acceleration.model.declaration().contacts;
+        for (contact, declared) in declared.iter().enumerate() {
+            let open = self.modes.get(contact) == Some(&ContactMode::Open);
+            let sides = &self.open_sides;
+            let ([gap, speed], [next_gap, next]) = (sides[k][contact], sides[k + 1][contact]);
+            let least = ROUNDING * self.closing_speeds[contact];
+            if !open || !declared.alternatives.is_empty() || speed >= -least || next < -least {
+                continue;
+            }
+            // The gap falls no faster than it ever does.
+            let fall = (step.to.time - step.from.time) * self.closing_speeds[contact];
+            let lowest = gap.min(next_gap) - fall;
+            let touched = TOUCHED * self.gap_sizes[contact];
+            if lowest > touched {
+                continue;
+            }
+            let (time, gap) = self.least_gap(step, contact);
+            if gap.abs() <= touched {
+                return Err(format!(
+                    "at t = {time} s `{}` only grazes: it touches and is not struck, but is so for other parameters",
+                    declared.name
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the gap of a contact that closes at the start of a step and opens at its end is the least, and that.
+    pub(super) fn least_gap(&mut self, step: Step<'_>, contact: usize) -> (f64, f64) {
+        let model = self.acceleration.model;
+        let mut point = vec![0.0; contact_point::length(self.acceleration.n)];
+        let (mut low, mut high) = (0.0, 1.0);
+        let mut found = (step.from.time, f64::INFINITY);
+        for _ in 0..BISECTIONS {
+            let theta = 0.5 * (low + high);
+            let (q, v) = self.arc.within(step, theta);
+            let time = step.from.time + theta * (step.to.time - step.from.time);
+            let x = stage_input(&self.acceleration, (&q, &v), time, step.controls);
+            model.contact(contact, &x, &mut point);
+            found = (time, point[contact_point::GAP]);
+            if point[contact_point::NORMAL_VELOCITY] < 0.0 {
+                low = theta;
+            } else {
+                high = theta;
+            }
+        }
+        found
+    }
+
+    /// Contacts that are struck at the start are so for all neighbouring starts.
+    pub(super) fn check_start(&mut self, struck: &[usize]) -> Result<(), String> {
+        let x = self.input(0);
+        for &contact in struck {
+            self.acceleration.load_contact(contact, &x);
+            self.check_zero(contact, contact_point::GAP, (0, HELD))?;
+        }
+        Ok(())
+    }
+
+    /// No contact slides from rest at the start, and nothing switches there, for these values only: the other side acts first then.
+    pub(super) fn check_sides(&self, k: usize) -> Result<(), String> {
+        let declared = self.acceleration.model.declaration().contacts;
+        for (contact, mode) in self.modes.iter().enumerate() {
+            let passes = declared[contact].switch.is_some_and(Switching::passes);
+            if passes || !matches!(mode, ContactMode::Slip(_)) {
+                continue;
+            }
+            let (value, by) = self
+                .acceleration
+                .tangent(contact, tangent_point::SLIDING_VELOCITY);
+            let size = match declared[contact].switch {
+                Some(_) => switching_terms(self.acceleration.model, contact, &self.input(k)),
+                None => self.sizes[1] * largest(by),
+            };
+            if value.abs() <= ROUNDING * size {
+                self.check_row(contact, by, (k, HELD))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What contacts hold does not change with what the motion is differentiated by.
+    pub(super) fn check_holds(&self, k: usize, share: f64) -> Result<(), String> {
+        let times = &self.run.trajectory.time;
+        if times[k] <= times[0] {
+            self.check_sides(k)?;
+        }
+        for &hold in &self.acceleration.holds {
+            match hold {
+                Hold::Normal { contact, .. } => {
+                    self.check_laws(contact, k)?;
+                    self.check_zero(contact, contact_point::GAP, (k, share))?;
+                    self.check_zero(contact, contact_point::NORMAL_VELOCITY, (k, share))?;
+                }
+                Hold::Tangent { contact } => {
+                    let (_, by) = self
+                        .acceleration
+                        .tangent(contact, tangent_point::SLIDING_VELOCITY);
+                    self.check_row(contact, by, (k, share))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// No coefficient of a law stands at its limit of 0 and is moved from there: what follows differs on both sides.
+    pub(super) fn check_laws(&self, contact: usize, k: usize) -> Result<(), String> {
+        let model = self.acceleration.model;
+        let declared = &model.declaration().contacts[contact];
+        let (mu, friction_by) = self.acceleration.friction(contact);
+        // With a tape, the walk has one direction of what is asked for.
+        let asked = self.tape.as_ref().map(|tape| tape.asked);
+        let wanted = asked.unwrap_or(self.front.wanted);
+        let mut restitution_by = vec![0.0; wanted.parameters];
+        wanted.derivatives.restitution(contact, &mut restitution_by);
+        let e = model.restitution(contact);
+        for column in 0..wanted.count() {
+            let Some(parameter) = wanted.parameter(column) else {
+                continue;
+            };
+            let laws = [
+                ("restitution", e, restitution_by[parameter]),
+                ("friction", mu, friction_by[parameter]),
+            ];
+            for (law, value, by) in laws {
+                if value == 0.0 && by != 0.0 {
+                    return Err(format!(
+                        "at t = {} s `{}` has a coefficient of {law} of 0, below which there is nothing: by `{}` there is a \
+                         derivative to one side only",
+                        self.run.trajectory.time[k], declared.name, wanted.names[column]
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn check_zero(
+        &self,
+        contact: usize,
+        component: usize,
+        at: (usize, f64),
+    ) -> Result<(), String> {
+        self.check_row(contact, self.acceleration.point(contact, component).1, at)
+    }
+
+    pub(super) fn check_row(
+        &self,
+        contact: usize,
+        by: &[f64],
+        (k, share): (usize, f64),
+    ) -> Result<(), String> {
+        let (state, wanted) = (&self.front.state, self.front.wanted);
+        let most = largest(&state.values) * largest(by);
+        for column in 0..wanted.count() {
+            let change = wanted.along(by, state, column);
+            let terms = (0..state.values.len() / state.columns)
+                .map(|i| (by[i] * state.row(i)[column]).abs());
+            let own = wanted.own(by, column).abs();
+            let size = terms.sum::<f64>() + own;
+            if change.abs() > (share * size).max(ROUNDING * most) {
+                let declared = &self.acceleration.model.declaration().contacts[contact];
+                let name = declared.name;
+                let [state, other] = match self.modes.get(contact) {
+                    Some(ContactMode::Slip(_)) if declared.dry => {
+                        ["at its edge", "changes its side"]
+                    }
+                    _ => ["closed, or struck,", "opens it or presses it in"],
+                };
+                return Err(format!(
+                    "at t = {} s `{name}` is {state} for these values only: another `{}` {other}",
+                    self.run.trajectory.time[k], wanted.names[column]
+                ));
+            }
+        }
+        Ok(())
+    }
+}
