@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::{PublishedData, Scene};
 use hangtime::model::{Declaration, Model};
-use hangtime::simulation::{Event, Gradient, Simulation};
+use hangtime::simulation::{Event, Gradient, SequenceRange, Simulation};
 
 use crate::arguments::{Method, SimulateArguments};
 use crate::bounds::Bounds;
@@ -211,6 +211,10 @@ fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradien
         .map(|name| unit_of(declaration, name));
     let units: Vec<String> = units.collect();
     let names = gradient.with_respect_to.iter().zip(&units);
+    let headings: Vec<String> = names
+        .clone()
+        .map(|(name, unit)| headed(name, unit))
+        .collect();
     let header = ["derivative of".to_owned()]
         .into_iter()
         .chain(names.map(|(name, unit)| headed(&format!("by {name}"), unit)));
@@ -278,7 +282,7 @@ fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradien
     for (values, side) in both.into_iter().chain(sides) {
         rows.push(row(format!("objective{side}"), "", values));
     }
-    let mut text = "\n".to_owned() + &table(header, rows) + &ranges(gradient, &units);
+    let mut text = "\n".to_owned() + &table(header, rows) + &ranges(&headings, &gradient.ranges);
     if let Some(obstacle) = &gradient.obstacle {
         let _ = writeln!(text, "note        no derivatives: {obstacle}");
         if gradient.one_sided.is_some() {
@@ -288,24 +292,20 @@ fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradien
     text
 }
 
-/// How far what a motion is differentiated by may go, a line each side.
-fn ranges(gradient: &Gradient, units: &[String]) -> String {
+/// How far quantities, which are headed by these words, may go, a line each side; empty where nothing ends any.
+pub(crate) fn ranges(names: &[String], ranges: &[SequenceRange]) -> String {
     let mut rows: Vec<Vec<String>> = Vec::new();
-    let names = gradient.with_respect_to.iter().zip(units);
-    for ((name, unit), range) in names.zip(&gradient.ranges) {
+    for (name, range) in names.iter().zip(ranges) {
         for limit in [&range.below, &range.above].into_iter().flatten() {
-            let change = format!(
-                "{}{}",
-                if limit.change > 0.0 { "+" } else { "" },
-                digits(limit.change)
-            );
-            rows.push(vec![headed(name, unit), change, limit.because.clone()]);
+            let plus = if limit.change > 0.0 { "+" } else { "" };
+            let change = format!("{plus}{}", digits(limit.change));
+            rows.push(vec![name.clone(), change, limit.because.clone()]);
         }
     }
     if rows.is_empty() {
         return String::new();
     }
-    let header = ["same events up to", "change by", "where, to first order,"];
+    let header = ["holds up to", "change", "where, to first order,"];
     "\n".to_owned() + &described(header, rows)
 }
 

@@ -40,7 +40,7 @@ pub(super) struct GradientEntry<'a> {
 
 /// Null to a side that nothing ends.
 #[derive(Serialize)]
-struct RangeEntry<'a> {
+pub(super) struct RangeEntry<'a> {
     /// Towards smaller values.
     below: Option<LimitEntry<'a>>,
     /// Towards larger values.
@@ -57,7 +57,7 @@ struct LimitEntry<'a> {
 }
 
 impl<'a> RangeEntry<'a> {
-    fn new(range: &'a SequenceRange) -> Self {
+    pub(super) fn new(range: &'a SequenceRange) -> Self {
         let side = |limit: &'a Option<SequenceLimit>| {
             limit.as_ref().map(|limit| LimitEntry {
                 change: limit.change,

@@ -25,7 +25,7 @@ const CASES: [Case; 13] = [
             impact floor: restitution e
             start { z: height, dot(z): v0 }
             horizon 0.9 [s] + height/4[m/s]
-            minimize integral(g*z^2/1[m^3]) + height/1[m]*(dot(z)/1[m/s])^2 + m*z/1[kg*m]
+            minimize integral(g*z^2/1[m^3/s]) + height/1[m]*(dot(z)/1[m/s])^2 + m*z/1[kg*m]
             outputs { pushed: N*s = impulse(floor), energy: J = m/2*dot(z)^2 + m*g*z }
         ",
         of: &["objective", "z", "dot(z)", "pushed", "energy"],
@@ -382,7 +382,7 @@ fn values_that_nothing_has_are_refused() {
     for (of, words) in [
         ("y", "no gradient of `y` at the end"),
         ("objective", "`minimize` declares an objective"),
-        ("g", "it has: x, z, dot(x), dot(z), rubbed"),
+        ("g", "it has: x, dot(x), z, dot(z), rubbed"),
     ] {
         let run = simulate(&scene).gradient_of([of]);
         let refusal = run.gradient(["all"]).unwrap_err().to_string();

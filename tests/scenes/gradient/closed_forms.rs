@@ -554,7 +554,7 @@ const RODS: [&str; 2] = [
      joint rod: x^2 + z^2 == l^2
      surface stop: x - wall >= 0
      start { x: l*sin(a0), z: -l*cos(a0), dot(x): l*cos(a0)*w0, dot(z): l*sin(a0)*w0 }
-     outputs { pull: N = force(rod) }",
+     outputs { pull: N/m = force(rod) }",
 ];
 
 #[test]

@@ -6,4 +6,5 @@ mod adjoint;
 mod closed_forms;
 mod differences;
 mod obstacles;
+mod ranges;
 mod support;

@@ -6,7 +6,7 @@
 use super::acceleration::{Acceleration, Hold};
 use super::matrix::{Matrix, add};
 use super::wanted::Wanted;
-use crate::model::{contact_point, switching_terms, tangent_point};
+use crate::model::{contact_point, tangent_point};
 use crate::simulation::{ContactMode, Event, EventKind};
 
 /// Rate of what vanishes at an event, relative to the sizes of its terms, below which it is touched and not crossed.
@@ -25,10 +25,33 @@ pub(super) struct Before<'b> {
     pub(super) state: &'b Matrix,
     /// Largest normal velocity of each contact in the whole motion.
     pub(super) closing_speeds: &'b [f64],
-    /// Largest velocity in the whole motion.
-    pub(super) speed: f64,
+    /// Largest coordinate and velocity in the whole motion.
+    pub(super) sizes: [f64; 2],
     /// Whether events that quantities take apart are refused.
     pub(super) checked: bool,
+}
+
+impl Before<'_> {
+    /// Size of the terms of a function with these derivatives by the input vector `x` at a time.
+    fn size(&self, by: &[f64], (x, time): (&[f64], f64)) -> f64 {
+        terms(self.sizes, self.v.len(), by, (x, time))
+    }
+}
+
+/// Size of the terms of a function of `n` coordinates with these derivatives by the input vector `x` at a time, in a motion of these sizes.
+pub(super) fn terms(
+    [place, speed]: [f64; 2],
+    n: usize,
+    by: &[f64],
+    (x, time): (&[f64], f64),
+) -> f64 {
+    let of = |i: usize| match i {
+        i if i < n => place,
+        i if i < 2 * n => speed,
+        i => x[i].abs().max(time),
+    };
+    let sizes = (0..x.len()).map(|i| by[i].abs() * of(i));
+    sizes.sum()
 }
 
 /// A function that vanishes at an event.
@@ -131,19 +154,18 @@ fn zero(
             })
         }
         (EventKind::Slide | EventKind::Switch, ContactMode::Slip(_)) => {
-            let size = switching_terms(acceleration.model, contact, x);
             let (value, by) = acceleration.tangent(contact, tangent_point::SLIDING_VELOCITY);
             Some(Zero {
                 value,
                 by: by.to_vec(),
                 rate: 0.0,
-                size,
+                size: before.size(by, (x, event.time)),
             })
         }
         (EventKind::Stick | EventKind::Slip, ContactMode::Slip(_)) => {
             let n = acceleration.n;
             let (value, by) = acceleration.tangent(contact, tangent_point::SLIDING_VELOCITY);
-            let terms = by[n..2 * n].iter().map(|by| by.abs() * before.speed);
+            let terms = by[n..2 * n].iter().map(|by| by.abs() * before.sizes[1]);
             Some(Zero {
                 value,
                 size: terms.sum(),

@@ -2,10 +2,11 @@
 
 use super::acceleration::Hold;
 use super::arc::{Step, stage_input};
+use super::cause::terms;
 use super::front::Front;
 use super::matrix::largest;
 use super::walk::{HELD, ROUNDING, Walk};
-use crate::model::{Switching, contact_point, switching_terms, tangent_point};
+use crate::model::{Switching, contact_point, tangent_point};
 use crate::simulation::ContactMode;
 
 /// Share of the largest gap that counts as none where a contact passes its surface.
@@ -100,7 +101,10 @@ impl Walk<'_> {
                 .acceleration
                 .tangent(contact, tangent_point::SLIDING_VELOCITY);
             let size = match declared[contact].switch {
-                Some(_) => switching_terms(self.acceleration.model, contact, &self.input(k)),
+                Some(_) => {
+                    let (x, time) = (self.input(k), self.run.trajectory.time[k]);
+                    terms(self.sizes, self.acceleration.n, by, (&x, time))
+                }
                 None => self.sizes[1] * largest(by),
             };
             if value.abs() <= ROUNDING * size {

@@ -442,7 +442,7 @@ impl<'w> Walk<'w> {
             control_rates: controls.slopes(),
             state: &self.front.state,
             closing_speeds: &self.closing_speeds,
-            speed: self.sizes[1],
+            sizes: self.sizes,
             checked: self.checked,
         };
         let wanted = self.front.wanted;
