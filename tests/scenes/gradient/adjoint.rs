@@ -6,10 +6,11 @@ use hangtime_scene_files::TextScene;
 
 use super::support::{TOLERANCE, assert_close, assert_exists, scene};
 
-/// Names, text, and values at the end.
+/// Names, text, initial values, and values at the end.
 struct Case {
     name: &'static str,
     text: &'static str,
+    from: &'static [&'static str],
     of: &'static [&'static str],
 }
 
@@ -28,6 +29,7 @@ const CASES: [Case; 13] = [
             minimize integral(g*z^2/1[m^3/s]) + height/1[m]*(dot(z)/1[m/s])^2 + m*z/1[kg*m]
             outputs { pushed: N*s = impulse(floor), energy: J = m/2*dot(z)^2 + m*g*z }
         ",
+        from: &["z", "dot(z)"],
         of: &["objective", "z", "dot(z)", "pushed", "energy"],
     },
     Case {
@@ -42,6 +44,7 @@ const CASES: [Case; 13] = [
             outputs { rubbed: N*s = friction_impulse(hills) }
             horizon 1.1 [s]
         ",
+        from: &["x", "dot(z)"],
         of: &["x", "rubbed"],
     },
     Case {
@@ -55,6 +58,7 @@ const CASES: [Case; 13] = [
             start { a: a0, b: b0 }
             horizon 1.2 [s]
         ",
+        from: &["a", "dot(b)"],
         of: &["a", "dot(b)"],
     },
     Case {
@@ -69,6 +73,7 @@ const CASES: [Case; 13] = [
             outputs { rubbing: N = friction_force(floor), load: N = force(floor) }
             horizon 3 [s]
         ",
+        from: &["x", "dot(x)"],
         of: &["dot(x)", "rubbing", "load"],
     },
     Case {
@@ -83,6 +88,7 @@ const CASES: [Case; 13] = [
             start { x: -2*s, z: a*exp(-4), dot(x): u0, dot(z): u0*4*a/s*exp(-4) }
             horizon 1.2 [s]
         ",
+        from: &[],
         of: &["x"],
     },
     Case {
@@ -96,6 +102,7 @@ const CASES: [Case; 13] = [
             start { dot(phi): w0 }
             horizon 6 [s]
         ",
+        from: &["phi", "dot(phi)"],
         of: &["phi"],
     },
     Case {
@@ -109,6 +116,7 @@ const CASES: [Case; 13] = [
             start { y: -1 [m], z: a*1[m], dot(y): v0, dot(z): -a*v0 }
             horizon 0.6 [s]
         ",
+        from: &[],
         of: &["y"],
     },
     Case {
@@ -125,6 +133,7 @@ const CASES: [Case; 13] = [
             start { z: 0 [m], i: 0 [A] }
             horizon 1.5 [s]
         ",
+        from: &["i"],
         of: &["z", "i"],
     },
     Case {
@@ -138,6 +147,7 @@ const CASES: [Case; 13] = [
             start { x: 0 [m], z: 0 [m], dot(x): u0, dot(z): -w0 }
             horizon 0.5 [s]
         ",
+        from: &["x", "dot(x)"],
         of: &["x", "dot(x)"],
     },
     Case {
@@ -152,6 +162,7 @@ const CASES: [Case; 13] = [
             start { x: l*sin(a0), z: -l*cos(a0), dot(x): l*cos(a0)*w0, dot(z): l*sin(a0)*w0 }
             horizon 1.4 [s]
         ",
+        from: &["dot(x)"],
         of: &["x", "dot(z)"],
     },
     Case {
@@ -165,6 +176,7 @@ const CASES: [Case; 13] = [
             start { x: 0 [m] }
             horizon 2.5 [s]
         ",
+        from: &["x", "phi"],
         of: &["x", "phi"],
     },
     Case {
@@ -176,6 +188,7 @@ const CASES: [Case; 13] = [
             start { x: x0 }
             horizon 2 [s]
         ",
+        from: &["x", "y"],
         of: &["x", "y"],
     },
     Case {
@@ -188,6 +201,7 @@ const CASES: [Case; 13] = [
             start { x: x0, dot(x): v0 }
             horizon 1.6 [s]
         ",
+        from: &["x", "dot(x)"],
         of: &["x"],
     },
 ];
@@ -228,18 +242,15 @@ fn assert_same(name: &str, forward: &Gradient, backward: &Gradient) {
     assert_eq!(forward.objective.is_some(), backward.objective.is_some());
 }
 
-#[test]
-fn backward_derivatives_are_the_forward_ones() {
-    for case in &CASES {
+fn compare(cases: &[Case]) {
+    for case in cases {
         let scene = scene(case.text, &[]);
-        let coordinates = scene.declaration().coordinates;
-        let first = coordinates[0].name;
-        let rate = format!("dot({first})");
-        let (by, of) = (["all", first, &rate], case.of);
+        let mut by = vec!["all"];
+        by.extend(case.from);
         let both = |mode| {
             [
-                differentiated(&scene, Fesd::default(), (&by, of), mode).1,
-                differentiated(&scene, EventDriven::default(), (&by, of), mode).1,
+                differentiated(&scene, Fesd::default(), (&by, case.of), mode).1,
+                differentiated(&scene, EventDriven::default(), (&by, case.of), mode).1,
             ]
         };
         let (forward, backward) = (both(GradientMode::Forward), both(GradientMode::Adjoint));
@@ -256,6 +267,21 @@ fn backward_derivatives_are_the_forward_ones() {
             assert!(backward.q.is_empty() && backward.event_times.is_empty());
         }
     }
+}
+
+#[test]
+fn backward_derivatives_through_impacts_and_friction_are_the_forward_ones() {
+    compare(&CASES[..4]);
+}
+
+#[test]
+fn backward_derivatives_of_arcs_in_contact_are_the_forward_ones() {
+    compare(&CASES[4..9]);
+}
+
+#[test]
+fn backward_derivatives_through_joints_and_switches_are_the_forward_ones() {
+    compare(&CASES[9..]);
 }
 
 /// A ball under a force with this many harmonics.
