@@ -602,3 +602,34 @@ fn disc_that_rolls_by_a_joint_of_velocities() {
         assert_row(&gradient.q[1], &derivatives(turn, &at), "turn");
     }
 }
+
+#[test]
+fn weight_that_a_growing_force_lifts() {
+    let text = "
+        parameters { m: kg = 1.5, g: m/s^2 = 9.7, c: N/s = 20 }
+        coordinates { z: m }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: c*t }
+        surface floor: z >= 0
+        impact floor: inelastic
+        start { z: 0 [m] }
+        horizon 1.2 [s]
+    ";
+    let at = [1.5, 9.7, 20.0];
+    let time = |p: &[Dual64]| p[0] * p[1] / p[2];
+    let height = |p: &[Dual64]| p[2] / p[0] * (-time(p) + 1.2).powi(3) / 6.0;
+    for (_, gradient) in by_both(&scene(text, &[]), &["m", "g", "c"]) {
+        assert_exists(&gradient);
+        assert_row(&gradient.event_times[0], &derivatives(time, &at), "time");
+        assert_row(&gradient.q[0], &derivatives(height, &at), "height");
+        // It lifts off at the end only if the force is as much smaller.
+        let below = gradient.ranges[2].below.as_ref().unwrap();
+        let by_c = -1.5 * 9.7 / 20.0 / 20.0;
+        assert_close(
+            below.change,
+            (1.2 - 1.5 * 9.7 / 20.0) / by_c,
+            CLOSE,
+            "range by c",
+        );
+    }
+}

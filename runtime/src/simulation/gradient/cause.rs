@@ -146,11 +146,14 @@ fn zero(
         (EventKind::LiftOff, mode) if mode != ContactMode::Open => {
             let (value, by) = acceleration.force(contact, false)?;
             let curvature = acceleration.point(contact, contact_point::CURVATURE).0;
+            // Where what acts without the contact vanishes with its force, that says nothing of its terms.
+            let terms = before.size(by, (x, event.time));
+            let size = force_size(acceleration, contact, false).max(curvature.abs());
             Some(Zero {
                 value,
                 by: by.to_vec(),
                 rate: 0.0,
-                size: force_size(acceleration, contact, false).max(curvature.abs()),
+                size: size.max(terms),
             })
         }
         (EventKind::Slide | EventKind::Switch, ContactMode::Slip(_)) => {

@@ -9,6 +9,7 @@
 //! The speed `s` of an impact vanishes like a square root where a surface is only just reached, so that its margin is `s^2`.
 
 use super::arc::stage_input;
+use super::cause::terms;
 use super::margins::{Margin, Of, margins};
 use super::matrix::Matrix;
 use super::walk::Walk;
@@ -268,7 +269,14 @@ impl Walk<'_> {
             margin.size = match margin.of {
                 Of::Gap => self.gap_sizes[margin.contact],
                 Of::Sliding(_) => margin.size.max(self.sizes[1] * ENDED),
-                Of::Force | Of::Left(_) => margin.size,
+                Of::Force => {
+                    let time = self.run.trajectory.time[k];
+                    let n = self.acceleration.n;
+                    margin
+                        .size
+                        .max(terms(self.sizes, n, &margin.by, (&x, time)))
+                }
+                Of::Left(_) => margin.size,
             };
         }
         margins
