@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use crate::{PublishedData, Scene};
 use hangtime::model::{Declaration, Model};
-use hangtime::simulation::{Event, Gradient, SequenceRange, Simulation};
+use hangtime::simulation::{Event, Gradient, SequenceRange, Side, Simulation};
 
 use crate::arguments::{Method, SimulateArguments};
 use crate::bounds::Bounds;
@@ -204,7 +204,7 @@ fn event_table(declaration: &Declaration, events: &[Event]) -> String {
 
 /// Derivatives of the end and of the events, with their units.
 fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradient) -> String {
-    let (declaration, outputs) = (model.declaration(), model.outputs());
+    let declaration = model.declaration();
     let units = gradient
         .with_respect_to
         .iter()
@@ -218,69 +218,30 @@ fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradien
     let header = ["derivative of".to_owned()]
         .into_iter()
         .chain(names.map(|(name, unit)| headed(&format!("by {name}"), unit)));
-    let row = |name: String, unit: &str, values: &[f64]| {
-        let values = values.iter().copied().map(digits);
-        [headed(&name, unit)].into_iter().chain(values).collect()
-    };
-    let mut rows: Vec<Vec<String>> = Vec::new();
-    let mechanical = declaration.mechanical();
-    let coordinates = &declaration.coordinates[..mechanical];
-    let mut end = |q: &[Vec<f64>], v: &[Vec<f64>], values: &[(String, Vec<f64>)], side: &str| {
-        for (c, values) in coordinates.iter().zip(q) {
-            rows.push(row(format!("{} at the end{side}", c.name), c.unit, values));
-        }
-        for (c, values) in coordinates.iter().zip(v) {
-            let name = format!("d{}/dt at the end{side}", c.name);
-            rows.push(row(name, &per_second(c.unit), values));
-        }
-        for (state, values) in declaration.states.iter().zip(v.iter().skip(mechanical)) {
-            let name = format!("{} at the end{side}", state.name);
-            rows.push(row(name, state.unit, values));
-        }
-        for (name, values) in values.iter().filter(|(name, _)| name != "objective") {
-            let unit = outputs.iter().find(|output| output.name == name);
-            let unit =
-                unit.map_or_else(|| unit_of(declaration, name), |known| known.unit.to_owned());
-            rows.push(row(format!("{name} at the end{side}"), &unit, values));
-        }
-    };
-    let named = &gradient.values[..];
-    if gradient.values.is_empty() {
-        end(&gradient.q, &gradient.v, &[], "");
+    let mut rows = if gradient.values.is_empty() {
+        end_rows(model, (&gradient.q, &gradient.v), "")
     } else {
-        end(&[], &[], named, "");
-    }
-    if let Some(sides) = &gradient.one_sided {
-        for (side, name) in [
-            (&sides.below, ", from below"),
-            (&sides.above, ", from above"),
-        ] {
-            if gradient.values.is_empty() {
-                end(&side.q, &side.v, &[], name);
-            } else {
-                end(&[], &[], &side.values, name);
-            }
-        }
+        value_rows(model, &gradient.values, "")
+    };
+    for (side, name) in sides(gradient) {
+        rows.extend(if gradient.values.is_empty() {
+            end_rows(model, (&side.q, &side.v), name)
+        } else {
+            value_rows(model, &side.values, name)
+        });
     }
     let events = simulation.events.iter().zip(&gradient.event_times);
     let events = events.filter(|_| gradient.values.is_empty());
     for (event, values) in events.take(MOST_EVENTS) {
         let kind = event.kind.name().replace('_', " ");
         let name = format!("time of {kind} at {}", event.contact_name);
-        rows.push(row(name, "s", values));
+        rows.push(derivative_row(&name, "s", values));
     }
-    let sides = gradient.one_sided.as_deref();
-    let sides = sides.map(|sides| {
-        [
-            (&sides.below, ", from below"),
-            (&sides.above, ", from above"),
-        ]
-    });
-    let sides = sides.into_iter().flatten();
-    let sides = sides.filter_map(|(side, name)| Some((side.objective.as_ref()?, name)));
+    let to_sides = sides(gradient).into_iter();
+    let to_sides = to_sides.filter_map(|(side, name)| Some((side.objective.as_ref()?, name)));
     let both = gradient.objective.as_ref().map(|values| (values, ""));
-    for (values, side) in both.into_iter().chain(sides) {
-        rows.push(row(format!("objective{side}"), "", values));
+    for (values, side) in both.into_iter().chain(to_sides) {
+        rows.push(derivative_row(&format!("objective{side}"), "", values));
     }
     let mut text = "\n".to_owned() + &table(header, rows) + &ranges(&headings, &gradient.ranges);
     if let Some(obstacle) = &gradient.obstacle {
@@ -290,6 +251,61 @@ fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradien
         }
     }
     text
+}
+
+/// Derivatives to either side, if there are such, with their words.
+fn sides(gradient: &Gradient) -> Vec<(&Side, &'static str)> {
+    let sides = gradient.one_sided.as_deref();
+    sides.map_or_else(Vec::new, |sides| {
+        vec![
+            (&sides.below, ", from below"),
+            (&sides.above, ", from above"),
+        ]
+    })
+}
+
+/// A row of the table of derivatives.
+fn derivative_row(name: &str, unit: &str, values: &[f64]) -> Vec<String> {
+    let values = values.iter().copied().map(digits);
+    [headed(name, unit)].into_iter().chain(values).collect()
+}
+
+/// Rows of the derivatives of the state at the end.
+fn end_rows(model: &dyn Model, (q, v): (&[Vec<f64>], &[Vec<f64>]), side: &str) -> Vec<Vec<String>> {
+    let declaration = model.declaration();
+    let mechanical = declaration.mechanical();
+    let coordinates = &declaration.coordinates[..mechanical];
+    let places = coordinates
+        .iter()
+        .zip(q)
+        .map(|(c, values)| derivative_row(&format!("{} at the end{side}", c.name), c.unit, values));
+    let rates = coordinates.iter().zip(v).map(|(c, values)| {
+        let name = format!("d{}/dt at the end{side}", c.name);
+        derivative_row(&name, &per_second(c.unit), values)
+    });
+    let states = declaration.states.iter().zip(v.iter().skip(mechanical));
+    let states = states.map(|(state, values)| {
+        derivative_row(
+            &format!("{} at the end{side}", state.name),
+            state.unit,
+            values,
+        )
+    });
+    places.chain(rates).chain(states).collect()
+}
+
+/// Rows of the derivatives of chosen values at the end, but for the objective.
+fn value_rows(model: &dyn Model, values: &[(String, Vec<f64>)], side: &str) -> Vec<Vec<String>> {
+    let values = values.iter().filter(|(name, _)| name != "objective");
+    let rows = values.map(|(name, values)| {
+        let output = model.outputs().iter().find(|output| output.name == name);
+        let unit = output.map_or_else(
+            || unit_of(model.declaration(), name),
+            |known| known.unit.to_owned(),
+        );
+        derivative_row(&format!("{name} at the end{side}"), &unit, values)
+    });
+    rows.collect()
 }
 
 /// How far quantities, which are headed by these words, may go, a line each side; empty where nothing ends any.
