@@ -56,11 +56,12 @@ pub(super) fn adjoint(
     let shares = shares(asked.count(), |k| asked.size(k, model, problem));
     let (direction, present) = (asked.along_direction(shares.clone()), asked.behind(changes));
     let mut walk = Walk::new(model, problem, run, &direction)?;
+    walk.at.asked = asked;
     walk.tape = Some(Tape::new(model, (asked, &present), &lean));
     walk.run().ok()?;
     let forward = walk.end();
     let tape = walk.tape.take()?;
-    walk.front = tape.present();
+    walk.at.front = tape.present();
     let end = walk.end();
     let n = problem.q.len();
     let at_start = start(model, problem, asked);
@@ -72,7 +73,7 @@ pub(super) fn adjoint(
             cost: f64::from(u8::from(value == Value::Objective)),
             by: by[changes..].to_vec(),
         };
-        tape.back(&walk.arc, &mut covector);
+        tape.back(&walk.at.arc, &mut covector);
         for (i, factor) in covector.state.iter().enumerate() {
             add(&mut covector.by, *factor, at_start.row(i));
         }

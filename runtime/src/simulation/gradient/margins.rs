@@ -1,37 +1,9 @@
-//! What keeps a sequence of events, and how far quantities may go until it is another one.
+//! What keeps a sequence of events: margins that vanish where it becomes another one.
 
 use super::acceleration::Acceleration;
 use super::cause::{force_size, friction_left};
-use super::matrix::Matrix;
 use crate::model::{contact_point, switching_terms, tangent_point};
 use crate::simulation::ContactMode;
-
-/// How far one quantity may go.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct SequenceRange {
-    /// Towards smaller values; none where nothing ends it.
-    pub below: Option<SequenceLimit>,
-    /// Towards larger values.
-    pub above: Option<SequenceLimit>,
-}
-
-/// What ends a range.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SequenceLimit {
-    /// Change of the quantity there, in its unit; below 0 towards smaller values.
-    pub change: f64,
-    /// What is another then, with the contact and the time.
-    pub because: String,
-}
-
-/// The ranges of all quantities, as far as a walk has come.
-pub(super) struct Ranges {
-    pub(super) found: Vec<SequenceRange>,
-    /// Margins at the start of the step that comes, and the derivatives of the state there.
-    pub(super) begin: Option<(Vec<Margin>, Matrix)>,
-    /// Time and words of the last event, and the derivatives of that time.
-    pub(super) event: Option<(f64, String, Vec<f64>)>,
-}
 
 /// What a margin is one of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,45 +40,6 @@ pub(super) struct Margin {
     pub(super) by: Vec<f64>,
     /// Size of its terms.
     pub(super) size: f64,
-}
-
-impl Ranges {
-    pub(super) fn new(count: usize) -> Self {
-        Self {
-            found: vec![SequenceRange::default(); count],
-            begin: None,
-            event: None,
-        }
-    }
-
-    /// Takes a margin of this value and these derivatives, by quantity, into account.
-    pub(super) fn consider(
-        &mut self,
-        value: f64,
-        by: impl Iterator<Item = f64>,
-        words: &dyn Fn() -> String,
-    ) {
-        for (found, by) in self.found.iter_mut().zip(by) {
-            let change = -value / by;
-            if !change.is_finite() || change == 0.0 {
-                continue;
-            }
-            let side = if change > 0.0 {
-                &mut found.above
-            } else {
-                &mut found.below
-            };
-            if side
-                .as_ref()
-                .is_none_or(|known| known.change.abs() > change.abs())
-            {
-                *side = Some(SequenceLimit {
-                    change,
-                    because: words(),
-                });
-            }
-        }
-    }
 }
 
 /// The margins of a mode, where the acceleration is evaluated at `x`: always the same ones in the same order.

@@ -19,7 +19,6 @@ mod acceleration;
 mod adjoint;
 mod arc;
 mod cause;
-mod checks;
 mod cost;
 mod front;
 mod joint_rows;
@@ -27,6 +26,7 @@ mod jump;
 mod margins;
 mod matrix;
 mod outputs;
+mod place;
 mod projection;
 mod ranges;
 mod samples;
@@ -40,8 +40,8 @@ use super::{InitialValueProblem, InputError, Simulation};
 use crate::joints::Joints;
 use crate::model::{Measured, Model, joint_rows};
 use adjoint::{Value, adjoint};
-use margins::Ranges;
-pub use margins::{SequenceLimit, SequenceRange};
+use ranges::Ranges;
+pub use ranges::{SequenceLimit, SequenceRange};
 use samples::Samples;
 pub use sides::{OneSided, Side};
 use walk::Walk;
@@ -280,11 +280,7 @@ fn forward(
     walk.ranges = Some(Ranges::new(columns));
     match walk.run() {
         Ok(()) => {
-            walk.finish_range();
-            gradient.ranges = walk
-                .ranges
-                .take()
-                .map_or_else(Vec::new, |ranges| ranges.found);
+            gradient.ranges = walk.ranges();
             let end = walk.end();
             (gradient.q, gradient.v) = (end.state.rows(0..n), end.state.rows(n..2 * n));
             for ((_, row), (_, value)) in gradient.values.iter_mut().zip(values) {

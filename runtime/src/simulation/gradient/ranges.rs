@@ -12,7 +12,7 @@ use super::arc::stage_input;
 use super::cause::terms;
 use super::margins::{Margin, Of, margins};
 use super::matrix::Matrix;
-use super::walk::Walk;
+use super::place::Place;
 use crate::model::{contact_point, tangent_point};
 use crate::simulation::quantity::number;
 use crate::simulation::{ContactMode, Event};
@@ -24,34 +24,94 @@ const SEARCH: usize = 8;
 /// Share of the largest velocity that counts as none after an impact.
 const AT_REST: f64 = 1e-8;
 
-impl Walk<'_> {
-    /// Keeps the margins at instant `k`, from which a step begins and where the acceleration is evaluated; those that grow from the start
-    /// of an arc on count.
-    pub(super) fn begin_range(&mut self, k: usize, arc_begins: bool) {
-        if self.ranges.is_none() {
-            return;
-        }
-        let margins = self.margins_at(k);
-        let times = self.event_times.last().cloned();
-        let times = times.filter(|_| k > 0).unwrap_or_default();
-        if arc_begins {
-            let ends = margins.iter().filter(|margin| margin.rate >= 0.0);
-            let ends: Vec<Margin> = ends.cloned().collect();
-            self.count_at(k, &ends, &times);
-        }
-        let state = self.front.state.clone();
-        if let Some(ranges) = &mut self.ranges {
-            ranges.begin = Some((margins, state));
+/// How far one quantity may go.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SequenceRange {
+    /// Towards smaller values; none where nothing ends it.
+    pub below: Option<SequenceLimit>,
+    /// Towards larger values.
+    pub above: Option<SequenceLimit>,
+}
+
+/// What ends a range.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SequenceLimit {
+    /// Change of the quantity there, in its unit; below 0 towards smaller values.
+    pub change: f64,
+    /// What is another then, with the contact and the time.
+    pub because: String,
+}
+
+/// The ranges of all quantities, as far as a walk has come.
+pub(super) struct Ranges {
+    found: Vec<SequenceRange>,
+    /// Margins at the start of the step that comes, and the derivatives of the state there.
+    begin: Option<(Vec<Margin>, Matrix)>,
+    /// Time and words of the last event, and the derivatives of that time.
+    event: Option<(f64, String, Vec<f64>)>,
+}
+
+impl Ranges {
+    pub(super) fn new(count: usize) -> Self {
+        Self {
+            found: vec![SequenceRange::default(); count],
+            begin: None,
+            event: None,
         }
     }
 
+    /// Takes a margin of this value and these derivatives, by quantity, into account.
+    fn consider(&mut self, value: f64, by: impl Iterator<Item = f64>, words: &dyn Fn() -> String) {
+        for (found, by) in self.found.iter_mut().zip(by) {
+            let change = -value / by;
+            if !change.is_finite() || change == 0.0 {
+                continue;
+            }
+            let side = if change > 0.0 {
+                &mut found.above
+            } else {
+                &mut found.below
+            };
+            if side
+                .as_ref()
+                .is_none_or(|known| known.change.abs() > change.abs())
+            {
+                *side = Some(SequenceLimit {
+                    change,
+                    because: words(),
+                });
+            }
+        }
+    }
+
+    /// Keeps the margins at instant `k`, from which a step begins and where the acceleration is evaluated; those that grow from the start
+    /// of an arc on count.
+    pub(super) fn begin(
+        &mut self,
+        at: &mut Place<'_>,
+        (k, arc_begins): (usize, bool),
+        times: &[f64],
+    ) {
+        let margins = margins_at(at, k);
+        if arc_begins {
+            let ends = margins.iter().filter(|margin| margin.rate >= 0.0);
+            let ends: Vec<Margin> = ends.cloned().collect();
+            self.count_at(at, k, &ends, times);
+        }
+        self.begin = Some((margins, at.front.state.clone()));
+    }
+
     /// Looks at the margins of the step that ends at instant `k`, where an event or the motion may end, whose time has these derivatives.
-    pub(super) fn end_range(&mut self, k: usize, arc_ends: Option<&[f64]>) -> Result<(), String> {
-        let begun = self.ranges.as_mut().and_then(|ranges| ranges.begin.take());
-        let Some((begin, before)) = begun else {
+    pub(super) fn end(
+        &mut self,
+        at: &mut Place<'_>,
+        k: usize,
+        arc_ends: Option<&[f64]>,
+    ) -> Result<(), String> {
+        let Some((begin, before)) = self.begin.take() else {
             return Ok(());
         };
-        let end = self.margins_at(k);
+        let end = margins_at(at, k);
         let turns = |(from, to): &(&Margin, &Margin)| from.rate < 0.0 && to.rate > 0.0;
         let inside: Vec<(Margin, Margin)> = begin
             .iter()
@@ -60,30 +120,27 @@ impl Walk<'_> {
             .map(|(from, to)| (from.clone(), to.clone()))
             .collect();
         for (from, to) in &inside {
-            self.count_within(k, (from, to), &before);
+            self.count_within(at, k, (from, to), &before);
         }
         if !inside.is_empty() {
-            self.evaluate(k)?;
+            at.evaluate(k)?;
         }
         if let Some(times) = arc_ends {
             let falling = end.iter().filter(|margin| margin.rate <= 0.0);
             let falling: Vec<Margin> = falling.cloned().collect();
-            self.count_at(k, &falling, times);
+            self.count_at(at, k, &falling, times);
         }
         Ok(())
     }
 
     /// Takes the time from the last event to `events` at instant `k` into account, and the speeds of impacts.
-    pub(super) fn pass_range(&mut self, events: &[Event], times: &[f64]) {
-        let Some(ranges) = &mut self.ranges else {
-            return;
-        };
+    pub(super) fn pass(&mut self, at: &Place<'_>, events: &[Event], times: &[f64]) {
         let Some(event) = events.first() else {
             return;
         };
         let words = format!("the {} at `{}`", event.kind, event.contact_name);
-        let begin = self.run.trajectory.time[0];
-        let (last, other, by) = ranges
+        let begin = at.run.trajectory.time[0];
+        let (last, other, by) = self
             .event
             .take()
             .unwrap_or_else(|| (begin, "the start".to_owned(), vec![0.0; times.len()]));
@@ -94,41 +151,37 @@ impl Walk<'_> {
                 number(event.time)
             )
         };
-        ranges.consider(event.time - last, moves, &both);
-        ranges.event = Some((event.time, words, times.to_vec()));
+        self.consider(event.time - last, moves, &both);
+        self.event = Some((event.time, words, times.to_vec()));
     }
 
-    /// Takes the time from the last event to the end of the motion into account.
-    pub(super) fn finish_range(&mut self) {
-        let moves = self.horizon_moves();
-        let last = *self.run.trajectory.time.last().unwrap_or(&0.0);
-        let Some(ranges) = &mut self.ranges else {
-            return;
-        };
-        if let Some((time, words, by)) = ranges.event.take() {
+    /// The ranges, with the time from the last event to the end of the motion.
+    pub(super) fn finish(mut self, at: &Place<'_>) -> Vec<SequenceRange> {
+        let moves = at.horizon_moves();
+        let last = *at.run.trajectory.time.last().unwrap_or(&0.0);
+        if let Some((time, words, by)) = self.event.take() {
             let by = moves.iter().zip(&by).map(|(own, other)| own - other);
             let time_of = number(time);
             let words = || format!("{words} at t = {time_of} s happens behind the end");
-            ranges.consider(last - time, by, &words);
+            self.consider(last - time, by, &words);
         }
+        self.found
     }
 
     /// Takes what an impact of these contacts decides into account: its speeds, and whether they slide behind it. The derivatives `moved`
     /// are those of `(q, v)` before it and `after` of `v` behind it, where it happens.
-    pub(super) fn impact_range(
+    pub(super) fn strike(
         &mut self,
+        at: &mut Place<'_>,
         (struck, events): (&[usize], &[Event]),
         (x_before, x_after): (&[f64], &[f64]),
         (moved, after): (&Matrix, &Matrix),
         (times, impulses): (&[f64], &Matrix),
     ) {
-        let Some(mut ranges) = self.ranges.take() else {
-            return;
-        };
-        let (n, wanted) = (self.acceleration.n, self.front.wanted);
-        let contacts = self.acceleration.model.declaration().contacts;
-        let explicit = self.acceleration.model.declaration().explicit_time;
-        let time_column = self.acceleration.columns - wanted.parameters - 1;
+        let (n, wanted) = (at.acceleration.n, at.front.wanted);
+        let contacts = at.acceleration.model.declaration().contacts;
+        let explicit = at.acceleration.model.declaration().explicit_time;
+        let time_column = at.acceleration.columns - wanted.parameters - 1;
         let time = number(events[0].time);
         let total = |by: &[f64], state: &Matrix, k: usize| {
             let moves = if explicit {
@@ -143,29 +196,29 @@ impl Walk<'_> {
         let columns = || 0..wanted.count();
         for &contact in struck {
             let name = contacts[contact].name;
-            self.acceleration.load_contact(contact, x_before);
-            let (speed, by) = self
+            at.acceleration.load_contact(contact, x_before);
+            let (speed, by) = at
                 .acceleration
                 .point(contact, contact_point::NORMAL_VELOCITY);
-            let closing = self.modes.get(contact) == Some(&ContactMode::Open);
+            let closing = at.modes.get(contact) == Some(&ContactMode::Open);
             if closing && speed < 0.0 {
                 let by = columns().map(|k| speed * total(by, moved, k));
                 let words = || format!("`{name}` is not struck at t = {time} s");
-                ranges.consider(speed * speed / 2.0, by, &words);
+                self.consider(speed * speed / 2.0, by, &words);
             }
-            let (mu, mu_by) = self.acceleration.friction(contact);
+            let (mu, mu_by) = at.acceleration.friction(contact);
             if contacts[contact].friction.is_none() || mu == 0.0 {
                 continue;
             }
             let mu_by = mu_by.to_vec();
-            self.acceleration.load_contact(contact, x_after);
+            at.acceleration.load_contact(contact, x_after);
             let component = tangent_point::SLIDING_VELOCITY;
-            let (sliding, by) = self.acceleration.tangent(contact, component);
-            if sliding.abs() > AT_REST * self.sizes[1] {
+            let (sliding, by) = at.acceleration.tangent(contact, component);
+            if sliding.abs() > AT_REST * at.sizes[1] {
                 let sense = sliding.signum();
                 let by = columns().map(|k| sense * total(by, &behind, k));
                 let words = || format!("`{name}` does not slide behind the impact at t = {time} s");
-                ranges.consider(sliding.abs(), by, &words);
+                self.consider(sliding.abs(), by, &words);
                 continue;
             }
             let impulse = |of: &[f64]| of.get(contact).copied().unwrap_or_default();
@@ -186,19 +239,15 @@ impl Walk<'_> {
                     mu * normal_by + wanted.of_parameters(&mu_by, k) * normal + sense * rubs_by
                 });
                 let words = || format!("`{name}` slides behind the impact at t = {time} s");
-                ranges.consider(mu * normal + sense * rubs, by, &words);
+                self.consider(mu * normal + sense * rubs, by, &words);
             }
         }
-        self.ranges = Some(ranges);
     }
 
     /// Counts margins at an instant that moves by `times`, but for those that end there.
-    fn count_at(&mut self, k: usize, margins: &[Margin], times: &[f64]) {
-        let Some(mut ranges) = self.ranges.take() else {
-            return;
-        };
-        let (state, wanted) = (&self.front.state, self.front.wanted);
-        let time = number(self.run.trajectory.time[k]);
+    fn count_at(&mut self, at: &Place<'_>, k: usize, margins: &[Margin], times: &[f64]) {
+        let (state, wanted) = (&at.front.state, at.front.wanted);
+        let time = number(at.run.trajectory.time[k]);
         for margin in margins
             .iter()
             .filter(|margin| margin.value > ENDED * margin.size)
@@ -207,35 +256,37 @@ impl Walk<'_> {
                 let moves = margin.rate * times.get(column).unwrap_or(&0.0);
                 wanted.along(&margin.by, state, column) + moves
             });
-            let declared = &self.acceleration.model.declaration().contacts[margin.contact];
+            let declared = &at.acceleration.model.declaration().contacts[margin.contact];
             let switch = declared.switch.is_some();
             let words = || format!("{} at t = {time} s", margin.of.words(declared.name, switch));
-            ranges.consider(margin.value, by, &words);
+            self.consider(margin.value, by, &words);
         }
-        self.ranges = Some(ranges);
     }
 
     /// Counts the least value of a margin within the step that ends at instant `k`, from the derivatives of the state at its start.
-    fn count_within(&mut self, k: usize, (from, to): (&Margin, &Margin), before: &Matrix) {
-        let Some(mut ranges) = self.ranges.take() else {
-            return;
-        };
-        let controls = self.controls(self.run.trajectory.time[k - 1]);
-        let step = self.step_to(k, &controls);
-        let (n, h) = (self.acceleration.n, step.to.time - step.from.time);
+    fn count_within(
+        &mut self,
+        at: &mut Place<'_>,
+        k: usize,
+        (from, to): (&Margin, &Margin),
+        before: &Matrix,
+    ) {
+        let controls = at.controls(at.run.trajectory.time[k - 1]);
+        let step = at.step_to(k, &controls);
+        let (n, h) = (at.acceleration.n, step.to.time - step.from.time);
         // The rate's zero by false position, with the weight of an end that stays halved (Illinois).
         let (mut low, mut high) = ((0.0, from.rate), (1.0, to.rate));
         let mut found = None;
         for _ in 0..SEARCH {
             let theta = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
-            let (q, v) = self.arc.within(step, theta);
+            let (q, v) = at.arc.within(step, theta);
             let time = step.from.time + theta * h;
-            let x = stage_input(&self.acceleration, (&q, &v), time, &controls);
-            if !self.acceleration.evaluate(&x) {
+            let x = stage_input(&at.acceleration, (&q, &v), time, &controls);
+            if !at.acceleration.evaluate(&x) {
                 break;
             }
             let slopes = controls.slopes();
-            let margins = margins(&mut self.acceleration, &self.modes, (&x, slopes));
+            let margins = margins(&mut at.acceleration, &at.modes, (&x, slopes));
             let own = |margin: &Margin| margin.contact == from.contact && margin.of == from.of;
             let Some(margin) = margins.into_iter().find(own) else {
                 break;
@@ -248,37 +299,34 @@ impl Walk<'_> {
             found = Some((margin, theta, time));
         }
         if let Some((margin, theta, time)) = found.filter(|(margin, ..)| margin.value > 0.0) {
-            let wanted = self.front.wanted;
-            let state = self.arc.derivatives_within((n, h), before, theta);
+            let wanted = at.front.wanted;
+            let state = at.arc.derivatives_within((n, h), before, theta);
             let by = (0..wanted.count()).map(|column| wanted.along(&margin.by, &state, column));
-            let declared = &self.acceleration.model.declaration().contacts[margin.contact];
+            let declared = &at.acceleration.model.declaration().contacts[margin.contact];
             let switch = declared.switch.is_some();
             let time = number(time);
             let words = || format!("{} at t = {time} s", margin.of.words(declared.name, switch));
-            ranges.consider(margin.value, by, &words);
+            self.consider(margin.value, by, &words);
         }
-        self.ranges = Some(ranges);
     }
+}
 
-    /// The margins at an instant, where the acceleration is evaluated.
-    fn margins_at(&mut self, k: usize) -> Vec<Margin> {
-        let x = self.input(k);
-        let controls = self.controls(self.run.trajectory.time[k]);
-        let mut margins = margins(&mut self.acceleration, &self.modes, (&x, controls.slopes()));
-        for margin in &mut margins {
-            margin.size = match margin.of {
-                Of::Gap => self.gap_sizes[margin.contact],
-                Of::Sliding(_) => margin.size.max(self.sizes[1] * ENDED),
-                Of::Force => {
-                    let time = self.run.trajectory.time[k];
-                    let n = self.acceleration.n;
-                    margin
-                        .size
-                        .max(terms(self.sizes, n, &margin.by, (&x, time)))
-                }
-                Of::Left(_) => margin.size,
-            };
-        }
-        margins
+/// The margins at an instant, where the acceleration is evaluated.
+fn margins_at(at: &mut Place<'_>, k: usize) -> Vec<Margin> {
+    let x = at.input(k);
+    let controls = at.controls(at.run.trajectory.time[k]);
+    let mut margins = margins(&mut at.acceleration, &at.modes, (&x, controls.slopes()));
+    for margin in &mut margins {
+        margin.size = match margin.of {
+            Of::Gap => at.gap_sizes[margin.contact],
+            Of::Sliding(_) => margin.size.max(at.sizes[1] * ENDED),
+            Of::Force => {
+                let time = at.run.trajectory.time[k];
+                let n = at.acceleration.n;
+                margin.size.max(terms(at.sizes, n, &margin.by, (&x, time)))
+            }
+            Of::Left(_) => margin.size,
+        };
     }
+    margins
 }

@@ -1,30 +1,155 @@
-//! Where a motion has no derivatives: what a walk looks at on the way.
+//! Where a walk along a motion is: what is known of the motion, the derivatives so far, and what has none there.
 
-use super::acceleration::Hold;
-use super::arc::{Step, stage_input};
+use super::acceleration::{Acceleration, Hold, input};
+use super::arc::{Arc, At, Step, stage_input};
 use super::cause::terms;
 use super::front::Front;
 use super::matrix::largest;
-use super::walk::{HELD, ROUNDING, Walk};
-use crate::model::{Switching, contact_point, tangent_point};
-use crate::simulation::ContactMode;
+use super::wanted::Wanted;
+use crate::model::{ControlPiece, Model, Switching, contact_point, tangent_point};
+use crate::simulation::{ContactMode, InitialValueProblem, Simulation};
 
+/// Share of its terms that the derivative of what a contact holds may have.
+pub(super) const HELD: f64 = 1e-6;
+/// The same after a step, which has the error of the motion.
+pub(super) const DRIFT: f64 = 1e-3;
+/// Share of the largest derivative that rounding may leave of one.
+pub(super) const ROUNDING: f64 = 1e-9;
 /// Share of the largest gap that counts as none where a contact passes its surface.
 const TOUCHED: f64 = 1e-9;
 /// Halvings of a step in search of the least gap: its value changes with their square.
 const BISECTIONS: usize = 30;
 
-impl Walk<'_> {
-    /// With a tape, checks at the start what contacts hold for each quantity.
-    pub(super) fn check_all(&mut self, k: usize) -> Result<(), String> {
-        let Some(asked) = self.tape.as_ref().map(|tape| tape.asked) else {
-            return Ok(());
+/// A place of a motion.
+// Many fields: what is known of the motion, and where in it the walk is.
+pub(super) struct Place<'w> {
+    pub(super) run: &'w Simulation,
+    pub(super) problem: &'w InitialValueProblem,
+    /// The quantities that are asked for; the derivatives may be those along one direction of them.
+    pub(super) asked: &'w Wanted,
+    pub(super) front: Front<'w>,
+    pub(super) acceleration: Acceleration<'w>,
+    pub(super) arc: Arc,
+    pub(super) modes: Vec<ContactMode>,
+    pub(super) closing_speeds: Vec<f64>,
+    pub(super) gap_sizes: Vec<f64>,
+    /// Gap and normal velocity of each contact at each instant.
+    open_sides: Vec<Vec<[f64; 2]>>,
+    /// Largest coordinate and velocity of the motion.
+    pub(super) sizes: [f64; 2],
+}
+
+impl<'w> Place<'w> {
+    /// The start of a motion; none without coordinates.
+    pub(super) fn at_start(
+        model: &'w dyn Model,
+        problem: &'w InitialValueProblem,
+        run: &'w Simulation,
+        wanted: &'w Wanted,
+    ) -> Option<Self> {
+        let contacts = model.declaration().contacts.len();
+        let size = |rows: &[Vec<f64>]| rows.iter().map(|row| largest(row)).fold(0.0, f64::max);
+        let trajectory = &run.trajectory;
+        let open_sides = sides(model, run);
+        let most = |side: usize| -> Vec<f64> {
+            let contact = |i: usize| {
+                open_sides
+                    .iter()
+                    .map(move |row: &Vec<[f64; 2]>| row[i][side].abs())
+            };
+            (0..contacts)
+                .map(|i| contact(i).fold(0.0, f64::max))
+                .collect()
         };
-        let all = Front::at_start(self.acceleration.model, self.problem, asked);
-        let front = std::mem::replace(&mut self.front, all);
-        let checked = self.check_holds(k, HELD);
-        self.front = front;
-        checked
+        Some(Self {
+            acceleration: Acceleration::new(model, wanted),
+            arc: Arc::new()?,
+            modes: run.initial_modes.clone(),
+            front: Front::at_start(model, problem, wanted),
+            gap_sizes: most(0),
+            closing_speeds: most(1),
+            open_sides,
+            sizes: [
+                size(&trajectory.q).max(f64::MIN_POSITIVE),
+                size(&trajectory.v),
+            ],
+            asked: wanted,
+            run,
+            problem,
+        })
+        .filter(|_| !problem.q.is_empty())
+    }
+
+    pub(super) fn undetermined(&self, k: usize) -> String {
+        format!(
+            "at t = {} s the contact forces are not determined, so that neither are their derivatives",
+            self.run.trajectory.time[k]
+        )
+    }
+
+    /// The input vector at an instant.
+    pub(super) fn input(&self, k: usize) -> Vec<f64> {
+        let trajectory = &self.run.trajectory;
+        let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
+        input(self.acceleration.model, (q, v, u), trajectory.time[k])
+    }
+
+    /// The controls around an instant.
+    pub(super) fn controls(&self, time: f64) -> ControlPiece {
+        let count = self.acceleration.model.declaration().controls.len();
+        let mut piece = ControlPiece::default();
+        self.problem.controls.take_piece(time, count, &mut piece);
+        piece
+    }
+
+    /// Enters the present mode at an instant.
+    pub(super) fn enter(&mut self, k: usize) -> Result<(), String> {
+        let x = self.input(k);
+        self.acceleration.set_mode(&self.modes);
+        self.acceleration.keep_independent(&x);
+        self.evaluate(k)
+    }
+
+    /// Evaluates the motion at an instant in the mode that was entered.
+    pub(super) fn evaluate(&mut self, k: usize) -> Result<(), String> {
+        let x = self.input(k);
+        if self.acceleration.evaluate(&x) {
+            Ok(())
+        } else {
+            Err(self.undetermined(k))
+        }
+    }
+
+    /// The step that ends at instant `k`.
+    pub(super) fn step_to<'s>(&self, k: usize, controls: &'s ControlPiece) -> Step<'s>
+    where
+        'w: 's,
+    {
+        let trajectory = &self.run.trajectory;
+        let at = |k: usize| At {
+            time: trajectory.time[k],
+            q: &trajectory.q[k],
+            v: &trajectory.v[k],
+        };
+        Step {
+            from: at(k - 1),
+            to: at(k),
+            controls,
+        }
+    }
+
+    /// Derivatives of the horizon.
+    pub(super) fn horizon_moves(&self) -> Vec<f64> {
+        self.front
+            .wanted
+            .of_horizon(self.acceleration.model, self.problem)
+    }
+
+    /// Whether velocities change by more than rounding between two instants of the same time.
+    pub(super) fn velocities_jump(&self, first: usize, last: usize) -> bool {
+        let v = &self.run.trajectory.v;
+        let mut pairs = v[first].iter().zip(&v[last]);
+        pairs.any(|(before, after)| (after - before).abs() > ROUNDING * self.sizes[1])
     }
 
     /// No open contact touches its surface within the step that was solved last and opens again: a neighbouring motion
@@ -143,9 +268,7 @@ impl Walk<'_> {
         let model = self.acceleration.model;
         let declared = &model.declaration().contacts[contact];
         let (mu, friction_by) = self.acceleration.friction(contact);
-        // With a tape, the walk has one direction of what is asked for.
-        let asked = self.tape.as_ref().map(|tape| tape.asked);
-        let wanted = asked.unwrap_or(self.front.wanted);
+        let wanted = self.asked;
         let mut restitution_by = vec![0.0; wanted.parameters];
         wanted.derivatives.restitution(contact, &mut restitution_by);
         let e = model.restitution(contact);
@@ -210,4 +333,23 @@ impl Walk<'_> {
         }
         Ok(())
     }
+}
+
+/// Gap and normal velocity of each contact at each instant of a motion.
+fn sides(model: &dyn Model, run: &Simulation) -> Vec<Vec<[f64; 2]>> {
+    let declaration = model.declaration();
+    let mut point = vec![0.0; contact_point::length(declaration.coordinates.len())];
+    let trajectory = &run.trajectory;
+    let instants = 0..trajectory.time.len();
+    let mut of = |k: usize| {
+        let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
+        let x = input(model, (q, v, u), trajectory.time[k]);
+        let contacts = 0..declaration.contacts.len();
+        let sides = contacts.map(|contact| {
+            model.contact(contact, &x, &mut point);
+            [contact_point::GAP, contact_point::NORMAL_VELOCITY].map(|side| point[side])
+        });
+        sides.collect()
+    };
+    instants.map(&mut of).collect()
 }
