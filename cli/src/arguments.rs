@@ -164,6 +164,18 @@ pub(crate) struct SimulateArguments {
     /// controls; `all` stands for all parameters.
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub(crate) gradient: Vec<String>,
+    /// Differentiate these alone, at the end of the motion, separated by commas: `objective`, coordinates (z, dot(z)), states,
+    /// outputs [default: the whole motion].
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_delimiter = ',',
+        requires = "gradient"
+    )]
+    pub(crate) gradient_of: Vec<String>,
+    /// How those are differentiated [default: adjoint for more quantities than values].
+    #[arg(long, value_enum, value_name = "MODE", requires = "gradient_of")]
+    pub(crate) gradient_mode: Option<GradientModeName>,
     #[command(flatten)]
     pub(crate) method: MethodArguments,
     /// Length of the simulation, in seconds or in the unit given: `--horizon 200ms` [default: what the scene
@@ -225,6 +237,15 @@ pub(crate) enum Method {
     Smooth,
     /// Runge-Kutta steps without switch detection.
     Fixed,
+}
+
+/// From which side derivatives of a motion are multiplied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum GradientModeName {
+    /// Along the motion: the cost grows with what it is differentiated by.
+    Forward,
+    /// Against it: the cost grows with what is differentiated.
+    Adjoint,
 }
 
 /// Runge-Kutta schemes.

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use crate::{PublishedData, Scene};
-use hangtime::model::Declaration;
-use hangtime::simulation::{Event, Gradient, Simulation};
+use hangtime::model::{Declaration, Model};
+use hangtime::simulation::{Event, Gradient, SequenceRange, Side, Simulation};
 
 use crate::arguments::{Method, SimulateArguments};
 use crate::bounds::Bounds;
@@ -16,7 +16,7 @@ use crate::output::OutputDirectory;
 use crate::progress::Progress;
 use crate::report::{Report, refuse_rows_of_nothing};
 use crate::settings::ChosenScene;
-use crate::table::{counted, headed, number, per_second, residual_line, seconds, table};
+use crate::table::{counted, described, headed, number, per_second, residual_line, seconds, table};
 use crate::task::{SimulationTask, simulation_facts};
 
 /// Most events that are printed.
@@ -69,7 +69,7 @@ pub(crate) fn run(
     } else {
         let mut text = tables(chosen, horizon, method, &simulation, &ending);
         if let Some(gradient) = &gradient {
-            text += &gradient_table(chosen.model.declaration(), &simulation, gradient);
+            text += &gradient_table(chosen.model.as_ref(), &simulation, gradient);
         }
         text + &written
     };
@@ -203,59 +203,126 @@ fn event_table(declaration: &Declaration, events: &[Event]) -> String {
 }
 
 /// Derivatives of the end and of the events, with their units.
-fn gradient_table(
-    declaration: &Declaration,
-    simulation: &Simulation,
-    gradient: &Gradient,
-) -> String {
+fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradient) -> String {
+    let declaration = model.declaration();
     let units = gradient
         .with_respect_to
         .iter()
         .map(|name| unit_of(declaration, name));
     let units: Vec<String> = units.collect();
     let names = gradient.with_respect_to.iter().zip(&units);
+    let headings: Vec<String> = names
+        .clone()
+        .map(|(name, unit)| headed(name, unit))
+        .collect();
     let header = ["derivative of".to_owned()]
         .into_iter()
         .chain(names.map(|(name, unit)| headed(&format!("by {name}"), unit)));
-    let row = |name: String, unit: &str, values: &[f64]| {
-        let values = values.iter().copied().map(digits);
-        [headed(&name, unit)].into_iter().chain(values).collect()
+    let mut rows = if gradient.values.is_empty() {
+        end_rows(model, (&gradient.q, &gradient.v), "")
+    } else {
+        value_rows(model, &gradient.values, "")
     };
-    let mut rows: Vec<Vec<String>> = Vec::new();
-    let mechanical = declaration.mechanical();
-    let coordinates = &declaration.coordinates[..mechanical];
-    for (k, c) in coordinates.iter().enumerate() {
-        rows.push(row(
-            format!("{} at the end", c.name),
-            c.unit,
-            &gradient.q[k],
-        ));
-    }
-    for (k, c) in coordinates.iter().enumerate() {
-        let name = format!("d{}/dt at the end", c.name);
-        rows.push(row(name, &per_second(c.unit), &gradient.v[k]));
-    }
-    for (k, state) in declaration.states.iter().enumerate() {
-        let name = format!("{} at the end", state.name);
-        rows.push(row(name, state.unit, &gradient.v[mechanical + k]));
+    for (side, name) in sides(gradient) {
+        rows.extend(if gradient.values.is_empty() {
+            end_rows(model, (&side.q, &side.v), name)
+        } else {
+            value_rows(model, &side.values, name)
+        });
     }
     let events = simulation.events.iter().zip(&gradient.event_times);
+    let events = events.filter(|_| gradient.values.is_empty());
     for (event, values) in events.take(MOST_EVENTS) {
         let kind = event.kind.name().replace('_', " ");
         let name = format!("time of {kind} at {}", event.contact_name);
-        rows.push(row(name, "s", values));
+        rows.push(derivative_row(&name, "s", values));
     }
-    if let Some(values) = &gradient.objective {
-        rows.push(row("objective".to_owned(), "", values));
+    let to_sides = sides(gradient).into_iter();
+    let to_sides = to_sides.filter_map(|(side, name)| Some((side.objective.as_ref()?, name)));
+    let both = gradient.objective.as_ref().map(|values| (values, ""));
+    for (values, side) in both.into_iter().chain(to_sides) {
+        rows.push(derivative_row(&format!("objective{side}"), "", values));
     }
-    let mut text = "\n".to_owned() + &table(header, rows);
+    let mut text = "\n".to_owned() + &table(header, rows) + &ranges(&headings, &gradient.ranges);
     if let Some(obstacle) = &gradient.obstacle {
         let _ = writeln!(text, "note        no derivatives: {obstacle}");
         if gradient.one_sided.is_some() {
-            text += "            to one side there are others (`one_sided` in --json)\n";
+            text += "            to one side there are others: what is open has none\n";
         }
     }
     text
+}
+
+/// Derivatives to either side, if there are such, with their words.
+fn sides(gradient: &Gradient) -> Vec<(&Side, &'static str)> {
+    let sides = gradient.one_sided.as_deref();
+    sides.map_or_else(Vec::new, |sides| {
+        vec![
+            (&sides.below, ", from below"),
+            (&sides.above, ", from above"),
+        ]
+    })
+}
+
+/// A row of the table of derivatives.
+fn derivative_row(name: &str, unit: &str, values: &[f64]) -> Vec<String> {
+    let values = values.iter().copied().map(digits);
+    [headed(name, unit)].into_iter().chain(values).collect()
+}
+
+/// Rows of the derivatives of the state at the end.
+fn end_rows(model: &dyn Model, (q, v): (&[Vec<f64>], &[Vec<f64>]), side: &str) -> Vec<Vec<String>> {
+    let declaration = model.declaration();
+    let mechanical = declaration.mechanical();
+    let coordinates = &declaration.coordinates[..mechanical];
+    let places = coordinates
+        .iter()
+        .zip(q)
+        .map(|(c, values)| derivative_row(&format!("{} at the end{side}", c.name), c.unit, values));
+    let rates = coordinates.iter().zip(v).map(|(c, values)| {
+        let name = format!("d{}/dt at the end{side}", c.name);
+        derivative_row(&name, &per_second(c.unit), values)
+    });
+    let states = declaration.states.iter().zip(v.iter().skip(mechanical));
+    let states = states.map(|(state, values)| {
+        derivative_row(
+            &format!("{} at the end{side}", state.name),
+            state.unit,
+            values,
+        )
+    });
+    places.chain(rates).chain(states).collect()
+}
+
+/// Rows of the derivatives of chosen values at the end, but for the objective.
+fn value_rows(model: &dyn Model, values: &[(String, Vec<f64>)], side: &str) -> Vec<Vec<String>> {
+    let values = values.iter().filter(|(name, _)| name != "objective");
+    let rows = values.map(|(name, values)| {
+        let output = model.outputs().iter().find(|output| output.name == name);
+        let unit = output.map_or_else(
+            || unit_of(model.declaration(), name),
+            |known| known.unit.to_owned(),
+        );
+        derivative_row(&format!("{name} at the end{side}"), &unit, values)
+    });
+    rows.collect()
+}
+
+/// How far quantities, which are headed by these words, may go, a line each side; empty where nothing ends any.
+pub(crate) fn ranges(names: &[String], ranges: &[SequenceRange]) -> String {
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    for (name, range) in names.iter().zip(ranges) {
+        for limit in [&range.below, &range.above].into_iter().flatten() {
+            let plus = if limit.change > 0.0 { "+" } else { "" };
+            let change = format!("{plus}{}", digits(limit.change));
+            rows.push(vec![name.clone(), change, limit.because.clone()]);
+        }
+    }
+    if rows.is_empty() {
+        return String::new();
+    }
+    let header = ["holds up to", "change", "where, to first order,"];
+    "\n".to_owned() + &described(header, rows)
 }
 
 /// The unit of something that a motion is differentiated by.

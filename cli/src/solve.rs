@@ -24,7 +24,7 @@ use crate::quantity;
 use crate::report::{Report, refuse_rows_of_nothing};
 use crate::sampling::State;
 use crate::settings::ChosenScene;
-use crate::simulate::digits;
+use crate::simulate::{digits, ranges};
 use crate::table::{counted, headed, residual_line, seconds, table};
 use crate::task::{OptimumTask, certificate, optimum_facts};
 use crate::{Measure, PublishedData, Quantity, Scene};
@@ -124,7 +124,15 @@ fn gradient(declaration: &Declaration, solution: &Solution) -> String {
             time,
         ]
     });
-    table(header, rows) + "  (as long as the contact sequence stays)\n\n"
+    let names = gradient.parameters.iter().map(|&index| {
+        let known = &declaration.parameters[index];
+        headed(known.name, known.unit)
+    });
+    let names: Vec<String> = names.collect();
+    table(header, rows)
+        + "  (as long as the contact sequence stays)\n"
+        + &ranges(&names, &gradient.ranges)
+        + "\n"
 }
 
 /// The result for people.

@@ -52,6 +52,10 @@ class Gradient:
     def __init__(self, entry: Dict[str, Any], names: Dict[str, List[str]]):
         self.with_respect_to: List[str] = list(entry["with_respect_to"])
         """Names of the columns."""
+        self.mode: str = entry.get("mode", "forward")
+        """``forward``, or ``adjoint``, which has nothing but :attr:`values` and :attr:`objective`."""
+        self.values = {name: _row(row) for name, row in entry.get("values", {}).items()}
+        """Of the values at the end that ``gradient_of=`` chose, by name, shape (columns,)."""
         count = len(self.with_respect_to)
         last, exists = entry.get("final", {}), entry.get("exists", True)
         rows = [pair for part in last for pair in zip(names[part], last[part])]
@@ -65,6 +69,9 @@ class Gradient:
         """Of the objective, shape (columns,); ``None`` where there is none."""
         self.final_time = _row(entry["final_time"]) if "final_time" in entry else None
         """Of the final time of an optimum, shape (columns,); ``None`` for a simulation."""
+        self.range: List[Dict[str, Any]] = list(entry.get("range", ()))
+        """How far each quantity may go until the events are others, to first order: ``below`` and ``above``, each with ``change``
+        and ``because``, or ``None``."""
         self.obstacle: Optional[str] = None if exists is True else exists
         """Why there are no derivatives, if there are none."""
 

@@ -66,8 +66,8 @@ def _words(command: str, parameters: Optional[Mapping[str, Value]], keywords: Ma
             continue
         elif value is True:
             words.append(f"--{name.replace('_', '-')}")
-        elif name == "gradient":
-            words.append(f"--gradient={_names(name, value)}")
+        elif name in ("gradient", "gradient_of"):
+            words.append(f"--{name.replace('_', '-')}={_names(name, value)}")
         else:
             words.append(f"--{name.replace('_', '-')}={_text(name, value)}")
     for name, value in settings.items():
@@ -185,7 +185,9 @@ class Scene:
         Keywords are parameters of the scene, as numbers in the declared unit or texts with a unit (``"15 km/h"``), and
         the options of ``hangtime simulate``: ``method``, ``scheme``, ``stages``, ``steps``, ``elements``,
         ``formulation``, ``tolerance``, ``width``, ``no_exit_condition``, ``horizon`` [s], ``rows``, ``time_limit`` [s],
-        ``gradient`` (a name or a list of names that the motion is differentiated by, for :attr:`Run.gradient`). A parameter with the name of an option is set by ``parameters={"name": value}``.
+        ``gradient`` (a name or a list of names that the motion is differentiated by, for :attr:`Run.gradient`),
+        ``gradient_of`` (a name or a list of names of values at the end that alone are differentiated: ``"objective"``,
+        coordinates, outputs), ``gradient_mode`` (``"forward"``, ``"adjoint"``). A parameter with the name of an option is set by ``parameters={"name": value}``.
 
         The interpreter's lock is released. Ctrl-C raises ``KeyboardInterrupt``. ``progress`` is true for a line on the
         standard error stream, or is called with the time reached [s] and a text.
@@ -199,7 +201,8 @@ class Scene:
         """Derivatives of a simulated motion by parameters or initial values, exact through impacts.
 
         Names are those of parameters, or of coordinates and velocities ``dot(NAME)`` at the start; without any, all
-        parameters. Keywords are those of :meth:`simulate`. For an optimum: ``solve(gradient=[...]).gradient``.
+        parameters. Keywords are those of :meth:`simulate`; with ``gradient_of`` the derivatives are those of chosen values at the
+        end, computed backwards where they are fewer than the names. For an optimum: ``solve(gradient=[...]).gradient``.
         """
         asked = list(names) or list(self.parameters)
         if not asked:

@@ -137,6 +137,15 @@ impl ParameterDerivatives for TextDerivatives {
         self.put(&derived.geometry, (x, &[]), place, values);
     }
 
+    fn joints(&self, x: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        if let Some(joints) = &self.scene.description().joints {
+            let mut nonzeros = vec![0.0; joints.pattern.entries.len()];
+            self.scene.evaluate(joints.jacobian, x, &[], &mut nonzeros);
+            scatter(&joints.pattern, &nonzeros, |row| row, values);
+        }
+    }
+
     fn restitution(&self, contact: usize, values: &mut [f64]) {
         let known = self.sensitivity.contacts.get(contact);
         self.of_parameters(known.and_then(|known| known.restitution.as_ref()), values);

@@ -453,3 +453,65 @@ fn free_parameter_is_one_variable_of_each_program_and_nothing_else() {
     let with_one_more: Vec<[usize; 2]> = sizes(&plain).iter().map(|&[n, m]| [n + 1, m]).collect();
     assert_eq!(sizes(WAVES), with_one_more);
 }
+
+/// The ranges of an optimum's derivatives by one parameter, below and above.
+fn ranges(text: &str, intervals: usize, name: &str) -> [Option<(f64, String)>; 2] {
+    let scene = scene(text);
+    let solution = solve(&scene).intervals(intervals).gradient([name]).run();
+    let solution = solution.expect("accepted");
+    let gradient = solution.gradient.as_ref().expect("asked for");
+    let range = &gradient.ranges[0];
+    [&range.below, &range.above].map(|limit| {
+        let limit = limit.as_ref()?;
+        Some((limit.change, limit.because.clone()))
+    })
+}
+
+#[test]
+fn derivatives_of_an_optimum_hold_until_a_bound_is_reached() {
+    // From rest to rest over the way in 1 s the control is 4 times the way, forwards and then backwards.
+    let text = "
+        parameters { way: m = 0.5 }
+        controls { u: m/s^2 in -4..=4 }
+        coordinates { x: m }
+        lagrangian 1[kg]*dot(x)^2/2
+        forces { x: u*1[kg] }
+        start { x: 0 [m] }
+        horizon 1 [s]
+        minimize integral(u^2)/1[m^2/s^3]
+        finally { x == way, dot(x) == 0 [m/s] }
+    ";
+    let [below, above] = ranges(text, 2, "way");
+    let (change, words) = above.expect("the control ends it");
+    // Linear, so that only the tolerance of the solver is left.
+    assert!(
+        (change - 0.5).abs() < 1e-6 && words.contains("`u`"),
+        "{change} {words}"
+    );
+    let (change, words) = below.expect("the control ends it");
+    assert!(
+        (change + 1.5).abs() < 1e-6 && words.contains("`u`"),
+        "{change} {words}"
+    );
+}
+
+#[test]
+fn derivatives_of_an_optimum_hold_until_a_bound_is_left() {
+    // The control stays at its bound of 1 as long as more than that is wanted.
+    let text = "
+        parameters { wanted = 1.8 }
+        controls { u in 0..=1 }
+        states { x }
+        rates { x: u*1[1/s] }
+        start { x: 0 }
+        horizon 1 [s]
+        minimize integral((u - wanted)^2)/1[s]
+    ";
+    let [below, above] = ranges(text, 2, "wanted");
+    let (change, words) = below.expect("the bound is left");
+    assert!(
+        (change + 0.8).abs() < 1e-6 && words.contains("leaves"),
+        "{change} {words}"
+    );
+    assert!(above.is_none(), "{above:?}");
+}

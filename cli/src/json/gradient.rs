@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use hangtime::model::Model;
-use hangtime::simulation::{Gradient, Side};
+use hangtime::simulation::{Gradient, GradientMode, SequenceLimit, SequenceRange, Side};
 use serde::{Serialize, Serializer};
 
 /// Matrices with a row for each value, and a column for each quantity that it is differentiated by.
@@ -11,21 +11,64 @@ use serde::{Serialize, Serializer};
 pub(super) struct GradientEntry<'a> {
     /// What is differentiated by: the columns.
     with_respect_to: &'a [String],
+    /// `forward`, or `adjoint`, which has nothing but chosen values and the objective.
+    mode: &'static str,
+    /// Of chosen values at the end, by name. Only where they were chosen.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    values: BTreeMap<&'a str, &'a [f64]>,
     /// Of the end of the motion.
-    #[serde(rename = "final")]
-    last: LastEntry<'a>,
+    #[serde(rename = "final", skip_serializing_if = "Option::is_none")]
+    last: Option<LastEntry<'a>>,
     /// Of the times of events, a row an event.
-    event_times: &'a [Vec<f64>],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    event_times: Option<&'a [Vec<f64>]>,
     /// Of outputs, by name, a row for each row of the trajectory.
-    outputs: BTreeMap<&'static str, Vec<&'a [f64]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    outputs: Option<BTreeMap<&'static str, Vec<&'a [f64]>>>,
     /// Of the objective. Only of scenes that declare one that reads nothing of contacts.
     #[serde(skip_serializing_if = "Option::is_none")]
     objective: Option<&'a [f64]>,
+    /// How far each quantity may go until the motion has another sequence of events, to first order. Only of `forward` derivatives.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range: Option<Vec<RangeEntry<'a>>>,
     /// `true`, or why there is no derivative.
     exists: Existence<'a>,
     /// Of the end to both sides, only where there are no others.
     #[serde(skip_serializing_if = "Option::is_none")]
     one_sided: Option<OneSidedEntry<'a>>,
+}
+
+/// Null to a side that nothing ends.
+#[derive(Serialize)]
+pub(super) struct RangeEntry<'a> {
+    /// Towards smaller values.
+    below: Option<LimitEntry<'a>>,
+    /// Towards larger values.
+    above: Option<LimitEntry<'a>>,
+}
+
+/// What ends a range.
+#[derive(Serialize)]
+struct LimitEntry<'a> {
+    /// Change of the quantity, in its unit; below 0 towards smaller values.
+    change: f64,
+    /// What is another then.
+    because: &'a str,
+}
+
+impl<'a> RangeEntry<'a> {
+    pub(super) fn new(range: &'a SequenceRange) -> Self {
+        let side = |limit: &'a Option<SequenceLimit>| {
+            limit.as_ref().map(|limit| LimitEntry {
+                change: limit.change,
+                because: &limit.because,
+            })
+        };
+        Self {
+            below: side(&range.below),
+            above: side(&range.above),
+        }
+    }
 }
 
 /// Null where there is no derivative to that side.
@@ -46,6 +89,9 @@ struct SideEntry<'a> {
     /// Of the objective.
     #[serde(skip_serializing_if = "Option::is_none")]
     objective: Option<&'a [f64]>,
+    /// Of chosen values at the end, by name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    values: BTreeMap<&'a str, &'a [f64]>,
 }
 
 impl<'a> SideEntry<'a> {
@@ -53,8 +99,14 @@ impl<'a> SideEntry<'a> {
         Self {
             last: LastEntry::new(&side.q, &side.v, mechanical),
             objective: side.objective.as_deref(),
+            values: by_name(&side.values),
         }
     }
+}
+
+fn by_name(values: &[(String, Vec<f64>)]) -> BTreeMap<&str, &[f64]> {
+    let rows = values.iter();
+    rows.map(|(name, row)| (name.as_str(), &row[..])).collect()
 }
 
 /// Derivatives of the end.
@@ -99,21 +151,27 @@ impl<'a> GradientEntry<'a> {
         let outputs = model.outputs().iter().zip(&gradient.outputs);
         let mechanical = model.declaration().mechanical();
         let sides = gradient.one_sided.as_deref();
+        let forward = gradient.mode == GradientMode::Forward;
         Self {
             with_respect_to: &gradient.with_respect_to,
-            last: LastEntry::new(&gradient.q, &gradient.v, mechanical),
+            mode: gradient.mode.name(),
+            values: by_name(&gradient.values),
+            last: forward.then(|| LastEntry::new(&gradient.q, &gradient.v, mechanical)),
             one_sided: sides.map(|sides| OneSidedEntry {
                 below: SideEntry::new(&sides.below, mechanical),
                 above: SideEntry::new(&sides.above, mechanical),
             }),
-            event_times: &gradient.event_times,
-            outputs: outputs
-                .map(|(output, rows)| {
+            event_times: forward.then_some(&gradient.event_times),
+            outputs: forward.then(|| {
+                let rows = outputs.map(|(output, rows)| {
                     let rows = kept.iter().filter_map(|&k| rows.get(k));
                     (output.name, rows.map(Vec::as_slice).collect())
-                })
-                .collect(),
+                });
+                rows.collect()
+            }),
             objective: gradient.objective.as_deref(),
+            range: (!gradient.ranges.is_empty())
+                .then(|| gradient.ranges.iter().map(RangeEntry::new).collect()),
             exists: Existence(gradient.obstacle.as_deref()),
         }
     }

@@ -11,6 +11,7 @@ use serde::{Serialize, Serializer};
 
 use crate::table::counted;
 
+use super::gradient::RangeEntry;
 use super::parts::{
     EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA,
     SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
@@ -229,6 +230,8 @@ struct OptimumGradientEntry<'a> {
     objective: &'a [f64],
     /// Derivatives of the final time.
     final_time: &'a [Option<f64>],
+    /// How far each may go until other conditions of the plan hold, to first order.
+    range: Vec<RangeEntry<'a>>,
 }
 
 /// A violation between the places where a condition is imposed.
@@ -485,6 +488,7 @@ impl<'a> SolutionDocument<'a> {
                     with_respect_to: &gradient.names,
                     objective: &gradient.objective,
                     final_time: &gradient.final_time,
+                    range: gradient.ranges.iter().map(RangeEntry::new).collect(),
                 }),
             residuals: solution.residuals,
             size: solution.size,

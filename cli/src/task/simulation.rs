@@ -2,9 +2,9 @@
 
 use hangtime::Observer;
 use hangtime::model::Model;
-use hangtime::simulation::{self, Gradient, InitialValueProblem, Simulation};
+use hangtime::simulation::{self, Gradient, GradientMode, InitialValueProblem, Simulation};
 
-use crate::arguments::{Method, SimulateArguments};
+use crate::arguments::{GradientModeName, Method, SimulateArguments};
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::json::Document;
@@ -24,6 +24,9 @@ pub(crate) struct SimulationTask {
     rows: usize,
     /// Names of what the motion is differentiated by; none if it is not.
     gradient: Vec<String>,
+    /// Values at the end that are differentiated alone, if that is asked for, and how.
+    of: Vec<String>,
+    mode: Option<GradientMode>,
 }
 
 impl SimulationTask {
@@ -43,6 +46,11 @@ impl SimulationTask {
             problem,
             rows: arguments.result.rows(),
             gradient: arguments.gradient.clone(),
+            of: arguments.gradient_of.clone(),
+            mode: arguments.gradient_mode.map(|mode| match mode {
+                GradientModeName::Forward => GradientMode::Forward,
+                GradientModeName::Adjoint => GradientMode::Adjoint,
+            }),
         })
     }
 
@@ -65,7 +73,12 @@ impl SimulationTask {
             .then(|| hangtime_scene_files::of_model(model));
         let text = text.flatten();
         let model = text.as_ref().map_or(model, |scene| scene as &dyn Model);
-        let gradient = simulation::differentiate(model, &self.problem, simulation, &self.gradient);
+        let gradient = simulation::differentiate_values(
+            model,
+            (&self.problem, simulation),
+            &self.gradient,
+            (&self.of, self.mode),
+        );
         let mut gradient = gradient.map_err(|error| self.chosen.refuse(&error))?;
         let mut neighbour = |model: &dyn Model, problem: &InitialValueProblem| {
             self.method.simulate(model, problem, &mut |_| true)

@@ -3,8 +3,8 @@
 use super::StartValues;
 use crate::model::Model;
 use crate::simulation::{
-    ControlSignal, Fesd, Gradient, InitialValueProblem, InputError, Simulation, Simulator,
-    add_one_sided, differentiate,
+    ControlSignal, Fesd, Gradient, GradientMode, InitialValueProblem, InputError, Simulation,
+    Simulator, add_one_sided, differentiate_values,
 };
 use crate::{Observer, Progress};
 
@@ -47,6 +47,8 @@ pub fn simulate(model: &dyn Model) -> Simulate<'_> {
         start: StartValues::default(),
         controls: ControlSignal::Zero,
         points: InitialValueProblem::DEFAULT_POINTS,
+        gradient_of: Vec::new(),
+        gradient_mode: None,
         observer: None,
     }
 }
@@ -88,6 +90,8 @@ pub struct Simulate<'a> {
     start: StartValues,
     controls: ControlSignal,
     points: usize,
+    gradient_of: Vec<String>,
+    gradient_mode: Option<GradientMode>,
     observer: Option<Box<Observer<'a>>>,
 }
 
@@ -137,6 +141,19 @@ impl<'a> Simulate<'a> {
         self
     }
 
+    /// What [`gradient`](Self::gradient) is of: these values at the end alone, `"objective"`, `"z"`, `"dot(z)"`, or outputs; default
+    /// the whole motion. See [`differentiate_values`].
+    pub fn gradient_of<'n>(mut self, names: impl IntoIterator<Item = &'n str>) -> Self {
+        self.gradient_of = names.into_iter().map(str::to_owned).collect();
+        self
+    }
+
+    /// How those values are differentiated; default backwards where they are fewer than what they are differentiated by.
+    pub fn gradient_mode(mut self, mode: GradientMode) -> Self {
+        self.gradient_mode = Some(mode);
+        self
+    }
+
     /// Sees the progress after every step; where it returns `false`, the run ends as
     /// [`Interrupted`](crate::simulation::SimulationStatus::Interrupted).
     pub fn observer(mut self, observer: impl FnMut(&Progress) -> bool + Send + 'a) -> Self {
@@ -159,13 +176,14 @@ impl<'a> Simulate<'a> {
     /// # Errors
     /// As of [`run`](Self::run), and [`InputError`] for names that are unknown and scenes without derivatives by parameters.
     pub fn gradient<'n>(
-        self,
+        mut self,
         names: impl IntoIterator<Item = &'n str>,
     ) -> Result<(Simulation, Gradient), InputError> {
         let names: Vec<String> = names.into_iter().map(str::to_owned).collect();
         let model = self.model;
+        let (of, mode) = (std::mem::take(&mut self.gradient_of), self.gradient_mode);
         let (method, problem, run) = self.simulated()?;
-        let mut gradient = differentiate(model, &problem, &run, &names)?;
+        let mut gradient = differentiate_values(model, (&problem, &run), &names, (&of, mode))?;
         let mut neighbour = |model: &dyn Model, problem: &InitialValueProblem| {
             method.simulate(model, problem, &mut |_| true)
         };

@@ -104,6 +104,28 @@ pub(crate) fn solve(factors: &[f64], pivots: &[usize], b: &mut [f64]) {
     }
 }
 
+/// Solves `A' x = b` with the factors of [`factorize`]; `b` is overwritten by `x`.
+pub(crate) fn solve_transposed(factors: &[f64], pivots: &[usize], b: &mut [f64]) {
+    let n = pivots.len();
+    for i in 0..n {
+        let (solved, rest) = b.split_at_mut(i + 1);
+        solved[i] /= factors[i * n + i];
+        let row = &factors[i * n + i + 1..(i + 1) * n];
+        for (x, u) in rest.iter_mut().zip(row) {
+            *x -= u * solved[i];
+        }
+    }
+    for i in (1..n).rev() {
+        let (rest, solved) = b.split_at_mut(i);
+        for (x, l) in rest.iter_mut().zip(&factors[i * n..]) {
+            *x -= l * solved[0];
+        }
+    }
+    for (k, &pivot) in pivots.iter().enumerate().rev() {
+        b.swap(k, pivot);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -119,6 +141,21 @@ mod tests {
         solve(&a, &pivots, &mut b);
         for (x, exact) in b.iter().zip([1.0, 2.0, 3.0]) {
             assert!((x - exact).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn transposed_system_is_solved_with_the_same_factors() {
+        let a = [0.0, 2.0, 1.0, 1.0, 1.0, 0.0, 3.0, 0.0, 1.0];
+        let mut factors = a;
+        let mut pivots = [0; 3];
+        factorize(&mut factors, &mut pivots).expect("regular");
+        let exact = [1.0, -2.0, 3.0];
+        let mut b = [0, 1, 2].map(|j| (0..3).map(|i| a[3 * i + j] * exact[i]).sum::<f64>());
+        solve_transposed(&factors, &pivots, &mut b);
+        for (x, exact) in b.iter().zip(exact) {
+            // Rounding of three operations with pivots above 1.
+            assert!((x - exact).abs() < 1e-14, "{x} instead of {exact}");
         }
     }
 

@@ -22,6 +22,9 @@ pub trait ParameterDerivatives: Send + Sync {
     /// Of [`Model::tangent`](super::Model::tangent), with rows in the layout of [`tangent_point`](super::tangent_point).
     fn tangent(&self, contact: usize, x: &[f64], values: &mut [f64]);
 
+    /// Of [`Model::joints`](super::Model::joints). Only for scenes with joints.
+    fn joints(&self, x: &[f64], values: &mut [f64]);
+
     /// Of [`Model::restitution`](super::Model::restitution), by the parameters.
     fn restitution(&self, contact: usize, values: &mut [f64]);
 
@@ -29,7 +32,7 @@ pub trait ParameterDerivatives: Send + Sync {
     fn friction(&self, contact: usize, values: &mut [f64]);
 
     /// Of [`Model::output_values`](super::Model::output_values), by `(q, v, u, t)`, by the forces and impulses of `contacts`,
-    /// and by the parameters.
+    /// by the forces of joints behind them, and by the parameters.
     fn outputs(&self, x: &[f64], contacts: &[f64], values: &mut [f64]);
 
     /// Of the running cost. Only for scenes whose costs read nothing of contacts.

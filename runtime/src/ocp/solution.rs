@@ -10,7 +10,8 @@ use crate::model::{Model, Pieces, contact_point};
 use crate::ocp::motion::control_grid::{ControlShape, signal};
 use crate::refusal;
 use crate::simulation::{
-    ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State, number,
+    ControlSignal, EventKind, InputError, ProblemSize, Residuals, SequenceRange, Simulation, State,
+    number,
 };
 
 /// Why a run ended.
@@ -262,6 +263,9 @@ pub struct OptimumGradient {
     pub objective: Vec<f64>,
     /// Derivatives of the final time \[s\]; none where the optimum leaves it open to first order.
     pub final_time: Vec<Option<f64>>,
+    /// How far each may go, to first order, until other bounds and conditions of the plan hold, among them gaps, forces and lengths of
+    /// phases: until the contact sequence is another one, or the optimum has a kink.
+    pub ranges: Vec<SequenceRange>,
 }
 
 impl OptimumGradient {
@@ -274,6 +278,7 @@ impl OptimumGradient {
             names: places.iter().map(|&k| self.names[k]).collect(),
             objective: places.iter().map(|&k| self.objective[k]).collect(),
             final_time: places.iter().map(|&k| self.final_time[k]).collect(),
+            ranges: places.iter().map(|&k| self.ranges[k].clone()).collect(),
         };
     }
 }

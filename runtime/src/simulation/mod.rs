@@ -41,7 +41,10 @@ pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation, step_sizes};
 pub use fixed::FixedStep;
-pub use gradient::{Gradient, OneSided, Side, differentiate};
+pub use gradient::{
+    Gradient, GradientMode, OneSided, SequenceLimit, SequenceRange, Side, differentiate,
+    differentiate_values,
+};
 pub(crate) use gradient::{Observed, observe};
 pub use hangtime_solver::nlp::Residuals;
 pub use hangtime_solver::{ProblemSize, Seconds};

@@ -5,7 +5,7 @@
 //! `h -> 0` with an error of `h^3` (Richardson); where these do not agree there is no limit, as at the side of a graze on which
 //! the surface is struck, where the derivative grows like `h^(-1/2)`.
 
-use super::gradient::{Gradient, OneSided, Side, differentiate};
+use super::gradient::{Gradient, GradientMode, OneSided, Side, differentiate_values};
 use super::quantity::Quantity;
 use super::{ControlSignal, InitialValueProblem, InputError, Simulation};
 use crate::model::Model;
@@ -38,11 +38,17 @@ pub fn add_one_sided(
         return;
     };
     let n = problem.q.len();
-    let mut of = |sense: f64| {
+    let of: Vec<String> = gradient
+        .values
+        .iter()
+        .map(|known| known.0.clone())
+        .collect();
+    let mut side = |sense: f64| {
         let columns = gradient.with_respect_to.iter();
         let columns: Vec<Vec<f64>> = columns
-            .map(|name| limit((model, problem), &end, (name, sense), simulate))
+            .map(|name| limit((model, problem), &end, (name, sense, &of), simulate))
             .collect();
+        let objective = columns.iter().any(|column| column.len() > 2 * n + of.len());
         let row = |i: usize| -> Vec<f64> {
             columns
                 .iter()
@@ -52,13 +58,14 @@ pub fn add_one_sided(
         Side {
             q: (0..n).map(row).collect(),
             v: (n..2 * n).map(row).collect(),
-            objective: columns
-                .iter()
-                .any(|column| column.len() > 2 * n)
-                .then(|| row(2 * n)),
+            values: (2 * n..)
+                .zip(&of)
+                .map(|(i, name)| (name.clone(), row(i)))
+                .collect(),
+            objective: objective.then(|| row(2 * n + of.len())),
         }
     };
-    let (below, above) = (of(-1.0), of(1.0));
+    let (below, above) = (side(-1.0), side(1.0));
     let exists = |side: &Side| {
         let mut rows = side.q.iter().chain(&side.v).flatten();
         rows.any(|by| by.is_finite())
@@ -78,20 +85,21 @@ fn end(run: &Simulation) -> Option<Vec<f64>> {
 struct Neighbour {
     /// `(q, v)`.
     end: Vec<f64>,
-    /// Of these by the quantity, and of the objective in a scene that declares one.
+    /// Of these by the quantity, of the chosen values, and of the objective in a scene that declares one.
     by: Vec<f64>,
     /// How far the quantity is away.
     distance: f64,
 }
 
-/// The limits of the derivatives of `(q, v)` at the end, and of the objective, by one quantity; empty where neighbours have none.
+/// The limits of the derivatives of `(q, v)` and of the values `of` at the end, and of the objective, by one quantity; empty where
+/// neighbours have none.
 fn limit(
     scene: (&dyn Model, &InitialValueProblem),
     end: &[f64],
-    (name, sense): (&str, f64),
+    (name, sense, of): (&str, f64, &[String]),
     simulate: &mut Simulate<'_>,
 ) -> Vec<f64> {
-    let mut at = |share: f64| neighbour(scene, name, sense * share * DISTANCE, simulate);
+    let mut at = |share: f64| neighbour(scene, (name, of), sense * share * DISTANCE, simulate);
     let (Some(far), Some(middle), Some(near)) = (at(1.0), at(0.5), at(0.25)) else {
         return Vec::new();
     };
@@ -125,18 +133,23 @@ fn largest(values: &[f64]) -> f64 {
 /// The motion with a quantity that is changed by that share of it.
 fn neighbour(
     (model, problem): (&dyn Model, &InitialValueProblem),
-    name: &str,
+    (name, of): (&str, &[String]),
     share: f64,
     simulate: &mut Simulate<'_>,
 ) -> Option<Neighbour> {
     let (model, problem, distance) = moved(model, problem, name, share)?;
     let run = simulate(&*model, &problem).ok()?;
-    let gradient = differentiate(&*model, &problem, &run, &[name.to_owned()]).ok()?;
+    let of = (of, Some(GradientMode::Forward));
+    let by = [name.to_owned()];
+    let gradient = differentiate_values(&*model, (&problem, &run), &by, of).ok()?;
     if gradient.obstacle.is_some() {
         return None;
     }
     let rows = gradient.q.iter().chain(&gradient.v);
-    let mut by: Vec<f64> = rows.map(|row| row[0]).collect();
+    let rows = rows.chain(gradient.values.iter().map(|known| &known.1));
+    let mut by: Vec<f64> = rows
+        .map(|row| row.first().copied().unwrap_or(f64::NAN))
+        .collect();
     by.extend(gradient.objective.iter().flatten());
     Some(Neighbour {
         end: end(&run)?,

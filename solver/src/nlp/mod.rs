@@ -62,7 +62,7 @@ pub use info::{IterationInfo, Observer};
 pub use num_dual::DualNum;
 pub use pattern::Pattern;
 pub use problem::NlpProblem;
-pub use sensitivity::{Moved, moved};
+pub use sensitivity::{Moved, RangeEnd, RangeLimit, moved};
 pub use settings::Settings;
 pub use solution::{Counts, Residuals, Solution, Violation};
 pub use solve::{solve, solve_from};

@@ -27,7 +27,35 @@ pub struct Moved {
     pub objective: f64,
     /// Derivatives of all variables, 1 for the fixed one; none where the held rows and bounds leave them undetermined.
     pub x: Option<Vec<f64>>,
+    /// How far the fixed variable may move, to first order, until other rows or bounds hold: down and up; none where nothing ends that,
+    /// or nothing is known of it.
+    pub range: [Option<RangeEnd>; 2],
 }
+
+/// What ends the range in which the same rows and bounds hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RangeEnd {
+    /// Change of the fixed variable.
+    pub change: f64,
+    /// What is another then.
+    pub at: RangeLimit,
+}
+
+/// A row or bound that holds, or ceases to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RangeLimit {
+    /// The row comes to one of its bounds.
+    RowReached(usize),
+    /// The row leaves its bound.
+    RowLeft(usize),
+    /// The variable comes to one of its bounds.
+    BoundReached(usize),
+    /// The variable leaves its bound.
+    BoundLeft(usize),
+}
+
+/// Derivatives below this share of the largest one are rounding, and end nothing.
+const MOVES: f64 = 1e-7;
 
 /// A matrix by its entries.
 struct Entries {
@@ -58,11 +86,129 @@ pub fn moved(problem: &mut dyn NlpProblem, solution: &Solution, fixed: &[usize])
     let free = numbered(&free_variables(problem, solution, n));
     let held = numbered(&held_rows(problem, solution, m));
     let mut directions = directions([&hessian, &jacobian], [&free, &held], fixed);
-    let moved = fixed.iter().enumerate().map(|(k, &p)| Moved {
-        objective: gradient[p],
-        x: directions.as_mut().map(|all| std::mem::take(&mut all[k])),
+    let ranges = Ranges::of(problem, solution, [&hessian, &jacobian], [&free, &held]);
+    let moved = fixed.iter().enumerate().map(|(k, &p)| {
+        let direction = directions.as_mut().map(|all| std::mem::take(&mut all[k]));
+        let known = direction.as_ref();
+        Moved {
+            objective: gradient[p],
+            range: known.map_or([None; 2], |(x, y)| ranges.range(x, y, p)),
+            x: direction.map(|(x, _)| x),
+        }
     });
     moved.collect()
+}
+
+/// What the rows and bounds of a solution have left.
+struct Ranges<'r> {
+    solution: &'r Solution,
+    /// Lower and upper bounds of variables and of rows.
+    bounds: [Vec<f64>; 2],
+    row_bounds: [Vec<f64>; 2],
+    rows: Vec<f64>,
+    hessian: &'r Entries,
+    jacobian: &'r Entries,
+    free: &'r [Option<usize>],
+    held: &'r [Option<usize>],
+}
+
+impl<'r> Ranges<'r> {
+    fn of(
+        problem: &mut dyn NlpProblem,
+        solution: &'r Solution,
+        [hessian, jacobian]: [&'r Entries; 2],
+        [free, held]: [&'r [Option<usize>]; 2],
+    ) -> Self {
+        let (n, m) = (free.len(), held.len());
+        let mut bounds = [vec![0.0; n], vec![0.0; n]];
+        let [lower, upper] = &mut bounds;
+        problem.variable_bounds(lower, upper);
+        let mut row_bounds = [vec![0.0; m], vec![0.0; m]];
+        let [lower, upper] = &mut row_bounds;
+        problem.constraint_bounds(lower, upper);
+        let mut rows = vec![0.0; m];
+        problem.constraint_values(&solution.x, &mut rows);
+        Self {
+            solution,
+            bounds,
+            row_bounds,
+            rows,
+            hessian,
+            jacobian,
+            free,
+            held,
+        }
+    }
+
+    /// The smallest changes of the fixed variable `p` by which a distance or a multiplier vanishes, where variables and multipliers of
+    /// rows move by these.
+    fn range(&self, dx: &[f64], dy: &[f64], p: usize) -> [Option<RangeEnd>; 2] {
+        let mut range = [None; 2];
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
+        let mut end = |value: f64, rate: f64, least: f64, at: RangeLimit| {
+            let change = -value.max(0.0) / rate;
+            if rate.abs() <= least || !change.is_finite() {
+                return;
+            }
+            let side: &mut Option<RangeEnd> = &mut range[usize::from(rate < 0.0)];
+            if side.is_none_or(|known| known.change.abs() > change.abs()) {
+                *side = Some(RangeEnd { change, at });
+            }
+        };
+        let mut d_rows = vec![0.0; self.rows.len()];
+        let mut d_gradient = vec![0.0; dx.len()];
+        for (&(row, column), value) in self.jacobian.places.iter().zip(&self.jacobian.values) {
+            d_rows[row] += value * dx[column];
+            d_gradient[column] += value * dy[row];
+        }
+        for (&(i, j), value) in self.hessian.places.iter().zip(&self.hessian.values) {
+            d_gradient[i] += value * dx[j];
+            if i != j {
+                d_gradient[j] += value * dx[i];
+            }
+        }
+        let (least, least_dual) = (MOVES * largest(dx), MOVES * largest(&d_gradient));
+        for (i, free) in self.free.iter().enumerate() {
+            let [lower, upper] = [self.bounds[0][i], self.bounds[1][i]];
+            let x = self.solution.x[i];
+            if i == p || lower >= upper {
+                continue;
+            }
+            if free.is_some() {
+                end(x - lower, dx[i], least, RangeLimit::BoundReached(i));
+                end(upper - x, -dx[i], least, RangeLimit::BoundReached(i));
+            } else {
+                // Of the stationarity of the Lagrangian: what pushes up from the lower bound is its gradient.
+                let [low, high] = [
+                    self.solution.multipliers_lower[i],
+                    self.solution.multipliers_upper[i],
+                ];
+                let (value, sense) = if low >= high {
+                    (low, 1.0)
+                } else {
+                    (high, -1.0)
+                };
+                let rate = sense * d_gradient[i];
+                end(value, rate, least_dual, RangeLimit::BoundLeft(i));
+            }
+        }
+        let least_dual = MOVES * largest(dy);
+        for (row, held) in self.held.iter().enumerate() {
+            let [lower, upper] = [self.row_bounds[0][row], self.row_bounds[1][row]];
+            if lower >= upper {
+                continue;
+            }
+            let (c, y) = (self.rows[row], self.solution.multipliers[row]);
+            if held.is_some() {
+                let rate = y.signum() * dy[row];
+                end(y.abs(), rate, least_dual, RangeLimit::RowLeft(row));
+            } else {
+                end(c - lower, d_rows[row], least, RangeLimit::RowReached(row));
+                end(upper - c, -d_rows[row], least, RangeLimit::RowReached(row));
+            }
+        }
+        range
+    }
 }
 
 /// Which variables lie off their bounds: those that are nearer to them than their multipliers are to zero do not.
@@ -100,12 +246,15 @@ fn numbered(chosen: &[bool]) -> Vec<Option<usize>> {
     chosen.iter().map(number).collect()
 }
 
-/// Derivatives of all variables by each fixed one; none where the system has no solution.
+/// Derivatives of all variables, and of the multipliers of all rows.
+type Direction = (Vec<f64>, Vec<f64>);
+
+/// These by each fixed variable; none where the system has no solution.
 fn directions(
     [hessian, jacobian]: [&Entries; 2],
     [free, held]: [&[Option<usize>]; 2],
     fixed: &[usize],
-) -> Option<Vec<Vec<f64>>> {
+) -> Option<Vec<Direction>> {
     let count = free.iter().flatten().count();
     let size = count + held.iter().flatten().count();
     let mut places = Vec::new();
@@ -137,7 +286,9 @@ fn directions(
         let values = free.iter().map(|place| place.map_or(0.0, |i| solution[i]));
         let mut values: Vec<f64> = values.collect();
         values[p] = 1.0;
-        values
+        let multipliers = held.iter();
+        let multipliers = multipliers.map(|place| place.map_or(0.0, |row| solution[count + row]));
+        (values, multipliers.collect())
     });
     Some(whole.collect())
 }

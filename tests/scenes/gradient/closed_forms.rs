@@ -463,3 +463,173 @@ fn end_of_infinitely_many_bounces() {
         }
     }
 }
+
+#[test]
+fn rate_that_jumps_is_crossed() {
+    let text = "
+        parameters { a: 1/s = 3, b: 1/s = 1.2, c = 0.1, x0 = -0.9 }
+        states { x }
+        rates { x: if x >= c { a } else { b } }
+        start { x: x0 }
+        horizon 2 [s]
+    ";
+    let at = [3.0, 1.2, 0.1, -0.9];
+    let time = |p: &[Dual64]| (p[2] - p[3]) / p[1];
+    let end = |p: &[Dual64]| p[2] + p[0] * (-time(p) + 2.0);
+    for (_, gradient) in by_both(&scene(text, &[]), &["a", "b", "c", "x0"]) {
+        assert_exists(&gradient);
+        assert_row(&gradient.event_times[0], &derivatives(time, &at), "time");
+        assert_row(&gradient.v[0], &derivatives(end, &at), "end");
+    }
+}
+
+#[test]
+fn relay_slides_and_is_left() {
+    // It arrives where x0 + a t^2/2 = r t, slides with the sign a t/r, and leaves where that is 1.
+    let text = "
+        parameters { a: 1/s^2 = 0.9, r: 1/s = 1.1, x0 = 0.3, w: 1/s = 0.7 }
+        states { x, y }
+        rates { x: a*t - sign(x)*r, y: sign(x)*w }
+        start { x: x0 }
+        horizon 2 [s]
+    ";
+    let at = [0.9, 1.1, 0.3, 0.7];
+    let arrives = |p: &[Dual64]| (p[1] - (p[1] * p[1] - p[0] * p[2] * 2.0).sqrt()) / p[0];
+    let leaves = |p: &[Dual64]| p[1] / p[0];
+    let x = |p: &[Dual64]| p[0] * (-leaves(p) + 2.0).powi(2) / 2.0;
+    let y = |p: &[Dual64]| {
+        let (first, last) = (arrives(p), leaves(p));
+        let sliding = p[0] / p[1] * (last * last - first * first) / 2.0;
+        p[3] * (first + sliding - last + 2.0)
+    };
+    for (_, gradient) in by_both(&scene(text, &[]), &["a", "r", "x0", "w"]) {
+        assert_exists(&gradient);
+        assert_row(
+            &gradient.event_times[0],
+            &derivatives(arrives, &at),
+            "arrival",
+        );
+        assert_row(
+            &gradient.event_times[1],
+            &derivatives(leaves, &at),
+            "leaving",
+        );
+        assert_row(&gradient.v[0], &derivatives(x, &at), "x");
+        assert_row(&gradient.v[1], &derivatives(y, &at), "y");
+    }
+}
+
+#[test]
+fn stop_of_rubber_and_step_of_the_time() {
+    let text = "
+        parameters { m: kg = 0.7, k: N/m = 40, v0: m/s = 1.3, x0: m = -0.5, push: N = 0.4, t1: s = 0.9 }
+        coordinates { x: m }
+        lagrangian m/2*dot(x)^2
+        forces { x: -k*max(x, 0[m]) - push*step(t - t1) }
+        start { x: x0, dot(x): v0 }
+        horizon 1.6 [s]
+    ";
+    let at = [0.7, 40.0, 1.3, -0.5, 0.4, 0.9];
+    // It is thrown back after half a period, and pushed on from `t1` on.
+    let end = |p: &[Dual64]| {
+        let leaves = -p[3] / p[2] + (p[0] / p[1]).sqrt() * std::f64::consts::PI;
+        let since = -p[5] + 1.6;
+        -p[2] * (-leaves + 1.6) - p[4] / p[0] * since * since / 2.0
+    };
+    for (_, gradient) in by_both(&scene(text, &[]), &["m", "k", "v0", "x0", "push", "t1"]) {
+        assert_exists(&gradient);
+        assert_row(&gradient.q[0], &derivatives(end, &at), "end");
+    }
+}
+
+/// A pendulum that strikes a wall, with the angle or with a rod as a joint.
+const RODS: [&str; 2] = [
+    "coordinates { a: rad }
+     lagrangian m/2*l^2*dot(a)^2 + m*g*l*cos(a)
+     surface stop: l*sin(a) - wall >= 0
+     start { a: a0, dot(a): w0 }
+     outputs { x: m = l*sin(a), z: m = -l*cos(a) }",
+    "coordinates { x: m, z: m }
+     lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
+     joint rod: x^2 + z^2 == l^2
+     surface stop: x - wall >= 0
+     start { x: l*sin(a0), z: -l*cos(a0), dot(x): l*cos(a0)*w0, dot(z): l*sin(a0)*w0 }
+     outputs { pull: N/m = force(rod) }",
+];
+
+#[test]
+fn joint_has_the_derivatives_of_fewer_coordinates() {
+    let head = "parameters { m: kg = 1.2, g: m/s^2 = 9.7, l: m = 0.8, a0: rad = 1.1, w0: rad/s = 0.3, e = 0.6, wall: m = -0.2 }
+        impact stop: restitution e horizon 1.4 [s] ";
+    let redundant = RODS[1].replace("surface", "joint again: 2*x^2 + 2*z^2 == 2*l^2 surface");
+    let names = ["m", "g", "l", "a0", "w0", "e", "wall"];
+    let of = |rod: &str| by_both(&scene(&format!("{head}{rod}"), &[]), &names);
+    let few = of(RODS[0]);
+    for more in [of(RODS[1]), of(&redundant)] {
+        for ((run, few), (other, more)) in few.iter().zip(&more) {
+            assert_exists(few);
+            assert_exists(more);
+            assert!(run.events.len() == 1 && other.events.len() == 1, "{other}");
+            let last = run.trajectory.time.len() - 1;
+            for (i, what) in ["x", "z"].iter().enumerate() {
+                assert_row(&more.q[i], &few.outputs[i][last], what);
+            }
+            assert_row(&more.event_times[0], &few.event_times[0], "time");
+        }
+    }
+    let rod = scene(&format!("{head}{}", RODS[1]), &[]);
+    let refused = simulate(&rod).gradient_of(["pull"]).gradient(names);
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("reads forces of joints"), "{refused}");
+}
+
+#[test]
+fn disc_that_rolls_by_a_joint_of_velocities() {
+    let text = "
+        parameters { m: kg = 2, r: m = 0.3, g: m/s^2 = 9.6, angle: rad = 0.2, v0: m/s = 0.4 }
+        coordinates { x: m, phi: rad }
+        lagrangian m/2*dot(x)^2 + m*r^2/4*dot(phi)^2 + m*g*x*sin(angle)
+        joint roll: dot(x) == r*dot(phi)
+        start { x: 0 [m], dot(x): v0, dot(phi): v0/r*1[rad] }
+        horizon 1.5 [s]
+    ";
+    let at = [2.0, 0.3, 9.6, 0.2, 0.4];
+    let way = |p: &[Dual64]| p[4] * 1.5 + p[2] * p[3].sin() * (1.5 * 1.5 / 3.0);
+    let turn = |p: &[Dual64]| way(p) / p[1];
+    for (_, gradient) in by_both(&scene(text, &[]), &["m", "r", "g", "angle", "v0"]) {
+        assert_exists(&gradient);
+        assert_row(&gradient.q[0], &derivatives(way, &at), "way");
+        assert_row(&gradient.q[1], &derivatives(turn, &at), "turn");
+    }
+}
+
+#[test]
+fn weight_that_a_growing_force_lifts() {
+    let text = "
+        parameters { m: kg = 1.5, g: m/s^2 = 9.7, c: N/s = 20 }
+        coordinates { z: m }
+        lagrangian m/2*dot(z)^2 - m*g*z
+        forces { z: c*t }
+        surface floor: z >= 0
+        impact floor: inelastic
+        start { z: 0 [m] }
+        horizon 1.2 [s]
+    ";
+    let at = [1.5, 9.7, 20.0];
+    let time = |p: &[Dual64]| p[0] * p[1] / p[2];
+    let height = |p: &[Dual64]| p[2] / p[0] * (-time(p) + 1.2).powi(3) / 6.0;
+    for (_, gradient) in by_both(&scene(text, &[]), &["m", "g", "c"]) {
+        assert_exists(&gradient);
+        assert_row(&gradient.event_times[0], &derivatives(time, &at), "time");
+        assert_row(&gradient.q[0], &derivatives(height, &at), "height");
+        // It lifts off at the end only if the force is as much smaller.
+        let below = gradient.ranges[2].below.as_ref().unwrap();
+        let by_c = -1.5 * 9.7 / 20.0 / 20.0;
+        assert_close(
+            below.change,
+            (1.2 - 1.5 * 9.7 / 20.0) / by_c,
+            CLOSE,
+            "range by c",
+        );
+    }
+}

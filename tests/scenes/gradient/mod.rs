@@ -2,7 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a failed step fails the test")]
 
+mod adjoint;
 mod closed_forms;
 mod differences;
 mod obstacles;
+mod ranges;
 mod support;

@@ -177,3 +177,50 @@ fn end_that_jumps_has_no_derivative_to_either_side() {
         );
     }
 }
+
+#[test]
+fn slide_from_rest_has_no_derivative_by_its_first_velocity() {
+    // Turned back first, the brake would act the other way until the wheel stands.
+    let text = "
+        parameters { j: kg*m^2 = 2, torque: N*m = 0.9, push: N*m = 2.1, w0: rad/s = 0 }
+        coordinates { phi: rad }
+        lagrangian j/2*dot(phi)^2
+        forces { phi: push }
+        dry friction brake: bound torque, sliding dot(phi)
+        start { dot(phi): w0 }
+        horizon 2 [s]
+    ";
+    for (_, gradient) in by_both(&scene(text, &[]), &["w0"]) {
+        let obstacle = gradient.obstacle.expect("to one side only");
+        assert!(obstacle.contains("`brake` is at its edge"), "{obstacle}");
+        // Forwards it has 2 s more of that, backwards it is braked by 1.5 rad/s^2 at first and then driven by 0.6 rad/s^2.
+        let sides = gradient.one_sided.expect("to both sides");
+        assert_close(sides.above.q[0][0], 2.0, 1e-7, "from above");
+        assert_close(sides.below.q[0][0], 2.0 * 0.6 / 1.5, 1e-7, "from below");
+    }
+    for (_, gradient) in by_both(&scene(text, &[]), &["push", "torque"]) {
+        assert_exists(&gradient);
+        // phi = (push - torque)/j t^2/2
+        assert_close(gradient.q[0][0], 1.0, 1e-9, "by push");
+        assert_close(gradient.q[0][1], -1.0, 1e-9, "by torque");
+    }
+}
+
+#[test]
+fn conditions_that_set_something_and_starts_that_joints_complete_are_refused_by_name() {
+    for (text, words) in [
+        (
+            "parameters { a = 1 } states { x } rates { x: a*1[1/s] } when x >= 1 { x = 0 } horizon 2 [s]",
+            "by gradients",
+        ),
+        (
+            "parameters { l: m = 1.5 } coordinates { x: m, z: m } lagrangian 1[kg]/2*(dot(x)^2 + dot(z)^2)
+             joint rod: x^2 + z^2 == l^2 start { x: 1, z: -1 } horizon 1 [s]",
+            "joints complete its start",
+        ),
+    ] {
+        let refused = simulate(&scene(text, &[])).gradient(["all"]);
+        let refused = refused.unwrap_err().to_string();
+        assert!(refused.contains(words), "{refused}");
+    }
+}

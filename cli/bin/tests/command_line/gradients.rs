@@ -81,9 +81,61 @@ fn gradient_is_a_table_with_units_for_people() {
 }
 
 #[test]
+fn values_at_the_end_are_differentiated_backwards_where_they_are_fewer() {
+    let words = [
+        "simulate",
+        "bouncing-ball",
+        "--horizon",
+        "1",
+        "--gradient",
+        "all",
+        "--json",
+    ];
+    let whole = json(&words);
+    let whole = &whole["gradient"];
+    assert_eq!(whole["mode"], "forward");
+    let range = whole["range"].as_array().unwrap();
+    assert_eq!(
+        range.len(),
+        whole["with_respect_to"].as_array().unwrap().len()
+    );
+    let alone = json(&[&words[..], &["--gradient-of", "z,dot(z)"]].concat());
+    let alone = &alone["gradient"];
+    assert_eq!(alone["mode"], "adjoint");
+    assert!(alone.get("final").is_none() && alone.get("event_times").is_none());
+    let forced = ["--gradient-of", "z", "--gradient-mode", "forward"];
+    let forced = json(&[&words[..], &forced].concat());
+    assert_eq!(forced["gradient"]["mode"], "forward");
+    for (k, name) in ["z", "dot(z)"].iter().enumerate() {
+        let part = if k == 0 { "q" } else { "v" };
+        let right = numbers(&whole["final"][part][0]);
+        assert_close(&numbers(&alone["values"][name]), &right);
+    }
+    let text = solved(&[
+        "simulate",
+        "bouncing-ball",
+        "--horizon",
+        "1",
+        "--gradient",
+        "all",
+        "--gradient-of",
+        "z",
+    ]);
+    assert!(
+        text.contains("z at the end [m]") && !text.contains("time of impact at"),
+        "{text}"
+    );
+}
+
+#[test]
 fn gradient_without_sense_is_refused() {
     for (words, refusal) in [
-        (&["--gradient", "springiness"][..], "no gradient of"),
+        (&["--gradient-of", "z"][..], "--gradient <NAME>"),
+        (
+            &["--gradient", "e", "--gradient-of", "height"],
+            "no gradient of `height` at the end",
+        ),
+        (&["--gradient", "springiness"], "no gradient of"),
         (
             &["--gradient", "e", "--method", "moreau"],
             "does not locate events",

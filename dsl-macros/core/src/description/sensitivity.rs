@@ -22,7 +22,7 @@ pub struct Sensitivity {
     /// One a contact.
     pub contacts: Vec<ContactSensitivity>,
     /// What is recorded, by coordinates, velocities, controls and the time, the time always among them; by what the kernel
-    /// of the values has as weights; and by the parameters.
+    /// of the values has as weights, forces of joints behind those of contacts; and by the parameters.
     pub outputs: Option<Derivative>,
 }
 
@@ -181,6 +181,8 @@ impl List<'_, '_> {
         ] {
             variables.extend((0..contacts).map(kind));
         }
+        let rows: usize = scene.joints.iter().map(|joint| joint.rows.len()).sum();
+        variables.extend((0..rows as u16).map(Variable::JointForce));
         variables.extend(self.parameters);
         Some(self.derivative("outputs", &values, &variables))
     }

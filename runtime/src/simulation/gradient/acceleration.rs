@@ -119,6 +119,12 @@ impl<'a> Acceleration<'a> {
         self.holds.extend(tangents);
     }
 
+    /// Has the forces of another one from now on.
+    pub(super) fn take_mode(&mut self, of: &Acceleration<'_>) {
+        self.holds.clone_from(&of.holds);
+        self.given.clone_from(&of.given);
+    }
+
     /// Leaves out forces that hold what others hold already, at `x`: the motion is that of the others.
     pub(super) fn keep_independent(&mut self, x: &[f64]) {
         let all = std::mem::take(&mut self.holds);
@@ -375,14 +381,6 @@ impl<'a> Acceleration<'a> {
             Hold::Tangent { contact: own } => own == contact && tangential,
         })?;
         Some((self.forces[place], self.forces_by.row(place)))
-    }
-
-    /// Derivative at a fixed time by quantity `k` of a function with these derivatives, where the state changes by column
-    /// `k` of `state`.
-    pub(super) fn along(&self, by: &[f64], state: &Matrix, k: usize) -> f64 {
-        let states = 0..2 * self.n;
-        let through: f64 = states.map(|i| by[i] * state.row(i)[k]).sum();
-        through + self.wanted.column(k).map_or(0.0, |column| by[column])
     }
 
     /// Rate of a function with these derivatives along the motion, and the sum of the sizes of its terms.

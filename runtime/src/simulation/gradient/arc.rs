@@ -9,7 +9,7 @@
 
 use super::acceleration::{Acceleration, input, solved};
 use super::cost::Cost;
-use super::matrix::{Matrix, add, largest};
+use super::matrix::{Covector, Matrix, add, largest};
 use super::wanted::Wanted;
 use crate::linalg::dense;
 use crate::model::ControlPiece;
@@ -60,6 +60,19 @@ pub(super) struct Arc {
     residual: Vec<f64>,
     /// Derivatives of the accelerations of the stages, by stage and component.
     change: Matrix,
+    /// Factors of the last Newton matrix.
+    factors: (Matrix, Vec<usize>),
+}
+
+/// What is linear in a step that was solved: its Newton matrix, and the derivatives of its stages.
+pub(super) struct Linear {
+    n: usize,
+    h: f64,
+    factors: (Matrix, Vec<usize>),
+    /// Of the acceleration, by stage.
+    by: Vec<Matrix>,
+    /// Of the running cost, by stage; none without one.
+    cost_by: Vec<Vec<f64>>,
 }
 
 impl Arc {
@@ -71,20 +84,36 @@ impl Arc {
             by: Vec::new(),
             residual: Vec::new(),
             change: Matrix::default(),
+            factors: Default::default(),
         })
     }
 
     /// Carries the derivatives `state` of `(q, v)` over the step, and counts its cost. The largest distances of coordinates
-    /// and velocities at its end from the known ones; none if it has no solution.
+    /// and velocities at its end from the known ones; none if it has no solution. Newton's method asks the `lean` acceleration,
+    /// if there is one, which knows fewer derivatives.
     pub(super) fn step(
         &mut self,
-        acceleration: &mut Acceleration<'_>,
+        (acceleration, lean): (&mut Acceleration<'_>, Option<&mut Acceleration<'_>>),
         wanted: &Wanted,
         step: Step<'_>,
         state: &mut Matrix,
         cost: Option<&mut Cost<'_>>,
     ) -> Option<[f64; 2]> {
-        let (matrix, pivots) = self.solve(acceleration, step)?;
+        let (matrix, pivots) = match lean {
+            None => self.solve(acceleration, step)?,
+            Some(lean) => {
+                lean.take_mode(acceleration);
+                let factors = self.solve(lean, step)?;
+                self.by.clear();
+                for x in &self.inputs {
+                    if !acceleration.evaluate(x) {
+                        return None;
+                    }
+                    self.by.push(acceleration.by.clone());
+                }
+                factors
+            }
+        };
         let n = acceleration.n;
         let right = self.right(wanted, (n, step.length()), state);
         let change = solved(&matrix, &pivots, right);
@@ -92,13 +121,76 @@ impl Arc {
             for (m, x) in self.inputs.iter().enumerate() {
                 let weight = step.length() * self.tableau.b()[m];
                 let stage = self.stage_state((n, step.length()), state, &change, m);
-                cost.pass(acceleration, (x, weight), &stage);
+                cost.pass(acceleration.columns, (x, weight), &stage);
             }
         }
         let missed = self.missed(n, step);
         self.carry((n, step.length()), state, &change);
         self.change = change;
+        self.factors = (matrix, pivots);
         Some(missed)
+    }
+
+    /// What is linear in the step that was passed last.
+    pub(super) fn linear(
+        &mut self,
+        acceleration: &Acceleration<'_>,
+        step: Step<'_>,
+        cost: Option<&Cost<'_>>,
+    ) -> Linear {
+        let inputs = self.inputs.iter();
+        let cost_by = cost.map(|cost| inputs.filter_map(|x| cost.running(acceleration.columns, x)));
+        Linear {
+            n: acceleration.n,
+            h: step.length(),
+            factors: std::mem::take(&mut self.factors),
+            by: std::mem::take(&mut self.by),
+            cost_by: cost_by.map(Iterator::collect).unwrap_or_default(),
+        }
+    }
+
+    /// Carries what depends on the state at the end of a step back to its start: the transpose of [`step`](Self::step).
+    ///
+    /// ```text
+    /// mu_j = h^2 (b a)_j lambda_q + h b_j lambda_v        (I - dA)' nu = mu
+    /// lambda_q <- lambda_q + sum_m A_q' nu_m              lambda_v <- lambda_v + h lambda_q + sum_m (h c_m A_q + A_v)' nu_m
+    /// ```
+    ///
+    /// and each quantity gains `sum_m A_p' nu_m`; running costs add their own terms to each.
+    pub(super) fn back(&self, linear: &Linear, wanted: &Wanted, to: &mut Covector) {
+        let Linear { n, h, .. } = *linear;
+        let (tableau, stages) = (&self.tableau, self.tableau.stages());
+        let (b, b_times_a, c) = (tableau.b(), tableau.b_times_a(), tableau.c());
+        let (of_q, of_v) = to.state.split_at_mut(n);
+        let mut nu = vec![0.0; n * stages];
+        for (j, nu) in nu.chunks_exact_mut(n).enumerate() {
+            add(nu, h * h * b_times_a[j], of_q);
+            add(nu, h * b[j], of_v);
+            for (m, by) in linear.cost_by.iter().enumerate() {
+                let weight = to.cost * h * b[m];
+                add(nu, weight * h * h * tableau.a_squared(m, j), &by[..n]);
+                add(nu, weight * h * tableau.a(m, j), &by[n..2 * n]);
+            }
+        }
+        let (matrix, pivots) = &linear.factors;
+        dense::solve_transposed(&matrix.values, pivots, &mut nu);
+        add(of_v, h, of_q);
+        let mut pass = |factor: f64, by: &[f64], m: usize| {
+            add(of_q, factor, &by[..n]);
+            add(of_v, factor * c[m] * h, &by[..n]);
+            add(of_v, factor, &by[n..2 * n]);
+            for (column, sum) in to.by.iter_mut().enumerate() {
+                *sum += factor * wanted.own(by, column);
+            }
+        };
+        for (m, by) in linear.by.iter().enumerate() {
+            for k in 0..n {
+                pass(nu[m * n + k], by.row(k), m);
+            }
+        }
+        for (m, by) in linear.cost_by.iter().enumerate() {
+            pass(to.cost * h * b[m], by, m);
+        }
     }
 
     /// Solves the motion of the step without derivatives. The largest distances at its end as of [`step`](Self::step).
@@ -378,7 +470,7 @@ impl Arc {
                     add(row, c * h * by[i] + by[n + i], state.row(n + i));
                 }
                 for (column, value) in row.iter_mut().enumerate() {
-                    *value += wanted.column(column).map_or(0.0, |column| by[column]);
+                    *value += wanted.own(by, column);
                 }
             }
         }

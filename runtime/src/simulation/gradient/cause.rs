@@ -25,8 +25,33 @@ pub(super) struct Before<'b> {
     pub(super) state: &'b Matrix,
     /// Largest normal velocity of each contact in the whole motion.
     pub(super) closing_speeds: &'b [f64],
-    /// Largest velocity in the whole motion.
-    pub(super) speed: f64,
+    /// Largest coordinate and velocity in the whole motion.
+    pub(super) sizes: [f64; 2],
+    /// Whether events that quantities take apart are refused.
+    pub(super) checked: bool,
+}
+
+impl Before<'_> {
+    /// Size of the terms of a function with these derivatives by the input vector `x` at a time.
+    fn size(&self, by: &[f64], (x, time): (&[f64], f64)) -> f64 {
+        terms(self.sizes, self.v.len(), by, (x, time))
+    }
+}
+
+/// Size of the terms of a function of `n` coordinates with these derivatives by the input vector `x` at a time, in a motion of these sizes.
+pub(super) fn terms(
+    [place, speed]: [f64; 2],
+    n: usize,
+    by: &[f64],
+    (x, time): (&[f64], f64),
+) -> f64 {
+    let of = |i: usize| match i {
+        i if i < n => place,
+        i if i < 2 * n => speed,
+        i => x[i].abs().max(time),
+    };
+    let sizes = (0..x.len()).map(|i| by[i].abs() * of(i));
+    sizes.sum()
 }
 
 /// A function that vanishes at an event.
@@ -72,10 +97,10 @@ pub(super) fn time(
                 event.time, event.contact_name, event.kind
             ));
         }
-        let moved = |k| -acceleration.along(&zero.by, before.state, k) / rate;
+        let moved = |k| -wanted.along(&zero.by, before.state, k) / rate;
         let times: Vec<f64> = (0..wanted.count()).map(moved).collect();
         match &found {
-            Some((first, other)) if differ(first, &times) => {
+            Some((first, other)) if before.checked && differ(first, &times) => {
                 return Err(format!(
                     "at t = {} s `{}` and `{}` change at once, which other parameters take apart: which of them is first \
                      decides the motion",
@@ -121,17 +146,29 @@ fn zero(
         (EventKind::LiftOff, mode) if mode != ContactMode::Open => {
             let (value, by) = acceleration.force(contact, false)?;
             let curvature = acceleration.point(contact, contact_point::CURVATURE).0;
+            // Where what acts without the contact vanishes with its force, that says nothing of its terms.
+            let terms = before.size(by, (x, event.time));
+            let size = force_size(acceleration, contact, false).max(curvature.abs());
             Some(Zero {
                 value,
                 by: by.to_vec(),
                 rate: 0.0,
-                size: force_size(acceleration, contact, false).max(curvature.abs()),
+                size: size.max(terms),
+            })
+        }
+        (EventKind::Slide | EventKind::Switch, ContactMode::Slip(_)) => {
+            let (value, by) = acceleration.tangent(contact, tangent_point::SLIDING_VELOCITY);
+            Some(Zero {
+                value,
+                by: by.to_vec(),
+                rate: 0.0,
+                size: before.size(by, (x, event.time)),
             })
         }
         (EventKind::Stick | EventKind::Slip, ContactMode::Slip(_)) => {
             let n = acceleration.n;
             let (value, by) = acceleration.tangent(contact, tangent_point::SLIDING_VELOCITY);
-            let terms = by[n..2 * n].iter().map(|by| by.abs() * before.speed);
+            let terms = by[n..2 * n].iter().map(|by| by.abs() * before.sizes[1]);
             Some(Zero {
                 value,
                 size: terms.sum(),
@@ -139,13 +176,15 @@ fn zero(
                 rate: 0.0,
             })
         }
-        (EventKind::Slip, ContactMode::Stick) => friction_limit(acceleration, event),
+        (EventKind::Slip | EventKind::Switch, ContactMode::Stick) => {
+            friction_limit(acceleration, event)
+        }
         _ => None,
     }
 }
 
 /// Size of the terms that a force balances.
-fn force_size(acceleration: &Acceleration<'_>, contact: usize, tangential: bool) -> f64 {
+pub(super) fn force_size(acceleration: &Acceleration<'_>, contact: usize, tangential: bool) -> f64 {
     let hold = if tangential {
         Hold::Tangent { contact }
     } else {
@@ -166,6 +205,22 @@ fn friction_limit(acceleration: &Acceleration<'_>, event: &Event) -> Option<Zero
     let ContactMode::Slip(direction) = event.modes.get(contact).copied()? else {
         return None;
     };
+    let (value, by, size) = friction_left(acceleration, contact, direction.sign())?;
+    Some(Zero {
+        value,
+        by,
+        rate: 0.0,
+        size,
+    })
+}
+
+/// The friction force of a sticking contact and what the law allows against this sense, whose sum vanishes where it gives way in it,
+/// with the derivatives of that sum and the size of its terms; none where the forces are not those of the mode.
+pub(super) fn friction_left(
+    acceleration: &Acceleration<'_>,
+    contact: usize,
+    sense: f64,
+) -> Option<(f64, Vec<f64>, f64)> {
     let (friction, friction_by) = acceleration.force(contact, true)?;
     let mut by = friction_by.to_vec();
     let (mu, mu_by) = acceleration.friction(contact);
@@ -177,14 +232,9 @@ fn friction_limit(acceleration: &Acceleration<'_>, event: &Event) -> Option<Zero
         let (normal, by) = acceleration.force(contact, false)?;
         (normal, 1.0, by)
     };
-    let sense = direction.sign();
     add(&mut by, sense * mu * factor, normal_by);
     let parameters = by.len() - mu_by.len();
     add(&mut by[parameters..], sense * normal, mu_by);
-    Some(Zero {
-        value: friction + sense * mu * normal,
-        by,
-        rate: 0.0,
-        size: friction.abs() + mu * normal.abs(),
-    })
+    let size = friction.abs() + mu * normal.abs();
+    Some((friction + sense * mu * normal, by, size))
 }

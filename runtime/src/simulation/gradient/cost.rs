@@ -1,6 +1,5 @@
 //! How the objective of a scene changes: the integral of its running cost, and its final cost.
 
-use super::acceleration::Acceleration;
 use super::matrix::Matrix;
 use super::wanted::Wanted;
 use crate::model::{Model, OptimalControlDeclaration};
@@ -10,7 +9,7 @@ pub(super) struct Cost<'c> {
     wanted: &'c Wanted,
     task: OptimalControlDeclaration,
     /// Derivatives by the quantities.
-    sum: Vec<f64>,
+    pub(super) sum: Vec<f64>,
 }
 
 impl<'c> Cost<'c> {
@@ -26,20 +25,22 @@ impl<'c> Cost<'c> {
     }
 
     /// Adds what passes at a place `x` within a time that has this weight in the integral.
-    pub(super) fn pass(
-        &mut self,
-        acceleration: &Acceleration<'_>,
-        (x, weight): (&[f64], f64),
-        state: &Matrix,
-    ) {
-        if !self.task.running_cost {
+    pub(super) fn pass(&mut self, columns: usize, (x, weight): (&[f64], f64), state: &Matrix) {
+        let Some(by) = self.running(columns, x) else {
             return;
-        }
-        let mut by = vec![0.0; acceleration.columns];
-        self.wanted.derivatives.running_cost(x, &mut by);
+        };
         for (k, sum) in self.sum.iter_mut().enumerate() {
-            *sum += weight * acceleration.along(&by, state, k);
+            *sum += weight * self.wanted.along(&by, state, k);
         }
+    }
+
+    /// Derivatives of the running cost at a place, if there is one.
+    pub(super) fn running(&self, columns: usize, x: &[f64]) -> Option<Vec<f64>> {
+        self.task.running_cost.then(|| {
+            let mut by = vec![0.0; columns];
+            self.wanted.derivatives.running_cost(x, &mut by);
+            by
+        })
     }
 
     /// Adds what the integral gains where its limit at `x` moves.
@@ -66,7 +67,7 @@ impl<'c> Cost<'c> {
         columns
             .map(|(k, (sum, moves))| {
                 let states: f64 = (0..time).map(|i| by[i] * end.row(i)[k]).sum();
-                let own = self.wanted.parameter(k).map_or(0.0, |p| by[time + 1 + p]);
+                let own = self.wanted.of_parameters(&by[time + 1..], k);
                 sum + states + by[time] * moves + own
             })
             .collect()

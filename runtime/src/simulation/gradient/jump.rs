@@ -173,7 +173,7 @@ fn place(
     if acceleration.model.declaration().explicit_time {
         sum += by[acceleration.columns - wanted.parameters - 1] * impact.times[column];
     }
-    sum + wanted.column(column).map_or(0.0, |own| by[own])
+    sum + wanted.own(by, column)
 }
 
 /// What each normal velocity after the impact must change by against its sign, because of that before: the change of
@@ -201,7 +201,7 @@ fn conditions_before(
         for column in 0..wanted.count() {
             let velocity = (0..n).map(|i| by[n + i] * impact.moved.row(n + i)[column]);
             let change = place(acceleration, wanted, impact, by, column) + velocity.sum::<f64>();
-            let of_law = wanted.parameter(column).map_or(0.0, |p| by_parameters[p]);
+            let of_law = wanted.of_parameters(&by_parameters, column);
             earlier.row_mut(contact)[column] = e * change + of_law * speed;
         }
     }
@@ -250,7 +250,7 @@ fn of_impulses(
                 Hold::Tangent { .. } => impulses.row_mut(contacts + contact)[column] = changed,
                 Hold::Normal { sense, .. } => {
                     let (mu, mu_by) = acceleration.friction(contact);
-                    let mu_by = wanted.parameter(column).map_or(0.0, |p| mu_by[p]);
+                    let mu_by = wanted.of_parameters(mu_by, column);
                     impulses.row_mut(contact)[column] = changed;
                     if sense != 0.0 {
                         let rubbing = sense * (mu * changed + mu_by * impulse);

@@ -29,6 +29,16 @@ impl Matrix {
     }
 }
 
+/// What one value depends on: the derivatives of `(q, v)` and of the impulses so far at some instant, the integral of the running
+/// cost, and beyond those the quantities.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Covector {
+    pub(super) state: Vec<f64>,
+    pub(super) impulses: Vec<f64>,
+    pub(super) cost: f64,
+    pub(super) by: Vec<f64>,
+}
+
 /// `to += factor * from`.
 pub(super) fn add(to: &mut [f64], factor: f64, from: &[f64]) {
     for (to, from) in to.iter_mut().zip(from) {

@@ -11,27 +11,64 @@
 //!
 //! Source: Aizerman, Gantmacher, *On the stability of periodic motions* (J. Appl. Math. Mech. 22, 1958).
 //!
+//! Where few values of many quantities are asked for, the same is multiplied from the other side (`adjoint`).
+//!
 //! `walk` goes along a motion that a simulator has found, `outputs` differentiates what is recorded, `wanted` knows by what.
 
 mod acceleration;
+mod adjoint;
 mod arc;
 mod cause;
 mod cost;
+mod front;
+mod joint_rows;
 mod jump;
+mod margins;
 mod matrix;
 mod outputs;
+mod place;
 mod projection;
+mod ranges;
 mod samples;
 mod sides;
+mod tape;
 mod walk;
 mod wanted;
 
-use super::{InitialValueProblem, InputError, Simulation, joints};
-use crate::model::{Measured, Model};
+use super::quantity::Quantity;
+use super::{InitialValueProblem, InputError, Simulation};
+use crate::joints::Joints;
+use crate::model::{Measured, Model, joint_rows};
+use adjoint::{Value, adjoint};
+use ranges::Ranges;
+pub use ranges::{SequenceLimit, SequenceRange};
 use samples::Samples;
 pub use sides::{OneSided, Side};
 use walk::Walk;
 use wanted::Wanted;
+
+/// Share of the largest coordinate, or velocity, by which joints move a start that fulfils them: rounding.
+const COMPLETED: f64 = 1e-9;
+
+/// From which side derivatives of a motion are multiplied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GradientMode {
+    /// Along the motion, with a column for each quantity that it is differentiated by.
+    Forward,
+    /// Against it, with a row for each value at its end: its cost does not grow with the quantities.
+    Adjoint,
+}
+
+impl GradientMode {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Forward => "forward",
+            Self::Adjoint => "adjoint",
+        }
+    }
+}
 
 /// Derivatives of a simulated motion.
 ///
@@ -42,6 +79,11 @@ pub struct Gradient {
     /// Names of what the motion is differentiated by: parameters; coordinates `z` and `dot(z)` for their initial values; and
     /// controls, for adding the same at all times.
     pub with_respect_to: Vec<String>,
+    /// How they were computed.
+    pub mode: GradientMode,
+    /// Of chosen values at the end, which moves where the horizon depends on a parameter, by their names; none unless
+    /// [`differentiate_values`] was asked for them. In [`GradientMode::Adjoint`] there is nothing else.
+    pub values: Vec<(String, Vec<f64>)>,
     /// Of the coordinates at the end, which moves where the horizon depends on a parameter. Not numbers without derivatives.
     pub q: Vec<Vec<f64>>,
     /// Of the velocities at the end.
@@ -56,6 +98,9 @@ pub struct Gradient {
     /// Of the objective that the scene declares with `minimize`, along this motion; none without one, without derivatives, and
     /// where it reads contact forces or impulses.
     pub objective: Option<Vec<f64>>,
+    /// How far each quantity may go until the motion has another sequence of events, to first order; none without derivatives, and
+    /// in [`GradientMode::Adjoint`].
+    pub ranges: Vec<SequenceRange>,
     /// Why there are no derivatives from some instant on; values behind that are not numbers.
     pub obstacle: Option<String>,
     /// Derivatives to one side where there are no others, see [`add_one_sided`](super::add_one_sided).
@@ -75,19 +120,148 @@ pub fn differentiate(
     run: &Simulation,
     names: &[String],
 ) -> Result<Gradient, InputError> {
-    refuse_joints(model)?;
+    let reduced = held_by_joints(model, (problem, run))?;
+    let model = reduced.as_deref().unwrap_or(model);
     let wanted = Wanted::of(model, names)?;
+    Ok(forward(model, (problem, run), &wanted, &[]))
+}
+
+/// Name of the objective among the values at the end.
+const OBJECTIVE: &str = "objective";
+
+/// Differentiates chosen values at the end of a motion, as [`differentiate`] does: `objective`, coordinates `z`, velocities
+/// `dot(z)`, states, and what the scene declares in `outputs`, by their names. Without a `mode`, backwards where there are more
+/// quantities than values; backwards there is nothing but [`Gradient::values`] and the objective, if that is among them. A motion
+/// without derivatives is gone along forwards in any case, which tells why.
+///
+/// # Errors
+/// As of [`differentiate`], and [`InputError`] for a value that the scene does not have, or that has no derivatives.
+pub fn differentiate_values(
+    model: &dyn Model,
+    (problem, run): (&InitialValueProblem, &Simulation),
+    names: &[String],
+    (of, mode): (&[String], Option<GradientMode>),
+) -> Result<Gradient, InputError> {
+    let reduced = held_by_joints(model, (problem, run))?;
+    let model = reduced.as_deref().unwrap_or(model);
+    let wanted = Wanted::of(model, names)?;
+    let values: Vec<(&str, Value)> = of
+        .iter()
+        .map(|name| Ok((name.as_str(), value(model, name)?)))
+        .collect::<Result<_, InputError>>()?;
+    let fewer = values.len() < wanted.count() && !values.is_empty();
+    let backwards = mode.map_or(fewer, |mode| mode == GradientMode::Adjoint);
+    let known = run.status.is_solved() && !run.trajectory.time.is_empty();
+    let rows = (backwards && known)
+        .then(|| {
+            adjoint(
+                model,
+                (problem, run),
+                &wanted,
+                values.iter().map(|known| known.1),
+            )
+        })
+        .flatten();
+    let Some(rows) = rows else {
+        let gradient = forward(model, (problem, run), &wanted, &values);
+        let unknown = |row: &[f64]| row.iter().any(|by| by.is_nan());
+        let open = gradient.values.iter().find(|(_, row)| unknown(row));
+        return match open.filter(|_| gradient.obstacle.is_none()) {
+            None => Ok(gradient),
+            Some((name, _)) => Err(InputError::unsupported(format!(
+                "a gradient of `{name}` at the end of `{}` is not supported: it reads forces of joints, or of contacts of a \
+                 mechanism whose inertia is not a formula; take differences of two simulations",
+                model.declaration().name
+            ))),
+        };
+    };
+    let objective = values
+        .iter()
+        .position(|(_, value)| *value == Value::Objective);
+    Ok(Gradient {
+        objective: objective.map(|place| rows[place].clone()),
+        mode: GradientMode::Adjoint,
+        values: of.iter().cloned().zip(rows).collect(),
+        with_respect_to: wanted.names,
+        q: Vec::new(),
+        v: Vec::new(),
+        event_times: Vec::new(),
+        states: Vec::new(),
+        outputs: Vec::new(),
+        ranges: Vec::new(),
+        obstacle: None,
+        one_sided: None,
+    })
+}
+
+/// The value at the end of this name.
+fn value(model: &dyn Model, name: &str) -> Result<Value, InputError> {
+    let (declaration, outputs) = (model.declaration(), model.outputs());
+    let n = declaration.coordinates.len();
+    match Quantity::named(declaration, outputs, name) {
+        Some(Quantity::Coordinate(k)) => return Ok(Value::State(k)),
+        Some(Quantity::Velocity(k)) => return Ok(Value::State(n + k)),
+        Some(Quantity::Output(k)) => return Ok(Value::Output(k)),
+        _ => {}
+    }
+    let task = declaration.optimal_control;
+    let declared = task.filter(|task| task.running_cost || task.final_cost);
+    if let (OBJECTIVE, Some(task)) = (name, declared) {
+        return if task.contacts.any() {
+            Err(InputError::unsupported(format!(
+                "the objective of `{}` reads contact forces or impulses, which has no derivatives along a simulation; take \
+                 the gradient of an output that reads them at the end",
+                declaration.name
+            )))
+        } else {
+            Ok(Value::Objective)
+        };
+    }
+    let mechanical = &declaration.coordinates[..declaration.mechanical()];
+    let states = mechanical
+        .iter()
+        .flat_map(|c| [c.name.to_owned(), format!("dot({})", c.name)]);
+    let first_order = declaration.states.iter().map(|known| known.name.to_owned());
+    let recorded = outputs.iter().map(|output| output.name.to_owned());
+    let objective = declared.map(|_| OBJECTIVE.to_owned());
+    let known = states.chain(first_order).chain(recorded).chain(objective);
+    let known: Vec<String> = known.collect();
+    Err(InputError::new(format!(
+        "no gradient of `{name}` at the end of `{}`: it has no coordinate, state or output of this name (it has: {}){}",
+        declaration.name,
+        known.join(", "),
+        if name == OBJECTIVE {
+            "; `minimize` declares an objective"
+        } else {
+            ""
+        }
+    )))
+}
+
+/// Differentiates along the motion, and chooses `values` at its end.
+fn forward(
+    model: &dyn Model,
+    (problem, run): (&InitialValueProblem, &Simulation),
+    wanted: &Wanted,
+    values: &[(&str, Value)],
+) -> Gradient {
     let trajectory = &run.trajectory;
     let (n, columns) = (problem.q.len(), wanted.count());
     let unknown = || vec![vec![f64::NAN; columns]; n];
     let mut gradient = Gradient {
         with_respect_to: wanted.names.clone(),
+        mode: GradientMode::Forward,
+        values: values
+            .iter()
+            .map(|(name, _)| ((*name).to_owned(), vec![f64::NAN; columns]))
+            .collect(),
         q: unknown(),
         v: unknown(),
         event_times: vec![vec![f64::NAN; columns]; run.events.len()],
         states: vec![vec![vec![f64::NAN; columns]; 2 * n]; trajectory.time.len()],
         outputs: vec![vec![vec![f64::NAN; columns]; trajectory.time.len()]; model.outputs().len()],
         objective: None,
+        ranges: Vec::new(),
         obstacle: None,
         one_sided: None,
     };
@@ -96,18 +270,23 @@ pub fn differentiate(
             "the motion is not known to its end: {}",
             run.status
         ));
-        return Ok(gradient);
+        return gradient;
     }
-    let walk = Walk::new(model, problem, run, &wanted);
+    let walk = Walk::new(model, problem, run, wanted);
     let Some(mut walk) = walk.filter(|_| !trajectory.time.is_empty()) else {
         gradient.obstacle = Some("there is no motion".to_owned());
-        return Ok(gradient);
+        return gradient;
     };
+    walk.ranges = Some(Ranges::new(columns));
     match walk.run() {
         Ok(()) => {
-            let (end, objective) = walk.end();
-            gradient.objective = objective;
-            (gradient.q, gradient.v) = (end.rows(0..n), end.rows(n..2 * n));
+            gradient.ranges = walk.ranges();
+            let end = walk.end();
+            (gradient.q, gradient.v) = (end.state.rows(0..n), end.state.rows(n..2 * n));
+            for ((_, row), (_, value)) in gradient.values.iter_mut().zip(values) {
+                *row = value.of(&end).map_or_else(Vec::new, <[f64]>::to_vec);
+            }
+            gradient.objective = end.objective;
         }
         Err(why) => gradient.obstacle = Some(why),
     }
@@ -122,16 +301,51 @@ pub fn differentiate(
             rows[k] = values.row(output).to_vec();
         }
     }
-    Ok(gradient)
+    gradient
 }
 
-/// Derivatives along equations of joints are not known.
-fn refuse_joints(model: &dyn Model) -> Result<(), InputError> {
-    joints::refuse(
-        model,
-        "derivatives of a motion",
-        "compare two motions, or describe the mechanism by coordinates that need no joint",
-    )
+/// The scene with those equations of joints that hold the motion, where others follow from them.
+///
+/// # Errors
+/// A start that joints have completed: how that depends on the guess is not known.
+fn held_by_joints(
+    model: &dyn Model,
+    (problem, run): (&InitialValueProblem, &Simulation),
+) -> Result<Option<Box<dyn Model>>, InputError> {
+    let rows = joint_rows(model);
+    let trajectory = &run.trajectory;
+    let (Some(q), Some(v)) = (trajectory.q.first(), trajectory.v.first()) else {
+        return Ok(None);
+    };
+    if rows == 0 {
+        return Ok(None);
+    }
+    let size = |values: &[f64]| {
+        values
+            .iter()
+            .fold(0.0_f64, |most, value| value.abs().max(most))
+    };
+    let moved = |given: &[f64], found: &[f64]| {
+        let least = COMPLETED * size(found).max(size(given));
+        let mut pairs = given.iter().zip(found);
+        pairs.any(|(given, found)| (given - found).abs() > least)
+    };
+    if moved(&problem.q, q) || moved(&problem.v, v) {
+        return Err(InputError::unsupported(format!(
+            "a gradient of `{}` is not supported: joints complete its start, which is a guess; give a start that fulfils them",
+            model.declaration().name
+        )));
+    }
+    let mut joints = Joints::with_rows(model, (0..rows).collect());
+    let held = joints.independent_rows(&problem.input(model));
+    let held = held.map_err(|_| InputError::new("the start does not fulfil the joints"))?;
+    Ok((held.len() < rows).then(|| {
+        let mut reduced = model.boxed();
+        for row in 0..rows {
+            reduced.hold_joint_row(row, held.contains(&row));
+        }
+        reduced
+    }))
 }
 
 /// What is measured of a motion at given times.
@@ -156,7 +370,8 @@ pub(crate) fn observe(
     names: &[String],
     (measured, times): (&[Measured], &[f64]),
 ) -> Result<Observed, InputError> {
-    refuse_joints(model)?;
+    let reduced = held_by_joints(model, (problem, run))?;
+    let model = reduced.as_deref().unwrap_or(model);
     let wanted = Wanted::of(model, names)?;
     let mut observed = Observed {
         values: Vec::new(),

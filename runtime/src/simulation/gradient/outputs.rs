@@ -3,7 +3,8 @@
 use super::acceleration::{Acceleration, Hold};
 use super::matrix::Matrix;
 use super::wanted::Wanted;
-use crate::model::contact_point;
+use crate::joints::joint_forces;
+use crate::model::{Model, contact_point, joint_rows};
 use crate::simulation::Trajectory;
 
 /// What outputs read at an instant: `(q, v, u, t)`, with the time in every scene, and forces and impulses so far of all contacts.
@@ -14,17 +15,17 @@ pub(super) struct Instant {
 
 impl Instant {
     /// Instant `k` of a trajectory.
-    pub(super) fn recorded(trajectory: &Trajectory, k: usize) -> Self {
+    pub(super) fn recorded(model: &dyn Model, trajectory: &Trajectory, k: usize) -> Self {
         let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
         let mut read = trajectory.contact_force[k].clone();
         let contacts = read.len();
         read.extend(trajectory.friction_force.get(k).into_iter().flatten());
         read.resize(2 * contacts, 0.0);
         read.extend(trajectory.impulses(k));
-        Self {
-            x: [q, v, u, &[trajectory.time[k]][..]].concat(),
-            read,
-        }
+        read.resize(4 * contacts, 0.0);
+        let x = [q, v, u, &[trajectory.time[k]][..]].concat();
+        read.extend(of_joints(model, &x, &read));
+        Self { x, read }
     }
 
     /// The instant at `x` at which the `acceleration` is evaluated.
@@ -34,7 +35,10 @@ impl Instant {
         impulses: &[f64],
     ) -> Self {
         let mut read = force_values(acceleration);
+        let forces = read.len();
         read.extend(impulses);
+        read.resize(2 * forces, 0.0);
+        read.extend(of_joints(acceleration.model, &x, &read));
         Self { x, read }
     }
 
@@ -62,8 +66,9 @@ pub(super) fn outputs(
     let contacts = declaration.contacts.len();
     let Instant { x, read } = instant;
     let behind = 2 * n + controls + 1;
+    let joints = behind + 4 * contacts..behind + 4 * contacts + joint_rows(model);
     let count = model.outputs().len();
-    let mut by = Matrix::zeros(count, behind + 4 * contacts + wanted.parameters);
+    let mut by = Matrix::zeros(count, joints.end + wanted.parameters);
     wanted.derivatives.outputs(x, read, &mut by.values);
     let mut values = Matrix::zeros(count, wanted.count());
     for column in 0..wanted.count() {
@@ -77,13 +82,24 @@ pub(super) fn outputs(
             for i in 0..2 * contacts {
                 sum += times(by[behind + 2 * contacts + i], impulses.row(i)[column]);
             }
-            let own = wanted.parameter(column).map(|p| behind + 4 * contacts + p);
-            let own = own.or_else(|| wanted.control(column).map(|u| 2 * n + u));
-            sum += own.map_or(0.0, |own| by[own]);
+            sum += wanted.of_output(by, (behind - 1, joints.end), column);
+            if by[joints.clone()].iter().any(|by| *by != 0.0) {
+                // How forces of joints change is not known.
+                sum = f64::NAN;
+            }
             values.row_mut(output)[column] = sum;
         }
     }
     values
+}
+
+/// The forces of joints, with the forces that contacts have among what is `read`.
+fn of_joints(model: &dyn Model, x: &[f64], read: &[f64]) -> Vec<f64> {
+    if joint_rows(model) == 0 {
+        return Vec::new();
+    }
+    let contacts = model.declaration().contacts.len();
+    joint_forces(model, x, &read[..contacts], &read[contacts..2 * contacts])
 }
 
 /// A product in which what is not read may be unknown.
@@ -131,15 +147,15 @@ fn forces(
     let of = |contact: usize, (provided, by): (f64, &[f64])| {
         let (inertia, inertia_by) = acceleration.point(contact, contact_point::INVERSE_INERTIA);
         let force = provided / inertia;
-        let inertia_by = acceleration.along(inertia_by, state, column);
+        let inertia_by = wanted.along(inertia_by, state, column);
         (
             force,
-            (acceleration.along(by, state, column) - force * inertia_by) / inertia,
+            (wanted.along(by, state, column) - force * inertia_by) / inertia,
         )
     };
     let slides = |contact: usize, sense: f64, (force, change): (f64, f64)| {
         let (mu, mu_by) = acceleration.friction(contact);
-        let mu_by = wanted.parameter(column).map_or(0.0, |p| mu_by[p]);
+        let mu_by = wanted.of_parameters(mu_by, column);
         sense * (mu * change + mu_by * force)
     };
     for (j, &hold) in acceleration.holds.iter().enumerate() {

@@ -57,7 +57,7 @@ fn move_along<'a>(
     for (i, &hold) in acceleration.holds[..order].iter().enumerate() {
         matrix.row_mut(i).copy_from_slice(&coupling.row(i)[..order]);
         for (column, left) in left.row_mut(i).iter_mut().enumerate() {
-            *left = acceleration.along(by(hold), state, column);
+            *left = wanted.along(by(hold), state, column);
         }
     }
     let mut pivots = vec![0; order];

@@ -52,7 +52,7 @@ impl<'s> Samples<'s> {
     ) {
         let trajectory = &run.trajectory;
         let at = (&trajectory.q[0][..], &trajectory.v[0][..]);
-        let instant = Instant::recorded(trajectory, 0);
+        let instant = Instant::recorded(acceleration.model, trajectory, 0);
         while self.next(trajectory.time[0]).is_some() {
             let outputs_by = self
                 .reads_outputs()

@@ -16,6 +16,8 @@ pub struct Side {
     pub q: Vec<Vec<f64>>,
     /// Of the velocities at the end.
     pub v: Vec<Vec<f64>>,
+    /// Of chosen values at the end, by their names; none unless they were asked for.
+    pub values: Vec<(String, Vec<f64>)>,
     /// Of the objective, in a scene that declares one.
     pub objective: Option<Vec<f64>>,
 }

@@ -1,5 +1,8 @@
 //! What a motion is differentiated by.
 
+use std::sync::Arc;
+
+use super::matrix::Matrix;
 use crate::InputError;
 use crate::model::{Model, ParameterDerivatives};
 use crate::simulation::InitialValueProblem;
@@ -7,20 +10,30 @@ use crate::simulation::quantity::Quantity;
 
 /// One quantity that a motion is differentiated by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum By {
+pub(super) enum By {
     /// The parameter that is the `k`-th of those with derivatives.
     Parameter(usize),
     /// Component `k` of the initial `(q, v)`.
     Start(usize),
     /// Control `k`, changed by the same at all times.
     Control(usize),
+    /// Something of the state and of the impulses at present, which nothing else depends on.
+    Present,
+    /// The time, with which controls change at these rates.
+    Time,
 }
 
 /// The quantities, and the derivatives of the scene by them.
+#[derive(Clone)]
 pub(super) struct Wanted {
     pub(super) names: Vec<String>,
     by: Vec<By>,
-    pub(super) derivatives: Box<dyn ParameterDerivatives>,
+    /// Shares of all quantities, where the motion is differentiated along this one direction of them.
+    direction: Option<Vec<f64>>,
+    /// Rates of controls, where the motion goes on in time.
+    control_rates: Vec<f64>,
+    explicit_time: bool,
+    pub(super) derivatives: Arc<dyn ParameterDerivatives>,
     /// Length of the input vector.
     inputs: usize,
     /// Number of coordinates.
@@ -62,8 +75,8 @@ impl Wanted {
                 None => of_state(model, name)?,
             });
         }
-        let remedy = "take differences of two simulations, or write a smooth function in its place, as `tanh(c/width)`";
-        InitialValueProblem::check_switches(model, "gradients", remedy)?;
+        let remedy = "take differences of two simulations, or end the motion before the condition comes true with --horizon";
+        InitialValueProblem::check_resets(model, "gradients", remedy)?;
         let remedy = "take differences of two simulations, or give the contact one coefficient and a bound of positions";
         InitialValueProblem::check_friction(model, "gradients", remedy)?;
         if by.is_empty() {
@@ -85,7 +98,10 @@ impl Wanted {
         Ok(Self {
             names: wanted,
             by,
-            derivatives,
+            direction: None,
+            control_rates: Vec::new(),
+            explicit_time: declaration.explicit_time,
+            derivatives: Arc::from(derivatives),
             inputs: declaration.inputs(),
             n: declaration.coordinates.len(),
             parameters: parameters.len(),
@@ -94,7 +110,116 @@ impl Wanted {
 
     /// How many quantities there are.
     pub(super) fn count(&self) -> usize {
-        self.by.len()
+        self.direction.as_ref().map_or(self.by.len(), |_| 1)
+    }
+
+    /// The same quantities with derivatives that know nothing of parameters but of one, if there are more.
+    pub(super) fn without_parameters(&self, model: &dyn Model) -> Option<Self> {
+        if self.parameters < 2 {
+            return Some(self.clone());
+        }
+        Some(Self {
+            by: Vec::new(),
+            names: Vec::new(),
+            derivatives: Arc::from(model.parameter_derivatives(&[0])?),
+            parameters: 1,
+            ..self.clone()
+        })
+    }
+
+    /// One direction in which all quantities change at once, by these shares.
+    pub(super) fn along_direction(&self, shares: Vec<f64>) -> Self {
+        Self {
+            direction: Some(shares),
+            ..self.clone()
+        }
+    }
+
+    /// The same quantities behind `present` changes of the state and the impulses.
+    pub(super) fn behind(&self, present: usize) -> Self {
+        let mut by = vec![By::Present; present];
+        by.extend(&self.by);
+        Self { by, ..self.clone() }
+    }
+
+    /// The time alone, with which controls change at these rates.
+    pub(super) fn in_time(&self, control_rates: Vec<f64>) -> Self {
+        Self {
+            by: vec![By::Time],
+            direction: None,
+            control_rates,
+            ..self.clone()
+        }
+    }
+
+    /// What controls change by with time, with derivatives by `(q, v, u)` first.
+    fn through_controls(&self, by: &[f64]) -> f64 {
+        let pairs = by[2 * self.n..].iter().zip(&self.control_rates);
+        pairs.map(|(by, rate)| by * rate).sum()
+    }
+
+    /// What quantity `k` of these values is, or their sum along the direction.
+    fn over(&self, k: usize, value: impl Fn(By) -> f64) -> f64 {
+        match &self.direction {
+            None => value(self.by[k]),
+            Some(shares) => {
+                let pairs = self.by.iter().zip(shares);
+                pairs.map(|(&by, share)| share * value(by)).sum()
+            }
+        }
+    }
+
+    /// The size of quantity `k`: its value, or 1 where that is 0, and of controls.
+    pub(super) fn size(&self, k: usize, model: &dyn Model, problem: &InitialValueProblem) -> f64 {
+        let value = match self.by[k] {
+            By::Parameter(_) => {
+                let mut parameters = model.declaration().parameters.iter();
+                let index = parameters.position(|known| known.name == self.names[k]);
+                index.map_or(1.0, |index| model.parameter(index))
+            }
+            By::Start(i) if i < self.n => problem.q[i],
+            By::Start(i) => problem.v[i - self.n],
+            By::Control(_) | By::Present | By::Time => 1.0,
+        };
+        if value == 0.0 { 1.0 } else { value.abs() }
+    }
+
+    /// How a function with these derivatives by the input vector and the parameters changes with quantity `k` itself.
+    pub(super) fn own(&self, by: &[f64], k: usize) -> f64 {
+        self.over(k, |own| match own {
+            By::Parameter(parameter) => by[self.inputs + parameter],
+            By::Control(control) => by[2 * self.n + control],
+            By::Time if self.explicit_time => by[self.inputs - 1] + self.through_controls(by),
+            By::Time => self.through_controls(by),
+            By::Start(_) | By::Present => 0.0,
+        })
+    }
+
+    /// The same of a function with these derivatives by the parameters.
+    pub(super) fn of_parameters(&self, by: &[f64], k: usize) -> f64 {
+        self.over(k, |own| match own {
+            By::Parameter(parameter) => by[parameter],
+            By::Control(_) | By::Start(_) | By::Present | By::Time => 0.0,
+        })
+    }
+
+    /// The same of a function with derivatives by `(q, v, u, t)` first, where the time is number `time`, and by the parameters from
+    /// `first` on.
+    pub(super) fn of_output(&self, by: &[f64], (time, first): (usize, usize), k: usize) -> f64 {
+        self.over(k, |own| match own {
+            By::Parameter(parameter) => by[first + parameter],
+            By::Control(control) => by[2 * self.n + control],
+            By::Time => by[time] + self.through_controls(by),
+            By::Start(_) | By::Present => 0.0,
+        })
+    }
+
+    /// Derivative at a fixed time by quantity `k` of a function with these derivatives, where the state changes by column
+    /// `k` of `state`.
+    pub(super) fn along(&self, by: &[f64], state: &Matrix, k: usize) -> f64 {
+        let states = 0..2 * self.n;
+        let through: f64 = states.map(|i| by[i] * state.row(i)[k]).sum();
+        through + self.own(by, k)
     }
 
     /// Number of columns of the derivatives: the input vector and the parameters.
@@ -102,38 +227,21 @@ impl Wanted {
         self.inputs + self.parameters
     }
 
-    /// The column of the derivatives that belongs to quantity `k`; none to an initial value.
-    pub(super) fn column(&self, k: usize) -> Option<usize> {
-        match self.by[k] {
-            By::Parameter(parameter) => Some(self.inputs + parameter),
-            By::Control(control) => Some(2 * self.n + control),
-            By::Start(_) => None,
-        }
-    }
-
-    /// The place of quantity `k` among the parameters with derivatives, if it is one.
+    /// The place of quantity `k` among the parameters with derivatives, if it is one and alone.
     pub(super) fn parameter(&self, k: usize) -> Option<usize> {
         match self.by[k] {
-            By::Parameter(parameter) => Some(parameter),
-            By::Control(_) | By::Start(_) => None,
-        }
-    }
-
-    /// The place of quantity `k` among the controls, if it is one.
-    pub(super) fn control(&self, k: usize) -> Option<usize> {
-        match self.by[k] {
-            By::Control(control) => Some(control),
-            By::Parameter(_) | By::Start(_) => None,
+            By::Parameter(parameter) if self.direction.is_none() => Some(parameter),
+            _ => None,
         }
     }
 
     /// Derivative of component `i` of the initial `(q, v)` by quantity `k`, if the start is that of the scene.
     pub(super) fn of_start(&self, start: &[f64], i: usize, k: usize, declared: bool) -> f64 {
-        match self.by[k] {
+        self.over(k, |own| match own {
             By::Parameter(parameter) if declared => start[i * self.parameters + parameter],
             By::Start(component) if component == i => 1.0,
             _ => 0.0,
-        }
+        })
     }
 
     /// Derivatives of the horizon, if that is the one of the scene.
@@ -144,7 +252,7 @@ impl Wanted {
         }
         let columns = 0..self.count();
         columns
-            .map(|k| self.parameter(k).map_or(0.0, |p| by_parameters[p]))
+            .map(|k| self.of_parameters(&by_parameters, k))
             .collect()
     }
 }
