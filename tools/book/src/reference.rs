@@ -124,7 +124,14 @@ const DOCUMENTS: [Part; 8] = [
     part(
         "Gradients",
         "cli/src/json/gradient.rs",
-        &["GradientEntry", "LastEntry", "OneSidedEntry", "SideEntry"],
+        &[
+            "GradientEntry",
+            "LastEntry",
+            "OneSidedEntry",
+            "SideEntry",
+            "RangeEntry",
+            "LimitEntry",
+        ],
     ),
     part("Joints", "cli/src/json/joints.rs", &["Forces"]),
     part(
