@@ -367,7 +367,7 @@ fn methods_of_fixed_steps_come_near() {
 
 #[test]
 fn what_knows_no_switches_refuses_them_by_name() {
-    let text = "parameters { k = 1 } controls { u in -1..=1 } states { x } rates { x: k*u - sign(x) } start { x: 0.3 }
+    let text = "controls { u in -1..=1 } states { x } rates { x: u - sign(x) } start { x: 0.3 }
         minimize time finally { x == 0.1 }";
     let scene = of_text("scene.hang", text).expect("a scene");
     let refused = |error: Option<String>| {
@@ -379,12 +379,6 @@ fn what_knows_no_switches_refuses_them_by_name() {
         horizon()
             .method(Moreau::default())
             .run()
-            .err()
-            .map(|error| error.to_string()),
-    );
-    refused(
-        horizon()
-            .gradient(["k"])
             .err()
             .map(|error| error.to_string()),
     );

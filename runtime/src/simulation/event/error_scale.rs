@@ -15,6 +15,9 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// How many roundings of positions and velocities leave their accelerations undecided: those of the stages of a step and of the sums between.
 const STATE_ROUNDINGS: f64 = 16.0;
 
+/// Share of the largest accelerations so far above which what the last digits of positions change is that of a pole, where every step errs.
+const POLE: f64 = 1e-10;
+
 /// Numbers below have squares without all digits.
 const TINY: f64 = 1e-140;
 
@@ -29,6 +32,8 @@ pub(super) struct ErrorScale {
     fastest: Vec<f64>,
     /// Size of the present accelerations of each group.
     acceleration: Vec<f64>,
+    /// Largest size of the accelerations of each group so far.
+    largest: Vec<f64>,
     /// Size of the velocities of each group at the end of the step tried.
     end: Vec<f64>,
     /// Size of the accelerations of each group without contact forces in the step tried.
@@ -63,6 +68,7 @@ impl ErrorScale {
             mechanical,
             fastest: vec![0.0; units.len()],
             acceleration: vec![0.0; units.len()],
+            largest: vec![0.0; units.len()],
             end: vec![0.0; units.len()],
             free: vec![0.0; units.len()],
             undecided: vec![0.0; units.len()],
@@ -75,6 +81,7 @@ impl ErrorScale {
             let speed = self.size(group, mass, v);
             self.fastest[group] = self.fastest[group].max(speed);
             self.acceleration[group] = self.size(group, mass, a);
+            self.largest[group] = self.largest[group].max(self.acceleration[group]);
         }
     }
 
@@ -92,7 +99,7 @@ impl ErrorScale {
     pub(super) fn observe_rounding(&mut self, mass: &[f64], change: &[f64]) {
         for group in 0..self.undecided.len() {
             let size = STATE_ROUNDINGS * self.size(group, mass, change);
-            if size.is_finite() {
+            if size <= POLE * self.largest[group] {
                 self.undecided[group] = size;
             }
         }
