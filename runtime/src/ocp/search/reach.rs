@@ -5,9 +5,6 @@
 //! many ways lead to much the same state (cell-to-cell mapping, Hsu 1980). Motions that end nearest to the goals are what programs
 //! start from.
 
-use crate::ocp::tuning::equal::MOTION;
-use crate::ocp::tuning::reach::{COARSER, COMBINED, FINEST, LONGEST, SIMULATED, STARTED, STEPS};
-use crate::ocp::tuning::sampled::{TOLERANCE, WITHIN};
 use std::collections::HashSet;
 
 use super::replay::simulated;
@@ -21,6 +18,9 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Horizon;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Guess;
+use crate::ocp::tuning::equal::MOTION;
+use crate::ocp::tuning::reach::{COARSER, COMBINED, FINEST, LONGEST, SIMULATED, STARTED, STEPS};
+use crate::ocp::tuning::sampled::{TOLERANCE, WITHIN};
 use crate::simulation::{ControlSignal, EventDriven, InputError, SimulationStatus, simulate_once};
 
 /// A state that controls lead to.
