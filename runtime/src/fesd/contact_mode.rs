@@ -369,9 +369,8 @@ fn select_by_jerk(
     coulomb::solve(&matrix, &jerk, &cones, &mut rates)?;
     let size = lines.len();
     // What sticks from now on comes first: it may hold normal velocities, so that no force is needed for that.
-    let edges_first = |&k: &usize| !matches!(undecided[k], Undecided::Edge { .. });
     let mut order: Vec<usize> = (0..undecided.len()).collect();
-    order.sort_by_key(edges_first);
+    order.sort_by_key(|&k| matches!(undecided[k], Undecided::Normal { .. }));
     for k in order {
         let zero = |line: usize| biactive * scales[line] / time_scale;
         let total = |line: usize| jerk[line] + dot(&matrix[line * size..(line + 1) * size], &rates);

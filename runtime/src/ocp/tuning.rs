@@ -97,11 +97,9 @@ pub(in crate::ocp) mod table {
     /// Prices, relative to the objective: of a further draft of the same rule, and of a phase. Chosen, with those of the rules.
     pub(in crate::ocp) const NEXT_OF_RULE: f64 = 0.015;
     pub(in crate::ocp) const OF_PHASE: f64 = 0.004;
-    /// Share of the parent's excess over the best that counts. Chosen: between the best alone and
-    /// all alike.
+    /// Share of the parent's excess over the best that counts. Chosen: between the best alone and all alike.
     pub(in crate::ocp) const OF_PARENT: f64 = 0.5;
-    /// Excess of a parent, relative, above which all are alike. Chosen: words that miss their goals are
-    /// alike.
+    /// Excess of a parent, relative, above which all are alike. Chosen: words that miss their goals are.
     pub(in crate::ocp) const MOST_EXCESS: f64 = 1e3;
     /// Relative excess over the best up to which a shorter word is followed. Chosen.
     pub(in crate::ocp) const SHORTER: f64 = 0.1;
@@ -173,6 +171,7 @@ pub(in crate::ocp) mod on_grid {
     /// Most intervals of a grid that words are put on, and the fewest where a finer one is asked for. Chosen.
     pub(in crate::ocp) const FINE: usize = 40;
     pub(in crate::ocp) const LEAST: usize = 8;
+    /// Motions on the grid that go on to the judge, the best first. Chosen.
     pub(in crate::ocp) const JUDGED: usize = 3;
     /// By how much elements become more at most where intervals are aligned with phases and a motion is not confirmed. Chosen.
     pub(in crate::ocp) const FINEST: usize = 8;

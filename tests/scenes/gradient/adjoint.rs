@@ -5,6 +5,7 @@ use hangtime::simulation::{Gradient, GradientMode, Simulator};
 use hangtime_scene_files::TextScene;
 
 use super::support::{TOLERANCE, assert_close, assert_exists, scene};
+use super::texts::{BELT, CEILING, EDGE, HILLS, HUMP, LINKS, STOP};
 
 /// Names, text, initial values, and values at the end.
 struct Case {
@@ -34,60 +35,25 @@ const CASES: [Case; 13] = [
     },
     Case {
         name: "a ball that rubs on hills",
-        text: "
-            parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.2, w: 1/m = 2, e = 0.5, mu = 0.2, u0: m/s = 1, height: m = 1 }
-            coordinates { x: m, z: m }
-            lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
-            surface hills: z - a*sin(w*x) >= 0
-            impact hills: restitution e, friction mu, sliding dot(x) + a*w*cos(w*x)*dot(z)
-            start { x: 0 [m], z: height, dot(x): u0 }
-            outputs { rubbed: N*s = friction_impulse(hills) }
-            horizon 1.1 [s]
-        ",
+        text: HILLS,
         from: &["x", "dot(z)"],
         of: &["x", "rubbed"],
     },
     Case {
         name: "two links that strike a wall",
-        text: "
-            parameters { m: kg = 1, g: m/s^2 = 9.81, l: m = 0.8, e = 0.5, a0: rad = 1, b0: rad = 0.5, wall: m = -0.1 }
-            coordinates { a: rad, b: rad }
-            lagrangian m/2*l^2*(2*dot(a)^2 + dot(b)^2 + 2*dot(a)*dot(b)*cos(a - b)) + m*g*l*(2*cos(a) + cos(b))
-            surface wall_at: l*sin(a) + l*sin(b) - wall >= 0
-            impact wall_at: restitution e
-            start { a: a0, b: b0 }
-            horizon 1.2 [s]
-        ",
+        text: LINKS,
         from: &["a", "dot(b)"],
         of: &["a", "dot(b)"],
     },
     Case {
         name: "a block on a belt that sticks and slips",
-        text: "
-            parameters { m: kg = 1, k: N/m = 20, mu = 0.3, g: m/s^2 = 9.81, belt: m/s = 0.3, x0: m = 0.1 }
-            coordinates { x: m, z: m }
-            lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z - k/2*x^2
-            surface floor: z >= 0
-            impact floor: inelastic, friction mu, sliding dot(x) - belt
-            start { x: x0, z: 0 [m] }
-            outputs { rubbing: N = friction_force(floor), load: N = force(floor) }
-            horizon 3 [s]
-        ",
+        text: BELT,
         from: &["x", "dot(x)"],
         of: &["dot(x)", "rubbing", "load"],
     },
     Case {
         name: "a body that slides over a hump, leaves it and lands",
-        text: "
-            parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.5, s: m = 1, u0: m/s = 4, c: N*s/m = 0.1 }
-            coordinates { x: m, z: m }
-            lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
-            forces { x: -c*dot(x), z: -c*dot(z) }
-            surface hump: z - a*exp(-(x/s)^2) >= 0
-            impact hump: inelastic
-            start { x: -2*s, z: a*exp(-4), dot(x): u0, dot(z): u0*4*a/s*exp(-4) }
-            horizon 1.2 [s]
-        ",
+        text: HUMP,
         from: &[],
         of: &["x"],
     },
@@ -107,15 +73,7 @@ const CASES: [Case; 13] = [
     },
     Case {
         name: "a body that passes an edge",
-        text: "
-            parameters { m: kg = 1, g: m/s^2 = 9.6, a = 0.3, b = 0.1, v0: m/s = 3 }
-            coordinates { y: m, z: m }
-            lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-            surface valley: z >= max(-a*y, b*y)
-            impact valley: inelastic
-            start { y: -1 [m], z: a*1[m], dot(y): v0, dot(z): -a*v0 }
-            horizon 0.6 [s]
-        ",
+        text: EDGE,
         from: &[],
         of: &["y"],
     },
@@ -193,14 +151,7 @@ const CASES: [Case; 13] = [
     },
     Case {
         name: "a mass that a stop of rubber throws back, until a step of the time",
-        text: "
-            parameters { m: kg = 0.7, k: N/m = 40, v0: m/s = 1.3, x0: m = -0.5, push: N = 0.4, t1: s = 0.9 }
-            coordinates { x: m }
-            lagrangian m/2*dot(x)^2
-            forces { x: -k*max(x, 0[m]) - push*step(t - t1) }
-            start { x: x0, dot(x): v0 }
-            horizon 1.6 [s]
-        ",
+        text: STOP,
         from: &["x", "dot(x)"],
         of: &["x"],
     },
@@ -356,16 +307,7 @@ fn more_quantities_than_values_are_differentiated_backwards() {
 
 #[test]
 fn motions_without_derivatives_say_so_backwards_too() {
-    let text = "
-        parameters { g: m/s^2 = 8, v0: m/s = 4, top: m = 1 }
-        coordinates { z: m }
-        lagrangian 1[kg]*(dot(z)^2/2 - g*z)
-        surface ceiling: top - z >= 0
-        impact ceiling: restitution 0.5
-        start { dot(z): v0 }
-        horizon 1 [s]
-    ";
-    let scene = scene(text, &[]);
+    let scene = scene(CEILING, &[]);
     let run = simulate(&scene).tolerance(TOLERANCE).gradient_of(["z"]);
     let (_, gradient) = run.gradient(["v0", "top"]).unwrap();
     let obstacle = gradient.obstacle.expect("a touch has no derivative");

@@ -4,6 +4,7 @@ use hangtime::prelude::*;
 use num_dual::{Dual64, DualNum, first_derivative};
 
 use super::support::{assert_close, assert_exists, by_both, scene};
+use super::texts::{EDGE, STOP};
 
 /// Derivatives are as good as the motion: tolerances of 1e-12 leave this.
 const CLOSE: f64 = 1e-9;
@@ -416,15 +417,6 @@ fn objective_along_a_motion() {
 
 #[test]
 fn body_that_passes_an_edge() {
-    let text = "
-        parameters { m: kg = 1, g: m/s^2 = 9.6, a = 0.3, b = 0.1, v0: m/s = 3 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-        surface valley: z >= max(-a*y, b*y)
-        impact valley: inelastic
-        start { y: -1 [m], z: a*1[m], dot(y): v0, dot(z): -a*v0 }
-        horizon 0.6 [s]
-    ";
     let at = [9.6, 0.3, 0.1, 3.0];
     // Down one slope for 1 m, and up the other with what the second takes of the velocity.
     let time = |p: &[Dual64]| {
@@ -438,7 +430,7 @@ fn body_that_passes_an_edge() {
         let since = -time(p) + 0.6;
         after * since - p[0] * b / (b * b + 1.0) * since * since / 2.0
     };
-    for (_, gradient) in by_both(&scene(text, &[]), &["g", "a", "b", "v0"]) {
+    for (_, gradient) in by_both(&scene(EDGE, &[]), &["g", "a", "b", "v0"]) {
         assert_exists(&gradient);
         assert_row(&gradient.event_times[0], &derivatives(time, &at), "time");
         assert_row(&gradient.q[0], &derivatives(way, &at), "way");
@@ -521,14 +513,6 @@ fn relay_slides_and_is_left() {
 
 #[test]
 fn stop_of_rubber_and_step_of_the_time() {
-    let text = "
-        parameters { m: kg = 0.7, k: N/m = 40, v0: m/s = 1.3, x0: m = -0.5, push: N = 0.4, t1: s = 0.9 }
-        coordinates { x: m }
-        lagrangian m/2*dot(x)^2
-        forces { x: -k*max(x, 0[m]) - push*step(t - t1) }
-        start { x: x0, dot(x): v0 }
-        horizon 1.6 [s]
-    ";
     let at = [0.7, 40.0, 1.3, -0.5, 0.4, 0.9];
     // It is thrown back after half a period, and pushed on from `t1` on.
     let end = |p: &[Dual64]| {
@@ -536,7 +520,7 @@ fn stop_of_rubber_and_step_of_the_time() {
         let since = -p[5] + 1.6;
         -p[2] * (-leaves + 1.6) - p[4] / p[0] * since * since / 2.0
     };
-    for (_, gradient) in by_both(&scene(text, &[]), &["m", "k", "v0", "x0", "push", "t1"]) {
+    for (_, gradient) in by_both(&scene(STOP, &[]), &["m", "k", "v0", "x0", "push", "t1"]) {
         assert_exists(&gradient);
         assert_row(&gradient.q[0], &derivatives(end, &at), "end");
     }

@@ -4,6 +4,7 @@ use hangtime::prelude::*;
 use hangtime_scene_files::TextScene;
 
 use super::support::{TOLERANCE, assert_close, scene};
+use super::texts::{BELT, HILLS, HUMP, LINKS};
 use crate::random::Random;
 
 /// Step of a parameter, relative to it.
@@ -20,56 +21,49 @@ struct Kind {
 const KINDS: [Kind; 4] = [
     // A ball on hills with friction.
     Kind {
-        text: "
-            parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.2, w: 1/m = 2, e = 0.5, mu = 0.2, u0: m/s = 1, height: m = 1 }
-            coordinates { x: m, z: m }
-            lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
-            surface hills: z - a*sin(w*x) >= 0
-            impact hills: restitution e, friction mu, sliding dot(x) + a*w*cos(w*x)*dot(z)
-            start { x: 0 [m], z: height, dot(x): u0 }
-            horizon 1.1 [s]
-        ",
-        ranges: &[("a", 0.05, 0.3), ("w", 1.0, 3.0), ("e", 0.3, 0.9), ("mu", 0.05, 0.4), ("u0", 0.5, 3.0), ("height", 0.6, 1.5)],
+        text: HILLS,
+        ranges: &[
+            ("a", 0.05, 0.3),
+            ("w", 1.0, 3.0),
+            ("e", 0.3, 0.9),
+            ("mu", 0.05, 0.4),
+            ("u0", 0.5, 3.0),
+            ("height", 0.6, 1.5),
+        ],
     },
     // Two links that strike a wall.
     Kind {
-        text: "
-            parameters { m: kg = 1, g: m/s^2 = 9.81, l: m = 0.8, e = 0.5, a0: rad = 1, b0: rad = 0.5, wall: m = -0.1 }
-            coordinates { a: rad, b: rad }
-            lagrangian m/2*l^2*(2*dot(a)^2 + dot(b)^2 + 2*dot(a)*dot(b)*cos(a - b)) + m*g*l*(2*cos(a) + cos(b))
-            surface wall_at: l*sin(a) + l*sin(b) - wall >= 0
-            impact wall_at: restitution e
-            start { a: a0, b: b0 }
-            horizon 1.2 [s]
-        ",
-        ranges: &[("m", 0.5, 2.0), ("l", 0.5, 1.2), ("e", 0.2, 0.9), ("a0", 0.4, 1.3), ("b0", 0.2, 1.0), ("wall", -0.3, 0.1)],
+        text: LINKS,
+        ranges: &[
+            ("m", 0.5, 2.0),
+            ("l", 0.5, 1.2),
+            ("e", 0.2, 0.9),
+            ("a0", 0.4, 1.3),
+            ("b0", 0.2, 1.0),
+            ("wall", -0.3, 0.1),
+        ],
     },
     // A block on a belt, held by a spring: it sticks, slips and sticks again.
     Kind {
-        text: "
-            parameters { m: kg = 1, k: N/m = 20, mu = 0.3, g: m/s^2 = 9.81, belt: m/s = 0.3, x0: m = 0.1 }
-            coordinates { x: m, z: m }
-            lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z - k/2*x^2
-            surface floor: z >= 0
-            impact floor: inelastic, friction mu, sliding dot(x) - belt
-            start { x: x0, z: 0 [m] }
-            horizon 3 [s]
-        ",
-        ranges: &[("m", 0.7, 2.0), ("k", 15.0, 40.0), ("mu", 0.1, 0.4), ("belt", 0.1, 0.6), ("x0", -0.3, 0.3)],
+        text: BELT,
+        ranges: &[
+            ("m", 0.7, 2.0),
+            ("k", 15.0, 40.0),
+            ("mu", 0.1, 0.4),
+            ("belt", 0.1, 0.6),
+            ("x0", -0.3, 0.3),
+        ],
     },
     // A body that slides over a hump, leaves it and lands.
     Kind {
-        text: "
-            parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.5, s: m = 1, u0: m/s = 4, c: N*s/m = 0.1 }
-            coordinates { x: m, z: m }
-            lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
-            forces { x: -c*dot(x), z: -c*dot(z) }
-            surface hump: z - a*exp(-(x/s)^2) >= 0
-            impact hump: inelastic
-            start { x: -2*s, z: a*exp(-4), dot(x): u0, dot(z): u0*4*a/s*exp(-4) }
-            horizon 1.2 [s]
-        ",
-        ranges: &[("a", 0.3, 0.7), ("s", 0.7, 1.2), ("u0", 4.0, 6.0), ("c", 0.0, 0.4), ("g", 8.0, 11.0)],
+        text: HUMP,
+        ranges: &[
+            ("a", 0.3, 0.7),
+            ("s", 0.7, 1.2),
+            ("u0", 4.0, 6.0),
+            ("c", 0.0, 0.4),
+            ("g", 8.0, 11.0),
+        ],
     },
 ];
 

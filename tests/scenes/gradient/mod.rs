@@ -8,3 +8,4 @@ mod differences;
 mod obstacles;
 mod ranges;
 mod support;
+mod texts;

@@ -3,16 +3,7 @@
 use hangtime::prelude::*;
 
 use super::support::{assert_close, assert_exists, by_both, scene};
-
-const CEILING: &str = "
-    parameters { g: m/s^2 = 8, v0: m/s = 4, top: m = 1 }
-    coordinates { z: m }
-    lagrangian 1[kg]*(dot(z)^2/2 - g*z)
-    surface ceiling: top - z >= 0
-    impact ceiling: restitution 0.5
-    start { dot(z): v0 }
-    horizon 1 [s]
-";
+use super::texts::CEILING;
 
 const LANDINGS: &str = "
     parameters { h1: m = 1, h2: m = 1, k: N/m = 20, ground: m = 0 }

@@ -4,6 +4,7 @@ use hangtime::prelude::*;
 use hangtime::simulation::{Gradient, SequenceLimit};
 
 use super::support::{assert_close, assert_exists, by_both, scene};
+use super::texts::CEILING;
 
 /// Ranges of motions that tolerances of 1e-12 leave.
 const CLOSE: f64 = 1e-9;
@@ -54,16 +55,6 @@ fn end_before_the_next_bounce() {
         assert_limit(above, since / later, "happens behind the end");
     }
 }
-
-const CEILING: &str = "
-    parameters { g: m/s^2 = 8, v0: m/s = 4, top: m = 1 }
-    coordinates { z: m }
-    lagrangian 1[kg]*(dot(z)^2/2 - g*z)
-    surface ceiling: top - z >= 0
-    impact ceiling: restitution 0.5
-    start { dot(z): v0 }
-    horizon 1 [s]
-";
 
 #[test]
 fn ceiling_that_is_nearly_reached() {

@@ -4,6 +4,16 @@ use serde_json::Value;
 
 use crate::support::{hangtime, json, solved};
 
+/// One second of a ball that bounces, differentiated by all parameters.
+const BOUNCING_BY_ALL: [&str; 6] = [
+    "simulate",
+    "bouncing-ball",
+    "--horizon",
+    "1",
+    "--gradient",
+    "all",
+];
+
 fn numbers(value: &Value) -> Vec<f64> {
     let list = value.as_array().unwrap().iter();
     list.map(|number| number.as_f64().unwrap()).collect()
@@ -55,14 +65,7 @@ fn gradient_of_a_shipped_scene_has_the_fields_of_the_contract() {
 
 #[test]
 fn gradient_is_a_table_with_units_for_people() {
-    let text = solved(&[
-        "simulate",
-        "bouncing-ball",
-        "--horizon",
-        "1",
-        "--gradient",
-        "all",
-    ]);
+    let text = solved(&BOUNCING_BY_ALL);
     let line = |begin: &str| {
         let mut lines = text.lines().map(str::trim);
         lines
@@ -82,48 +85,30 @@ fn gradient_is_a_table_with_units_for_people() {
 
 #[test]
 fn values_at_the_end_are_differentiated_backwards_where_they_are_fewer() {
-    let words = [
-        "simulate",
-        "bouncing-ball",
-        "--horizon",
-        "1",
-        "--gradient",
-        "all",
-        "--json",
-    ];
-    let whole = json(&words);
-    let whole = &whole["gradient"];
+    let with = |more: &[&'static str]| [&BOUNCING_BY_ALL[..], more].concat();
+    let document = json(&with(&["--json"]));
+    let whole = &document["gradient"];
     assert_eq!(whole["mode"], "forward");
     let range = whole["range"].as_array().unwrap();
     assert_eq!(
         range.len(),
         whole["with_respect_to"].as_array().unwrap().len()
     );
-    let alone = json(&[&words[..], &["--gradient-of", "z,dot(z)"]].concat());
+    let alone = json(&with(&["--json", "--gradient-of", "z,dot(z)"]));
     let alone = &alone["gradient"];
     assert_eq!(alone["mode"], "adjoint");
     assert!(alone.get("final").is_none() && alone.get("event_times").is_none());
-    let rows = json(&words)["quantities"]["q"].clone();
-    let mut rows = rows.as_array().unwrap().iter();
+    let mut rows = document["quantities"]["q"].as_array().unwrap().iter();
     let height = rows.position(|row| row["name"] == "z").unwrap();
-    let forced = ["--gradient-of", "z", "--gradient-mode", "forward"];
-    let forced = json(&[&words[..], &forced].concat());
+    let forced = ["--json", "--gradient-of", "z", "--gradient-mode", "forward"];
+    let forced = json(&with(&forced));
     assert_eq!(forced["gradient"]["mode"], "forward");
     for (k, name) in ["z", "dot(z)"].iter().enumerate() {
         let part = if k == 0 { "q" } else { "v" };
         let right = numbers(&whole["final"][part][height]);
         assert_close(&numbers(&alone["values"][name]), &right);
     }
-    let text = solved(&[
-        "simulate",
-        "bouncing-ball",
-        "--horizon",
-        "1",
-        "--gradient",
-        "all",
-        "--gradient-of",
-        "z",
-    ]);
+    let text = solved(&with(&["--gradient-of", "z"]));
     assert!(
         text.contains("z at the end [m]") && !text.contains("time of impact at"),
         "{text}"

@@ -23,7 +23,7 @@ use crate::ocp::tuning::on_grid::FOLLOWED;
 use crate::simulation::InputError;
 
 /// Rules that lead to the words that a motion is a limit of.
-const NEIGHBOURS: [&str; 2] = ["vanish", "press"];
+const NEIGHBOURS: [&str; 3] = ["collapse", "vanish", "press"];
 
 /// A word and the control intervals of its phases.
 #[derive(Clone)]

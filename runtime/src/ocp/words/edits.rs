@@ -131,25 +131,32 @@ impl Parent<'_> {
         self.spliced((phase, phase), cycle, (begin.min(end), end))
     }
 
-    /// Without the phase and what follows it up to a phase with the modes of the one before; or straight from that to the next one.
+    /// Without the phase alone, as far as that is a word: what follows it has lengths of its own; or else without what follows it up to a
+    /// phase with the modes of the one before.
     fn without(&self, phase: usize) -> Option<Draft> {
+        match phase {
+            0 => self.without_first(),
+            _ => self.straight(phase).or_else(|| self.without_cycle(phase)),
+        }
+    }
+
+    fn without_first(&self) -> Option<Draft> {
+        let first = self.word().instants.first()?;
+        if first.iter().any(|switch| switch.closes || switch.passes) {
+            return None;
+        }
+        let mut draft = self.timed_splice((0, 1), &[], Vec::new());
+        draft.word.initially.clone_from(&self.word().modes()[1]);
+        Some(draft)
+    }
+
+    /// Without the phase and those behind it, up to one with the modes of the phase before.
+    fn without_cycle(&self, phase: usize) -> Option<Draft> {
         let (word, modes) = (self.word(), self.word().modes());
-        if phase == 0 {
-            let first = word.instants.first()?;
-            if first.iter().any(|switch| switch.closes || switch.passes) {
-                return None;
-            }
-            let mut draft = self.timed_splice((0, 1), &[], Vec::new());
-            draft.word.initially.clone_from(&modes[1]);
-            return Some(draft);
-        }
         let last = (phase + LEFT_OUT).min(modes.len());
-        if let Some(same) = (phase..last).find(|&other| modes[other] == modes[phase - 1]) {
-            let ends = word.ends_with_impact && same == word.instants.len();
-            let cut = self.timed_splice((phase - 1, same), &[], Vec::new());
-            return (!ends).then_some(cut);
-        }
-        self.straight(phase)
+        let same = (phase..last).find(|&other| modes[other] == modes[phase - 1])?;
+        let ends = word.ends_with_impact && same == word.instants.len();
+        (!ends).then(|| self.timed_splice((phase - 1, same), &[], Vec::new()))
     }
 
     /// Straight from the phase before to the next one.
@@ -166,11 +173,6 @@ impl Parent<'_> {
         (!passes && !straight.is_empty())
             .then(|| self.timed_splice((before, phase + 1), &[straight], vec![time]))
     }
-
-    /// Without this phase alone, as far as that is a word: what follows it has lengths of its own.
-    fn without_one(&self, phase: usize) -> Option<Draft> {
-        self.straight(phase).or_else(|| self.without(phase))
-    }
 }
 
 /// Without any phase of no length: while one is there, a program without another of them is as degenerate as before.
@@ -184,7 +186,7 @@ fn collapse(parent: &Parent) -> Vec<Draft> {
             timed: &timed,
             ..*parent
         };
-        let shorter = |phase| as_touch(&left, phase).or_else(|| left.without_one(phase));
+        let shorter = |phase| as_touch(&left, phase).or_else(|| left.without(phase));
         let Some(draft) = left.vanished().find_map(shorter) else {
             break;
         };
@@ -198,7 +200,7 @@ fn vanish(parent: &Parent) -> Vec<Draft> {
     let mut found = Vec::new();
     for phase in parent.vanished() {
         found.extend(as_touch(parent, phase));
-        found.extend(parent.without_one(phase));
+        found.extend(parent.without(phase));
     }
     found
 }
