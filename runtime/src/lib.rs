@@ -55,7 +55,7 @@ pub mod __private;
 #[cfg(test)]
 extern crate self as hangtime;
 
-mod contact_law;
+mod contact;
 mod dcs;
 pub mod estimation;
 mod fesd;

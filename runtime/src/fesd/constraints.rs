@@ -1,7 +1,7 @@
 //! The velocities that a contact mode holds at zero, and the directions of the forces that hold them.
 
-use super::active_contact::{ActiveContact, force_count};
-use super::contacts::sum_of_sizes;
+use crate::contact::sum_of_sizes;
+use crate::contact::{ActiveContact, force_count};
 use crate::model::{
     Frame, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces,
     tangent_point,
@@ -129,7 +129,7 @@ impl<'a> Constraints<'a> {
     pub(super) fn align(&mut self, x: &[f64]) {
         for place in 0..self.active.len() {
             let held = self.active[place];
-            if held.tangential.sense() == 0.0 || !self.is_in_space(held.contact) {
+            if held.state.sense() == 0.0 || !self.is_in_space(held.contact) {
                 continue;
             }
             self.evaluate_sides(held.contact, x);
@@ -165,16 +165,13 @@ impl<'a> Constraints<'a> {
 
     /// Whether the tangential side of an active contact matters.
     fn needs_tangent(&self, held: ActiveContact) -> bool {
-        held.sticks() || held.tangential.share() != 0.0
+        held.state.rubs()
     }
 
     /// Ratio `s / r` of an active contact.
     fn slope(&self, held: ActiveContact) -> f64 {
-        let coefficient = match held.tangential.sense() {
-            0.0 => self.friction[held.contact],
-            _ => self.kinetic[held.contact],
-        };
-        held.tangential.share() * coefficient
+        let frictions = (self.friction[held.contact], self.kinetic[held.contact]);
+        held.state.force_ratio(frictions)
     }
 
     /// What the given force of an active contact follows, where it follows any.
@@ -230,7 +227,7 @@ impl<'a> Constraints<'a> {
                 self.frames[held.contact].turn(&mut self.tangent, &mut self.across);
             }
             let sides = [&self.tangent, &self.across];
-            for side in &sides[..held.stuck()] {
+            for side in &sides[..held.state.stuck()] {
                 self.velocities[stuck] = side[tangent_point::SLIDING_VELOCITY];
                 self.gradients[stuck * n..(stuck + 1) * n]
                     .copy_from_slice(&side[tangent_point::TANGENT..][..n]);
@@ -238,7 +235,7 @@ impl<'a> Constraints<'a> {
                     .copy_from_slice(&side[tangent_point::direction(n)..]);
                 stuck += 1;
             }
-            if held.sticks() {
+            if held.state.sticks() {
                 continue;
             }
             let mut slope = self.slope(held);
@@ -307,14 +304,14 @@ impl<'a> Constraints<'a> {
                     (r, forces),
                     (&mut *by_q, &mut *by_v),
                 );
-                stuck += held.stuck();
+                stuck += held.state.stuck();
                 continue;
             }
             let slope = self.slope(held);
             let entries = friction.jacobian.entries;
             let values = &mut self.tangent_jacobian[..entries.len()];
             self.model.tangent_jacobian(held.contact, x, values);
-            let s = if held.sticks() {
+            let s = if held.state.sticks() {
                 forces[stuck]
             } else {
                 slope * r
@@ -329,11 +326,11 @@ impl<'a> Constraints<'a> {
                 }
                 if row > 0 {
                     by_q[(row - 1) * n + column] += s * value;
-                } else if held.sticks() {
+                } else if held.state.sticks() {
                     self.turning[stuck * n + column] = *value;
                 }
             }
-            stuck += usize::from(held.sticks());
+            stuck += usize::from(held.state.sticks());
         }
     }
 
@@ -355,7 +352,7 @@ impl<'a> Constraints<'a> {
         );
         let slide = frame.direction(velocity);
         let slip = self.slope(held) * r;
-        let sides = if held.sticks() {
+        let sides = if held.state.sticks() {
             (forces[stuck], forces[stuck + 1])
         } else {
             (slip * slide.along, slip * slide.across)
@@ -384,7 +381,7 @@ impl<'a> Constraints<'a> {
         }
         let [first, second] = &mut turning;
         frame.turn(first, second);
-        if held.sticks() {
+        if held.state.sticks() {
             self.turning[stuck * n..(stuck + 1) * n].copy_from_slice(first);
             self.turning[(stuck + 1) * n..(stuck + 2) * n].copy_from_slice(second);
             return;

@@ -6,13 +6,13 @@
 //! follows Coulomb's law with the sliding acceleration. Where both sides of a condition vanish the same
 //! problem one derivative higher decides.
 
-use super::active_contact::{ActiveContact, Tangential, find};
 use super::contacts::{Contacts, Line, ModeError, dot, norm};
 use super::coulomb::{self, Cone};
 use super::impact;
 use super::sharing::{self, Share};
 use super::switch;
-use crate::model::{Switching, pair_size};
+use crate::contact::{ActiveContact, ContactState, find};
+use crate::model::pair_size;
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
 const BIACTIVE: f64 = 1e-8;
@@ -102,8 +102,7 @@ struct Sorted {
 impl Solved {
     fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
         let at_rest = |i: usize| {
-            !contacts.switch(i).is_some_and(Switching::passes)
-                && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
+            !contacts.passes(i) && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
         };
         let (lines, cones) = impact::coulomb_lines(contacts, &touching, at_rest);
         let free: Vec<f64> = lines
@@ -135,7 +134,7 @@ impl Solved {
         let passed: Vec<usize> = touching
             .iter()
             .copied()
-            .filter(|&i| contacts.switch(i).is_some_and(Switching::passes))
+            .filter(|&i| contacts.passes(i))
             .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
             .collect();
         let mut motion = contacts.free_acceleration().to_vec();
@@ -187,14 +186,11 @@ impl Solved {
             let zero = BIACTIVE * contacts.phi_scale(contact);
             let tangent = self.tangent(k);
             if self.forces[k] > zero || contacts.is_dry(contact) {
-                let tangential = match tangent {
+                let state = match tangent {
                     None => sliding_state(contacts, contact),
                     Some(tangent) => self.in_cone(contacts, k, tangent, &mut sorted),
                 };
-                sorted.strict.push(ActiveContact {
-                    contact,
-                    tangential,
-                });
+                sorted.strict.push(ActiveContact { contact, state });
             } else if self.accelerations[k] <= zero {
                 let sense = match tangent {
                     None => Some(sliding_state(contacts, contact).sense()),
@@ -217,7 +213,7 @@ impl Solved {
         k: usize,
         tangent: usize,
         sorted: &mut Sorted,
-    ) -> Tangential {
+    ) -> ContactState {
         let contact = self.touching[k];
         let both = self.both(tangent, &self.forces);
         let slips = self.both(tangent, &self.accelerations);
@@ -241,15 +237,15 @@ impl Solved {
             margin,
         });
         if margin == 0.0 && jumps {
-            Tangential::slip(-friction)
+            ContactState::slip(-friction)
         } else if margin == 0.0 && slip.abs() <= zero {
             let sense = -friction.signum();
             sorted.undecided.push(Undecided::Edge { contact, sense });
-            Tangential::slip(sense)
+            ContactState::slip(sense)
         } else if margin > 0.0 {
-            Tangential::Sticking
+            ContactState::Stick
         } else {
-            Tangential::slip(slip)
+            ContactState::slip(slip)
         }
     }
 }
@@ -278,7 +274,7 @@ impl Solved {
         (contact, margin, zero): (usize, f64, f64),
         (friction, slip): ((f64, f64), (f64, f64)),
         sorted: &mut Sorted,
-    ) -> Tangential {
+    ) -> ContactState {
         let margin = if margin > zero { margin } else { 0.0 };
         sorted.shares.push(Share {
             contact,
@@ -286,7 +282,7 @@ impl Solved {
             margin,
         });
         if margin > 0.0 {
-            return Tangential::StickingInSpace;
+            return ContactState::StickInSpace;
         }
         let slips = pair_size(slip) > zero;
         let direction = if slips {
@@ -298,7 +294,7 @@ impl Solved {
         if !slips {
             sorted.undecided.push(Undecided::Edge { contact, sense });
         }
-        Tangential::slip(sense)
+        ContactState::slip(sense)
     }
 }
 
@@ -322,7 +318,7 @@ fn drop_held(
         }
         if let Undecided::Edge { contact, sense } = undecided.remove(k) {
             for held in active.iter_mut().filter(|held| held.contact == contact) {
-                held.tangential = Tangential::bound(sense);
+                held.state = ContactState::at_edge(sense);
             }
         }
     }
@@ -330,11 +326,11 @@ fn drop_held(
 }
 
 /// State of a contact that slides or has no friction.
-fn sliding_state(contacts: &Contacts<'_>, contact: usize) -> Tangential {
+fn sliding_state(contacts: &Contacts<'_>, contact: usize) -> ContactState {
     if contacts.friction(contact) > 0.0 {
-        Tangential::slip(contacts.side(contact))
+        ContactState::slip(contacts.side(contact))
     } else {
-        Tangential::Idle
+        ContactState::Frictionless
     }
 }
 
@@ -376,12 +372,12 @@ fn select_by_jerk(
         let total = |line: usize| jerk[line] + dot(&matrix[line * size..(line + 1) * size], &rates);
         match undecided[k] {
             Undecided::Edge { contact, sense } => {
-                let slips = Tangential::slip(sense);
+                let slips = ContactState::slip(sense);
                 let slip = rates[k] <= zero(k)
                     && (total(k) > zero(k) || find(previous, contact) == Some(slips));
-                let sticks = sticking(contacts, contact);
+                let sticks = ContactState::sticking(contacts.is_in_space(contact));
                 for held in strict.iter_mut().filter(|held| held.contact == contact) {
-                    held.tangential = if slip { slips } else { sticks };
+                    held.state = if slip { slips } else { sticks };
                 }
             }
             Undecided::Normal { contact, sense } => {
@@ -394,24 +390,23 @@ fn select_by_jerk(
                     continue;
                 }
                 let cone = cones.iter().position(|cone| cone.normal == k);
-                let tangential = match cone.map(|cone| undecided.len() + cone) {
+                let state = match cone.map(|cone| undecided.len() + cone) {
                     None if contacts.friction(contact) > 0.0 => {
-                        Tangential::slip(sense.unwrap_or(0.0))
+                        ContactState::slip(sense.unwrap_or(0.0))
                     }
-                    None => Tangential::Idle,
+                    None => ContactState::Frictionless,
                     Some(tangent) => {
                         let across = cones[tangent - undecided.len()].across;
                         let both = (rates[tangent], across.map_or(0.0, |line| rates[line]));
                         let margin = contacts.friction(contact) * rates[k] - pair_size(both);
                         let slip = (total(tangent), across.map_or(0.0, total));
                         let decided = from_rest(contacts, contact, (margin, slip), zero(tangent));
-                        decided.or(before).unwrap_or(sticking(contacts, contact))
+                        decided
+                            .or(before)
+                            .unwrap_or(ContactState::sticking(contacts.is_in_space(contact)))
                     }
                 };
-                strict.push(ActiveContact {
-                    contact,
-                    tangential,
-                });
+                strict.push(ActiveContact { contact, state });
             }
         }
     }
@@ -454,14 +449,6 @@ fn jerks(
     Ok(jerk)
 }
 
-/// The state of a contact that sticks.
-fn sticking(contacts: &Contacts<'_>, contact: usize) -> Tangential {
-    match contacts.is_in_space(contact) {
-        true => Tangential::StickingInSpace,
-        false => Tangential::Sticking,
-    }
-}
-
 /// What a contact at rest begins to do, by the distance of its force from the cone and its slip, if they say so; in space its frame
 /// points along the slip.
 fn from_rest(
@@ -469,18 +456,18 @@ fn from_rest(
     contact: usize,
     (margin, slip): (f64, (f64, f64)),
     zero: f64,
-) -> Option<Tangential> {
+) -> Option<ContactState> {
     if margin > zero {
-        return Some(sticking(contacts, contact));
+        return Some(ContactState::sticking(contacts.is_in_space(contact)));
     }
     if pair_size(slip) <= zero {
         return None;
     }
     if contacts.is_in_space(contact) {
         contacts.align(contact, Some(slip));
-        return Some(Tangential::Forward);
+        return Some(ContactState::slip(1.0));
     }
-    Some(Tangential::slip(slip.0))
+    Some(ContactState::slip(slip.0))
 }
 
 /// Step of a central difference along the motion with the acceleration `motion`, beside accelerations of the size `scale`,

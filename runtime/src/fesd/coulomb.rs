@@ -8,12 +8,12 @@
 //!
 //! Each cone slips forward, slips backward or sticks; for a given choice the normals are left with a linear
 //! complementarity problem. Contacts that are not coupled are solved apart; of few that are the choices are tried one after
-//! the other, many are solved by [`contact_law`].
+//! the other, many are solved by [`contact`].
 
-use crate::contact_law::{self, is_in_space, solve_in_space, solve_polyhedral};
+use crate::contact::{self, is_in_space, solve_in_space, solve_polyhedral};
 use crate::linalg::{dense, lcp};
 
-pub(super) use crate::contact_law::Cone;
+pub(super) use crate::contact::Cone;
 
 /// Most cones whose choices are tried one after the other.
 const MOST_CHOICES: usize = 6;
@@ -64,7 +64,7 @@ pub(super) fn solve(
             || couplings[i * lines + j] != 0.0
             || couplings[j * lines + i] != 0.0
     };
-    let blocks = contact_law::blocks(lines, together);
+    let blocks = contact::blocks(lines, together);
     if let [_] = blocks[..] {
         return solve_block(couplings, offsets, cones, forces);
     }
@@ -101,12 +101,12 @@ fn solve_block(
     // Where rest and sliding have coefficients of their own, several choices may be consistent, of which rest is right.
     let two = cones.iter().any(|cone| cone.kinetic < cone.friction);
     if !two && (cones.len() > MOST_CHOICES || offsets.len() > FEW_LINES) {
-        let problem = contact_law::Problem {
+        let problem = contact::Problem {
             matrix: couplings,
             offsets,
             cones,
         };
-        if let Some(solution) = contact_law::solve(&problem, None) {
+        if let Some(solution) = contact::solve(&problem, None) {
             forces.copy_from_slice(&solution.forces);
             return Ok(());
         }
@@ -287,7 +287,7 @@ impl Problem<'_> {
 
     /// All choices at once, by Lemke's method.
     fn solve_polyhedral(&self, forces: &mut [f64]) -> Result<(), lcp::LcpError> {
-        let problem = contact_law::Problem {
+        let problem = contact::Problem {
             matrix: self.couplings,
             offsets: self.offsets,
             cones: self.cones,

@@ -1,8 +1,8 @@
 //! Velocity jumps: impacts, and the removal of what rounding leaves of held velocities.
 
-use super::active_contact::ActiveContact;
 use super::contacts::{Contacts, Line, ModeError};
 use super::coulomb::{self, Cone};
+use crate::contact::ActiveContact;
 use crate::linalg::dense;
 
 /// The lines of the `listed` contacts at which forces are sought, normals first, and the cones of those with
@@ -84,7 +84,7 @@ pub(crate) fn hold(
     active: &[ActiveContact],
     v: &mut [f64],
 ) -> Result<(), ModeError> {
-    let lines = super::contacts::unbiased_lines(active);
+    let lines = crate::contact::unbiased_lines(active);
     let mut factors = contacts.couplings(&lines);
     let mut pivots = vec![0; lines.len()];
     let mut impulses: Vec<f64> = lines.iter().map(|&line| contacts.velocity(line)).collect();

@@ -9,7 +9,6 @@
 //! - [`contacts`]: gaps, velocities and forces at a point; [`contact_mode`]: which contacts are active and
 //!   which of them stick; [`impact`]: velocity jumps; [`coulomb`]: the law that the last two share.
 
-pub(crate) mod active_contact;
 mod constraints;
 pub(crate) mod contact_mode;
 pub(crate) mod contact_size;
@@ -17,7 +16,6 @@ pub(crate) mod contacts;
 mod coulomb;
 pub(crate) mod finite_element;
 pub(crate) mod impact;
-mod line;
 mod mode_error;
 pub(crate) mod sharing;
 mod switch;

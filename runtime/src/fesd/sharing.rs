@@ -2,8 +2,9 @@
 //! block in a corner. The motion is unique, the shares are not; those of the complementarity problem are
 //! kept, with one sticking contact for each independent sliding velocity.
 
-use super::active_contact::{ActiveContact, Tangential};
-use super::contacts::{Contacts, Line, ModeError, unbiased_lines};
+use super::contacts::{Contacts, Line, ModeError};
+use crate::contact::unbiased_lines;
+use crate::contact::{ActiveContact, ContactState};
 use crate::linalg::dense;
 
 /// Share of its own coupling that a line keeps while the others are held, below which it depends on them.
@@ -37,7 +38,9 @@ pub(super) fn share_friction(
                 margin: f64::INFINITY,
             })
     };
-    let mut sticking: Vec<usize> = (0..active.len()).filter(|&k| active[k].sticks()).collect();
+    let mut sticking: Vec<usize> = (0..active.len())
+        .filter(|&k| active[k].state.sticks())
+        .collect();
     if sticking.is_empty() {
         return Ok(());
     }
@@ -46,7 +49,7 @@ pub(super) fn share_friction(
         (share.friction == 0.0, share.margin == 0.0)
     });
     for &k in &sticking {
-        active[k].tangential = Tangential::Idle;
+        active[k].state = ContactState::Held(None);
     }
     for k in sticking {
         let Share {
@@ -59,14 +62,14 @@ pub(super) fn share_friction(
             sense: 1.0,
         };
         let independent = is_independent(contacts, active, tangent)?;
-        active[k].tangential = if contacts.is_in_space(contact) {
+        active[k].state = if contacts.is_in_space(contact) {
             in_space(contacts, active, (contact, independent), (k, margin))?
         } else if independent {
-            Tangential::Sticking
+            ContactState::Stick
         } else if margin > 0.0 {
-            Tangential::Idle
+            ContactState::Held(None)
         } else {
-            Tangential::bound(-friction)
+            ContactState::at_edge(-friction)
         };
     }
     Ok(())
@@ -79,14 +82,14 @@ fn in_space(
     active: &mut [ActiveContact],
     (contact, along): (usize, bool),
     (place, margin): (usize, f64),
-) -> Result<Tangential, ModeError> {
+) -> Result<ContactState, ModeError> {
     if along {
-        active[place].tangential = Tangential::Sticking;
+        active[place].state = ContactState::Stick;
     }
     let across = is_independent(contacts, active, Line::Across { contact })?;
     match (along, across) {
-        (true, true) => Ok(Tangential::StickingInSpace),
-        (false, false) if margin > 0.0 => Ok(Tangential::Idle),
+        (true, true) => Ok(ContactState::StickInSpace),
+        (false, false) if margin > 0.0 => Ok(ContactState::Held(None)),
         _ => Err(ModeError::Dependent),
     }
 }

@@ -3,8 +3,8 @@
 //! A switch that may slide is decided by the laws of friction, as it is one. One that is only passed (`Switching::Passes`) is neither
 //! held at its zero nor does its sign change the rate of its function, so that this rate says which side comes next.
 
-use super::active_contact::ActiveContact;
 use super::contacts::{Contacts, Line, ModeError};
+use crate::contact::ActiveContact;
 use crate::model::{switching_terms, tangent_point};
 
 /// Share of the time scale of the motion after which a function is looked at whose rate vanishes with it: the square of it is far
@@ -54,12 +54,12 @@ pub(super) fn is_unique(
     contacts: &Contacts<'_>,
     active: &[ActiveContact],
 ) -> Result<(), ModeError> {
-    for held in active.iter().filter(|held| held.sticks()) {
+    for held in active.iter().filter(|held| held.state.sticks()) {
         let line = Line::Tangent {
             contact: held.contact,
             sense: 1.0,
         };
-        if contacts.switch(held.contact).is_some() && contacts.coupling(line, line) <= 0.0 {
+        if contacts.switch_of(held.contact).is_some() && contacts.coupling(line, line) <= 0.0 {
             return Err(ModeError::NotUnique(held.contact));
         }
     }

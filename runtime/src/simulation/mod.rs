@@ -7,7 +7,6 @@
 
 mod agreement;
 mod along;
-mod contact_mode;
 mod event;
 mod event_log;
 mod explicit_time;
@@ -35,9 +34,9 @@ mod trajectory;
 mod watch;
 
 pub use crate::InputError;
+pub use crate::contact::{ContactMode, Direction};
 pub use crate::joints::joint_forces;
 pub use crate::size::{FormulationSize, SizeGroup};
-pub use contact_mode::{ContactMode, Direction};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation, step_sizes};
 pub use fixed::FixedStep;

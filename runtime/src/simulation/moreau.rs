@@ -14,6 +14,7 @@ use super::{
     SimulationStatus, Simulator,
 };
 use crate::Observer;
+use crate::contact::Line;
 use crate::model::{Model, contact_point, friction_share, pair_size};
 
 /// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
@@ -271,9 +272,9 @@ impl<'a> TimeStepping<'a> {
         if velocities.any(|v| !v.is_finite()) {
             return Err(self.not_finite(t, closed.first()));
         }
-        let law = |&i: &usize| match self.dynamics.laws.friction[i] {
+        let law = |&i: &usize| match self.dynamics.friction(i) {
             0.0 => TangentialLaw::None,
-            mu => TangentialLaw::of_rest(mu, self.dynamics.laws.kinetic[i]),
+            mu => TangentialLaw::of_rest(mu, self.dynamics.kinetic(i)),
         };
         let laws: Vec<TangentialLaw> = closed.iter().map(law).collect();
         let problem = ContactProblem {
@@ -336,7 +337,7 @@ impl<'a> TimeStepping<'a> {
     fn modes(&self) -> Vec<ContactMode> {
         let forces = self.forces.iter().zip(&self.friction_forces).enumerate();
         let mode = |(i, (&normal, &tangential)): (usize, (&f64, &f64))| {
-            let mu = self.dynamics.laws.friction[i];
+            let mu = self.dynamics.friction(i);
             if normal <= 0.0 {
                 ContactMode::Open
             } else if mu == 0.0 {
@@ -391,7 +392,9 @@ impl<'a> TimeStepping<'a> {
     fn across_velocities(&self, closed: &[usize], change: &[f64]) -> Vec<f64> {
         let dynamics = &self.dynamics;
         let across = closed.iter().map(|&i| match dynamics.is_in_space(i) {
-            true => dynamics.sliding(i).1 + dot(dynamics.across(i).0, change),
+            true => {
+                dynamics.sliding(i).1 + dot(dynamics.row(Line::Across { contact: i }).0, change)
+            }
             false => 0.0,
         });
         across.collect()

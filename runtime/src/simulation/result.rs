@@ -7,6 +7,7 @@ use hangtime_solver::{ProblemSize, Seconds};
 
 use super::quantity::{Quantity, number};
 use super::{ContactMode, InputError, Residuals, State, Trajectory};
+use crate::contact::ContactState;
 use crate::model::{ContactDeclaration, Declaration, Model};
 use crate::refusal;
 
@@ -450,6 +451,19 @@ impl EventKind {
             Self::Switch => "switch",
             Self::When => "when",
         }
+    }
+
+    /// What the change of the state of a contact is, without an impact; `None` where nothing changes.
+    pub(crate) fn between(before: ContactState, now: ContactState) -> Option<Self> {
+        if before == now || before.is_stuck() && now.is_stuck() {
+            return None;
+        }
+        Some(match (before, now) {
+            (ContactState::Open, _) => Self::Contact,
+            (_, ContactState::Open) => Self::LiftOff,
+            (_, now) if now.is_stuck() => Self::Stick,
+            _ => Self::Slip,
+        })
     }
 
     /// The kind of a change of friction that is one of the contact `declared`.

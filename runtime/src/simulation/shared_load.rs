@@ -11,7 +11,7 @@
 //! if none of them pulls; and the result says so.
 
 use super::{Simulation, impulse};
-use crate::fesd::active_contact::{ActiveContact, Tangential};
+use crate::contact::{ActiveContact, ContactState};
 use crate::fesd::contacts::{Contacts, Line};
 use crate::fesd::sharing;
 use crate::model::Model;
@@ -127,7 +127,7 @@ fn redundant(contacts: &Contacts<'_>, touching: &[usize], forces: &[f64]) -> Vec
         .filter(|&&i| forces[i] != 0.0)
         .map(|&contact| ActiveContact {
             contact,
-            tangential: Tangential::Idle,
+            state: ContactState::Frictionless,
         })
         .collect();
     let held = |&contact: &usize| {

@@ -45,8 +45,8 @@ mod stage_clock;
 pub(crate) use motion_size::MotionSize;
 pub(crate) use size::groups;
 
-use super::active_contact::ActiveContact;
 use super::constraints::Constraints;
+use crate::contact::ActiveContact;
 use crate::joints::Joints;
 use crate::model::{ControlPiece, Frame, Model};
 use crate::rk::ButcherTableau;

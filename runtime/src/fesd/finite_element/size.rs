@@ -1,6 +1,6 @@
 //! How large the system of an element is, from the patterns of the model.
 
-use crate::fesd::active_contact::{ActiveContact, Tangential};
+use crate::contact::ActiveContact;
 use crate::model::{Model, contact_point, surfaces, tangent_point};
 use crate::size::{Purpose, SizeGroup, Tally};
 
@@ -53,10 +53,7 @@ impl Pattern {
         }
         for (i, held) in active.iter().enumerate() {
             let contact = &declaration.contacts[held.contact];
-            let Some(friction) = contact
-                .friction
-                .filter(|_| held.tangential != Tangential::Idle)
-            else {
+            let Some(friction) = contact.friction.filter(|_| held.state.rubs()) else {
                 continue;
             };
             model.tangent(held.contact, x, &mut tangent);
@@ -68,7 +65,7 @@ impl Pattern {
                 pattern.add(across.entries, (None, 0, 1), values);
             }
             let sides = if friction.across.is_some() { 2 } else { 1 };
-            for _ in held.stuck()..sides {
+            for _ in held.state.stuck()..sides {
                 // It slips along one direction, which friction turns.
                 let across = pattern.directions.pop().unwrap_or_default();
                 pattern.turning.pop();
@@ -113,7 +110,7 @@ impl Pattern {
 
 /// Purposes of the unknowns of a stage, which are those of its equations: accelerations, forces, corrections.
 fn purposes(n: usize, active: &[ActiveContact], normals: usize) -> Vec<Purpose> {
-    let sticking: usize = active.iter().map(|held| held.stuck()).sum();
+    let sticking: usize = active.iter().map(|held| held.state.stuck()).sum();
     let forces = active.len() + sticking;
     let mut purposes = vec![Purpose::State; n];
     purposes.resize(n + normals, Purpose::ContactForce);
@@ -150,7 +147,7 @@ fn add_signs(tally: &mut Tally, model: &dyn Model, active: &[ActiveContact], sta
             let sign = held.map_or(Purpose::Gap, |_| Purpose::ContactForce);
             tally.of(sign).inequalities += stages;
         }
-        if held.is_some_and(|held| held.tangential != Tangential::Idle) {
+        if held.is_some_and(|held| held.state.rubs()) {
             tally.of(Purpose::Friction).inequalities += stages;
         }
     }
@@ -259,20 +256,15 @@ mod tests {
     #[test]
     fn nonzeros_are_those_of_the_assembled_matrix() {
         let model = Wave::default();
-        let held = |tangential| {
-            vec![ActiveContact {
-                contact: 0,
-                tangential,
-            }]
-        };
+        let held = |state| vec![ActiveContact { contact: 0, state }];
         // At a point that is not special, so that nothing vanishes by chance.
         let x = [0.4, 0.2 * 0.8_f64.cos(), 0.3, -0.1, 0.1];
         for numerical in [false, true] {
             for (mode, v) in [
                 (Vec::new(), 0.7),
-                (held(Tangential::Idle), 0.7),
-                (held(Tangential::Forward), 0.7),
-                (held(Tangential::Sticking), 0.0),
+                (held(ContactState::Frictionless), 0.7),
+                (held(ContactState::slip(1.0)), 0.7),
+                (held(ContactState::Stick), 0.0),
             ] {
                 let groups = groups(&model, &mode, 3, numerical, &x);
                 let sum: usize = groups.iter().map(|g| g.size.jacobian_nonzeros).sum();

@@ -2,11 +2,11 @@
 //! normal contact accelerations with Coulomb's law; where that is undecided, of what follows a moment later.
 
 use super::contact_problem::ContactProblem;
-use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::{Dop853, System};
-use super::dynamics::{Dynamics, Switch, motion, rows, switching};
+use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::impact::Undetermined;
+use crate::contact::{ContactState, Direction, Line};
 use crate::model::{Switching, pair_size};
 use crate::simulation::problem::negative_bound;
 
@@ -281,7 +281,7 @@ fn candidates(
         dynamics.evaluate_sides(i);
         dynamics.align(i, None);
         if dynamics.is_in_space(i) {
-            across[slot] = rows::across_acceleration(dynamics, i, dynamics.free_acceleration());
+            across[slot] = dynamics.free_line_acceleration(Line::Across { contact: i });
         }
         let (acceleration, terms) = dynamics.free_normal_acceleration(i);
         // Where it vanishes and goes on falling, its force was about to change its sign.
@@ -332,9 +332,11 @@ fn candidates(
             let mut candidate = candidate(contact, laws[slot], &solution, slot, zeros, vanished);
             if dynamics.is_in_space(contact) {
                 // It slips along the direction of its frame.
-                candidate
-                    .states
-                    .retain(|state| *state != ContactState::Slip(Direction::Backward));
+                let backward = ContactState::Slip(Direction::Backward);
+                candidate.states.retain(|state| *state != backward);
+                for state in candidate.states.iter_mut().filter(|state| state.sticks()) {
+                    *state = ContactState::StickInSpace;
+                }
             }
             if dynamics.is_dry(contact) {
                 // It acts always, if only with a force of zero.
@@ -353,7 +355,7 @@ fn tangential_law(
     acceleration: f64,
     vanished: Option<Switch>,
 ) -> TangentialLaw {
-    let (mu, kinetic) = dynamics.laws.frictions(contact);
+    let (mu, kinetic) = dynamics.frictions(contact);
     // In space a direction may vanish while the contact slides on across it.
     let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == contact)
         && !dynamics.is_in_space(contact);
@@ -530,10 +532,7 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
     dynamics.set_mode(mode);
     hold_dependent(dynamics, t, y);
     let mode = dynamics.mode().to_vec();
-    if !mode
-        .iter()
-        .any(|state| matches!(state, ContactState::Slip(_)))
-    {
+    if !mode.iter().any(|state| state.slips()) {
         return;
     }
     let n = dynamics.n;
@@ -559,8 +558,7 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
 /// own: two feet of a rigid body cannot both have one.
 fn hold_dependent(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64]) {
     let mut mode = dynamics.mode().to_vec();
-    let sticks = |(i, state): (usize, &ContactState)| (*state == ContactState::Stick).then_some(i);
-    let sticking: Vec<usize> = mode.iter().enumerate().filter_map(sticks).collect();
+    let sticking: Vec<usize> = (0..mode.len()).filter(|&i| mode[i].sticks()).collect();
     let Some((_, others)) = sticking.split_first() else {
         return;
     };
@@ -575,7 +573,7 @@ fn hold_dependent(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64]) {
     dynamics.derivative(t, y, &mut slope);
     for &i in others {
         if !motion::holds(dynamics, i) {
-            mode[i] = ContactState::Stick;
+            mode[i] = ContactState::sticking(dynamics.is_in_space(i));
             dynamics.set_mode(&mode);
         }
     }
@@ -667,7 +665,9 @@ fn signs_after(
         }
         let value = match dynamics.state(i) {
             ContactState::Open => normal,
-            ContactState::Stick => dynamics.normal_force(i).min(dynamics.friction_reserve(i)),
+            ContactState::Stick | ContactState::StickInSpace => {
+                dynamics.normal_force(i).min(dynamics.friction_reserve(i))
+            }
             ContactState::Slip(direction) if candidate.stops => {
                 dynamics.normal_force(i).min(direction.sign() * tangential)
             }

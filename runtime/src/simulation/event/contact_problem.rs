@@ -5,6 +5,7 @@ use super::coulomb::{CoulombProblem, CoulombSolution, TangentialLaw};
 use super::dynamics::{Dynamics, dot, largest};
 use super::many_contacts::Blocks;
 use super::space_problem::{self, SpaceProblem};
+use crate::contact::Line;
 use crate::model::contact_point;
 use crate::simulation::problem::not_unique;
 
@@ -120,7 +121,7 @@ impl ContactProblem<'_> {
         let mut matrix = vec![0.0; 4 * m * m];
         for (row, &i) in self.contacts.iter().enumerate() {
             for (column, &j) in self.contacts.iter().enumerate() {
-                matrix[2 * m * row + column] = dynamics.coupling(i, j);
+                matrix[2 * m * row + column] = dynamics.coupling(Line::normal(i), Line::normal(j));
                 let mut set = |row: usize, column: usize, covector: &[f64], direction: &[f64]| {
                     matrix[2 * m * row + column] = dot(covector, direction);
                 };
@@ -157,15 +158,10 @@ impl ContactProblem<'_> {
             if !dynamics.has_friction(i) {
                 continue;
             }
-            for (change, e) in change.iter_mut().zip(dynamics.friction_direction(i)) {
-                *change += e * solution.s[slot];
-            }
-            if let Some(&(force, _)) = solution.across.get(slot)
-                && dynamics.is_in_space(i)
-            {
-                for (change, e) in change.iter_mut().zip(dynamics.across(i).1) {
-                    *change += e * force;
-                }
+            dynamics.push(Line::tangent(i), solution.s[slot], &mut change);
+            if dynamics.is_in_space(i) {
+                let (force, _) = solution.across(slot);
+                dynamics.push(Line::Across { contact: i }, force, &mut change);
             }
         }
         change
@@ -202,7 +198,7 @@ pub(in crate::simulation) fn jammed(dynamics: &Dynamics<'_>, contact: usize, gai
     format!(
         "friction {} of `{}` pushes it into the ground as much as its force lifts it, 1 - mu |n'e| = {gain:.1e} \
          (Painleve); lower the friction or change the geometry",
-        dynamics.laws.friction[contact],
+        dynamics.friction(contact),
         dynamics.model.declaration().contacts[contact].name,
     )
 }

@@ -7,10 +7,10 @@
 //!
 //! In the plane Coulomb's law is piecewise linear, so that every contact is in one of four linear states.
 //! Without friction this is the linear complementarity problem `0 <= p _|_ q_n + A_nn p >= 0`. It is the way of few
-//! contacts, of which it finds every solution; many are solved by [`contact_law`](crate::contact_law).
+//! contacts, of which it finds every solution; many are solved by [`contact_law`](crate::contact).
 
-use super::contact_state::{ContactState, Direction};
 use super::small_system;
+use crate::contact::{ContactState, Direction};
 
 /// Largest number of binary decisions that are tried: `2^12` linear systems take some milliseconds.
 pub(in crate::simulation) const MOST_DECISIONS: usize = 12;

@@ -112,7 +112,7 @@ pub(super) fn strike(
             }
             let velocity = dynamics.sliding(i);
             let slides = pair_size(velocity) > dynamics.zero_sliding_velocity(i);
-            let law = TangentialLaw::of_rest(dynamics.laws.friction[i], dynamics.laws.kinetic[i]);
+            let law = TangentialLaw::of_rest(dynamics.friction(i), dynamics.kinetic(i));
             (law, if slides { velocity } else { (0.0, 0.0) })
         })
         .unzip();

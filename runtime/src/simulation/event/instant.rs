@@ -1,7 +1,7 @@
 //! What happens to the contacts at one instant.
 
-use super::contact_state::ContactState;
 use super::dynamics::Dynamics;
+use crate::contact::ContactState;
 use crate::model::Switching;
 use crate::simulation::{Event, EventKind};
 
@@ -25,7 +25,7 @@ impl Instant<'_, '_> {
         let impacts = struck.iter().map(|&i| self.event(EventKind::Impact, i));
         let changes = self.mode.iter().enumerate().filter_map(|(i, was)| {
             let lands = was.is_open() && (at_start || struck.contains(&i));
-            let kind = was.event(self.dynamics.state(i)).filter(|_| !lands)?;
+            let kind = EventKind::between(*was, self.dynamics.state(i)).filter(|_| !lands)?;
             if declared[i].switch == Some(Switching::Resets) {
                 return None;
             }

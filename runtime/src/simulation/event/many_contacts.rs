@@ -1,9 +1,9 @@
 //! The complementarity problem of closed contacts taken apart into blocks that are not coupled: few contacts are solved by
 //! enumeration, many by [`contact_law`].
 
-use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombProblem, CoulombSolution, MOST_DECISIONS, TangentialLaw};
-use crate::contact_law::{self, Cone, Problem, Solution, State};
+use crate::contact::{self, Cone, Problem, Solution};
+use crate::contact::{ContactState, Direction};
 
 /// Most decisions for which enumeration is the faster way.
 const FEW_DECISIONS: usize = 5;
@@ -75,7 +75,7 @@ impl Blocks {
             entry(i, j) || entry(i, m + j) || entry(m + i, j) || entry(m + i, m + j)
         };
         let zero = whole.zero();
-        let blocks = contact_law::blocks(m, coupled).into_iter().map(|contacts| {
+        let blocks = contact::blocks(m, coupled).into_iter().map(|contacts| {
             let part = Part::of(whole, &contacts);
             let inertia: Vec<f64> = contacts.iter().map(|&i| inertia[i]).collect();
             let solutions = solutions(&part.problem(), zero, &inertia);
@@ -147,7 +147,7 @@ fn solutions(problem: &CoulombProblem<'_>, zero: f64, inertia: &[f64]) -> Vec<Co
     let lines = Lines::of(problem);
     let mut found = Vec::new();
     for guess in lines.guesses(!single) {
-        let solution = contact_law::solve(&lines.problem(), guess.as_deref());
+        let solution = contact::solve(&lines.problem(), guess.as_deref());
         found.extend(solution.map(|solution| lines.told(problem, &solution)));
     }
     if few {
@@ -289,15 +289,15 @@ impl Lines {
     }
 
     /// The states to begin with: those that the offsets suggest, and where solutions may differ, all open and all sticking.
-    fn guesses(&self, differ: bool) -> Vec<Option<Vec<State>>> {
+    fn guesses(&self, differ: bool) -> Vec<Option<Vec<ContactState>>> {
         let mut guesses = vec![None];
         if differ {
             let normals = self.offsets.len() - self.cones.len();
-            let mut held = vec![State::Closed; normals];
+            let mut held = vec![ContactState::Frictionless; normals];
             for cone in &self.cones {
-                held[cone.normal] = State::Stick;
+                held[cone.normal] = ContactState::Stick;
             }
-            guesses.push(Some(vec![State::Open; normals]));
+            guesses.push(Some(vec![ContactState::Open; normals]));
             guesses.push(Some(held));
         }
         guesses
@@ -319,14 +319,14 @@ impl Lines {
         let motion = |row: usize, offset: f64| offset + problem.product(row, &p, &s);
         let tangential: Vec<f64> = (0..m)
             .map(|i| match (problem.laws[i], solution.states[i]) {
-                (TangentialLaw::None, _) | (_, State::Stick) => 0.0,
+                (TangentialLaw::None, _) | (_, ContactState::Stick) => 0.0,
                 _ => motion(m + i, problem.tangential[i]),
             })
             .collect();
         let told = |i: usize| match (solution.states[i], problem.laws[i]) {
-            (State::Open, _) if i < problem.surfaces => ContactState::Open,
-            (State::Stick, _) => ContactState::Stick,
-            (State::Slip(sense), _) => ContactState::Slip(Direction::of(sense)),
+            (ContactState::Open, _) if i < problem.surfaces => ContactState::Open,
+            (ContactState::Stick, _) => ContactState::Stick,
+            (ContactState::Slip(sense), _) => ContactState::Slip(sense),
             (_, TangentialLaw::None) => ContactState::Frictionless,
             (_, TangentialLaw::Sliding(_, direction)) => ContactState::Slip(direction),
             (_, _) => ContactState::Slip(Direction::of(tangential[i])),
@@ -422,7 +422,7 @@ mod tests {
             let all = problem.solutions(problem.zero());
             let lines = Lines::of(&problem);
             for guess in lines.guesses(true) {
-                let Some(solution) = contact_law::solve(&lines.problem(), guess.as_deref()) else {
+                let Some(solution) = contact::solve(&lines.problem(), guess.as_deref()) else {
                     prop_assert!(all.is_empty());
                     continue;
                 };

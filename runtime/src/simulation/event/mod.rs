@@ -11,7 +11,6 @@ mod audit;
 mod cluster;
 pub(super) mod contact_mode;
 pub(super) mod contact_problem;
-mod contact_state;
 pub(super) mod coulomb;
 mod diagnosis;
 pub(super) mod dop853;

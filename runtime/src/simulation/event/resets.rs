@@ -1,7 +1,7 @@
 //! Conditions that come true: what they set.
 
-use super::contact_state::{ContactState, Direction};
 use super::dynamics::{Dynamics, Switch};
+use crate::contact::{ContactState, Direction};
 use crate::model::Switching;
 
 /// Sets what conditions ask for that come true at a time and a state `y = (q, v, ..)`: the one whose function has `vanished`, those that

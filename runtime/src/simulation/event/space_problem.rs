@@ -1,9 +1,9 @@
 //! The complementarity problem of closed contacts some of which are in space, by the method for cones.
 
-use super::contact_state::{ContactState, Direction};
 use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dynamics::{Dynamics, dot};
-use crate::contact_law::{Cone, solve_in_space};
+use crate::contact::{self, Cone, solve_in_space};
+use crate::contact::{ContactState, Direction};
 use crate::model::pair_size;
 
 /// Share of its bound within which a friction is at it, and motions are none beside the largest offset.
@@ -37,7 +37,10 @@ pub(super) fn solve(
         let dry = row < m && dynamics.is_dry(problem.contacts[row]);
         for (column, other) in lines.iter().enumerate() {
             matrix.push(if dry && column < m {
-                dynamics.coupling(problem.contacts[row], problem.contacts[column])
+                {
+                    let line = |slot: usize| contact::Line::normal(problem.contacts[slot]);
+                    dynamics.coupling(line(row), line(column))
+                }
             } else {
                 dot(own.covector, &other.direction)
             });
@@ -80,7 +83,8 @@ fn lines<'d>(problem: &SpaceProblem<'_>, dynamics: &'d Dynamics<'_>) -> (Vec<Lin
             offset: problem.tangential[slot],
         });
         let across = dynamics.is_in_space(i).then(|| {
-            let (covector, direction) = dynamics.across(i);
+            let line = contact::Line::Across { contact: i };
+            let (covector, direction) = (dynamics.row(line).0, dynamics.line_direction(line));
             seconds.push(Line {
                 covector,
                 direction: direction.to_vec(),

@@ -1,7 +1,7 @@
 //! Which impacts bounce, and what is said of bounces that are left out.
 
 use super::driver::Driver;
-use crate::fesd::active_contact::{ActiveContact, find};
+use crate::contact::{ActiveContact, find};
 
 /// Rest velocity where none is set, relative to the size of the normal velocity.
 const REST: f64 = 1e-6;

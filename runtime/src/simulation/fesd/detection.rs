@@ -9,7 +9,7 @@ use super::detector::Detector;
 use super::stop::Stop;
 use super::switch::{ElementStart, Switch};
 use super::{between_samples, force_dips, friction_switch, gap_switch};
-use crate::fesd::active_contact::find;
+use crate::contact::find;
 use crate::fesd::contacts::Contacts;
 use crate::fesd::finite_element::FiniteElement;
 

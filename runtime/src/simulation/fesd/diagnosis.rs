@@ -3,7 +3,7 @@
 use super::bounces;
 use super::driver::Driver;
 use super::stop::Stop;
-use crate::fesd::active_contact::find;
+use crate::contact::find;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
 use crate::simulation::problem::{
@@ -41,7 +41,7 @@ pub(super) fn diagnosis(
 /// grow without bound.
 pub(super) fn nearly_jams(driver: &Driver<'_>) -> bool {
     driver.now.active.iter().any(|held| {
-        let sense = held.tangential.sense();
+        let sense = held.state.sense();
         sense != 0.0 && driver.now.contacts.lift_in_slip(held.contact, sense) < NEARLY_JAMMED
     })
 }

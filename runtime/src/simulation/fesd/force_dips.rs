@@ -2,7 +2,7 @@
 
 use super::detector::Detector;
 use super::switch::{FORCE_TOLERANCE, Switch, SwitchKind, bisect, keep_first, lowest};
-use crate::fesd::active_contact::{ActiveContact, force_count};
+use crate::contact::{ActiveContact, force_count};
 use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::FiniteElement;
 
@@ -41,7 +41,7 @@ pub(super) fn first(
         let dips = rows.map(|(kind, row)| {
             let applies = match kind {
                 SwitchKind::Exit => !contacts.is_dry(held.contact),
-                _ => held.sticks() && contacts.friction(held.contact) > 0.0,
+                _ => held.state.sticks() && contacts.friction(held.contact) > 0.0,
             };
             (kind, applies && may_dip(row[at - 1], row[at], row[at + 1]))
         });

@@ -5,7 +5,7 @@ use super::stop::Stop;
 use super::switch::{
     ElementStart, FORCE_TOLERANCE, Switch, SwitchKind, bisect, keep_first, lowest,
 };
-use crate::fesd::active_contact::{ActiveContact, find};
+use crate::contact::{ActiveContact, find};
 use crate::fesd::contacts::Contacts;
 use crate::fesd::finite_element::FiniteElement;
 
@@ -18,10 +18,10 @@ fn friction_value(
     s: f64,
     sliding: f64,
 ) -> f64 {
-    if held.sticks() {
+    if held.state.sticks() {
         contacts.friction(held.contact) * r - s.abs()
     } else {
-        held.tangential.sense() * sliding
+        held.state.sense() * sliding
     }
 }
 
@@ -76,9 +76,9 @@ pub(super) fn first_friction(
     for &held in active {
         let found = if contacts.friction(held.contact) == 0.0 {
             None
-        } else if held.sticks() {
+        } else if held.state.sticks() {
             slipping(detector, element, contacts, held.contact, k)
-        } else if held.tangential.sense() != 0.0 {
+        } else if held.state.sense() != 0.0 {
             stopping(detector, element, contacts, start, held, k)?
         } else {
             None
@@ -162,7 +162,7 @@ fn starts_in_sense(
     held: ActiveContact,
 ) -> bool {
     contacts.evaluate_contacts(start.x, [held.contact]);
-    held.tangential.sense() * contacts.sliding_acceleration(held.contact, start.acceleration)
+    held.state.sense() * contacts.sliding_acceleration(held.contact, start.acceleration)
         > -FORCE_TOLERANCE * contacts.tangential_scale(held.contact)
 }
 

@@ -5,7 +5,7 @@ use super::stop::Stop;
 use super::switch::{
     ElementStart, FORCE_TOLERANCE, Switch, SwitchKind, bisect, keep_first, lowest,
 };
-use crate::fesd::active_contact::force_count;
+use crate::contact::force_count;
 use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::{ElementError, FiniteElement, MotionSize};
 

@@ -2,7 +2,7 @@
 
 use super::bounces::slowest_bounce;
 use super::driver::{Driver, EnergyGains};
-use crate::fesd::active_contact::{ActiveContact, Tangential, find};
+use crate::contact::{ActiveContact, ContactState, find};
 use crate::fesd::contacts::{ModeError, dot};
 use crate::fesd::impact;
 use crate::simulation::impact_cluster::{self, NearContact};
@@ -262,7 +262,7 @@ impl impact_cluster::Bodies for Bodies<'_, '_> {
     fn bring_to_rest(&mut self, contacts: &[usize]) {
         let resting = contacts.iter().map(|&contact| ActiveContact {
             contact,
-            tangential: Tangential::Idle,
+            state: ContactState::Frictionless,
         });
         let resting: Vec<ActiveContact> = resting.collect();
         let now = &mut self.0.now;

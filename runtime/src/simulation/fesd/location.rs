@@ -4,7 +4,7 @@ use super::detection;
 use super::driver::Driver;
 use super::stop::Stop;
 use super::switch::{ElementStart, Switch, SwitchKind};
-use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
+use crate::contact::{ActiveContact, ContactState, find, force_count};
 use crate::fesd::finite_element::newton;
 use crate::simulation::along::{LEAPS, LEAST_LEAP};
 
@@ -195,13 +195,13 @@ pub(super) fn earlier_violation(driver: &Driver<'_>, located: Switch) -> Option<
         let opens = r < -CROSSED * driver.now.contacts.phi_scale(i);
         let found = if opens && !driver.now.contacts.is_dry(i) {
             other(SwitchKind::Exit, i, located.slope)
-        } else if held.sticks() {
+        } else if held.state.sticks() {
             let margin = driver.now.contacts.friction(i) * r - s.abs();
             (margin < -CROSSED * driver.now.contacts.tangential_scale(i))
                 .then(|| other(SwitchKind::Slipping, i, located.slope))
                 .flatten()
         } else {
-            let speed = held.tangential.sense() * driver.now.sliding[i];
+            let speed = held.state.sense() * driver.now.sliding[i];
             (speed < -size(i).crossed_rest())
                 .then(|| other(SwitchKind::Stopping, i, located.slope))
                 .flatten()
@@ -364,7 +364,7 @@ pub(super) fn switch_condition(
                 .contacts
                 .evaluate_contacts(&driver.now.x, [switch.contact]);
             let sense =
-                find(&driver.now.active, switch.contact).map_or(f64::NAN, Tangential::sense);
+                find(&driver.now.active, switch.contact).map_or(f64::NAN, ContactState::sense);
             Ok(sense * driver.now.contacts.sliding_velocity(switch.contact))
         }
     }

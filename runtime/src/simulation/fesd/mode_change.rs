@@ -3,21 +3,10 @@
 use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
 use super::{bounces, edge, impacts, resets};
-use crate::fesd::active_contact::{ActiveContact, Tangential, find};
+use crate::contact::{ActiveContact, ContactState, find};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::{contact_mode, impact};
 use crate::simulation::EventKind;
-
-/// What the change of a tangential state is called.
-pub(super) fn sliding_event(before: Tangential, after: Tangential) -> Option<EventKind> {
-    if before.sense() == after.sense() {
-        None
-    } else if after.sense() == 0.0 {
-        Some(EventKind::Stick)
-    } else {
-        Some(EventKind::Slip)
-    }
-}
 
 /// Carries out a located switch at the present state.
 pub(super) fn carry_out(driver: &mut Driver<'_>, switch: Switch) -> Result<(), ModeError> {
@@ -158,16 +147,15 @@ fn record_events(
         driver.record_event(EventKind::Impact, i, v_before.to_vec());
     }
     for i in driver.setup.contacts() {
-        let kind = match (find(previous, i), find(&driver.now.active, i)) {
-            (Some(_), None) => Some(EventKind::LiftOff),
-            (None, Some(_)) if !struck.contains(&i) && driver.now.state.time > 0.0 => {
-                Some(EventKind::Contact)
-            }
-            (Some(_), Some(_)) if resets::is_condition(driver, i) => None,
-            (Some(before), Some(after)) => sliding_event(before, after),
-            _ => None,
-        };
-        if let Some(kind) = kind {
+        let state = |active| find(active, i).unwrap_or(ContactState::Open);
+        let (before, now) = (state(previous), state(&driver.now.active));
+        // What is closed at the start, or has been struck, is no event of its own.
+        let lands = before.is_open() && (struck.contains(&i) || driver.now.state.time == 0.0);
+        let is_condition = !before.is_open() && !now.is_open() && resets::is_condition(driver, i);
+        if let Some(kind) = EventKind::between(before, now)
+            && !lands
+            && !is_condition
+        {
             driver.record_event(kind, i, v_before.to_vec());
         }
     }

@@ -1,13 +1,11 @@
 //! The present state of a run: the motion, its contacts and their forces.
 
-use crate::fesd::active_contact::{ActiveContact, Tangential, find, force_count};
+use crate::contact::{ActiveContact, ContactState, find, force_count};
 use crate::fesd::contact_size::ContactSize;
 use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::State;
 use crate::model::{ControlPiece, Model, Pieces, friction_share};
-use crate::simulation::{
-    ContactMode, ControlSignal, Direction, InitialValueProblem, Residuals, Trajectory,
-};
+use crate::simulation::{ContactMode, ControlSignal, InitialValueProblem, Residuals, Trajectory};
 
 /// The present state, and what is known there.
 pub(super) struct Present<'a> {
@@ -108,7 +106,7 @@ impl<'a> Present<'a> {
         self.contacts.remember_scales();
         for k in 0..self.active.len() {
             let held = self.active[k];
-            if held.tangential.sense() != 0.0 {
+            if held.state.sense() != 0.0 {
                 self.contacts.align(held.contact, None);
             }
         }
@@ -145,8 +143,8 @@ impl<'a> Present<'a> {
             residuals.complementarity = residuals.complementarity.max(gap * r.abs());
             residuals.dual = residuals.dual.max(-r);
             if self.contacts.friction(i) > 0.0 {
-                let sense = held.tangential.sense();
-                if held.sticks() {
+                let sense = held.state.sense();
+                if held.state.sticks() {
                     residuals.primal = residuals.primal.max(self.sliding[i].abs());
                 }
                 residuals.dual = residuals
@@ -162,14 +160,8 @@ impl<'a> Present<'a> {
 
     /// The mode of each contact.
     pub(super) fn modes(&self) -> Vec<ContactMode> {
-        let mode = |i: usize| match find(&self.active, i) {
-            None => ContactMode::Open,
-            Some(Tangential::Forward) => ContactMode::Slip(Direction::Forward),
-            Some(Tangential::Backward) => ContactMode::Slip(Direction::Backward),
-            Some(_) if self.contacts.friction(i) > 0.0 => ContactMode::Stick,
-            Some(_) => ContactMode::Frictionless,
-        };
-        (0..self.gaps.len()).map(mode).collect()
+        let state = |i: usize| find(&self.active, i).unwrap_or(ContactState::Open);
+        (0..self.gaps.len()).map(|i| state(i).into()).collect()
     }
 
     /// Appends an instant to the `trajectory`: the input vector, at which the active contacts carry `forces`; those of
@@ -205,7 +197,7 @@ impl<'a> Present<'a> {
                     s
                 };
                 row[held.contact] = self.contacts.force(held.contact, s)
-                    * friction_share(self.contacts.model(), held.contact, &self.x);
+                    * friction_share(self.contacts.model, held.contact, &self.x);
             }
             trajectory.friction_force.push(row);
         }

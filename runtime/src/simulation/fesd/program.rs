@@ -11,8 +11,8 @@ use super::driver::Driver;
 use super::settings::StepFormulation;
 use super::stop::Stop;
 use super::{bounces, impacts, mode_change};
+use crate::contact::{ActiveContact, ContactState, find};
 use crate::dcs::HeavisideSystem;
-use crate::fesd::active_contact::{ActiveContact, Tangential, find};
 use crate::fesd::finite_element::State;
 use crate::fesd::sharing;
 use crate::fesd::transcription::{Task, Transcription, transcribe};
@@ -59,13 +59,13 @@ impl Phase {
     }
 }
 
-/// Tangential state for the share of friction that opposes forward sliding.
-fn tangential(share: Option<f64>) -> Tangential {
+/// State for the share of friction that opposes forward sliding.
+fn state(share: Option<f64>) -> ContactState {
     match share {
-        None => Tangential::Idle,
-        Some(share) if share >= 1.0 - BETWEEN => Tangential::Forward,
-        Some(share) if share <= BETWEEN => Tangential::Backward,
-        Some(_) => Tangential::Sticking,
+        None => ContactState::Held(None),
+        Some(share) if share >= 1.0 - BETWEEN => ContactState::slip(1.0),
+        Some(share) if share <= BETWEEN => ContactState::slip(-1.0),
+        Some(_) => ContactState::Stick,
     }
 }
 
@@ -313,7 +313,10 @@ fn take_element(
         .filter(held)
         .map(|contact| ActiveContact {
             contact,
-            tangential: tangential(program.slip_share(x, e, contact)),
+            state: match driver.now.contacts.has_friction(contact) {
+                true => state(program.slip_share(x, e, contact)),
+                false => ContactState::Frictionless,
+            },
         })
         .collect();
     let contacts = driver.setup.contacts();
@@ -321,7 +324,7 @@ fn take_element(
     sharing::drop_dependent_sticks(&driver.now.contacts, &mut driver.now.active)?;
     for held in driver.now.active.clone() {
         let earlier = find(&sliding, held.contact);
-        let kind = earlier.and_then(|earlier| mode_change::sliding_event(earlier, held.tangential));
+        let kind = earlier.and_then(|earlier| EventKind::between(earlier, held.state));
         if let Some(kind) = kind {
             let v_before = followed.before.v.clone();
             record_event_at(driver, &followed.before, kind, held.contact, v_before);

@@ -1,7 +1,7 @@
 //! Conditions that come true: what they set.
 
 use super::driver::Driver;
-use crate::fesd::active_contact::{ActiveContact, find};
+use crate::contact::{ActiveContact, find};
 use crate::model::Switching;
 
 /// Whether a contact is a condition that sets something.

@@ -2,8 +2,8 @@
 
 use super::program::{AUXILIARY_ACCELERATION, BOUNCE_ELEMENTS, ELEMENTS};
 use super::settings::{Fesd, StepFormulation};
+use crate::contact::{ActiveContact, ContactState};
 use crate::dcs::HeavisideSystem;
-use crate::fesd::active_contact::{ActiveContact, Tangential};
 use crate::fesd::finite_element::{State, groups as groups_of_element};
 use crate::fesd::transcription::{Task, size_groups, transcribe};
 use crate::model::{ImpactLaw, Model, friction_coefficients};
@@ -70,26 +70,22 @@ fn elements(
 ) -> Vec<FormulationSize> {
     let declaration = model.declaration();
     let friction = friction_coefficients(model);
-    let held = |contact: usize, tangential| ActiveContact {
-        contact,
-        tangential,
-    };
+    let held = |contact, state| ActiveContact { contact, state };
     let across = |i: usize| {
         declaration.contacts[i]
             .friction
             .and_then(|known| known.across)
     };
     let resting = |i: usize| match (friction[i] > 0.0, across(i)) {
-        (true, Some(_)) => held(i, Tangential::StickingInSpace),
-        (true, None) => held(i, Tangential::Sticking),
-        (false, _) => held(i, Tangential::Idle),
+        (true, across) => held(i, ContactState::sticking(across.is_some())),
+        (false, _) => held(i, ContactState::Frictionless),
     };
     let contacts = declaration.contacts.iter().enumerate();
     let mut modes = vec![("free flight".to_owned(), Vec::new())];
     for (i, contact) in contacts {
         let name = contact.name;
         if friction[i] > 0.0 {
-            let slips = vec![held(i, Tangential::Forward)];
+            let slips = vec![held(i, ContactState::slip(1.0))];
             modes.push((format!("`{name}` slips"), slips));
             modes.push((format!("`{name}` sticks"), vec![resting(i)]));
         } else {
@@ -113,10 +109,7 @@ fn elements(
         if declaration.joints.is_some() {
             prefixes.push("joints");
         }
-        if active
-            .iter()
-            .any(|held| held.tangential != Tangential::Idle)
-        {
+        if active.iter().any(|held| held.state.rubs()) {
             prefixes.push("tangent_");
             prefixes.push("across_");
         }

@@ -1,7 +1,6 @@
-//! What the dynamics remember of an evaluation: mode, switching functions, what the model has given, equations.
+//! What the dynamics remember of an evaluation: mode, switching functions, equations.
 
-use crate::model::{Loads, Model, Space, contact_point, tangent_point};
-use crate::simulation::event::contact_state::ContactState;
+use crate::contact::{ContactState, Line};
 
 /// The contact mode.
 pub(in crate::simulation) struct Mode {
@@ -10,15 +9,7 @@ pub(in crate::simulation) struct Mode {
     /// Active contacts, increasing: those that are not open.
     pub(in crate::simulation) active: Vec<usize>,
     /// Sliding velocities of contacts that stick.
-    pub(super) sticking: Vec<Stuck>,
-}
-
-/// A sliding velocity that is held: in space each contact has two.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Stuck {
-    pub(super) contact: usize,
-    /// Whether it is the second one.
-    pub(super) across: bool,
+    pub(super) sticking: Vec<Line>,
 }
 
 /// The switching functions: one for each contact, then two for each contact with friction.
@@ -60,61 +51,6 @@ impl SwitchingFunctions {
         self.lowest.copy_from_slice(values);
         self.highest.copy_from_slice(values);
         self.undefined = None;
-    }
-}
-
-/// What the model has given at the state loaded.
-pub(super) struct Evaluated {
-    /// Input vector of the model, `(q, v, u[, t])`.
-    pub(super) x: Vec<f64>,
-    /// Acceleration without contact.
-    pub(super) acceleration: Vec<f64>,
-    /// The contacts, each laid out as in `contact_point`.
-    pub(super) points: Vec<f64>,
-    /// Their tangential sides, each laid out as in `tangent_point`.
-    pub(super) tangents: Vec<f64>,
-    /// What contacts in space have besides.
-    pub(super) space: Option<Space>,
-    /// What dry frictions follow of the forces of surfaces.
-    pub(super) loads: Loads,
-    /// Mass matrix, row-major.
-    pub(super) mass: Vec<f64>,
-}
-
-impl Evaluated {
-    pub(super) fn new(model: &dyn Model) -> Self {
-        let declaration = model.declaration();
-        let n = declaration.coordinates.len();
-        let contacts = declaration.contacts.len();
-        Self {
-            x: vec![0.0; declaration.inputs()],
-            acceleration: vec![0.0; n],
-            points: vec![0.0; contacts * contact_point::length(n)],
-            tangents: vec![0.0; contacts * tangent_point::length(n)],
-            space: Space::of(model),
-            loads: Loads::default(),
-            mass: vec![0.0; n * n],
-        }
-    }
-
-    /// Contacts in space, if this is one.
-    pub(super) fn space(&self, contact: usize) -> Option<&Space> {
-        let space = self.space.as_ref();
-        space.filter(|space| space.contains(contact))
-    }
-
-    /// Turns the frame of a contact in space so that it points along what is `to` in it, or along its sliding velocity where that
-    /// has a direction.
-    pub(super) fn align(&mut self, contact: usize, to: Option<(f64, f64)>) {
-        let Some(space) = self.space.as_mut().filter(|space| space.contains(contact)) else {
-            return;
-        };
-        let length = space.across(contact).len();
-        let tangent = &mut self.tangents[contact * length..(contact + 1) * length];
-        match to {
-            Some(to) => space.align(contact, to, tangent),
-            None => space.align_with_sliding(contact, tangent),
-        }
     }
 }
 

@@ -13,16 +13,18 @@ mod switch;
 pub(in crate::simulation) mod switching;
 
 pub(in crate::simulation) use laws::Laws;
-use memory::{Equations, Evaluated, Stuck};
+use memory::Equations;
 pub(in crate::simulation) use memory::{Mode, SwitchingFunctions};
 pub(in crate::simulation) use switch::Switch;
 
-use super::contact_state::{ContactState, Direction};
+use std::ops::{Deref, DerefMut};
+
+pub(in crate::simulation) use crate::contact::dot;
+use crate::contact::{ContactState, Direction, View, stuck};
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, Pieces, Space, Switching, contact_point, contains_ground, friction_share,
-    pair_size, surfaces, switching_terms, tangent_point,
+    ControlPiece, Model, contact_point, friction_share, pair_size, switching_terms, tangent_point,
 };
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
@@ -47,12 +49,13 @@ const EXPLICIT: f64 = 10.0;
 /// The state is `y = (q, v, numerical time)`.
 // Many fields: scene, contact mode and the memory of an evaluation, kept so that nothing allocates.
 pub(in crate::simulation) struct Dynamics<'a> {
-    pub(in crate::simulation) model: &'a dyn Model,
-    /// Number of coordinates.
-    pub(in crate::simulation) n: usize,
-    /// Number of contacts, and of those that are surfaces; the others, behind them, are dry friction.
+    view: View<'a>,
+    /// Input vector of the model, `(q, v, u[, t])`.
+    x: Vec<f64>,
+    /// Mass matrix, row-major.
+    mass: Vec<f64>,
+    /// Number of contacts.
     pub(in crate::simulation) contacts: usize,
-    pub(in crate::simulation) surfaces: usize,
     pub(in crate::simulation) laws: Laws,
     pub(in crate::simulation) mode: Mode,
     pub(in crate::simulation) switching: SwitchingFunctions,
@@ -60,14 +63,11 @@ pub(in crate::simulation) struct Dynamics<'a> {
     pub(in crate::simulation) u: Vec<f64>,
     /// The controls over time, until they jump or change their slope.
     piece: ControlPiece,
-    /// Which pieces of surfaces with edges act.
-    pub(in crate::simulation) pieces: Pieces,
     /// Evaluations so far.
     pub(in crate::simulation) evaluations: usize,
     /// Sign of the determinant of the equations for the contact accelerations at the last evaluation. While it
     /// stays, none of them has passed through infinity.
     pub(in crate::simulation) orientation: f64,
-    evaluated: Evaluated,
     equations: Equations,
     /// What counts as zero at each contact.
     scales: Vec<ContactScale>,
@@ -75,6 +75,20 @@ pub(in crate::simulation) struct Dynamics<'a> {
     explicit_time: bool,
     /// Joints, if there are any.
     joints: Option<Joints<'a>>,
+}
+
+impl<'a> Deref for Dynamics<'a> {
+    type Target = View<'a>;
+
+    fn deref(&self) -> &View<'a> {
+        &self.view
+    }
+}
+
+impl DerefMut for Dynamics<'_> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.view
+    }
 }
 
 impl<'a> Dynamics<'a> {
@@ -86,10 +100,10 @@ impl<'a> Dynamics<'a> {
         let functions = contacts + 2 * laws.frictional.len();
         let rows = contacts + 2 * laws.frictional.len();
         Self {
-            model,
-            n,
+            view: View::new(model),
+            x: vec![0.0; declaration.inputs()],
+            mass: vec![0.0; n * n],
             contacts,
-            surfaces: surfaces(model),
             mode: Mode {
                 states: vec![ContactState::Open; contacts],
                 active: Vec::with_capacity(contacts),
@@ -99,10 +113,8 @@ impl<'a> Dynamics<'a> {
             switching: SwitchingFunctions::new(functions),
             u: vec![0.0; declaration.controls.len()],
             piece: ControlPiece::default(),
-            pieces: Pieces::default(),
             evaluations: 0,
             orientation: 1.0,
-            evaluated: Evaluated::new(model),
             equations: Equations::new((n, contacts), rows),
             scales: vec![ContactScale::default(); contacts],
             auxiliary_acceleration,
@@ -148,18 +160,18 @@ impl<'a> Dynamics<'a> {
     pub(in crate::simulation) fn write_controls(&mut self, t: f64) {
         self.piece.write(t, &mut self.u);
         let n = self.n;
-        self.evaluated.x[2 * n..2 * n + self.u.len()].copy_from_slice(&self.u);
+        self.x[2 * n..2 * n + self.u.len()].copy_from_slice(&self.u);
     }
 
     /// Writes state and controls at `t` into the input vector that the model's kernels read.
     pub(in crate::simulation) fn load(&mut self, t: f64, y: &[f64]) {
         let n = self.n;
-        self.evaluated.x[..2 * n].copy_from_slice(&y[..2 * n]);
+        self.x[..2 * n].copy_from_slice(&y[..2 * n]);
         if self.piece.varies() {
             self.write_controls(t);
         }
         if self.explicit_time
-            && let Some(last) = self.evaluated.x.last_mut()
+            && let Some(last) = self.x.last_mut()
         {
             *last = t;
         }
@@ -167,86 +179,17 @@ impl<'a> Dynamics<'a> {
 
     /// Input vector of the model at the state loaded.
     pub(in crate::simulation) fn input(&self) -> &[f64] {
-        &self.evaluated.x
+        &self.x
     }
 
     /// Evaluates one contact at the state loaded.
     pub(in crate::simulation) fn evaluate_contact(&mut self, contact: usize) {
-        let length = contact_point::length(self.n);
-        let point = &mut self.evaluated.points[contact * length..(contact + 1) * length];
-        self.pieces
-            .contact(self.model, contact, &self.evaluated.x, point);
-    }
-
-    /// The contact as last evaluated, laid out as in [`contact_point`].
-    pub(in crate::simulation) fn point(&self, contact: usize) -> &[f64] {
-        let length = contact_point::length(self.n);
-        &self.evaluated.points[contact * length..(contact + 1) * length]
-    }
-
-    /// Contact normal as last evaluated.
-    pub(in crate::simulation) fn normal(&self, contact: usize) -> &[f64] {
-        &self.point(contact)[contact_point::NORMAL..][..self.n]
-    }
-
-    /// Contact direction as last evaluated.
-    pub(in crate::simulation) fn direction(&self, contact: usize) -> &[f64] {
-        &self.point(contact)[contact_point::direction(self.n)..][..self.n]
+        self.view.evaluate_normal(contact, &self.x);
     }
 
     /// Evaluates the tangential side of one contact with friction at the state loaded.
     pub(in crate::simulation) fn evaluate_tangent(&mut self, contact: usize) {
-        let length = tangent_point::length(self.n);
-        let point = &mut self.evaluated.tangents[contact * length..(contact + 1) * length];
-        self.model.tangent(contact, &self.evaluated.x, point);
-        if let Some(space) = self
-            .evaluated
-            .space
-            .as_mut()
-            .filter(|space| space.contains(contact))
-        {
-            space.evaluate(self.model, contact, &self.evaluated.x, point);
-        }
-    }
-
-    /// Contacts in space, if this is one.
-    pub(in crate::simulation) fn space(&self, contact: usize) -> Option<&Space> {
-        self.evaluated.space(contact)
-    }
-
-    /// Whether a contact slides along two directions.
-    pub(in crate::simulation) fn is_in_space(&self, contact: usize) -> bool {
-        self.space(contact).is_some()
-    }
-
-    /// Turns the frame of a contact in space so that it points along what is `to` in it, or along its sliding velocity where that
-    /// has a direction.
-    pub(in crate::simulation) fn align(&mut self, contact: usize, to: Option<(f64, f64)>) {
-        self.evaluated.align(contact, to);
-    }
-
-    /// Both sliding velocities as last evaluated; the second is 0 in the plane.
-    pub(in crate::simulation) fn sliding(&self, contact: usize) -> (f64, f64) {
-        let across = self.space(contact).map(|space| space.across(contact));
-        let across = across.map_or(0.0, |across| across[tangent_point::SLIDING_VELOCITY]);
-        (self.sliding_velocity(contact), across)
-    }
-
-    /// The second tangent of a contact in space, and the direction of its force, as last evaluated; none in the plane.
-    pub(in crate::simulation) fn across(&self, contact: usize) -> (&[f64], &[f64]) {
-        let across = self.space(contact).map(|space| space.across(contact));
-        across.map_or((&[], &[]), |across| {
-            let (tangent, direction) = across[tangent_point::TANGENT..].split_at(self.n);
-            (tangent, &direction[..self.n])
-        })
-    }
-
-    /// The direction in which friction of a contact acts that slips.
-    pub(in crate::simulation) fn slip_direction(&self, contact: usize) -> &[f64] {
-        match self.space(contact) {
-            Some(space) => space.slipping(contact),
-            None => self.friction_direction(contact),
-        }
+        self.view.evaluate_tangent(contact, &self.x);
     }
 
     /// Below this speed a contact does not slide.
@@ -263,76 +206,12 @@ impl<'a> Dynamics<'a> {
 
     /// Evaluates one contact, and its tangential side if it has friction, at the state loaded.
     pub(in crate::simulation) fn evaluate_sides(&mut self, contact: usize) {
-        self.evaluate_contact(contact);
-        if self.has_friction(contact) {
-            self.evaluate_tangent(contact);
-        }
-        self.evaluated
-            .loads
-            .evaluate(self.model, contact, &self.evaluated.x);
-    }
-
-    /// The tangential side as last evaluated, laid out as in [`tangent_point`].
-    fn tangent_point(&self, contact: usize) -> &[f64] {
-        let length = tangent_point::length(self.n);
-        &self.evaluated.tangents[contact * length..(contact + 1) * length]
-    }
-
-    /// Sliding velocity as last evaluated.
-    pub(in crate::simulation) fn sliding_velocity(&self, contact: usize) -> f64 {
-        self.tangent_point(contact)[tangent_point::SLIDING_VELOCITY]
-    }
-
-    /// Tangent `b` as last evaluated.
-    pub(in crate::simulation) fn tangent(&self, contact: usize) -> &[f64] {
-        &self.tangent_point(contact)[tangent_point::TANGENT..][..self.n]
-    }
-
-    /// Friction direction `e` as last evaluated.
-    pub(in crate::simulation) fn friction_direction(&self, contact: usize) -> &[f64] {
-        &self.tangent_point(contact)[tangent_point::direction(self.n)..][..self.n]
+        self.view.evaluate_sides(contact, &self.x);
     }
 
     /// Whether the ground of a contact moves as last evaluated.
     pub(in crate::simulation) fn ground_moves(&self, contact: usize) -> bool {
-        let v = &self.evaluated.x[self.n..2 * self.n];
-        let normal_velocity = self.point(contact)[contact_point::NORMAL_VELOCITY];
-        contains_ground(normal_velocity, self.normal(contact), v)
-            || self.has_friction(contact)
-                && contains_ground(self.sliding_velocity(contact), self.tangent(contact), v)
-    }
-
-    /// Whether a contact has a coefficient of friction above zero.
-    pub(in crate::simulation) fn has_friction(&self, contact: usize) -> bool {
-        self.laws.friction[contact] > 0.0
-    }
-
-    /// `n' (d + ratio e)` as last evaluated: the normal acceleration for one unit of a contact's `r` if its
-    /// tangential force is `ratio` times as large. Not above zero, friction jams the contact.
-    pub(in crate::simulation) fn gain(&self, contact: usize, ratio: f64) -> f64 {
-        let normal = self.normal(contact);
-        self.coupling(contact, contact) + ratio * dot(normal, self.slip_direction(contact))
-    }
-
-    /// Normal acceleration of a contact for one unit of the force along the direction of another, as last evaluated. That
-    /// of dry friction is its force less the given one, and less what it follows of others.
-    pub(in crate::simulation) fn coupling(&self, contact: usize, other: usize) -> f64 {
-        if self.is_dry(contact) {
-            self.evaluated.loads.coupling(contact, other)
-        } else {
-            dot(self.normal(contact), self.direction(other))
-        }
-    }
-
-    /// Whether a contact is dry friction without a surface, whose normal force is given.
-    pub(in crate::simulation) fn is_dry(&self, contact: usize) -> bool {
-        contact >= self.surfaces
-    }
-
-    /// Whether a contact is a switch whose function is only passed.
-    pub(in crate::simulation) fn passes(&self, contact: usize) -> bool {
-        let switch = self.model.declaration().contacts[contact].switch;
-        switch.is_some_and(Switching::passes)
+        self.view.ground_moves(contact, &self.x[self.n..2 * self.n])
     }
 
     /// The sliding contact with the smallest [`gain`](Self::gain), and that.
@@ -340,11 +219,11 @@ impl<'a> Dynamics<'a> {
         self.mode
             .active
             .iter()
-            .filter(|&&i| matches!(self.mode.states[i], ContactState::Slip(_)))
+            .filter(|&&i| self.mode.states[i].slips())
             .map(|&i| {
                 (
                     i,
-                    self.gain(i, self.mode.states[i].force_ratio(self.laws.frictions(i))),
+                    self.gain(i, self.mode.states[i].force_ratio(self.frictions(i))),
                 )
             })
             .min_by(|(_, a), (_, b)| a.total_cmp(b))
@@ -370,51 +249,36 @@ impl<'a> Dynamics<'a> {
         self.mode.states.copy_from_slice(mode);
         self.mode.active.clear();
         self.mode.sticking.clear();
-        for (i, state) in mode.iter().enumerate() {
+        for (i, &state) in mode.iter().enumerate() {
             if !state.is_open() {
                 self.mode.active.push(i);
             }
-            if *state == ContactState::Stick {
-                let stuck = |across| Stuck { contact: i, across };
-                self.mode.sticking.push(stuck(false));
-                if self.is_in_space(i) {
-                    self.mode.sticking.push(stuck(true));
-                }
-            }
+            self.mode.sticking.extend(stuck(i, state));
         }
     }
 
     /// Gap at the state loaded.
     pub(in crate::simulation) fn gap(&self, contact: usize) -> f64 {
-        self.pieces.gap(self.model, contact, &self.evaluated.x)
+        self.pieces.gap(self.model, contact, &self.x)
     }
 
     /// Lets the pieces of surfaces with edges act that do so at the state loaded.
     pub(in crate::simulation) fn choose_pieces(&mut self) {
-        self.pieces.choose(self.model, &self.evaluated.x);
+        let model = self.model;
+        self.view.pieces.choose(model, &self.x);
     }
 
     /// Evaluates the acceleration without contact at the state loaded.
     pub(in crate::simulation) fn evaluate_free_acceleration(&mut self) {
         self.evaluations += 1;
-        self.model
-            .free_acceleration(&self.evaluated.x, &mut self.evaluated.acceleration);
-    }
-
-    /// Acceleration without contact as last evaluated.
-    pub(in crate::simulation) fn free_acceleration(&self) -> &[f64] {
-        &self.evaluated.acceleration
+        self.view.evaluate_free_acceleration(&self.x);
     }
 
     /// Normal acceleration of contact `i` without contact forces, `n' a + curvature`, and the sum of
     /// the absolute values of its terms.
     pub(in crate::simulation) fn free_normal_acceleration(&self, contact: usize) -> (f64, f64) {
         let curvature = self.point(contact)[contact_point::CURVATURE];
-        along(
-            self.normal(contact),
-            &self.evaluated.acceleration,
-            curvature,
-        )
+        along(self.normal(contact), self.free_acceleration(), curvature)
     }
 
     /// Rate of the sliding velocity of contact `i` without contact forces, `b' a + curvature`, and the sum of
@@ -423,7 +287,7 @@ impl<'a> Dynamics<'a> {
         let curvature = self.tangent_point(contact)[tangent_point::CURVATURE];
         along(
             self.tangent(contact),
-            &self.evaluated.acceleration,
+            self.view.free_acceleration(),
             curvature,
         )
     }
@@ -476,7 +340,7 @@ impl<'a> Dynamics<'a> {
                         normal + (self.friction_direction(j)[k] * self.equations.s[j]).abs()
                     })
                     .sum();
-                sum + component.abs() * (self.evaluated.acceleration[k].abs() + forces)
+                sum + component.abs() * (self.view.free_acceleration()[k].abs() + forces)
             })
     }
 
@@ -484,32 +348,25 @@ impl<'a> Dynamics<'a> {
     /// `moment` is a time over which the motion is smooth, such as a step size.
     pub(in crate::simulation) fn observe(&mut self, t: f64, y: &[f64], moment: f64) {
         self.load(t, y);
-        self.model
-            .free_acceleration(&self.evaluated.x, &mut self.evaluated.acceleration);
+        self.view.evaluate_free_acceleration(&self.x);
         let n = self.n;
         for i in 0..self.contacts {
             self.evaluate_sides(i);
-            let friction = self.has_friction(i).then(|| {
-                let length = tangent_point::length(n);
-                let tangent = &self.evaluated.tangents[i * length..(i + 1) * length];
-                (tangent, self.laws.friction[i])
-            });
-            let length = contact_point::length(n);
-            let point = &self.evaluated.points[i * length..(i + 1) * length];
-            let instant = Instant::new(&y[..2 * n], &self.evaluated.acceleration, moment);
+            let (view, rubs) = (&self.view, self.view.has_friction(i));
+            let friction = rubs.then(|| (view.tangent_point(i), view.friction(i)));
+            let instant = Instant::new(&y[..2 * n], view.free_acceleration(), moment);
             let time = if self.explicit_time { t } else { 0.0 };
-            self.scales[i].observe(point, friction, instant.at(time));
-            let terms = switching_terms(self.model, i, &self.evaluated.x);
+            self.scales[i].observe(view.point(i), friction, instant.at(time));
+            let terms = switching_terms(self.model, i, &self.x);
             self.scales[i].observe_switch(terms);
             if self.is_in_space(i) {
                 let speed = pair_size(self.sliding(i));
                 let scale = &mut self.scales[i];
                 scale.observe_switch(speed);
                 let zero = scale.zero_sliding_velocity();
-                if let Some(space) = &mut self.evaluated.space {
-                    space.measure(i, EXPLICIT * scale.sliding_velocity(), zero);
-                }
-                if matches!(self.mode.states[i], ContactState::Slip(_)) {
+                let soft = EXPLICIT * scale.sliding_velocity();
+                self.view.measure_sliding(i, soft, zero);
+                if self.mode.states[i].slips() {
                     self.align(i, None);
                 }
             }
@@ -534,9 +391,9 @@ impl<'a> Dynamics<'a> {
         self.observe(t, y, moment);
         let n = self.n;
         for i in 0..self.contacts {
-            let (pieces, model) = (&self.pieces, self.model);
-            let a = &self.evaluated.acceleration;
-            let x = &mut self.evaluated.x;
+            let (pieces, model) = (&self.view.pieces, self.view.model);
+            let a = self.view.free_acceleration();
+            let x = &mut self.x;
             x[..2 * n].copy_from_slice(&y[..2 * n]);
             let error = if at_start {
                 rounding_error_at_start(x, a, moment, |x| pieces.gap(model, i, x))
@@ -557,21 +414,15 @@ impl<'a> Dynamics<'a> {
     /// Mass matrix at a state, row-major.
     pub(in crate::simulation) fn mass(&mut self, t: f64, y: &[f64]) -> &[f64] {
         self.load(t, y);
-        self.model
-            .mass_matrix(&self.evaluated.x, &mut self.evaluated.mass);
-        &self.evaluated.mass
+        self.view.model.mass_matrix(&self.x, &mut self.mass);
+        &self.mass
     }
 
     /// Kinetic energy of the velocities in `y`, `v' M v / 2`, with the mass matrix at the state last loaded.
     pub(in crate::simulation) fn kinetic_energy(&mut self, y: &[f64]) -> f64 {
-        self.model
-            .mass_matrix(&self.evaluated.x, &mut self.evaluated.mass);
+        self.view.model.mass_matrix(&self.x, &mut self.mass);
         let v = &y[self.n..2 * self.n];
-        let momentum = self
-            .evaluated
-            .mass
-            .chunks_exact(self.n.max(1))
-            .map(|row| dot(row, v));
+        let momentum = self.mass.chunks_exact(self.n.max(1)).map(|row| dot(row, v));
         0.5 * momentum.zip(v).map(|(p, v)| p * v).sum::<f64>()
     }
 
@@ -593,7 +444,7 @@ impl<'a> Dynamics<'a> {
             out[i] = self.friction_size(i) / self.point(i)[contact_point::INVERSE_INERTIA];
         }
         for (i, force) in out.iter_mut().enumerate() {
-            *force *= friction_share(self.model, i, &self.evaluated.x);
+            *force *= friction_share(self.model, i, &self.x);
         }
     }
 
@@ -611,7 +462,7 @@ impl<'a> Dynamics<'a> {
 
     /// What a contact that sticks at the last evaluation has left before it slips, `mu r - |s|`.
     pub(in crate::simulation) fn friction_reserve(&self, contact: usize) -> f64 {
-        self.laws.friction[contact] * self.equations.r[contact] - self.friction_size(contact)
+        self.friction(contact) * self.equations.r[contact] - self.friction_size(contact)
     }
 
     /// What a switching function is in the present mode.
@@ -626,8 +477,10 @@ impl<'a> Dynamics<'a> {
         let index = function - self.contacts;
         let contact = self.laws.frictional[index / 2];
         match (self.mode.states[contact], index % 2) {
-            (ContactState::Stick, 1) if self.is_in_space(contact) => Switch::Constant(contact),
-            (ContactState::Stick, 0) => Switch::FrictionLimit(contact, Direction::Forward),
+            (ContactState::StickInSpace, 1) => Switch::Constant(contact),
+            (ContactState::Stick | ContactState::StickInSpace, 0) => {
+                Switch::FrictionLimit(contact, Direction::Forward)
+            }
             (ContactState::Stick, _) => Switch::FrictionLimit(contact, Direction::Backward),
             (ContactState::Slip(direction), 0) => Switch::SlidingVelocity(contact, direction),
             (ContactState::Held(_), 0) => Switch::HeldVelocity(contact),
@@ -689,10 +542,6 @@ fn along(covector: &[f64], a: &[f64], curvature: f64) -> (f64, f64) {
         .fold((curvature, curvature.abs()), |(sum, scale), (n, a)| {
             (sum + n * a, scale + (n * a).abs())
         })
-}
-
-pub(in crate::simulation) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 pub(in crate::simulation) fn largest(a: &[f64]) -> f64 {

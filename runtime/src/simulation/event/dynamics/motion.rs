@@ -1,6 +1,7 @@
 //! The motion that the contact accelerations of a mode give, and the projection onto its surfaces.
 
 use super::{Dynamics, dot, rows, switching};
+use crate::contact::{ContactState, Line, stuck};
 use crate::model::contact_point;
 use crate::simulation::event::dop853::System;
 use crate::simulation::event::small_system;
@@ -12,30 +13,19 @@ const PROJECTIONS: usize = 6;
 /// Whether the sliding velocity of a closed contact vanishes with those that the mode keeps zero, at the
 /// points last evaluated.
 pub(in crate::simulation) fn holds(dynamics: &Dynamics<'_>, contact: usize) -> bool {
-    if dynamics.is_in_space(contact) && !depends(dynamics, dynamics.across(contact)) {
-        return false;
-    }
-    depends(
-        dynamics,
-        (
-            dynamics.tangent(contact),
-            dynamics.friction_direction(contact),
-        ),
-    )
+    let state = ContactState::sticking(dynamics.is_in_space(contact));
+    stuck(contact, state).all(|line| depends(dynamics, line))
 }
 
 /// Whether the normal velocity of an open contact vanishes with those that the mode keeps zero, at the points last
 /// evaluated.
 pub(in crate::simulation) fn keeps_apart(dynamics: &Dynamics<'_>, contact: usize) -> bool {
-    depends(
-        dynamics,
-        (dynamics.normal(contact), dynamics.direction(contact)),
-    )
+    depends(dynamics, Line::normal(contact))
 }
 
-/// Whether a velocity depends on those that the mode keeps zero, by its covector and the direction of a force that
-/// would hold it.
-fn depends(dynamics: &Dynamics<'_>, (covector, direction): (&[f64], &[f64])) -> bool {
+/// Whether the velocity of a line depends on those that the mode keeps zero.
+fn depends(dynamics: &Dynamics<'_>, line: Line) -> bool {
+    let (covector, direction) = (dynamics.row(line).0, dynamics.line_direction(line));
     let rows = dynamics.mode.active.len() + dynamics.mode.sticking.len();
     let order = rows + 1;
     let mut matrix = vec![0.0; order * order];
@@ -105,9 +95,8 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
     }
     for slot in 0..dynamics.mode.sticking.len() {
         let held = dynamics.mode.sticking[slot];
-        dynamics.evaluate_tangent(held.contact);
-        let (along, across) = dynamics.sliding(held.contact);
-        dynamics.equations.right[normals + slot] = if held.across { -across } else { -along };
+        dynamics.evaluate_tangent(held.contact());
+        dynamics.equations.right[normals + slot] = -dynamics.velocity(held);
     }
     let rows = normals + dynamics.mode.sticking.len();
     if rows::solve_rows(dynamics, rows, false).is_none() {
@@ -175,7 +164,7 @@ impl System for Dynamics<'_> {
         self.load(t, y);
         self.evaluate_free_acceleration();
         dy[..n].copy_from_slice(&y[n..2 * n]);
-        dy[n..2 * n].copy_from_slice(&self.evaluated.acceleration);
+        dy[n..2 * n].copy_from_slice(self.free_acceleration());
         dy[2 * n] = 1.0;
         let rows = rows::evaluate_rows(self);
         if rows > 0 {

@@ -1,48 +1,24 @@
 //! The linear system of a contact mode for the contact accelerations.
 
-use super::{Dynamics, Stuck, dot};
-use crate::model::{contact_point, tangent_point};
+use super::{Dynamics, dot};
+use crate::contact::Line;
 use crate::simulation::event::small_system;
 
 /// Number of coordinates from which on rows are looked through for zeros. Chosen: below, looking takes as long as adding them.
 const LARGE: usize = 16;
 
-/// Row of the constraints that the mode keeps: the normals of active contacts, then the tangents of
-/// sticking ones.
+/// The line that a row holds: the normals of active contacts, then the tangents of sticking ones.
+fn line(dynamics: &Dynamics<'_>, row: usize) -> Line {
+    let mode = &dynamics.mode;
+    match mode.active.get(row) {
+        Some(&i) => Line::normal(i),
+        None => mode.sticking[row - mode.active.len()],
+    }
+}
+
+/// Covector of a row.
 pub(super) fn constraint<'a>(dynamics: &'a Dynamics<'_>, row: usize) -> &'a [f64] {
-    match dynamics.mode.active.get(row) {
-        Some(&i) => dynamics.normal(i),
-        None => {
-            stuck(
-                dynamics,
-                dynamics.mode.sticking[row - dynamics.mode.active.len()],
-            )
-            .0
-        }
-    }
-}
-
-/// Tangent and direction of the force of a sliding velocity that is held.
-fn stuck<'a>(dynamics: &'a Dynamics<'_>, held: Stuck) -> (&'a [f64], &'a [f64]) {
-    match held.across {
-        true => dynamics.across(held.contact),
-        false => (
-            dynamics.tangent(held.contact),
-            dynamics.friction_direction(held.contact),
-        ),
-    }
-}
-
-/// Rate of the second sliding velocity of a contact in space under the acceleration `a`; 0 in the plane.
-pub(in crate::simulation) fn across_acceleration(
-    dynamics: &Dynamics<'_>,
-    contact: usize,
-    a: &[f64],
-) -> f64 {
-    dynamics.space(contact).map_or(0.0, |space| {
-        let curvature = space.across(contact)[tangent_point::CURVATURE];
-        curvature + dot(dynamics.across(contact).0, a)
-    })
+    dynamics.row(line(dynamics, row)).0
 }
 
 /// Whether the unknown of a row is the given normal force of dry friction.
@@ -60,14 +36,7 @@ pub(super) fn force_direction<'a>(
 ) -> &'a [f64] {
     match dynamics.mode.active.get(row) {
         Some(&i) if slipping => &dynamics.equations.columns[i * dynamics.n..(i + 1) * dynamics.n],
-        Some(&i) => dynamics.direction(i),
-        None => {
-            stuck(
-                dynamics,
-                dynamics.mode.sticking[row - dynamics.mode.active.len()],
-            )
-            .1
-        }
+        _ => dynamics.line_direction(line(dynamics, row)),
     }
 }
 
@@ -82,7 +51,9 @@ fn couple(
     if is_given(dynamics, row) {
         for (column, coupling) in couplings.iter_mut().enumerate() {
             let other = active.get(column);
-            *coupling = other.map_or(0.0, |&other| dynamics.coupling(active[row], other));
+            *coupling = other.map_or(0.0, |&other| {
+                dynamics.coupling(Line::normal(active[row]), Line::normal(other))
+            });
         }
         return;
     }
@@ -143,29 +114,20 @@ pub(super) fn evaluate_rows(dynamics: &mut Dynamics<'_>) -> usize {
         dynamics.evaluate_sides(i);
         dynamics.equations.right[slot] = -dynamics.free_normal_acceleration(i).0;
         let column = i * n..(i + 1) * n;
-        dynamics.equations.columns[column.clone()].copy_from_slice(
-            &dynamics.evaluated.points[i * contact_point::length(n)..]
-                [contact_point::direction(n)..][..n],
-        );
-        let ratio = dynamics.mode.states[i].force_ratio(dynamics.laws.frictions(i));
+        let (view, columns) = (&dynamics.view, &mut dynamics.equations.columns);
+        columns[column.clone()].copy_from_slice(view.direction(i));
+        let ratio = dynamics.mode.states[i].force_ratio(view.frictions(i));
         if ratio != 0.0 {
-            let e = match dynamics.evaluated.space.as_ref() {
-                Some(space) if space.contains(i) => space.slipping(i),
-                _ => {
-                    &dynamics.evaluated.tangents[i * tangent_point::length(n)..]
-                        [tangent_point::direction(n)..][..n]
-                }
-            };
-            for (d, e) in dynamics.equations.columns[column].iter_mut().zip(e) {
+            for (d, e) in columns[column].iter_mut().zip(view.slip_direction(i)) {
                 *d += ratio * e;
             }
         }
     }
     for slot in 0..dynamics.mode.sticking.len() {
         let held = dynamics.mode.sticking[slot];
-        dynamics.equations.right[normals + slot] = match held.across {
-            true => -across_acceleration(dynamics, held.contact, dynamics.free_acceleration()),
-            false => -dynamics.free_sliding_acceleration(held.contact).0,
+        dynamics.equations.right[normals + slot] = match held {
+            Line::Across { .. } => -dynamics.free_line_acceleration(held),
+            _ => -dynamics.free_sliding_acceleration(held.contact()).0,
         };
     }
     normals + dynamics.mode.sticking.len()
@@ -177,16 +139,16 @@ pub(super) fn store_forces(dynamics: &mut Dynamics<'_>, rows: usize) {
     for slot in 0..normals {
         let i = dynamics.mode.active[slot];
         dynamics.equations.r[i] = dynamics.equations.right[slot];
-        dynamics.equations.s[i] = dynamics.mode.states[i].force_ratio(dynamics.laws.frictions(i))
+        dynamics.equations.s[i] = dynamics.mode.states[i].force_ratio(dynamics.frictions(i))
             * dynamics.equations.right[slot];
         dynamics.equations.across[i] = 0.0;
     }
     for slot in normals..rows {
         let held = dynamics.mode.sticking[slot - normals];
         let force = dynamics.equations.right[slot];
-        match held.across {
-            true => dynamics.equations.across[held.contact] = force,
-            false => dynamics.equations.s[held.contact] = force,
+        match held {
+            Line::Across { contact } => dynamics.equations.across[contact] = force,
+            _ => dynamics.equations.s[held.contact()] = force,
         }
     }
 }
@@ -206,9 +168,9 @@ pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
     }
     for slot in normals..rows {
         let held = dynamics.mode.sticking[slot - normals];
-        dynamics.equations.right[slot] = -match held.across {
-            true => across_acceleration(dynamics, held.contact, a),
-            false => dynamics.contact_accelerations(held.contact, a).1,
+        dynamics.equations.right[slot] = -match held {
+            Line::Across { .. } => dynamics.line_acceleration(held, a),
+            _ => dynamics.contact_accelerations(held.contact(), a).1,
         };
     }
     if solve_again(dynamics, rows).is_some() {
@@ -222,7 +184,7 @@ pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64
         Some(&i) => dynamics.free_normal_acceleration(i),
         None => {
             let held = dynamics.mode.sticking[row - dynamics.mode.active.len()];
-            dynamics.free_sliding_acceleration(held.contact)
+            dynamics.free_sliding_acceleration(held.contact())
         }
     };
     let couplings = &dynamics.equations.couplings[row * rows..][..rows];

@@ -1,6 +1,6 @@
 //! Switching functions: what they can be.
 
-use crate::simulation::event::contact_state::Direction;
+use crate::contact::Direction;
 
 /// A function of time whose zero ends the contact mode; all are positive within it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

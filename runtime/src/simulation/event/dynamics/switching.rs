@@ -16,14 +16,12 @@ const CONSTANT: f64 = 1.0;
 /// Sets the sizes of forces to which others are compared, for the contacts given; contacts and free
 /// acceleration are evaluated.
 pub(in crate::simulation) fn set_force_floors(dynamics: &mut Dynamics<'_>, contacts: &[usize]) {
-    dynamics
-        .model
-        .mass_matrix(&dynamics.evaluated.x, &mut dynamics.evaluated.mass);
-    let a = &dynamics.evaluated.acceleration;
+    let view = &dynamics.view;
+    view.model.mass_matrix(&dynamics.x, &mut dynamics.mass);
+    let a = view.free_acceleration();
     let square: f64 = dynamics
-        .evaluated
         .mass
-        .chunks_exact(dynamics.n.max(1))
+        .chunks_exact(view.n.max(1))
         .zip(a)
         .map(|(row, a_k)| a_k * dot(row, a))
         .sum();
@@ -42,8 +40,8 @@ pub(in crate::simulation) fn set_force_floors(dynamics: &mut Dynamics<'_>, conta
             .position(|&other| other == i)
         {
             let first = dynamics.contacts + 2 * slot;
-            dynamics.switching.force_floor[first..first + 2]
-                .fill((1.0 + dynamics.laws.friction[i]) * floor);
+            let floor = (1.0 + dynamics.friction(i)) * floor;
+            dynamics.switching.force_floor[first..first + 2].fill(floor);
             dynamics.switching.accepted_pull[first..first + 2].fill(0.0);
         }
     }
@@ -140,7 +138,7 @@ pub(super) fn evaluate_switches(dynamics: &mut Dynamics<'_>, rows: usize) {
         dynamics.switching.values[function] = match dynamics.switch(function) {
             Switch::FrictionLimit(i, _) if dynamics.is_in_space(i) => dynamics.friction_reserve(i),
             Switch::FrictionLimit(i, direction) => {
-                dynamics.laws.friction[i] * dynamics.equations.r[i]
+                dynamics.friction(i) * dynamics.equations.r[i]
                     + direction.sign() * dynamics.equations.s[i]
             }
             Switch::SlidingVelocity(i, direction) => {
@@ -153,8 +151,8 @@ pub(super) fn evaluate_switches(dynamics: &mut Dynamics<'_>, rows: usize) {
         };
     }
     for slot in 0..dynamics.mode.sticking.len() {
-        let i = dynamics.mode.sticking[slot].contact;
-        let scale = dynamics.laws.friction[i] * dynamics.switching.force_scale[i]
+        let i = dynamics.mode.sticking[slot].contact();
+        let scale = dynamics.friction(i) * dynamics.switching.force_scale[i]
             + rows::row_scale(dynamics, dynamics.mode.active.len() + slot, rows);
         let first = dynamics
             .laws

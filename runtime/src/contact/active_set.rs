@@ -1,6 +1,7 @@
 //! States changed until they are consistent.
 
-use super::problem::{Problem, State};
+use super::problem::Problem;
+use super::state::ContactState;
 use crate::linalg::dense;
 
 /// Share of its own coupling that each line gets more of in the linear systems, so that those of redundant contacts
@@ -30,14 +31,14 @@ impl Equations {
     pub(super) fn of(
         problem: &Problem<'_>,
         tangents: &[Option<(usize, f64)>],
-        states: &[State],
+        states: &[ContactState],
     ) -> Self {
         let (mut unknown, mut sticking) = (Vec::new(), Vec::new());
         for (i, state) in states.iter().enumerate() {
-            if *state != State::Open {
+            if *state != ContactState::Open {
                 unknown.push(i);
             }
-            if let (State::Stick, Some((tangent, _))) = (state, tangents[i]) {
+            if let (ContactState::Stick, Some((tangent, _))) = (state, tangents[i]) {
                 sticking.push(tangent);
             }
         }
@@ -106,10 +107,10 @@ impl Equations {
 }
 
 /// Tangential force of a contact for one unit of its normal force, unless that is an unknown of its own.
-pub(super) fn slope(state: State, tangent: Option<(usize, f64)>) -> f64 {
+pub(super) fn slope(state: ContactState, tangent: Option<(usize, f64)>) -> f64 {
     match (state, tangent) {
-        (State::Slip(sense), Some((_, friction))) => -sense * friction,
-        _ => 0.0,
+        (state, Some((_, friction))) => state.force_ratio((friction, friction)),
+        (_, None) => 0.0,
     }
 }
 
@@ -117,7 +118,7 @@ pub(super) fn slope(state: State, tangent: Option<(usize, f64)>) -> f64 {
 pub(super) fn forces_of(
     problem: &Problem<'_>,
     tangents: &[Option<(usize, f64)>],
-    states: &[State],
+    states: &[ContactState],
     (unknown, x): (&[usize], &[f64]),
 ) -> Vec<f64> {
     let mut forces = vec![0.0; problem.lines()];
@@ -125,7 +126,7 @@ pub(super) fn forces_of(
         forces[line] = x;
         if let Some(&state) = states.get(line)
             && let Some((tangent, _)) = tangents[line]
-            && state != State::Stick
+            && state != ContactState::Stick
         {
             forces[tangent] = slope(state, tangents[line]) * x;
         }
@@ -138,47 +139,47 @@ fn wanted(
     problem: &Problem<'_>,
     contact: usize,
     tangent: Option<(usize, f64)>,
-    state: State,
+    state: ContactState,
     (forces, motions): (&[f64], &[(f64, f64)]),
-) -> Option<State> {
+) -> Option<ContactState> {
     let (normal, zero) = motions[contact];
     let own = |line: usize| {
         let own = problem.coupling(line, line);
         if own > 0.0 { own } else { 1.0 }
     };
-    if state == State::Open {
+    if state == ContactState::Open {
         if normal >= -zero {
             return None;
         }
         let Some((line, friction)) = tangent else {
-            return Some(State::Closed);
+            return Some(ContactState::Frictionless);
         };
         let (slip, _) = motions[line];
         let inside = (slip / own(line)).abs() <= friction * -normal / own(contact);
         return Some(if inside {
-            State::Stick
+            ContactState::Stick
         } else {
-            State::Slip(slip.signum())
+            ContactState::slip(slip)
         });
     }
     let p = forces[contact];
     if p < -problem.zero_force(contact, zero) {
-        return Some(State::Open);
+        return Some(ContactState::Open);
     }
     let (line, friction) = tangent?;
     let (slip, zero) = motions[line];
     match state {
-        State::Stick => {
+        ContactState::Stick => {
             let s = forces[line];
             let over = s.abs() > friction * p.max(0.0) + problem.zero_force(line, zero);
-            over.then(|| State::Slip(-s.signum()))
+            over.then(|| ContactState::slip(-s))
         }
-        State::Slip(sense) if sense * slip < -zero => {
+        ContactState::Slip(direction) if direction.sign() * slip < -zero => {
             let reverses = slip.abs() > 2.0 * friction * p * own(line);
             Some(if reverses {
-                State::Slip(-sense)
+                ContactState::Slip(direction.reversed())
             } else {
-                State::Stick
+                ContactState::Stick
             })
         }
         _ => None,
@@ -190,8 +191,8 @@ fn wanted(
 pub(super) fn consistent(
     problem: &Problem<'_>,
     tangents: &[Option<(usize, f64)>],
-    mut states: Vec<State>,
-) -> Option<(Vec<State>, Vec<f64>)> {
+    mut states: Vec<ContactState>,
+) -> Option<(Vec<ContactState>, Vec<f64>)> {
     let mut fewest = usize::MAX;
     let mut patience = PATIENCE;
     for _ in 0..CHANGES.0 + CHANGES.1 * states.len() {
@@ -199,7 +200,7 @@ pub(super) fn consistent(
         let x = equations.solve(problem)?;
         let forces = forces_of(problem, tangents, &states, (&equations.unknown, &x));
         let motions = problem.motions(&forces);
-        let changes: Vec<(usize, State)> = (0..states.len())
+        let changes: Vec<(usize, ContactState)> = (0..states.len())
             .filter_map(|i| {
                 let known = (&forces[..], &motions[..]);
                 let wanted = wanted(problem, i, tangents[i], states[i], known);

@@ -3,7 +3,8 @@
 use super::active_set::consistent;
 use super::basic::reduced;
 use super::polyhedral::solve_polyhedral;
-use super::problem::{Problem, Solution, State};
+use super::problem::{Problem, Solution};
+use super::state::ContactState;
 
 /// Multiple of rounding error up to which a solution may contradict the law: its forces are those of linear systems whose
 /// condition that multiplies.
@@ -14,7 +15,7 @@ const UNDECIDED: f64 = 1e-9;
 
 /// A solution whose forces the equations of its states determine, from the states of a `guess` on if there is one.
 /// `None` where none is found, which for contacts with friction may mean that there is none.
-pub(crate) fn solve(problem: &Problem<'_>, guess: Option<&[State]>) -> Option<Solution> {
+pub(crate) fn solve(problem: &Problem<'_>, guess: Option<&[ContactState]>) -> Option<Solution> {
     let finite = |value: &f64| value.is_finite();
     if !problem.matrix.iter().chain(problem.offsets).all(finite) {
         return None;
@@ -35,7 +36,7 @@ pub(crate) fn solve(problem: &Problem<'_>, guess: Option<&[State]>) -> Option<So
 fn from(
     problem: &Problem<'_>,
     tangents: &[Option<(usize, f64)>],
-    guess: Vec<State>,
+    guess: Vec<ContactState>,
 ) -> Option<Solution> {
     let (states, forces) = consistent(problem, tangents, guess)?;
     let solution = reduced(problem, tangents, states, forces)?;
@@ -43,20 +44,20 @@ fn from(
 }
 
 /// All contacts closed that nothing opens by itself; those that slide by themselves slip.
-fn pressed(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>]) -> Vec<State> {
+fn pressed(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>]) -> Vec<ContactState> {
     let zero = UNDECIDED * problem.largest_offset();
     let of = |(i, tangent): (usize, &Option<(usize, f64)>)| {
         let normal = problem.offsets[i];
         match tangent {
-            _ if normal > zero => State::Open,
-            None => State::Closed,
+            _ if normal > zero => ContactState::Open,
+            None => ContactState::Frictionless,
             Some((line, friction)) => {
                 let slip = problem.offsets[*line];
                 let inside = slip.abs() <= friction * normal.abs() || slip.abs() <= zero;
                 if inside {
-                    State::Stick
+                    ContactState::Stick
                 } else {
-                    State::Slip(slip.signum())
+                    ContactState::slip(slip)
                 }
             }
         }
@@ -69,22 +70,22 @@ fn states_of(
     problem: &Problem<'_>,
     tangents: &[Option<(usize, f64)>],
     forces: &[f64],
-) -> Vec<State> {
+) -> Vec<ContactState> {
     let motions = problem.motions(forces);
     let of = |(i, tangent): (usize, &Option<(usize, f64)>)| {
         let p = forces[i];
         if p <= problem.zero_force(i, motions[i].1) {
-            return State::Open;
+            return ContactState::Open;
         }
         let Some((line, friction)) = *tangent else {
-            return State::Closed;
+            return ContactState::Frictionless;
         };
         let s = forces[line];
         let reserve = friction * p - s.abs();
         if reserve > UNDECIDED * friction * p {
-            State::Stick
+            ContactState::Stick
         } else {
-            State::Slip(-s.signum())
+            ContactState::slip(-s)
         }
     };
     tangents.iter().enumerate().map(of).collect()
@@ -98,7 +99,7 @@ fn violation(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>], solution:
         let p = solution.forces[i];
         let own = -p / problem.zero_force(i, zero);
         let apart = match solution.states[i] {
-            State::Open => -normal / zero,
+            ContactState::Open => -normal / zero,
             _ => normal.abs() / zero,
         };
         let Some((line, friction)) = *tangent else {
@@ -107,9 +108,9 @@ fn violation(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>], solution:
         let ((slip, zero), s) = (motions[line], solution.forces[line]);
         let beyond = (s.abs() - friction * p) / problem.zero_force(line, zero);
         let slides = match solution.states[i] {
-            State::Stick => slip.abs() / zero,
-            State::Slip(sense) => -sense * slip / zero,
-            State::Open | State::Closed => 0.0,
+            ContactState::Stick => slip.abs() / zero,
+            ContactState::Slip(direction) => -direction.sign() * slip / zero,
+            _ => 0.0,
         };
         own.max(apart).max(beyond).max(slides)
     };
@@ -202,7 +203,7 @@ mod tests {
         let loaded = solution
             .states
             .iter()
-            .filter(|state| **state != State::Open);
+            .filter(|state| **state != ContactState::Open);
         assert_eq!(loaded.count(), 2);
         let weights = solution.forces.iter().enumerate();
         let weight: f64 = weights.map(|(i, p)| p / product(i, i)).sum();

@@ -1,5 +1,7 @@
 //! The problem of the lines of all contacts, its states and its residual.
 
+use super::state::ContactState;
+
 /// Friction of one contact: the line of its normal and its coefficient.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Cone {
@@ -9,19 +11,6 @@ pub(crate) struct Cone {
     pub(crate) kinetic: f64,
     /// In space the line of the second tangent, which stands behind all first ones.
     pub(crate) across: Option<usize>,
-}
-
-/// What a contact does.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum State {
-    /// No force.
-    Open,
-    /// A normal force; no cone, or none that matters.
-    Closed,
-    /// A force within its cone, `w_t = 0`.
-    Stick,
-    /// `f_t = -sense mu f_n`, `sense w_t >= 0`.
-    Slip(f64),
 }
 
 /// Lines that are the tangent of a cone come last, in the order of `cones`; all others are normals.
@@ -38,7 +27,7 @@ pub(crate) struct Problem<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Solution {
     /// State of the contact of each normal.
-    pub(crate) states: Vec<State>,
+    pub(crate) states: Vec<ContactState>,
     /// `f`, of all lines.
     pub(crate) forces: Vec<f64>,
 }

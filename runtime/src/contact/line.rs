@@ -1,6 +1,6 @@
 //! The velocities that contacts hold, one a force.
 
-use super::active_contact::ActiveContact;
+use super::state::{ActiveContact, ContactState};
 
 /// One velocity that is held, and the direction of the force that holds it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,8 +14,24 @@ pub(crate) enum Line {
 }
 
 impl Line {
+    /// The normal velocity, by a force along the contact direction itself.
+    pub(crate) fn normal(contact: usize) -> Self {
+        Self::Normal {
+            contact,
+            slope: 0.0,
+        }
+    }
+
+    /// The sliding velocity.
+    pub(crate) fn tangent(contact: usize) -> Self {
+        Self::Tangent {
+            contact,
+            sense: 1.0,
+        }
+    }
+
     /// The sign with which the velocity counts.
-    pub(super) fn sense(self) -> f64 {
+    pub(crate) fn sense(self) -> f64 {
         match self {
             Self::Normal { .. } | Self::Across { .. } => 1.0,
             Self::Tangent { sense, .. } => sense,
@@ -31,25 +47,21 @@ impl Line {
     }
 }
 
+/// The sliding velocities that a contact holds in a state.
+pub(crate) fn stuck(contact: usize, state: ContactState) -> impl Iterator<Item = Line> {
+    let lines = [Line::tangent(contact), Line::Across { contact }];
+    lines.into_iter().take(state.stuck())
+}
+
 /// Tangents of the contacts that stick.
-pub(super) fn tangents(active: &[ActiveContact]) -> impl Iterator<Item = Line> {
-    let sticking = active.iter().filter(|held| held.sticks());
-    sticking.flat_map(|held| {
-        let contact = held.contact;
-        let along = Line::Tangent {
-            contact,
-            sense: 1.0,
-        };
-        let across = (held.stuck() > 1).then_some(Line::Across { contact });
-        std::iter::once(along).chain(across)
-    })
+pub(crate) fn tangents(active: &[ActiveContact]) -> impl Iterator<Item = Line> {
+    active
+        .iter()
+        .flat_map(|held| stuck(held.contact, held.state))
 }
 
 /// The lines that the `active` contacts hold, for forces along the contact directions themselves.
-pub(super) fn unbiased_lines(active: &[ActiveContact]) -> Vec<Line> {
-    let normals = active.iter().map(|held| Line::Normal {
-        contact: held.contact,
-        slope: 0.0,
-    });
+pub(crate) fn unbiased_lines(active: &[ActiveContact]) -> Vec<Line> {
+    let normals = active.iter().map(|held| Line::normal(held.contact));
     normals.chain(tangents(active)).collect()
 }

@@ -9,7 +9,7 @@
 //! cone (i, t, mu):       |f_t| <= mu f_i,   f_t w_t = -mu f_i |w_t|
 //! ```
 //!
-//! In the plane this is piecewise linear: each contact is [open, closed, sticks or slips](State), and with the states
+//! In the plane this is piecewise linear: each contact is [open, closed, sticks or slips](ContactState), and with the states
 //! known it is a linear system. `blocks` takes apart what is not coupled. `active_set` changes the states until they
 //! are consistent: those that are not all at once, as long as that makes them fewer, and one at a time otherwise, which
 //! ends for certain where `K` is that of frictionless contacts. `polyhedral` is Lemke's method for the whole,
@@ -24,13 +24,21 @@
 mod active_set;
 mod basic;
 mod blocks;
+mod contact_mode;
+mod line;
 mod many;
 mod polyhedral;
 mod problem;
 mod space;
+mod state;
+mod view;
 
 pub(crate) use blocks::blocks;
+pub use contact_mode::{ContactMode, Direction};
+pub(crate) use line::{Line, stuck, tangents, unbiased_lines};
 pub(crate) use many::solve;
 pub(crate) use polyhedral::solve_polyhedral;
-pub(crate) use problem::{Cone, Problem, Solution, State};
+pub(crate) use problem::{Cone, Problem, Solution};
 pub(crate) use space::{is_in_space, solve_in_space};
+pub(crate) use state::{ActiveContact, ContactState, find, force_count};
+pub(crate) use view::{View, dot, sum_of_sizes};

@@ -1,7 +1,8 @@
 //! Forces that the equations of the states determine: those of redundant contacts are moved to others.
 
 use super::active_set::{Equations, forces_of};
-use super::problem::{Problem, Solution, State};
+use super::problem::{Problem, Solution};
+use super::state::ContactState;
 use crate::linalg::dense;
 
 /// Pivots below this share of the largest entry are those of dependent lines, see `small_system` of the event-driven method.
@@ -12,7 +13,7 @@ const DEPENDENT: f64 = 1e-11;
 pub(super) fn reduced(
     problem: &Problem<'_>,
     tangents: &[Option<(usize, f64)>],
-    mut states: Vec<State>,
+    mut states: Vec<ContactState>,
     mut forces: Vec<f64>,
 ) -> Option<Solution> {
     for _ in 0..=2 * states.len() {
@@ -36,7 +37,7 @@ pub(super) fn reduced(
         }
         let (_, contact, state) = stop;
         states[contact] = state;
-        if state == State::Open {
+        if state == ContactState::Open {
             forces[contact] = 0.0;
             if let Some((tangent, _)) = tangents[contact] {
                 forces[tangent] = 0.0;
@@ -50,12 +51,12 @@ pub(super) fn reduced(
 /// state there.
 fn first_stop(
     tangents: &[Option<(usize, f64)>],
-    states: &[State],
+    states: &[ContactState],
     forces: &[f64],
     (direction, sign): (&[f64], f64),
-) -> Option<(f64, usize, State)> {
-    let mut first: Option<(f64, usize, State)> = None;
-    let mut meet = |room: f64, rate: f64, contact: usize, state: State| {
+) -> Option<(f64, usize, ContactState)> {
+    let mut first: Option<(f64, usize, ContactState)> = None;
+    let mut meet = |room: f64, rate: f64, contact: usize, state: ContactState| {
         if rate > 0.0 {
             let length = room.max(0.0) / rate;
             if first.is_none_or(|(known, ..)| length < known) {
@@ -73,15 +74,15 @@ fn first_stop(
         }
     };
     for (i, state) in states.iter().enumerate() {
-        if *state == State::Open {
+        if *state == ContactState::Open {
             continue;
         }
-        meet(forces[i], -of(i), i, State::Open);
-        if let (State::Stick, Some((tangent, friction))) = (state, tangents[i]) {
+        meet(forces[i], -of(i), i, ContactState::Open);
+        if let (ContactState::Stick, Some((tangent, friction))) = (state, tangents[i]) {
             for side in [1.0, -1.0] {
                 let room = friction * forces[i] - side * forces[tangent];
                 let rate = side * of(tangent) - friction * of(i);
-                meet(room, rate, i, State::Slip(-side));
+                meet(room, rate, i, ContactState::slip(-side));
             }
         }
     }
