@@ -1,6 +1,6 @@
 //! States changed until they are consistent.
 
-use super::problem::Problem;
+use super::problem::{Problem, Tangent};
 use super::state::ContactState;
 use crate::linalg::dense;
 
@@ -30,7 +30,7 @@ impl Equations {
     /// Of the `states`; the force of a contact that slips acts along its normal and its tangent.
     pub(super) fn of(
         problem: &Problem<'_>,
-        tangents: &[Option<(usize, f64)>],
+        tangents: &[Option<Tangent>],
         states: &[ContactState],
     ) -> Self {
         let (mut unknown, mut sticking) = (Vec::new(), Vec::new());
@@ -38,7 +38,8 @@ impl Equations {
             if *state != ContactState::Open {
                 unknown.push(i);
             }
-            if let (ContactState::Stick, Some((tangent, _))) = (state, tangents[i]) {
+            if let (ContactState::Stick, Some(Tangent { line: tangent, .. })) = (state, tangents[i])
+            {
                 sticking.push(tangent);
             }
         }
@@ -52,8 +53,8 @@ impl Equations {
                     .get(column)
                     .map_or(0.0, |state| slope(*state, tangents[column]));
                 matrix.push(match tangents.get(column) {
-                    Some(&Some((tangent, _))) if slope != 0.0 => {
-                        own + slope * problem.coupling(row, tangent)
+                    Some(&Some(tangent)) if slope != 0.0 => {
+                        own + slope * problem.coupling(row, tangent.line)
                     }
                     _ => own,
                 });
@@ -107,9 +108,9 @@ impl Equations {
 }
 
 /// Tangential force of a contact for one unit of its normal force, unless that is an unknown of its own.
-pub(super) fn slope(state: ContactState, tangent: Option<(usize, f64)>) -> f64 {
+pub(super) fn slope(state: ContactState, tangent: Option<Tangent>) -> f64 {
     match (state, tangent) {
-        (state, Some((_, friction))) => state.force_ratio((friction, friction)),
+        (state, Some(tangent)) => state.force_ratio((tangent.friction, tangent.kinetic)),
         (_, None) => 0.0,
     }
 }
@@ -117,7 +118,7 @@ pub(super) fn slope(state: ContactState, tangent: Option<(usize, f64)>) -> f64 {
 /// Forces of all lines from those of the unknown ones.
 pub(super) fn forces_of(
     problem: &Problem<'_>,
-    tangents: &[Option<(usize, f64)>],
+    tangents: &[Option<Tangent>],
     states: &[ContactState],
     (unknown, x): (&[usize], &[f64]),
 ) -> Vec<f64> {
@@ -125,10 +126,10 @@ pub(super) fn forces_of(
     for (&line, &x) in unknown.iter().zip(x) {
         forces[line] = x;
         if let Some(&state) = states.get(line)
-            && let Some((tangent, _)) = tangents[line]
+            && let Some(tangent) = tangents[line]
             && state != ContactState::Stick
         {
-            forces[tangent] = slope(state, tangents[line]) * x;
+            forces[tangent.line] = slope(state, tangents[line]) * x;
         }
     }
     forces
@@ -138,7 +139,7 @@ pub(super) fn forces_of(
 fn wanted(
     problem: &Problem<'_>,
     contact: usize,
-    tangent: Option<(usize, f64)>,
+    tangent: Option<Tangent>,
     state: ContactState,
     (forces, motions): (&[f64], &[(f64, f64)]),
 ) -> Option<ContactState> {
@@ -151,7 +152,7 @@ fn wanted(
         if normal >= -zero {
             return None;
         }
-        let Some((line, friction)) = tangent else {
+        let Some(Tangent { line, friction, .. }) = tangent else {
             return Some(ContactState::Frictionless);
         };
         let (slip, _) = motions[line];
@@ -166,7 +167,7 @@ fn wanted(
     if p < -problem.zero_force(contact, zero) {
         return Some(ContactState::Open);
     }
-    let (line, friction) = tangent?;
+    let Tangent { line, friction, .. } = tangent?;
     let (slip, zero) = motions[line];
     match state {
         ContactState::Stick => {
@@ -190,7 +191,7 @@ fn wanted(
 /// does not end.
 pub(super) fn consistent(
     problem: &Problem<'_>,
-    tangents: &[Option<(usize, f64)>],
+    tangents: &[Option<Tangent>],
     mut states: Vec<ContactState>,
 ) -> Option<(Vec<ContactState>, Vec<f64>)> {
     let mut fewest = usize::MAX;

@@ -1,7 +1,7 @@
 //! Forces that the equations of the states determine: those of redundant contacts are moved to others.
 
 use super::active_set::{Equations, forces_of};
-use super::problem::{Problem, Solution};
+use super::problem::{Problem, Solution, Tangent};
 use super::state::ContactState;
 use crate::linalg::dense;
 
@@ -12,7 +12,7 @@ const DEPENDENT: f64 = 1e-11;
 /// independent, and solves their equations. `None` where nothing ends that.
 pub(super) fn reduced(
     problem: &Problem<'_>,
-    tangents: &[Option<(usize, f64)>],
+    tangents: &[Option<Tangent>],
     mut states: Vec<ContactState>,
     mut forces: Vec<f64>,
 ) -> Option<Solution> {
@@ -39,8 +39,8 @@ pub(super) fn reduced(
         states[contact] = state;
         if state == ContactState::Open {
             forces[contact] = 0.0;
-            if let Some((tangent, _)) = tangents[contact] {
-                forces[tangent] = 0.0;
+            if let Some(tangent) = tangents[contact] {
+                forces[tangent.line] = 0.0;
             }
         }
     }
@@ -50,7 +50,7 @@ pub(super) fn reduced(
 /// How far the forces go along a direction until a contact opens or reaches the edge of its cone; that contact, and its
 /// state there.
 fn first_stop(
-    tangents: &[Option<(usize, f64)>],
+    tangents: &[Option<Tangent>],
     states: &[ContactState],
     forces: &[f64],
     (direction, sign): (&[f64], f64),
@@ -78,7 +78,12 @@ fn first_stop(
             continue;
         }
         meet(forces[i], -of(i), i, ContactState::Open);
-        if let (ContactState::Stick, Some((tangent, friction))) = (state, tangents[i]) {
+        if let (ContactState::Stick, Some(known)) = (state, tangents[i]) {
+            let Tangent {
+                line: tangent,
+                friction,
+                ..
+            } = known;
             for side in [1.0, -1.0] {
                 let room = friction * forces[i] - side * forces[tangent];
                 let rate = side * of(tangent) - friction * of(i);

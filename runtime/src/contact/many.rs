@@ -3,7 +3,7 @@
 use super::active_set::consistent;
 use super::basic::reduced;
 use super::polyhedral::solve_polyhedral;
-use super::problem::{Problem, Solution};
+use super::problem::{Problem, Solution, Tangent};
 use super::state::ContactState;
 
 /// Multiple of rounding error up to which a solution may contradict the law: its forces are those of linear systems whose
@@ -16,8 +16,7 @@ const UNDECIDED: f64 = 1e-9;
 /// A solution whose forces the equations of its states determine, from the states of a `guess` on if there is one.
 /// `None` where none is found, which for contacts with friction may mean that there is none.
 pub(crate) fn solve(problem: &Problem<'_>, guess: Option<&[ContactState]>) -> Option<Solution> {
-    let finite = |value: &f64| value.is_finite();
-    if !problem.matrix.iter().chain(problem.offsets).all(finite) {
+    if !problem.is_finite() {
         return None;
     }
     let tangents = problem.tangents();
@@ -35,7 +34,7 @@ pub(crate) fn solve(problem: &Problem<'_>, guess: Option<&[ContactState]>) -> Op
 
 fn from(
     problem: &Problem<'_>,
-    tangents: &[Option<(usize, f64)>],
+    tangents: &[Option<Tangent>],
     guess: Vec<ContactState>,
 ) -> Option<Solution> {
     let (states, forces) = consistent(problem, tangents, guess)?;
@@ -44,14 +43,14 @@ fn from(
 }
 
 /// All contacts closed that nothing opens by itself; those that slide by themselves slip.
-fn pressed(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>]) -> Vec<ContactState> {
+fn pressed(problem: &Problem<'_>, tangents: &[Option<Tangent>]) -> Vec<ContactState> {
     let zero = UNDECIDED * problem.largest_offset();
-    let of = |(i, tangent): (usize, &Option<(usize, f64)>)| {
+    let of = |(i, tangent): (usize, &Option<Tangent>)| {
         let normal = problem.offsets[i];
         match tangent {
             _ if normal > zero => ContactState::Open,
             None => ContactState::Frictionless,
-            Some((line, friction)) => {
+            Some(Tangent { line, friction, .. }) => {
                 let slip = problem.offsets[*line];
                 let inside = slip.abs() <= friction * normal.abs() || slip.abs() <= zero;
                 if inside {
@@ -68,16 +67,16 @@ fn pressed(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>]) -> Vec<Cont
 /// The states that forces tell.
 fn states_of(
     problem: &Problem<'_>,
-    tangents: &[Option<(usize, f64)>],
+    tangents: &[Option<Tangent>],
     forces: &[f64],
 ) -> Vec<ContactState> {
     let motions = problem.motions(forces);
-    let of = |(i, tangent): (usize, &Option<(usize, f64)>)| {
+    let of = |(i, tangent): (usize, &Option<Tangent>)| {
         let p = forces[i];
         if p <= problem.zero_force(i, motions[i].1) {
             return ContactState::Open;
         }
-        let Some((line, friction)) = *tangent else {
+        let Some(Tangent { line, friction, .. }) = *tangent else {
             return ContactState::Frictionless;
         };
         let s = forces[line];
@@ -92,9 +91,9 @@ fn states_of(
 }
 
 /// By how much a solution contradicts the law, in units of what counts as zero.
-fn violation(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>], solution: &Solution) -> f64 {
+fn violation(problem: &Problem<'_>, tangents: &[Option<Tangent>], solution: &Solution) -> f64 {
     let motions = problem.motions(&solution.forces);
-    let of = |(i, tangent): (usize, &Option<(usize, f64)>)| {
+    let of = |(i, tangent): (usize, &Option<Tangent>)| {
         let (normal, zero) = motions[i];
         let p = solution.forces[i];
         let own = -p / problem.zero_force(i, zero);
@@ -102,7 +101,7 @@ fn violation(problem: &Problem<'_>, tangents: &[Option<(usize, f64)>], solution:
             ContactState::Open => -normal / zero,
             _ => normal.abs() / zero,
         };
-        let Some((line, friction)) = *tangent else {
+        let Some(Tangent { line, friction, .. }) = *tangent else {
             return own.max(apart);
         };
         let ((slip, zero), s) = (motions[line], solution.forces[line]);
@@ -173,6 +172,7 @@ mod tests {
             matrix: &matrix,
             offsets: &offsets,
             cones: &[],
+            surfaces: offsets.len(),
         };
         let solution = solve(&problem, None).expect("solvable");
         for (k, p) in solution.forces.iter().enumerate() {
@@ -198,6 +198,7 @@ mod tests {
             matrix: &matrix,
             offsets: &offsets,
             cones: &[],
+            surfaces: offsets.len(),
         };
         let solution = solve(&problem, None).expect("solvable");
         let loaded = solution
@@ -225,7 +226,7 @@ mod tests {
                 .chunks_exact(24)
                 .map(|row| row.iter().zip(&q).map(|(a, x)| a * x).sum())
                 .collect();
-            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &[] };
+            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &[], surfaces: offsets.len() };
             let solution = solve(&problem, None);
             prop_assert!(solution.is_some());
             let found = solution.expect("found").forces;
@@ -263,7 +264,7 @@ mod tests {
                 .enumerate()
                 .map(|(normal, &friction)| Cone { normal, friction, kinetic: friction, across: None })
                 .collect();
-            let problem = Problem { matrix: &matrix, offsets: &q, cones: &cones };
+            let problem = Problem { matrix: &matrix, offsets: &q, cones: &cones, surfaces: 20 };
             let solution = solve(&problem, None);
             prop_assert!(solution.is_some());
             let f = solution.expect("found").forces;

@@ -13,6 +13,14 @@ pub(crate) struct Cone {
     pub(crate) across: Option<usize>,
 }
 
+/// The tangent of a contact: its line, and the coefficients of rest and of sliding.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Tangent {
+    pub(super) line: usize,
+    pub(super) friction: f64,
+    pub(super) kinetic: f64,
+}
+
 /// Lines that are the tangent of a cone come last, in the order of `cones`; all others are normals.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Problem<'a> {
@@ -21,6 +29,8 @@ pub(crate) struct Problem<'a> {
     /// `q`.
     pub(crate) offsets: &'a [f64],
     pub(crate) cones: &'a [Cone],
+    /// Number of normals that may carry no force; the others, behind them, are dry friction, whose force is given.
+    pub(crate) surfaces: usize,
 }
 
 /// A solution.
@@ -46,13 +56,23 @@ impl Problem<'_> {
         self.offsets.len() - self.cones.len()
     }
 
-    /// The line of the tangent of each normal, and its coefficient of friction.
-    pub(super) fn tangents(&self) -> Vec<Option<(usize, f64)>> {
+    /// The tangent of each normal.
+    pub(super) fn tangents(&self) -> Vec<Option<Tangent>> {
         let mut tangents = vec![None; self.normals()];
         for (k, cone) in self.cones.iter().enumerate() {
-            tangents[cone.normal] = Some((self.normals() + k, cone.friction));
+            tangents[cone.normal] = Some(Tangent {
+                line: self.normals() + k,
+                friction: cone.friction,
+                kinetic: cone.kinetic,
+            });
         }
         tangents
+    }
+
+    /// Whether all numbers are finite.
+    pub(super) fn is_finite(&self) -> bool {
+        let mut numbers = self.matrix.iter().chain(self.offsets);
+        numbers.all(|value| value.is_finite())
     }
 
     /// `K_ij`.

@@ -7,11 +7,12 @@
 //! problem one derivative higher decides.
 
 use super::contacts::{Contacts, Line, ModeError, dot, norm};
-use super::coulomb::{self, Cone};
-use super::impact;
-use super::sharing::{self, Share};
 use super::switch;
-use crate::contact::{ActiveContact, ContactState, find};
+use crate::contact::sharing::{self, Share};
+use crate::contact::{
+    ActiveContact, Balance, Cone, ContactState, Decision, Problem, Touching, Vanished, find, law,
+    sliding, touching,
+};
 use crate::model::pair_size;
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
@@ -56,13 +57,13 @@ pub(crate) fn select(
         contacts.measure_sliding(i, time);
         contacts.align(i, None);
     }
-    let solved = Solved::sided(contacts, x, &touching, time)?;
+    let solved = sided(contacts, x, &touching, time)?;
     let Sorted {
         mut strict,
         mut undecided,
         shares,
         slips,
-    } = solved.sort(contacts);
+    } = sort(&solved, contacts);
     for (contact, slip) in slips {
         contacts.align(contact, Some(slip));
     }
@@ -78,15 +79,6 @@ pub(crate) fn select(
     Ok(())
 }
 
-/// Forces and accelerations of the contacts that touch: their normals, then the tangents of the cones.
-struct Solved {
-    touching: Vec<usize>,
-    lines: Vec<Line>,
-    cones: Vec<Cone>,
-    forces: Vec<f64>,
-    accelerations: Vec<f64>,
-}
-
 /// What accelerations decide.
 #[derive(Default)]
 struct Sorted {
@@ -99,203 +91,111 @@ struct Sorted {
     slips: Vec<(usize, (f64, f64))>,
 }
 
-impl Solved {
-    fn new(contacts: &Contacts<'_>, touching: Vec<usize>, time: f64) -> Result<Self, ModeError> {
-        let at_rest = |i: usize| {
-            !contacts.passes(i) && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
-        };
-        let (lines, cones) = impact::coulomb_lines(contacts, &touching, at_rest);
-        let free: Vec<f64> = lines
-            .iter()
-            .map(|&line| contacts.free_line_acceleration(line))
-            .collect();
-        let matrix = contacts.couplings(&lines);
-        let mut forces = vec![0.0; lines.len()];
-        coulomb::solve(&matrix, &free, &cones, &mut forces)?;
-        let rows = matrix.chunks_exact(lines.len());
-        let accelerations = free.iter().zip(rows).map(|(a, row)| a + dot(row, &forces));
-        Ok(Self {
-            touching,
-            cones,
-            accelerations: accelerations.collect(),
-            lines,
-            forces,
-        })
-    }
-
-    /// The same with the sides of the switches that are passed now.
-    fn sided(
-        contacts: &mut Contacts<'_>,
-        x: &[f64],
-        touching: &[usize],
-        time: f64,
-    ) -> Result<Self, ModeError> {
-        contacts.sides.fill(0.0);
-        let passed: Vec<usize> = touching
-            .iter()
-            .copied()
-            .filter(|&i| contacts.passes(i))
-            .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
-            .collect();
-        let mut motion = contacts.free_acceleration().to_vec();
-        for _ in 0..ROUNDS {
-            let before = contacts.sides.clone();
-            for &i in &passed {
-                let scale = contacts.tangential_scale(i);
-                let (_, time_scale) = difference_step(contacts, x, (&motion, scale));
-                let zero = BIACTIVE * scale;
-                contacts.sides[i] = switch::side(contacts, i, x, (&motion, time_scale), zero);
-            }
-            let solved = Self::new(contacts, touching.to_vec(), time)?;
-            if contacts.sides == before {
-                return Ok(solved);
-            }
-            motion = solved.motion(contacts);
-        }
-        Self::new(contacts, touching.to_vec(), time)
-    }
-
-    /// The acceleration of the motion with the forces.
-    fn motion(&self, contacts: &Contacts<'_>) -> Vec<f64> {
-        let mut motion = contacts.free_acceleration().to_vec();
-        for (&line, &force) in self.lines.iter().zip(&self.forces) {
-            contacts.push(line, force, &mut motion);
-        }
-        motion
-    }
-
-    /// The line of the tangent of the `k`-th contact, where its friction has a cone.
-    fn tangent(&self, k: usize) -> Option<usize> {
-        let cone = self.cones.iter().position(|cone| cone.normal == k);
-        cone.map(|cone| self.touching.len() + cone)
-    }
-
-    /// The components of `values` along both tangents of a cone; the second is 0 in the plane.
-    fn both(&self, tangent: usize, values: &[f64]) -> (f64, f64) {
-        let cone = &self.cones[tangent - self.touching.len()];
-        (
-            values[tangent],
-            cone.across.map_or(0.0, |across| values[across]),
-        )
-    }
-
-    /// Sorts the contacts by what their forces and accelerations say.
-    fn sort(&self, contacts: &Contacts<'_>) -> Sorted {
-        let mut sorted = Sorted::default();
-        for (k, &contact) in self.touching.iter().enumerate() {
-            let zero = BIACTIVE * contacts.phi_scale(contact);
-            let tangent = self.tangent(k);
-            if self.forces[k] > zero || contacts.is_dry(contact) {
-                let state = match tangent {
-                    None => sliding_state(contacts, contact),
-                    Some(tangent) => self.in_cone(contacts, k, tangent, &mut sorted),
-                };
-                sorted.strict.push(ActiveContact { contact, state });
-            } else if self.accelerations[k] <= zero {
-                let sense = match tangent {
-                    None => Some(sliding_state(contacts, contact).sense()),
-                    Some(tangent) => {
-                        let slip = self.both(tangent, &self.accelerations);
-                        let moves = pair_size(slip) > BIACTIVE * contacts.tangential_scale(contact);
-                        moves.then(|| self.begin_slip(contacts, contact, slip, &mut sorted))
-                    }
-                };
-                sorted.undecided.push(Undecided::Normal { contact, sense });
-            }
-        }
-        sorted
-    }
-
-    /// What the `k`-th contact does, which carries a force and does not slide.
-    fn in_cone(
-        &self,
-        contacts: &Contacts<'_>,
-        k: usize,
-        tangent: usize,
-        sorted: &mut Sorted,
-    ) -> ContactState {
-        let contact = self.touching[k];
-        let both = self.both(tangent, &self.forces);
-        let slips = self.both(tangent, &self.accelerations);
-        let zero = BIACTIVE * contacts.tangential_scale(contact);
-        let margin = contacts.friction(contact) * self.forces[k] - pair_size(both);
-        if contacts.is_in_space(contact) {
-            return self.in_space(contacts, (contact, margin, zero), (both, slips), sorted);
-        }
-        let (friction, slip) = (both.0, slips.0);
-        let at_rest = margin > zero;
-        // Where sliding has a lower coefficient of its own, a force that is no longer held jumps.
-        let jumps = contacts.kinetic(contact) < contacts.friction(contact);
-        let margin = if at_rest && !(jumps && slip.abs() > zero) {
-            margin
-        } else {
-            0.0
-        };
-        sorted.shares.push(Share {
-            contact,
-            friction,
-            margin,
-        });
-        if margin == 0.0 && jumps {
-            ContactState::slip(-friction)
-        } else if margin == 0.0 && slip.abs() <= zero {
-            let sense = -friction.signum();
-            sorted.undecided.push(Undecided::Edge { contact, sense });
-            ContactState::slip(sense)
-        } else if margin > 0.0 {
-            ContactState::Stick
-        } else {
-            ContactState::slip(slip)
-        }
-    }
+/// Forces and accelerations of the contacts that touch.
+fn balance(contacts: &Contacts<'_>, touching: &[usize], time: f64) -> Result<Balance, ModeError> {
+    let at_rest = |i: usize| {
+        !contacts.passes(i) && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
+    };
+    let touching = Touching::new(contacts, touching, at_rest);
+    let free = touching.lines.iter();
+    let free: Vec<f64> = free
+        .map(|&line| contacts.free_line_acceleration(line))
+        .collect();
+    Ok(touching.balance(contacts, &free)?)
 }
 
-impl Solved {
-    /// The sense in which a contact begins to slip; in space its frame is to point there.
-    fn begin_slip(
-        &self,
-        contacts: &Contacts<'_>,
-        contact: usize,
-        slip: (f64, f64),
-        sorted: &mut Sorted,
-    ) -> f64 {
-        if !contacts.is_in_space(contact) {
-            return slip.0.signum();
+/// The same with the sides of the switches that are passed now.
+fn sided(
+    contacts: &mut Contacts<'_>,
+    x: &[f64],
+    touching: &[usize],
+    time: f64,
+) -> Result<Balance, ModeError> {
+    contacts.sides.fill(0.0);
+    let passed: Vec<usize> = touching
+        .iter()
+        .copied()
+        .filter(|&i| contacts.passes(i))
+        .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
+        .collect();
+    let mut motion = contacts.free_acceleration().to_vec();
+    for _ in 0..ROUNDS {
+        let before = contacts.sides.clone();
+        for &i in &passed {
+            let scale = contacts.tangential_scale(i);
+            let (_, time_scale) = difference_step(contacts, x, (&motion, scale));
+            let zero = BIACTIVE * scale;
+            contacts.sides[i] = switch::side(contacts, i, x, (&motion, time_scale), zero);
         }
-        sorted.slips.push((contact, slip));
-        1.0
+        let solved = balance(contacts, touching, time)?;
+        if contacts.sides == before {
+            return Ok(solved);
+        }
+        motion.copy_from_slice(contacts.free_acceleration());
+        solved.push(contacts, &solved.forces, &mut motion);
     }
+    balance(contacts, touching, time)
+}
 
-    /// What a contact in space does that carries a force and does not slide, by its `margin` to the cone, its friction and its
-    /// acceleration.
-    fn in_space(
-        &self,
-        contacts: &Contacts<'_>,
-        (contact, margin, zero): (usize, f64, f64),
-        (friction, slip): ((f64, f64), (f64, f64)),
-        sorted: &mut Sorted,
-    ) -> ContactState {
-        let margin = if margin > zero { margin } else { 0.0 };
-        sorted.shares.push(Share {
-            contact,
-            friction: pair_size(friction),
-            margin,
-        });
-        if margin > 0.0 {
-            return ContactState::StickInSpace;
-        }
-        let slips = pair_size(slip) > zero;
-        let direction = if slips {
-            slip
+/// Sorts the contacts by what their forces and accelerations say.
+fn sort(balance: &Balance, contacts: &Contacts<'_>) -> Sorted {
+    let mut sorted = Sorted::default();
+    for (k, &contact) in balance.touching.contacts.iter().enumerate() {
+        let zero = BIACTIVE * contacts.tangential_scale(contact);
+        let zeros = (BIACTIVE * contacts.phi_scale(contact), zero);
+        let decision = if contacts.is_dry(contact) {
+            balance.pressed(contacts, k, zero, None)
         } else {
-            (-friction.0, -friction.1)
+            balance.decide(contacts, k, zeros, Vanished::default())
         };
-        let sense = self.begin_slip(contacts, contact, direction, sorted);
-        if !slips {
-            sorted.undecided.push(Undecided::Edge { contact, sense });
+        let slip = balance.slip(k);
+        match decision {
+            Decision::Is(ContactState::Open) => continue,
+            Decision::Touches => {
+                let sense = match slip {
+                    None => Some(sliding(contacts, contact).sense()),
+                    Some(slip) if pair_size(slip) <= zero => None,
+                    Some(_) if contacts.is_in_space(contact) => Some(1.0),
+                    Some(slip) => Some(slip.0.signum()),
+                };
+                sorted.undecided.push(Undecided::Normal { contact, sense });
+                if slip.is_some_and(|slip| pair_size(slip) > zero) {
+                    sorted.slips.push((contact, balance.heading(k, zero)));
+                }
+                continue;
+            }
+            Decision::Edge(state) => {
+                let sense = state.sense();
+                sorted.undecided.push(Undecided::Edge { contact, sense });
+            }
+            Decision::Is(_) => {}
         }
-        ContactState::slip(sense)
+        let (Decision::Is(state) | Decision::Edge(state)) = decision else {
+            continue;
+        };
+        sorted.strict.push(ActiveContact { contact, state });
+        if slip.is_some() {
+            let friction = balance.friction(k);
+            let friction = match contacts.is_in_space(contact) {
+                true => pair_size(friction),
+                false => friction.0,
+            };
+            let margin = if state.sticks() {
+                balance.margin(contacts, k)
+            } else {
+                0.0
+            };
+            sorted.shares.push(Share {
+                contact,
+                friction,
+                margin,
+            });
+            if state.slips() {
+                sorted.slips.push((contact, balance.heading(k, zero)));
+            }
+        }
     }
+    sorted
 }
 
 /// Conditions on velocities that the strictly active contacts hold need no decision: a contact on the edge
@@ -308,10 +208,7 @@ fn drop_held(
     for k in (0..undecided.len()).rev() {
         let line = match undecided[k] {
             Undecided::Edge { contact, sense } => Line::Tangent { contact, sense },
-            Undecided::Normal { contact, .. } => Line::Normal {
-                contact,
-                slope: 0.0,
-            },
+            Undecided::Normal { contact, .. } => Line::normal(contact),
         };
         if sharing::is_independent(contacts, active, line)? {
             continue;
@@ -323,15 +220,6 @@ fn drop_held(
         }
     }
     Ok(())
-}
-
-/// State of a contact that slides or has no friction.
-fn sliding_state(contacts: &Contacts<'_>, contact: usize) -> ContactState {
-    if contacts.friction(contact) > 0.0 {
-        ContactState::slip(contacts.side(contact))
-    } else {
-        ContactState::Frictionless
-    }
 }
 
 /// Decides conditions whose two sides both vanish by their derivatives along the motion with the
@@ -361,8 +249,13 @@ fn select_by_jerk(
     let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
     let at = (x, &motion[..], step);
     let jerk = jerks(contacts, at, strict, (&held, &lines))?;
-    let mut rates = vec![0.0; lines.len()];
-    coulomb::solve(&matrix, &jerk, &cones, &mut rates)?;
+    let problem = Problem {
+        matrix: &matrix,
+        offsets: &jerk,
+        cones: &cones,
+        surfaces: undecided.len(),
+    };
+    let rates = law::first(&problem)?;
     let size = lines.len();
     // What sticks from now on comes first: it may hold normal velocities, so that no force is needed for that.
     let mut order: Vec<usize> = (0..undecided.len()).collect();
@@ -422,12 +315,8 @@ fn is_held(
 ) -> Result<bool, ModeError> {
     let seen = active.iter().map(|held| held.contact);
     contacts.evaluate(x, seen.chain([contact]));
-    let slope = 0.0;
-    Ok(!sharing::is_independent(
-        contacts,
-        active,
-        Line::Normal { contact, slope },
-    )?)
+    let independent = sharing::is_independent(contacts, active, Line::normal(contact))?;
+    Ok(!independent)
 }
 
 /// Rates of the accelerations of `lines` along the motion, while the `active` contacts hold theirs: a central difference over a `step`
@@ -508,14 +397,11 @@ fn undecided_lines(contacts: &Contacts<'_>, undecided: &[Undecided]) -> (Vec<Lin
             Undecided::Normal { contact, sense } => {
                 let friction = contacts.friction(contact);
                 if friction > 0.0 && sense.is_none() {
-                    tangents.push(Line::Tangent {
-                        contact,
-                        sense: 1.0,
-                    });
+                    tangents.push(Line::tangent(contact));
                     if contacts.is_in_space(contact) {
                         acrosses.push((cones.len(), Line::Across { contact }));
                     }
-                    cones.push(contacts.cone(contact, normal));
+                    cones.push(touching::cone(contacts, contact, normal));
                 }
                 Line::Normal {
                     contact,
@@ -525,7 +411,7 @@ fn undecided_lines(contacts: &Contacts<'_>, undecided: &[Undecided]) -> (Vec<Lin
         });
     }
     lines.extend(tangents);
-    impact::add_acrosses(&mut lines, &mut cones, acrosses);
+    touching::add_acrosses(&mut lines, &mut cones, acrosses);
     (lines, cones)
 }
 

@@ -6,11 +6,9 @@
 
 use std::ops::{Deref, DerefMut};
 
-pub(crate) use super::mode_error::ModeError;
-pub(crate) use crate::contact::{Line, dot};
+pub(crate) use crate::contact::{Line, ModeError, dot};
 
 use super::contact_size::ContactSize;
-use super::coulomb::Cone;
 use crate::contact::{ActiveContact, View, sum_of_sizes, tangents};
 use crate::linalg::dense;
 use crate::model::rounding::rounding_error_at_start;
@@ -103,16 +101,6 @@ impl<'a> Contacts<'a> {
         match self.space(contact) {
             Some(space) => rest.max(space.frames()[contact].soft),
             None => rest,
-        }
-    }
-
-    /// The law of a contact whose normal is the line `normal`.
-    pub(super) fn cone(&self, contact: usize, normal: usize) -> Cone {
-        Cone {
-            normal,
-            friction: self.friction(contact),
-            kinetic: self.kinetic(contact),
-            across: None,
         }
     }
 

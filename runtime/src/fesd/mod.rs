@@ -7,16 +7,12 @@
 //!
 //! - [`finite_element`]: one element in a fixed contact mode, a smooth square system.
 //! - [`contacts`]: gaps, velocities and forces at a point; [`contact_mode`]: which contacts are active and
-//!   which of them stick; [`impact`]: velocity jumps; [`coulomb`]: the law that the last two share.
+//!   which of them stick, by the laws of [`contact`](crate::contact).
 
 mod constraints;
 pub(crate) mod contact_mode;
 pub(crate) mod contact_size;
 pub(crate) mod contacts;
-mod coulomb;
 pub(crate) mod finite_element;
-pub(crate) mod impact;
-mod mode_error;
-pub(crate) mod sharing;
 mod switch;
 pub(crate) mod transcription;

@@ -2,3 +2,4 @@
 
 pub(crate) mod dense;
 pub(crate) mod lcp;
+pub(crate) mod small_system;

@@ -3,7 +3,6 @@
 use hangtime_solver::clock::ThreadTime;
 
 use super::event::contact_problem::ContactProblem;
-use super::event::coulomb::{CoulombSolution, TangentialLaw};
 use super::event::dynamics::{Dynamics, dot, largest, motion};
 use super::fixed::check_gaps;
 use super::joints::Closed;
@@ -14,7 +13,7 @@ use super::{
     SimulationStatus, Simulator,
 };
 use crate::Observer;
-use crate::contact::Line;
+use crate::contact::{Balance, Line, Touching};
 use crate::model::{Model, contact_point, friction_share, pair_size};
 
 /// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
@@ -257,7 +256,7 @@ impl<'a> TimeStepping<'a> {
         closed: &[usize],
         t: f64,
         h: f64,
-    ) -> Result<(Vec<f64>, CoulombSolution), SimulationStatus> {
+    ) -> Result<(Vec<f64>, Balance), SimulationStatus> {
         let n = self.dynamics.n;
         self.dynamics.evaluate_free_acceleration();
         let change: Vec<f64> = self
@@ -266,32 +265,26 @@ impl<'a> TimeStepping<'a> {
             .iter()
             .map(|a| h * a)
             .collect();
-        let (normal, tangential) = self.contact_velocities(closed, &change, h);
-        let across = self.across_velocities(closed, &change);
-        let mut velocities = change.iter().chain(&normal).chain(&tangential);
-        if velocities.any(|v| !v.is_finite()) {
+        let touching = Touching::new(&self.dynamics, closed, |_| true);
+        let offsets = touching.lines.iter();
+        let offsets: Vec<f64> = offsets.map(|&line| self.offset(line, &change, h)).collect();
+        if change.iter().chain(&offsets).any(|v| !v.is_finite()) {
             return Err(self.not_finite(t, closed.first()));
         }
-        let law = |&i: &usize| match self.dynamics.friction(i) {
-            0.0 => TangentialLaw::None,
-            mu => TangentialLaw::of_rest(mu, self.dynamics.kinetic(i)),
-        };
-        let laws: Vec<TangentialLaw> = closed.iter().map(law).collect();
         let problem = ContactProblem {
             what: "impulse",
-            contacts: closed,
-            normal: &normal,
-            tangential: &tangential,
-            across: &across,
-            laws: &laws,
+            touching,
+            offsets,
         };
         let impulses = problem.solve(&self.dynamics).map_err(|message| {
             SimulationStatus::StepFailed(self.diagnosis(t, closed.first(), message))
         })?;
+        let mut jump = vec![0.0; n];
+        impulses.push(&self.dynamics, &impulses.forces, &mut jump);
         let velocity: Vec<f64> = self.start[n..]
             .iter()
             .zip(&change)
-            .zip(problem.change(&self.dynamics, &impulses))
+            .zip(jump)
             .map(|((v, free), contact)| v + free + contact)
             .collect();
         if velocity.iter().any(|v| !v.is_finite()) {
@@ -301,21 +294,22 @@ impl<'a> TimeStepping<'a> {
     }
 
     /// Keeps what the impulses of a step of length `h` are as forces, and the numerical time that they take.
-    fn keep_forces(&mut self, closed: &[usize], impulses: &CoulombSolution, h: f64) {
+    fn keep_forces(&mut self, closed: &[usize], impulses: &Balance, h: f64) {
         self.forces.fill(0.0);
         self.friction_forces.fill(0.0);
         for (slot, &i) in closed.iter().enumerate() {
             let inertia = self.dynamics.point(i)[contact_point::INVERSE_INERTIA];
-            self.forces[i] = impulses.p[slot] / (h * inertia);
+            self.forces[i] = impulses.forces[slot] / (h * inertia);
             let share = friction_share(self.dynamics.model, i, self.dynamics.input());
+            let friction = impulses.friction(slot);
             let friction = match self.dynamics.is_in_space(i) {
-                true => pair_size((impulses.s[slot], impulses.across(slot).0)),
-                false => impulses.s[slot],
+                true => pair_size(friction),
+                false => friction.0,
             };
             self.friction_forces[i] = share * friction / (h * inertia);
         }
         let surfaces = closed.iter().filter(|&&i| !self.dynamics.is_dry(i));
-        let jumps = largest(&impulses.p[..surfaces.count()]);
+        let jumps = largest(&impulses.forces[..surfaces.count()]);
         self.numerical_time += jumps / self.settings.auxiliary_acceleration;
     }
 
@@ -364,40 +358,21 @@ impl<'a> TimeStepping<'a> {
         closed
     }
 
-    /// Normal velocities `n' v+ + restitution min(n' v, 0)` and sliding velocities `v_t+` that a change of the
-    /// velocity without impulses gives. The impulse of dry friction is given, `p = h r`.
-    fn contact_velocities(&self, closed: &[usize], change: &[f64], h: f64) -> (Vec<f64>, Vec<f64>) {
-        closed
-            .iter()
-            .map(|&i| {
-                let dynamics = &self.dynamics;
-                let before = dynamics.point(i)[contact_point::NORMAL_VELOCITY];
-                let returned = dynamics.laws.restitution[i] * before.min(0.0);
-                let normal = if dynamics.is_dry(i) {
-                    h * dynamics.point(i)[contact_point::CURVATURE]
-                } else {
-                    before + dot(dynamics.normal(i), change) + returned
-                };
-                let tangential = if dynamics.has_friction(i) {
-                    dynamics.sliding_velocity(i) + dot(dynamics.tangent(i), change)
-                } else {
-                    0.0
-                };
-                (normal, tangential)
-            })
-            .unzip()
-    }
-
-    /// Second sliding velocities `v_t+` of contacts in space that a change of the velocity without impulses gives.
-    fn across_velocities(&self, closed: &[usize], change: &[f64]) -> Vec<f64> {
+    /// Velocity `n' v+ + restitution min(n' v, 0)` or `v_t+` of a line that a change of the velocity without impulses gives. The
+    /// impulse of dry friction is given, `p = h r`.
+    fn offset(&self, line: Line, change: &[f64], h: f64) -> f64 {
         let dynamics = &self.dynamics;
-        let across = closed.iter().map(|&i| match dynamics.is_in_space(i) {
-            true => {
-                dynamics.sliding(i).1 + dot(dynamics.row(Line::Across { contact: i }).0, change)
+        let before = dynamics.velocity(line);
+        match line {
+            Line::Normal { contact, .. } if dynamics.is_dry(contact) => {
+                h * dynamics.point(contact)[contact_point::CURVATURE]
             }
-            false => 0.0,
-        });
-        across.collect()
+            Line::Normal { contact, .. } => {
+                let returned = dynamics.laws.restitution[contact] * before.min(0.0);
+                before + dot(dynamics.normal(contact), change) + returned
+            }
+            _ => before + dot(dynamics.row(line).0, change),
+        }
     }
 
     fn record(&mut self, time: f64) -> Result<(), SimulationStatus> {

@@ -6,8 +6,8 @@
 
 use super::impact_cluster::{self, NearContact};
 use super::{ContactMode, Event, EventKind, Simulation, number};
+use crate::contact::impact;
 use crate::fesd::contacts::{Contacts, ModeError, dot};
-use crate::fesd::impact;
 use crate::model::{ImpactLaw, Model};
 
 /// Share of the range of a gap below which it is not told from touching: the error that runs promise.

@@ -11,9 +11,9 @@
 //! if none of them pulls; and the result says so.
 
 use super::{Simulation, impulse};
+use crate::contact::sharing;
 use crate::contact::{ActiveContact, ContactState};
 use crate::fesd::contacts::{Contacts, Line};
-use crate::fesd::sharing;
 use crate::model::Model;
 
 /// Share of the largest coordinate, and of the largest velocity, below which a contact touches and rests.

@@ -218,6 +218,7 @@ pub(crate) fn groups(
 mod tests {
     use super::super::{FiniteElement, State, assembly, newton};
     use super::*;
+    use crate::contact::ContactState;
     use crate::model::ControlPiece;
     use crate::rk::{ButcherTableau, Scheme};
 

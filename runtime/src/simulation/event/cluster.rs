@@ -2,7 +2,7 @@
 
 use super::dynamics::{Dynamics, dot};
 use super::impact::{EndOfBounces, Impact, LowestBounce, Undetermined, lowest_speeds, strike};
-use super::small_system;
+use crate::linalg::small_system;
 use crate::model::contact_point;
 use crate::simulation::impact_cluster::{self, Cluster, NearContact};
 

@@ -2,11 +2,12 @@
 //! normal contact accelerations with Coulomb's law; where that is undecided, of what follows a moment later.
 
 use super::contact_problem::ContactProblem;
-use super::coulomb::{CoulombSolution, TangentialLaw};
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::impact::Undetermined;
-use crate::contact::{ContactState, Direction, Line};
+use crate::contact::{
+    Balance, ContactState, Decision, Direction, Line, Touching, Vanished, sliding,
+};
 use crate::model::{Switching, pair_size};
 use crate::simulation::problem::negative_bound;
 
@@ -274,127 +275,67 @@ fn candidates(
 ) -> Result<Vec<Candidate>, String> {
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
-    let (mut normal, mut tangential, mut laws) = (Vec::new(), Vec::new(), Vec::new());
-    let mut across = vec![0.0; resting.len()];
-    let mut scales = Vec::new();
-    for (slot, &i) in resting.iter().enumerate() {
+    dynamics.sides.fill(0.0);
+    let (mut accelerations, mut rests) = (Vec::new(), vec![false; dynamics.contacts]);
+    for &i in resting {
         dynamics.evaluate_sides(i);
         dynamics.align(i, None);
-        if dynamics.is_in_space(i) {
-            across[slot] = dynamics.free_line_acceleration(Line::Across { contact: i });
-        }
-        let (acceleration, terms) = dynamics.free_normal_acceleration(i);
+        let normal = dynamics.free_normal_acceleration(i);
         // Where it vanishes and goes on falling, its force was about to change its sign.
         let released = vanished == Some(Switch::NormalForce(i));
-        if dynamics.is_dry(i) && (acceleration > 0.0 || released) {
+        if dynamics.is_dry(i) && (normal.0 > 0.0 || released) {
             let name = dynamics.model.declaration().contacts[i].name;
             return Err(negative_bound(name));
         }
-        normal.push(acceleration);
-        if !dynamics.has_friction(i) {
-            tangential.push(0.0);
-            laws.push(TangentialLaw::None);
-            scales.push((terms, 0.0));
-            continue;
+        let mut tangential = (0.0, 0.0);
+        if dynamics.has_friction(i) {
+            tangential = dynamics.free_sliding_acceleration(i);
+            rests[i] = rests_along(dynamics, i, vanished);
+            if rests[i] && dynamics.passes(i) {
+                let side = side(dynamics, i, (t, y, moment), tangential.0, vanished);
+                (dynamics.sides[i], rests[i]) = (side.sign(), false);
+            }
         }
-        let (acceleration, tangential_terms) = dynamics.free_sliding_acceleration(i);
-        tangential.push(acceleration);
-        scales.push((terms, tangential_terms));
-        laws.push(tangential_law(
-            dynamics,
-            i,
-            (t, y, moment),
-            acceleration,
-            vanished,
-        ));
+        accelerations.push((normal, tangential));
     }
     switching::set_force_floors(dynamics, resting);
-    let solution = ContactProblem {
+    let touching = Touching::new(dynamics, resting, |i| rests[i]);
+    let slot = |contact: usize| resting.iter().position(|&i| i == contact).unwrap_or(0);
+    let offsets = touching.lines.iter().map(|&line| match line {
+        Line::Normal { contact, .. } => accelerations[slot(contact)].0.0,
+        Line::Tangent { contact, .. } => accelerations[slot(contact)].1.0,
+        Line::Across { .. } => dynamics.free_line_acceleration(line),
+    });
+    let balance = ContactProblem {
         what: "balance of contact forces",
-        contacts: resting,
-        normal: &normal,
-        tangential: &tangential,
-        across: &across,
-        laws: &laws,
+        offsets: offsets.collect(),
+        touching,
     }
     .solve(dynamics)?;
-    let solution = in_frames(dynamics, resting, &laws, solution);
-    Ok(resting
-        .iter()
-        .enumerate()
-        .map(|(slot, &contact)| {
-            let floor = dynamics.force_floor(contact);
-            let (normal, tangential) = scales[slot];
-            let zeros = (
-                BIACTIVE * normal.max(floor),
-                BIACTIVE * tangential.max(floor),
-            );
-            let mut candidate = candidate(contact, laws[slot], &solution, slot, zeros, vanished);
-            if dynamics.is_in_space(contact) {
-                // It slips along the direction of its frame.
-                let backward = ContactState::Slip(Direction::Backward);
-                candidate.states.retain(|state| *state != backward);
-                for state in candidate.states.iter_mut().filter(|state| state.sticks()) {
-                    *state = ContactState::StickInSpace;
-                }
-            }
-            if dynamics.is_dry(contact) {
-                // It acts always, if only with a force of zero.
-                candidate.states.retain(|state| !state.is_open());
-            }
-            candidate
-        })
-        .collect())
+    for (slot, &i) in resting.iter().enumerate() {
+        if dynamics.is_in_space(i) && rests[i] {
+            let zero = BIACTIVE * dynamics.sliding_acceleration_scale(i);
+            dynamics.align(i, Some(balance.heading(slot, zero)));
+        }
+    }
+    let candidates = accelerations.iter().enumerate().map(|(slot, scales)| {
+        let floor = dynamics.force_floor(resting[slot]);
+        let ((_, normal), (_, tangential)) = *scales;
+        let zeros = (
+            BIACTIVE * normal.max(floor),
+            BIACTIVE * tangential.max(floor),
+        );
+        candidate(dynamics, (&balance, slot), zeros, vanished)
+    });
+    Ok(candidates.collect())
 }
 
-/// The law of an evaluated contact with friction along its tangent, whose sliding velocity has this `acceleration` without forces.
-fn tangential_law(
-    dynamics: &mut Dynamics<'_>,
-    contact: usize,
-    at: (f64, &[f64], f64),
-    acceleration: f64,
-    vanished: Option<Switch>,
-) -> TangentialLaw {
-    let (mu, kinetic) = dynamics.frictions(contact);
+/// Whether an evaluated contact with friction does not slide.
+fn rests_along(dynamics: &Dynamics<'_>, contact: usize, vanished: Option<Switch>) -> bool {
     // In space a direction may vanish while the contact slides on across it.
     let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == contact)
         && !dynamics.is_in_space(contact);
-    let rests = stops || pair_size(dynamics.sliding(contact)) <= dynamics.zero_speed(contact);
-    if rests && dynamics.passes(contact) {
-        TangentialLaw::Sliding(mu, side(dynamics, contact, at, acceleration, vanished))
-    } else if rests {
-        TangentialLaw::of_rest(mu, kinetic)
-    } else {
-        let velocity = dynamics.sliding_velocity(contact);
-        TangentialLaw::Sliding(kinetic, Direction::of(velocity))
-    }
-}
-
-/// The solution in the frames of contacts in space, which point to where these would slip: along their acceleration, or against
-/// their friction where there is none. In it their friction is backward, and of its whole size, as is their acceleration.
-fn in_frames(
-    dynamics: &mut Dynamics<'_>,
-    resting: &[usize],
-    laws: &[TangentialLaw],
-    mut solution: CoulombSolution,
-) -> CoulombSolution {
-    for (slot, &i) in resting.iter().enumerate() {
-        if !dynamics.is_in_space(i) || !laws[slot].may_stick() {
-            continue;
-        }
-        let (s, w) = (solution.s[slot], solution.tangential[slot]);
-        let (s_across, w_across) = solution.across(slot);
-        let slips = pair_size((w, w_across)) > BIACTIVE * dynamics.sliding_acceleration_scale(i);
-        let to = if slips {
-            (w, w_across)
-        } else {
-            (-s, -s_across)
-        };
-        dynamics.align(i, Some(to));
-        solution.s[slot] = -pair_size((s, s_across));
-        solution.tangential[slot] = pair_size((w, w_across));
-    }
-    solution
+    stops || pair_size(dynamics.sliding(contact)) <= dynamics.zero_speed(contact)
 }
 
 /// The side of a switch that is only passed, where its function vanishes: the other one of a side that has ended, else that of its
@@ -441,67 +382,52 @@ fn side(
 /// The states of one contact that the solution leaves open; `zeros` are the normal and tangential
 /// accelerations below which it does not decide.
 fn candidate(
-    contact: usize,
-    law: TangentialLaw,
-    solution: &CoulombSolution,
-    slot: usize,
+    dynamics: &Dynamics<'_>,
+    (balance, slot): (&Balance, usize),
     zeros: (f64, f64),
     vanished: Option<Switch>,
 ) -> Candidate {
-    use ContactState::{Frictionless, Open, Slip, Stick};
-    let (r, s) = (solution.p[slot], solution.s[slot]);
-    let (w_n, w_t) = (solution.normal[slot], solution.tangential[slot]);
-    let stops = law.may_stick();
-    let decided = |state| Candidate {
-        contact,
-        states: vec![state],
-        remainder: 0.0,
-        stops,
+    let contact = balance.touching.contacts[slot];
+    let known = match vanished {
+        Some(Switch::NormalForce(other)) if other == contact => Vanished {
+            force: true,
+            reserve: None,
+        },
+        Some(Switch::FrictionLimit(other, direction)) if other == contact => Vanished {
+            force: false,
+            reserve: Some(direction),
+        },
+        _ => Vanished::default(),
     };
-    let releases = vanished == Some(Switch::NormalForce(contact));
-    if r <= zeros.0 || releases {
-        if w_n > zeros.0 && !releases {
-            return decided(Open);
+    let sticking = ContactState::sticking(dynamics.is_in_space(contact));
+    let slip = balance.slip(slot);
+    let (states, remainder) = match balance.decide(dynamics, slot, zeros, known) {
+        Decision::Is(state) => (vec![state], 0.0),
+        Decision::Edge(state) => {
+            let slip = slip.map_or(0.0, pair_size);
+            let margin = balance.margin(dynamics, slot).abs();
+            (vec![sticking, state], margin.max(slip))
         }
-        return Candidate {
-            contact,
-            states: match law {
-                TangentialLaw::None => vec![Frictionless, Open],
-                TangentialLaw::Sliding(_, direction) => vec![Slip(direction), Open],
-                TangentialLaw::Coulomb(_) | TangentialLaw::Breaking { .. } => vec![
-                    Stick,
-                    Slip(Direction::Forward),
-                    Slip(Direction::Backward),
-                    Open,
-                ],
-            },
-            remainder: r.abs().max(w_n.abs()),
-            stops,
-        };
-    }
-    let mu = match law {
-        TangentialLaw::None => return decided(Frictionless),
-        TangentialLaw::Sliding(_, direction) => return decided(Slip(direction)),
-        TangentialLaw::Coulomb(mu) | TangentialLaw::Breaking { rest: mu, .. } => mu,
+        Decision::Touches => {
+            let mut states = match slip {
+                None => vec![sliding(dynamics, contact)],
+                // In space it slips along the direction of its frame.
+                Some(_) if dynamics.is_in_space(contact) => vec![sticking, ContactState::slip(1.0)],
+                Some(_) => vec![sticking, ContactState::slip(1.0), ContactState::slip(-1.0)],
+            };
+            if !dynamics.is_dry(contact) {
+                // Dry friction acts always, if only with a force of zero.
+                states.push(ContactState::Open);
+            }
+            let (force, motion) = (balance.forces[slot], balance.motions[slot]);
+            (states, force.abs().max(motion.abs()))
+        }
     };
-    let reserve = mu * r - s.abs();
-    let begins = matches!(vanished, Some(Switch::FrictionLimit(other, _)) if other == contact);
-    let direction = match (solution.states[slot], vanished) {
-        (Slip(direction), _) if w_t.abs() > zeros.1 => return decided(Slip(direction)),
-        (Stick, _) if reserve > zeros.1 && !begins => return decided(Stick),
-        (_, Some(Switch::FrictionLimit(other, direction))) if other == contact => direction,
-        (Slip(direction), _) => direction,
-        _ => Direction::of(-s),
-    };
-    if matches!(law, TangentialLaw::Breaking { .. }) {
-        // What is no longer held jumps to the lower force of sliding.
-        return decided(Slip(direction));
-    }
     Candidate {
         contact,
-        states: vec![Stick, Slip(direction)],
-        remainder: reserve.abs().max(w_t.abs()),
-        stops,
+        states,
+        remainder,
+        stops: slip.is_some(),
     }
 }
 

@@ -1,9 +1,9 @@
 //! The impact law of contacts that are struck together, and the end of sequences of bounces.
 
 use super::contact_problem::ContactProblem;
-use super::coulomb::TangentialLaw;
 use super::dop853::System;
 use super::dynamics::{Dynamics, dot, largest};
+use crate::contact::{Line, Touching};
 use crate::model::{contact_point, pair_size};
 
 /// Bounces lower than this share of the range of a gap are left out, and those lower than ten times a closed gap.
@@ -99,33 +99,27 @@ pub(super) fn strike(
             }
         })
         .collect();
-    let normal: Vec<f64> = velocities
+    let touching = Touching::new(dynamics, closed, |_| true);
+    let sliding = |i: usize| {
+        let velocity = dynamics.sliding(i);
+        let slides = pair_size(velocity) > dynamics.zero_sliding_velocity(i);
+        if slides { velocity } else { (0.0, 0.0) }
+    };
+    let offsets = touching
+        .lines
         .iter()
-        .zip(&returned)
-        .map(|(velocity, returned)| velocity - returned)
-        .collect();
-    let (laws, sliding): (Vec<TangentialLaw>, Vec<(f64, f64)>) = closed
-        .iter()
-        .map(|&i| {
-            if !dynamics.has_friction(i) {
-                return (TangentialLaw::None, (0.0, 0.0));
-            }
-            let velocity = dynamics.sliding(i);
-            let slides = pair_size(velocity) > dynamics.zero_sliding_velocity(i);
-            let law = TangentialLaw::of_rest(dynamics.friction(i), dynamics.kinetic(i));
-            (law, if slides { velocity } else { (0.0, 0.0) })
-        })
-        .unzip();
-    let (tangential, across): (Vec<f64>, Vec<f64>) = sliding.into_iter().unzip();
+        .enumerate()
+        .map(|(k, &line)| match line {
+            Line::Normal { .. } => velocities[k] - returned[k],
+            Line::Tangent { contact, .. } => sliding(contact).0,
+            Line::Across { contact } => sliding(contact).1,
+        });
     let problem = ContactProblem {
         what: "impact",
-        contacts: closed,
-        normal: &normal,
-        tangential: &tangential,
-        across: &across,
-        laws: &laws,
+        offsets: offsets.collect(),
+        touching,
     };
-    let solution = problem.solve(dynamics).map_err(|message| Undetermined {
+    let balance = problem.solve(dynamics).map_err(|message| Undetermined {
         contact: outcome.struck.first().copied().unwrap_or_default(),
         message,
     })?;
@@ -136,7 +130,8 @@ pub(super) fn strike(
     } else {
         0.0
     };
-    let change = problem.change(dynamics, &solution);
+    let mut change = vec![0.0; n];
+    balance.push(dynamics, &balance.forces, &mut change);
     for (v, change) in y[n..2 * n].iter_mut().zip(change) {
         *v += change;
     }
@@ -144,11 +139,9 @@ pub(super) fn strike(
         let after = dynamics.kinetic_energy(y);
         outcome.energy_gain = (after > before * (1.0 + SAME_ENERGY)).then_some((before, after));
     }
-    outcome.impulse = largest(&solution.p);
-    Ok(solution
-        .normal
-        .iter()
-        .zip(&returned)
+    outcome.impulse = largest(balance.normals());
+    let motions = balance.motions.iter().zip(&returned);
+    Ok(motions
         .map(|(velocity, returned)| velocity + returned)
         .collect())
 }

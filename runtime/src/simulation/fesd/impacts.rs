@@ -2,9 +2,9 @@
 
 use super::bounces::slowest_bounce;
 use super::driver::{Driver, EnergyGains};
+use crate::contact::impact;
 use crate::contact::{ActiveContact, ContactState, find};
 use crate::fesd::contacts::{ModeError, dot};
-use crate::fesd::impact;
 use crate::simulation::impact_cluster::{self, NearContact};
 use crate::simulation::impulse;
 use crate::time_freezing::clock;

@@ -3,9 +3,10 @@
 use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
 use super::{bounces, edge, impacts, resets};
+use crate::contact::impact;
 use crate::contact::{ActiveContact, ContactState, find};
+use crate::fesd::contact_mode;
 use crate::fesd::contacts::ModeError;
-use crate::fesd::{contact_mode, impact};
 use crate::simulation::EventKind;
 
 /// Carries out a located switch at the present state.

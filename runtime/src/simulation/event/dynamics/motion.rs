@@ -2,9 +2,9 @@
 
 use super::{Dynamics, dot, rows, switching};
 use crate::contact::{ContactState, Line, stuck};
+use crate::linalg::small_system;
 use crate::model::contact_point;
 use crate::simulation::event::dop853::System;
-use crate::simulation::event::small_system;
 
 /// Newton steps of one projection; the second already meets rounding error after a step that passed
 /// the error test.

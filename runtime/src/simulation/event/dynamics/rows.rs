@@ -2,7 +2,7 @@
 
 use super::{Dynamics, dot};
 use crate::contact::Line;
-use crate::simulation::event::small_system;
+use crate::linalg::small_system;
 
 /// Number of coordinates from which on rows are looked through for zeros. Chosen: below, looking takes as long as adding them.
 const LARGE: usize = 16;

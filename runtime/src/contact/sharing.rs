@@ -2,9 +2,10 @@
 //! block in a corner. The motion is unique, the shares are not; those of the complementarity problem are
 //! kept, with one sticking contact for each independent sliding velocity.
 
-use super::contacts::{Contacts, Line, ModeError};
-use crate::contact::unbiased_lines;
-use crate::contact::{ActiveContact, ContactState};
+use super::line::{Line, unbiased_lines};
+use super::mode_error::ModeError;
+use super::state::{ActiveContact, ContactState};
+use super::view::View;
 use crate::linalg::dense;
 
 /// Share of its own coupling that a line keeps while the others are held, below which it depends on them.
@@ -12,18 +13,18 @@ const DEPENDENT: f64 = 1e-10;
 
 /// Friction of a contact as the complementarity problem gave it.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Share {
-    pub(super) contact: usize,
-    pub(super) friction: f64,
+pub(crate) struct Share {
+    pub(crate) contact: usize,
+    pub(crate) friction: f64,
     /// `mu r - |s|`, 0 on the edge of the cone.
-    pub(super) margin: f64,
+    pub(crate) margin: f64,
 }
 
 /// Lets only independent contacts of `active` stick: first those inside their cone whose friction is not
 /// zero, which a basic solution has for independent contacts only, so that the others keep the force that
 /// `shares` says.
-pub(super) fn share_friction(
-    contacts: &Contacts<'_>,
+pub(crate) fn share_friction(
+    contacts: &View<'_>,
     active: &mut [ActiveContact],
     shares: &[Share],
 ) -> Result<(), ModeError> {
@@ -57,10 +58,7 @@ pub(super) fn share_friction(
             friction,
             margin,
         } = share(active[k].contact);
-        let tangent = Line::Tangent {
-            contact,
-            sense: 1.0,
-        };
+        let tangent = Line::tangent(contact);
         let independent = is_independent(contacts, active, tangent)?;
         active[k].state = if contacts.is_in_space(contact) {
             in_space(contacts, active, (contact, independent), (k, margin))?
@@ -78,7 +76,7 @@ pub(super) fn share_friction(
 /// What a contact in space does that sticks, of whose first sliding velocity it is known whether it is independent of those that
 /// others hold: it holds both, or none where others hold them. Of one alone the shares are not told apart.
 fn in_space(
-    contacts: &Contacts<'_>,
+    contacts: &View<'_>,
     active: &mut [ActiveContact],
     (contact, along): (usize, bool),
     (place, margin): (usize, f64),
@@ -96,7 +94,7 @@ fn in_space(
 
 /// Lets only independent contacts of `active` stick; the others carry no friction.
 pub(crate) fn drop_dependent_sticks(
-    contacts: &Contacts<'_>,
+    contacts: &View<'_>,
     active: &mut [ActiveContact],
 ) -> Result<(), ModeError> {
     share_friction(contacts, active, &[])
@@ -104,7 +102,7 @@ pub(crate) fn drop_dependent_sticks(
 
 /// Whether the velocity of `line` is free while the `active` contacts hold theirs.
 pub(crate) fn is_independent(
-    contacts: &Contacts<'_>,
+    contacts: &View<'_>,
     active: &[ActiveContact],
     line: Line,
 ) -> Result<bool, ModeError> {
@@ -114,8 +112,8 @@ pub(crate) fn is_independent(
 }
 
 /// Couplings of `lines` while the `held` ones keep their velocity: `D_UU - D_UH D_HH^-1 D_HU`.
-pub(super) fn reduced_couplings(
-    contacts: &Contacts<'_>,
+pub(crate) fn reduced_couplings(
+    contacts: &View<'_>,
     held: &[Line],
     lines: &[Line],
 ) -> Result<Vec<f64>, ModeError> {

@@ -9,7 +9,7 @@ const LARGE: usize = 16;
 
 /// Solves `matrix x = right` (row-major, order `right.len()`); the solution replaces `right` and the
 /// matrix is destroyed. Returns the sign of its determinant, `None` if it is singular to working accuracy.
-pub(in crate::simulation) fn solve(matrix: &mut [f64], right: &mut [f64]) -> Option<f64> {
+pub(crate) fn solve(matrix: &mut [f64], right: &mut [f64]) -> Option<f64> {
     let m = right.len();
     let mut sign = 1.0;
     let mut places: Vec<usize> = Vec::new();
