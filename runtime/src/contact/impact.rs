@@ -1,42 +1,98 @@
 //! Velocity jumps: impacts, and the removal of what rounding leaves of held velocities.
+//!
+//! The law is Moreau's, with a coefficient of restitution `e_i` in the normal direction alone, as Newton's law, and Coulomb's friction
+//! between the impulses and the sliding velocities after the impact:
+//!
+//! ```text
+//! v+ = v- + sum_i d_i p_i + e_i s_i
+//! 0 <= p_i  _|_  v_n,i+ + e_i min(v_n,i-, 0) >= 0
+//! |s_i| <= mu_i p_i,   s_i v_t,i+ = -mu_i p_i |v_t,i+|
+//! ```
+//!
+//! Source: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988).
 
 use super::line::{Line, unbiased_lines};
 use super::mode_error::ModeError;
-use super::state::ActiveContact;
-use super::touching::Touching;
+use super::state::{ActiveContact, ContactState};
+use super::touching::{Balance, Touching};
 use super::view::View;
 use crate::linalg::dense;
+use crate::model::pair_size;
 
-/// Solves the impact of all contacts in `touching` at the last evaluation; writes the normal
-/// velocity increments `p` and adds the jump to `v`.
-///
-/// Moreau's law with `restitution` (one coefficient a touching contact), and planar Coulomb friction
-/// between impulses and the sliding velocity after the impact:
-///
-/// ```text
-/// 0 <= p _|_ v_n+ + e v_n- >= 0     |s| <= mu p,  s = -mu p sign(v_t+) unless v_t+ = 0
-/// ```
+/// Kinetic energies are compared to this relative accuracy.
+const SAME_ENERGY: f64 = 1e-12;
+/// Newton steps onto surfaces; the second already meets rounding error.
+const STEPS: usize = 3;
+
+/// The impact of contacts that touch, at the last evaluation of a view.
+pub(crate) struct Blow {
+    pub(crate) touching: Touching,
+    /// Velocities of the lines that the impulses are to take: `v_n + e min(v_n, 0)` and `v_t`.
+    pub(crate) offsets: Vec<f64>,
+    /// Velocities that restitution sends back, `-e min(v_n, 0)`, one a contact.
+    pub(crate) returned: Vec<f64>,
+}
+
+impl Blow {
+    /// Of the contacts `together`, with a coefficient of `restitution` each. Velocities of lines up to their `zero` are none.
+    pub(crate) fn new(
+        view: &View<'_>,
+        together: &[usize],
+        restitution: &[f64],
+        zero: impl Fn(Line) -> f64,
+    ) -> Self {
+        let touching = Touching::new(view, together, |_| true);
+        let velocity = |&line: &Line| {
+            let size = match line {
+                Line::Normal { .. } => view.velocity(line),
+                _ => pair_size(view.sliding(line.contact())),
+            };
+            if size.abs() > zero(line) {
+                view.velocity(line)
+            } else {
+                0.0
+            }
+        };
+        let mut offsets: Vec<f64> = touching.lines.iter().map(velocity).collect();
+        let mut returned = Vec::with_capacity(together.len());
+        for (velocity, e) in offsets.iter_mut().zip(restitution) {
+            returned.push(-e * velocity.min(0.0));
+            *velocity += e * velocity.min(0.0);
+        }
+        Self {
+            touching,
+            offsets,
+            returned,
+        }
+    }
+}
+
+/// Normal velocities after an impact, by its impulses and the velocities `returned`.
+pub(crate) fn velocities_after<'b>(
+    balance: &'b Balance,
+    returned: &'b [f64],
+) -> impl Iterator<Item = f64> + 'b {
+    let motions = balance.motions.iter().zip(returned);
+    motions.map(|(velocity, returned)| velocity + returned)
+}
+
+/// Solves the impact of all contacts in `touching` at the last evaluation; adds the jump to `v` and returns the normal velocity
+/// increments `p`.
 pub(crate) fn strike(
-    contacts: &View<'_>,
+    view: &View<'_>,
     touching: &[usize],
     restitution: &[f64],
-    p: &mut Vec<f64>,
     v: &mut [f64],
-) -> Result<(), ModeError> {
-    let touching = Touching::new(contacts, touching, |_| true);
-    let mut offsets: Vec<f64> = touching
-        .lines
-        .iter()
-        .map(|&line| contacts.velocity(line))
-        .collect();
-    for (velocity, e) in offsets.iter_mut().zip(restitution) {
-        *velocity += e * velocity.min(0.0);
-    }
-    let balance = touching.balance(contacts, &offsets)?;
-    balance.push(contacts, &balance.forces, v);
-    p.clear();
-    p.extend(balance.normals());
-    Ok(())
+) -> Result<Vec<f64>, ModeError> {
+    let blow = Blow::new(view, touching, restitution, |_| 0.0);
+    let balance = blow.touching.balance(view, &blow.offsets)?;
+    balance.push(view, &balance.forces, v);
+    Ok(balance.normals().to_vec())
+}
+
+/// Kinetic energies before and after an impact, where it has raised them.
+pub(crate) fn gain(before: f64, after: f64) -> Option<(f64, f64)> {
+    (after > before * (1.0 + SAME_ENERGY)).then_some((before, after))
 }
 
 /// Removes the normal velocities of the `active` contacts at the last evaluation, and the sliding
@@ -74,4 +130,32 @@ pub(crate) fn close_gaps(
         contacts.push(line, -value, q);
     }
     Ok(())
+}
+
+/// Takes the gaps of the listed contacts, and their normal velocities, at the state that begins `x`; nothing where they depend on each
+/// other.
+pub(crate) fn bring_to_rest(view: &mut View<'_>, listed: &[usize], x: &mut [f64]) {
+    let n = view.n;
+    let resting = listed.iter().map(|&contact| ActiveContact {
+        contact,
+        state: ContactState::Frictionless,
+    });
+    let resting: Vec<ActiveContact> = resting.collect();
+    let evaluate = |view: &mut View<'_>, x: &[f64]| {
+        for &contact in listed {
+            view.evaluate_sides(contact, x);
+        }
+    };
+    evaluate(view, x);
+    if hold(view, &resting, &mut x[n..2 * n]).is_err() {
+        return;
+    }
+    let q = x[..n].to_vec();
+    for _ in 0..STEPS {
+        if close_gaps(view, listed, &mut x[..n]).is_err() {
+            x[..n].copy_from_slice(&q);
+            return;
+        }
+        evaluate(view, x);
+    }
 }

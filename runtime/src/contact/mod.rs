@@ -24,6 +24,7 @@
 mod active_set;
 mod basic;
 mod blocks;
+pub(crate) mod cluster;
 mod contact_mode;
 mod decision;
 mod few;

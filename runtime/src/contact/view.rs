@@ -245,6 +245,15 @@ impl<'a> View<'a> {
                 && contains_ground(self.sliding_velocity(contact), self.tangent(contact), v)
     }
 
+    /// Kinetic energy at `x` \[J\], `v' M v / 2`.
+    pub(crate) fn kinetic_energy(&self, x: &[f64]) -> f64 {
+        let (n, v) = (self.n, &x[self.n..2 * self.n]);
+        let mut mass = vec![0.0; n * n];
+        self.model.mass_matrix(x, &mut mass);
+        let momentum = mass.chunks_exact(n.max(1)).map(|row| dot(row, v));
+        0.5 * momentum.zip(v).map(|(p, v)| p * v).sum::<f64>()
+    }
+
     /// Acceleration without contact forces.
     pub(crate) fn free_acceleration(&self) -> &[f64] {
         &self.acceleration

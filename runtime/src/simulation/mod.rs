@@ -14,7 +14,6 @@ mod fesd;
 mod fixed;
 mod gradient;
 mod hand_over;
-mod impact_cluster;
 mod impulse;
 mod joints;
 mod moreau;

@@ -1,8 +1,8 @@
 //! The complementarity problem of the closed contacts at one instant: of velocities for an impact, of
 //! accelerations for a balance of forces.
 
-use super::dynamics::{Dynamics, dot, largest};
-use crate::contact::{Balance, Line, Touching};
+use super::dynamics::largest;
+use crate::contact::{Balance, Line, Touching, View, dot};
 use crate::simulation::problem::not_unique;
 
 /// Two solutions are one if their changes of the velocity agree to this relative accuracy.
@@ -21,7 +21,7 @@ pub(in crate::simulation) struct ContactProblem {
 impl ContactProblem {
     /// Solves `w = q + K f` under the laws of normal contact and Coulomb friction.
     /// Several solutions are accepted if they give the same change of velocity.
-    pub(in crate::simulation) fn solve(self, dynamics: &Dynamics<'_>) -> Result<Balance, String> {
+    pub(in crate::simulation) fn solve(self, view: &View<'_>) -> Result<Balance, String> {
         let Self {
             what,
             touching,
@@ -29,8 +29,8 @@ impl ContactProblem {
         } = self;
         // Where sliding has a lower coefficient of its own, what may rest does, and comes first.
         let breaks = touching.breaks();
-        let jamming = jamming(&touching, dynamics);
-        let Some((balance, solutions)) = touching.balances(dynamics, &offsets) else {
+        let jamming = jamming(&touching, view);
+        let Some((balance, solutions)) = touching.balances(view, &offsets) else {
             return Err(format!(
                 "the {what} has no solution: {}",
                 jamming.unwrap_or_else(|| {
@@ -41,8 +41,8 @@ impl ContactProblem {
             ));
         };
         let change = |forces: &[f64]| {
-            let mut change = vec![0.0; dynamics.n];
-            balance.push(dynamics, forces, &mut change);
+            let mut change = vec![0.0; view.n];
+            balance.push(view, forces, &mut change);
             change
         };
         let reference = change(&balance.forces);
@@ -53,7 +53,7 @@ impl ContactProblem {
             pairs.any(|(a, b)| (a - b).abs() > tolerance)
         };
         if !breaks && solutions.others(&balance.forces).any(differs) {
-            return Err(pushes_apart(&balance.touching, dynamics).unwrap_or_else(|| {
+            return Err(pushes_apart(&balance.touching, view).unwrap_or_else(|| {
                 format!(
                     "the {what} has several solutions with different velocities: {}",
                     jamming.unwrap_or_else(|| {
@@ -69,35 +69,35 @@ impl ContactProblem {
 }
 
 /// Says which switch pushes away from its zero on both sides, if there is one.
-fn pushes_apart(touching: &Touching, dynamics: &Dynamics<'_>) -> Option<String> {
+fn pushes_apart(touching: &Touching, view: &View<'_>) -> Option<String> {
     let mut contacts = touching.contacts.iter().enumerate();
     contacts.find_map(|(slot, &i)| {
-        let slides = dynamics.switch_of(i).is_some() && touching.tangent(slot).is_some();
-        let gains = slides && dot(dynamics.tangent(i), dynamics.friction_direction(i)) <= 0.0;
-        gains.then(|| not_unique(dynamics.model.declaration().contacts[i].name))
+        let slides = view.switch_of(i).is_some() && touching.tangent(slot).is_some();
+        let gains = slides && dot(view.tangent(i), view.friction_direction(i)) <= 0.0;
+        gains.then(|| not_unique(view.model.declaration().contacts[i].name))
     })
 }
 
 /// Says which contact friction pushes into the ground, if there is one.
-fn jamming(touching: &Touching, dynamics: &Dynamics<'_>) -> Option<String> {
+fn jamming(touching: &Touching, view: &View<'_>) -> Option<String> {
     let mut contacts = touching.contacts.iter().zip(&touching.lines).enumerate();
     contacts.find_map(|(slot, (&i, &line))| {
-        let mu = dynamics.friction(i);
+        let mu = view.friction(i);
         let gain = match (touching.tangent(slot), line) {
-            (Some(_), _) => dynamics.gain(i, mu).min(dynamics.gain(i, -mu)),
-            (None, Line::Normal { slope, .. }) if slope != 0.0 => dynamics.gain(i, slope),
+            (Some(_), _) => view.gain(i, mu).min(view.gain(i, -mu)),
+            (None, Line::Normal { slope, .. }) if slope != 0.0 => view.gain(i, slope),
             (None, _) => return None,
         };
-        (gain <= 0.0).then(|| jammed(dynamics, i, gain))
+        (gain <= 0.0).then(|| jammed(view, i, gain))
     })
 }
 
 /// Painleve's paradox in words: a contact whose [gain](crate::contact::View::gain) is zero or less.
-pub(in crate::simulation) fn jammed(dynamics: &Dynamics<'_>, contact: usize, gain: f64) -> String {
+pub(in crate::simulation) fn jammed(view: &View<'_>, contact: usize, gain: f64) -> String {
     format!(
         "friction {} of `{}` pushes it into the ground as much as its force lifts it, 1 - mu |n'e| = {gain:.1e} \
          (Painleve); lower the friction or change the geometry",
-        dynamics.friction(contact),
-        dynamics.model.declaration().contacts[contact].name,
+        view.friction(contact),
+        view.model.declaration().contacts[contact].name,
     )
 }

@@ -3,13 +3,12 @@
 use super::contact_problem::ContactProblem;
 use super::dop853::System;
 use super::dynamics::{Dynamics, dot, largest};
-use crate::contact::{Line, Touching};
-use crate::model::{contact_point, pair_size};
+use crate::contact::impact::{self, Blow};
+use crate::contact::{Balance, Line, View};
+use crate::model::contact_point;
 
 /// Bounces lower than this share of the range of a gap are left out, and those lower than ten times a closed gap.
 const LOWEST_BOUNCE: f64 = 1e-11;
-/// Kinetic energies are compared to this relative accuracy.
-const SAME_ENERGY: f64 = 1e-12;
 
 /// Why no contact mode could be found.
 #[derive(Debug, Clone)]
@@ -77,73 +76,96 @@ pub(super) fn rests(
     velocity.abs() <= dynamics.zero_normal_velocity(contact) || returns
 }
 
-/// Changes the velocities in `y` by the impulses of the law, at the contacts `closed` with the normal `velocities`.
-/// Returns their normal velocities afterwards.
+/// An impact with its impulses.
+pub(super) struct Struck {
+    balance: Balance,
+    returned: Vec<f64>,
+}
+
+impl Struck {
+    /// Adds the jump to the velocities `v`.
+    pub(super) fn carry_out(&self, view: &View<'_>, v: &mut [f64]) {
+        let mut change = vec![0.0; v.len()];
+        self.balance.push(view, &self.balance.forces, &mut change);
+        for (v, change) in v.iter_mut().zip(change) {
+            *v += change;
+        }
+    }
+
+    /// The largest normal impulse.
+    pub(super) fn impulse(&self) -> f64 {
+        largest(self.balance.normals())
+    }
+}
+
+/// The only impact of the contacts `together`, which are evaluated, with a coefficient of `restitution` each; `zeros` are the normal and
+/// sliding velocities of all contacts that are none.
+pub(super) fn blow(
+    view: &View<'_>,
+    together: &[usize],
+    restitution: &[f64],
+    zeros: &[(f64, f64)],
+) -> Result<Struck, Undetermined> {
+    let Blow {
+        touching,
+        offsets,
+        returned,
+    } = Blow::new(view, together, restitution, |line| match line {
+        Line::Normal { contact, .. } => zeros[contact].0,
+        _ => zeros[line.contact()].1,
+    });
+    let problem = ContactProblem {
+        what: "impact",
+        touching,
+        offsets,
+    };
+    match problem.solve(view) {
+        Ok(balance) => Ok(Struck { balance, returned }),
+        Err(message) => Err(Undetermined {
+            contact: together.first().copied().unwrap_or_default(),
+            message,
+        }),
+    }
+}
+
+/// Changes the velocities in `y` by the impulses of the law, at the contacts `closed`, which are evaluated. Returns their normal
+/// velocities afterwards.
 pub(super) fn strike(
     dynamics: &mut Dynamics<'_>,
     y: &mut [f64],
     closed: &[usize],
-    velocities: &[f64],
     outcome: &mut Impact,
 ) -> Result<Vec<f64>, Undetermined> {
     let n = dynamics.n;
-    // Velocities that the law sends back, `-e v_n-`.
-    let returned: Vec<f64> = closed
-        .iter()
-        .zip(velocities)
-        .map(|(&i, &velocity)| {
-            if velocity < 0.0 && outcome.ended.iter().all(|end| end.contact != i) {
-                -dynamics.laws.restitution[i] * velocity
-            } else {
-                0.0
-            }
-        })
-        .collect();
-    let touching = Touching::new(dynamics, closed, |_| true);
-    let sliding = |i: usize| {
-        let velocity = dynamics.sliding(i);
-        let slides = pair_size(velocity) > dynamics.zero_sliding_velocity(i);
-        if slides { velocity } else { (0.0, 0.0) }
+    let bounces = |i: usize| outcome.ended.iter().all(|end| end.contact != i);
+    let restitution = |&i: &usize| {
+        if bounces(i) {
+            dynamics.laws.restitution[i]
+        } else {
+            0.0
+        }
     };
-    let offsets = touching
-        .lines
-        .iter()
-        .enumerate()
-        .map(|(k, &line)| match line {
-            Line::Normal { .. } => velocities[k] - returned[k],
-            Line::Tangent { contact, .. } => sliding(contact).0,
-            Line::Across { contact } => sliding(contact).1,
-        });
-    let problem = ContactProblem {
-        what: "impact",
-        offsets: offsets.collect(),
-        touching,
-    };
-    let balance = problem.solve(dynamics).map_err(|message| Undetermined {
+    let restitution: Vec<f64> = closed.iter().map(restitution).collect();
+    let struck = blow(dynamics, closed, &restitution, &dynamics.zero_velocities());
+    let struck = struck.map_err(|error| Undetermined {
         contact: outcome.struck.first().copied().unwrap_or_default(),
-        message,
+        ..error
     })?;
-    let elastic = returned.iter().any(|&velocity| velocity > 0.0);
+    let elastic = struck.returned.iter().any(|&velocity| velocity > 0.0);
     let passive = elastic && !closed.iter().any(|&i| dynamics.ground_moves(i));
+    let mut x = dynamics.input().to_vec();
     let before = if passive {
-        dynamics.kinetic_energy(y)
+        dynamics.kinetic_energy(&x)
     } else {
         0.0
     };
-    let mut change = vec![0.0; n];
-    balance.push(dynamics, &balance.forces, &mut change);
-    for (v, change) in y[n..2 * n].iter_mut().zip(change) {
-        *v += change;
-    }
+    struck.carry_out(dynamics, &mut y[n..2 * n]);
     if passive {
-        let after = dynamics.kinetic_energy(y);
-        outcome.energy_gain = (after > before * (1.0 + SAME_ENERGY)).then_some((before, after));
+        x[n..2 * n].copy_from_slice(&y[n..2 * n]);
+        outcome.energy_gain = impact::gain(before, dynamics.kinetic_energy(&x));
     }
-    outcome.impulse = largest(balance.normals());
-    let motions = balance.motions.iter().zip(&returned);
-    Ok(motions
-        .map(|(velocity, returned)| velocity + returned)
-        .collect())
+    outcome.impulse = struck.impulse();
+    Ok(impact::velocities_after(&struck.balance, &struck.returned).collect())
 }
 
 /// Contacts that are closed, evaluated.

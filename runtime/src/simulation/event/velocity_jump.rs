@@ -5,6 +5,7 @@ use super::dynamics::Dynamics;
 use super::impact::{
     Impact, LowestBounce, Undetermined, closed_contacts, ended_bounces, rests, strike,
 };
+use crate::contact::cluster::{NearContact, in_sequence};
 use crate::model::contact_point;
 
 /// Applies the impact law to the velocities in `y`, for all closed contacts at once:
@@ -146,9 +147,13 @@ fn strike_together(
             .collect(),
         ..Impact::default()
     };
-    let too_fast = !outcome.struck.is_empty() && cluster::collapses(dynamics, t, &closed);
-    if too_fast || !outcome.struck.is_empty() && cluster::in_sequence(dynamics, &closed) {
-        let near = cluster::near(dynamics, &closed);
+    let near = cluster::near(dynamics, &closed);
+    let leaves = |near: &NearContact| {
+        let error = dynamics.gap_rounding(near.contact);
+        near.leaves(dynamics, (t <= 0.0, error))
+    };
+    let too_fast = !outcome.struck.is_empty() && near.iter().any(leaves);
+    if too_fast || !outcome.struck.is_empty() && in_sequence(&near) {
         let carried_out = cluster::resolve(dynamics, t, y, &near, lowest, &mut outcome)?;
         outcome.cluster = carried_out.note(too_fast);
         outcome.in_turn = true;
@@ -160,13 +165,8 @@ fn strike_together(
             velocities.push(dynamics.point(i)[contact_point::NORMAL_VELOCITY]);
         }
     } else if !outcome.struck.is_empty() {
-        for (&i, velocity) in closed.iter().zip(&mut velocities) {
-            if velocity.abs() <= dynamics.zero_normal_velocity(i) {
-                *velocity = 0.0;
-            }
-        }
         outcome.ended = ended_bounces(dynamics, t, y, &outcome.struck, lowest);
-        velocities = strike(dynamics, y, &closed, &velocities, &mut outcome)?;
+        velocities = strike(dynamics, y, &closed, &mut outcome)?;
     }
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();

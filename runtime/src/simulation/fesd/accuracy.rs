@@ -9,11 +9,11 @@ use super::bounces::{LEFT_OUT, LOW_FLIGHTS};
 use super::driver::Driver;
 use super::settings::Fesd;
 use super::stepping;
+use crate::contact::cluster;
 use crate::model::Model;
 use crate::rk::ButcherTableau;
 use crate::simulation::agreement::{Comparison, Spent};
 use crate::simulation::event;
-use crate::simulation::impact_cluster;
 use crate::simulation::watch::Watch;
 use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus};
 
@@ -157,7 +157,7 @@ fn confirm(
     let left_out = |note: &String| note.contains(LEFT_OUT) || note == LOW_FLIGHTS;
     let bounces = run.notes.iter().any(left_out);
     let felt = bounces && model.declaration().contacts.len() > 1;
-    if !felt && !impact_cluster::is_noted_in(&run.notes) {
+    if !felt && !cluster::is_noted_in(&run.notes) {
         return;
     }
     let tolerance = (CONFIRMS * promise).max(SMALLEST);

@@ -418,14 +418,6 @@ impl<'a> Dynamics<'a> {
         &self.mass
     }
 
-    /// Kinetic energy of the velocities in `y`, `v' M v / 2`, with the mass matrix at the state last loaded.
-    pub(in crate::simulation) fn kinetic_energy(&mut self, y: &[f64]) -> f64 {
-        self.view.model.mass_matrix(&self.x, &mut self.mass);
-        let v = &y[self.n..2 * self.n];
-        let momentum = self.mass.chunks_exact(self.n.max(1)).map(|row| dot(row, v));
-        0.5 * momentum.zip(v).map(|(p, v)| p * v).sum::<f64>()
-    }
-
     /// Whether a contact belongs to the present mode.
     pub(in crate::simulation) fn is_active(&self, contact: usize) -> bool {
         self.mode.active.contains(&contact)
@@ -526,6 +518,14 @@ impl<'a> Dynamics<'a> {
     /// Below this normal velocity a contact is at rest.
     pub(in crate::simulation) fn zero_normal_velocity(&self, contact: usize) -> f64 {
         self.scales[contact].zero_normal_velocity()
+    }
+
+    /// Below these normal and sliding velocities contacts are at rest.
+    pub(in crate::simulation) fn zero_velocities(&self) -> Vec<(f64, f64)> {
+        let scales = self.scales.iter();
+        scales
+            .map(|known| (known.zero_normal_velocity(), known.zero_sliding_velocity()))
+            .collect()
     }
 
     /// Below this sliding velocity a contact does not slide.

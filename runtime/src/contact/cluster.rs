@@ -1,0 +1,334 @@
+//! Clusters: impacts of several contacts within gaps too small for time to tell them apart.
+//!
+//! Bodies that collapse on each other strike ever faster one after the other. Forces do nothing in so short a time,
+//! so the gaps change at constant rates between two impacts:
+//!
+//! 1. Of the contacts that approach, that with the least `g_i / -v_n,i` is struck, together with those that rest
+//!    on their bodies, unless these are struck `in sequence`; the other gaps change by as much as they do until then.
+//! 2. Each impact follows the impact law of the run; one that would raise the kinetic energy on ground at rest has no restitution.
+//! 3. The cluster ends when no contact approaches, or after [`MOST_IMPACTS`] with an impact without restitution of
+//!    all at once: what then still approaches does so by a share of its speed that falls with each impact.
+//! 4. Contacts that are left with less than the slowest bounce, or [`SAME_VELOCITY`], come to rest: without an end of bounces infinitely many
+//!    impacts would bring them there, and whether they touch decides what the next impact does.
+//!
+//! Velocities after the cluster depend on the order of its impacts alone. Each gap is therefore changed by its
+//! rounding error in turn: where the end differs, the order is not known.
+
+use super::impact;
+use super::view::View;
+
+/// Impacts of one cluster before it ends without restitution.
+const MOST_IMPACTS: usize = 500;
+/// Velocities after a cluster that differ by more than this share of the largest before it are not the same.
+const SAME_VELOCITY: f64 = 1e-6;
+
+/// A contact that may be struck in a cluster.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct NearContact {
+    pub(crate) contact: usize,
+    /// Gap, 0 for a contact that is held or has just closed.
+    pub(crate) gap: f64,
+    /// What counts as closed of the gap, 0 for a contact that is held.
+    pub(crate) rounding: f64,
+    pub(crate) held: bool,
+    /// Whether it takes part only where it approaches, although it rests.
+    pub(crate) sequence: bool,
+    /// Normal velocity below which it neither approaches nor leaves.
+    pub(crate) zero: f64,
+    pub(crate) restitution: f64,
+    /// Speed up to which it does not bounce; infinite without restitution.
+    pub(crate) slowest: f64,
+}
+
+impl NearContact {
+    /// A contact at the last evaluation of a view, which has `held` it or counts gaps below `closed` as none, and velocities below
+    /// `zero`. It does not bounce.
+    pub(crate) fn new(
+        view: &View<'_>,
+        contact: usize,
+        held: bool,
+        (closed, zero): (f64, f64),
+    ) -> Self {
+        let gap = view.gap(contact).max(0.0);
+        let (gap, rounding) = if held { (0.0, 0.0) } else { (gap, closed) };
+        Self {
+            contact,
+            gap,
+            rounding,
+            held,
+            sequence: view.model.declaration().contacts[contact].sequence,
+            zero,
+            restitution: 0.0,
+            slowest: f64::INFINITY,
+        }
+    }
+
+    /// The same with a coefficient of `restitution` for what is faster than the `slowest` bounce.
+    pub(crate) fn bouncing(self, restitution: f64, slowest: f64) -> Self {
+        Self {
+            restitution,
+            slowest,
+            ..self
+        }
+    }
+
+    /// Whether it has left its surface and goes on leaving, so that it is not struck at the instant at which others are. At the
+    /// start only its gap tells, beside its rounding `error`.
+    pub(crate) fn leaves(&self, view: &View<'_>, (at_start, error): (bool, f64)) -> bool {
+        !self.held
+            && (!at_start || view.gap(self.contact) > error)
+            && view.normal_velocity(self.contact) > self.zero
+    }
+}
+
+/// Whether the scene wants contacts that touch to be struck one after the other.
+pub(crate) fn in_sequence(near: &[NearContact]) -> bool {
+    near.len() > 1 && near.iter().any(|near| near.sequence)
+}
+
+/// Bodies in a cluster, at one position.
+pub(crate) struct Bodies<'b, 'a, S> {
+    pub(crate) view: &'b mut View<'a>,
+    /// Input vector of the model; the velocities in it jump.
+    pub(crate) x: &'b mut [f64],
+    /// Changes velocities by the impact of contacts, which are evaluated, with these coefficients of restitution. Returns the largest
+    /// normal impulse.
+    pub(crate) strike: S,
+}
+
+impl<'a, E, S: FnMut(&View<'a>, &[usize], &[f64], &mut [f64]) -> Result<f64, E>> Bodies<'_, 'a, S> {
+    fn velocity(&mut self) -> &mut [f64] {
+        let n = self.view.n;
+        &mut self.x[n..2 * n]
+    }
+
+    fn normal_velocity(&mut self, contact: usize) -> f64 {
+        self.view.evaluate_normal(contact, self.x);
+        self.view.normal_velocity(contact)
+    }
+
+    fn normal_velocities(&mut self, near: &[NearContact]) -> Vec<f64> {
+        near.iter()
+            .map(|near| self.normal_velocity(near.contact))
+            .collect()
+    }
+
+    /// An impact of those of the contacts `near` at these places that does not raise the kinetic energy on ground at rest.
+    fn strike(
+        &mut self,
+        near: &[NearContact],
+        together: &[usize],
+        elastic: bool,
+    ) -> Result<f64, E> {
+        let before = self.velocity().to_vec();
+        let energy = self.view.kinetic_energy(self.x);
+        let impulse = self.strike_once(near, together, elastic)?;
+        let contacts = together.iter().map(|&place| near[place].contact);
+        let mut still = self.x.to_vec();
+        still[self.view.n..2 * self.view.n].copy_from_slice(&before);
+        let passive = elastic && {
+            for contact in contacts.clone() {
+                self.view.evaluate_sides(contact, &still);
+            }
+            !contacts.clone().any(|i| self.view.ground_moves(i, &before))
+        };
+        if passive && impact::gain(energy, self.view.kinetic_energy(self.x)).is_some() {
+            self.velocity().copy_from_slice(&before);
+            return self.strike_once(near, together, false);
+        }
+        Ok(impulse)
+    }
+
+    fn strike_once(
+        &mut self,
+        near: &[NearContact],
+        together: &[usize],
+        elastic: bool,
+    ) -> Result<f64, E> {
+        let mut restitution = Vec::with_capacity(together.len());
+        let mut contacts = Vec::with_capacity(together.len());
+        for &place in together {
+            let near = &near[place];
+            contacts.push(near.contact);
+            self.view.evaluate_sides(near.contact, self.x);
+            let speed = -self.view.normal_velocity(near.contact);
+            restitution.push(if elastic && speed > near.slowest {
+                near.restitution
+            } else {
+                0.0
+            });
+        }
+        let n = self.view.n;
+        (self.strike)(self.view, &contacts, &restitution, &mut self.x[n..2 * n])
+    }
+}
+
+/// What a cluster did.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Cluster {
+    /// Contacts struck, increasing.
+    pub(crate) struck: Vec<usize>,
+    /// Impacts one after the other.
+    pub(crate) impacts: usize,
+    /// Sum of the largest normal impulses of the impacts.
+    pub(crate) impulse: f64,
+    /// Whether rounding errors of the gaps change the velocities after it.
+    pub(crate) undecided: bool,
+}
+
+/// Said of a cluster whose end rounding errors change.
+const UNDECIDED: &str = "impacts of several contacts follow so fast that rounding errors decide their order, and with \
+    it the motion that follows: other tolerances may give another one; compare runs";
+/// Said of any other cluster.
+const JOINED: &str = "impacts of several contacts that follow too fast to be told apart are carried out one after the \
+    other at one instant";
+
+impl Cluster {
+    /// What a user should know of it, where its impacts follow `too_fast` to be told apart. Of those that a scene wants one after the other
+    /// nothing, unless rounding decides.
+    pub(crate) fn note(&self, too_fast: bool) -> Option<&'static str> {
+        if self.undecided {
+            Some(UNDECIDED)
+        } else if too_fast && self.impacts > 1 {
+            Some(JOINED)
+        } else {
+            None
+        }
+    }
+}
+
+/// Whether a run with these notes has carried out a cluster.
+pub(crate) fn is_noted_in(notes: &[String]) -> bool {
+    notes.iter().any(|note| note == UNDECIDED || note == JOINED)
+}
+
+/// Carries out the cluster of the contacts `near`.
+///
+/// # Errors
+/// That of an impact without a solution.
+pub(crate) fn resolve<'a, E, S>(
+    bodies: &mut Bodies<'_, 'a, S>,
+    near: &[NearContact],
+) -> Result<Cluster, E>
+where
+    S: FnMut(&View<'a>, &[usize], &[f64], &mut [f64]) -> Result<f64, E>,
+{
+    let before = bodies.velocity().to_vec();
+    let speeds = bodies.normal_velocities(near);
+    let largest = speeds
+        .iter()
+        .fold(0.0_f64, |most, speed| most.max(speed.abs()));
+    let mut others = Vec::new();
+    for changed in 0..near.len() {
+        if near[changed].rounding > 0.0 {
+            let mut near = near.to_vec();
+            near[changed].gap += near[changed].rounding;
+            run(bodies, &mut near)?;
+            others.push(bodies.normal_velocities(&near));
+            bodies.velocity().copy_from_slice(&before);
+        }
+    }
+    let mut cluster = run(bodies, &mut near.to_vec())?;
+    let after = bodies.normal_velocities(near);
+    cluster.undecided = others.iter().any(|other| {
+        let mut pairs = other.iter().zip(&after);
+        pairs.any(|(other, after)| (other - after).abs() > SAME_VELOCITY * largest)
+    });
+    let struck = near.iter().zip(after);
+    let struck = struck.filter(|(near, _)| cluster.struck.contains(&near.contact));
+    let slowest = struck.clone().map(|(near, _)| near.slowest);
+    let slowest = slowest.filter(|speed| speed.is_finite());
+    let slowest = slowest.fold(SAME_VELOCITY * largest, f64::max);
+    let resting = struck.filter(|(_, velocity)| velocity.abs() <= slowest);
+    let mut resting: Vec<usize> = resting.map(|(near, _)| near.contact).collect();
+    resting.sort_unstable();
+    impact::bring_to_rest(bodies.view, &resting, bodies.x);
+    Ok(cluster)
+}
+
+/// By how much the normal velocities after the impact of all contacts `near` at once differ from those after impacts one after
+/// the other; the velocities are as before.
+///
+/// # Errors
+/// That of an impact without a solution.
+pub(crate) fn order_matters<'a, E, S>(
+    bodies: &mut Bodies<'_, 'a, S>,
+    near: &[NearContact],
+) -> Result<Vec<f64>, E>
+where
+    S: FnMut(&View<'a>, &[usize], &[f64], &mut [f64]) -> Result<f64, E>,
+{
+    let before = bodies.velocity().to_vec();
+    let sequence = run(bodies, &mut near.to_vec()).map(|_| bodies.normal_velocities(near));
+    bodies.velocity().copy_from_slice(&before);
+    let places: Vec<usize> = (0..near.len()).collect();
+    let together = bodies.strike_once(near, &places, true);
+    let together = together.map(|_| bodies.normal_velocities(near));
+    bodies.velocity().copy_from_slice(&before);
+    let pairs = sequence?.into_iter().zip(together?);
+    Ok(pairs.map(|(one, other)| (one - other).abs()).collect())
+}
+
+/// The impacts in their order; `near` follows the gaps.
+fn run<'a, E, S>(bodies: &mut Bodies<'_, 'a, S>, near: &mut [NearContact]) -> Result<Cluster, E>
+where
+    S: FnMut(&View<'a>, &[usize], &[f64], &mut [f64]) -> Result<f64, E>,
+{
+    let mut cluster = Cluster::default();
+    loop {
+        // 0 of contacts that neither approach nor leave.
+        let mut velocities = bodies.normal_velocities(near);
+        for (velocity, near) in velocities.iter_mut().zip(&*near) {
+            if velocity.abs() <= near.zero {
+                *velocity = 0.0;
+            }
+        }
+        // The time of each is compared as it is: multiplied by the velocity again it need not give the gap.
+        let after = near.iter().zip(&velocities).map(|(near, &v)| {
+            if v < 0.0 {
+                near.gap / -v
+            } else {
+                f64::INFINITY
+            }
+        });
+        let after: Vec<f64> = after.collect();
+        let time = after.iter().copied().fold(f64::INFINITY, f64::min);
+        if time == f64::INFINITY {
+            break;
+        }
+        let exhausted = cluster.impacts == MOST_IMPACTS;
+        let mut together = Vec::new();
+        for (place, near) in near.iter_mut().enumerate() {
+            let (velocity, struck) = (velocities[place], after[place] <= time);
+            near.gap = if struck {
+                0.0
+            } else {
+                (near.gap + velocity * time).max(0.0)
+            };
+            let rests = velocity == 0.0 && !near.sequence;
+            if exhausted || near.gap == 0.0 && (velocity < 0.0 || rests) {
+                together.push(place);
+            }
+            if (struck || exhausted && velocity < 0.0) && !cluster.struck.contains(&near.contact) {
+                cluster.struck.push(near.contact);
+            }
+        }
+        let present = bodies.velocity().to_vec();
+        cluster.impulse += match bodies.strike(near, &together, !exhausted) {
+            Ok(impulse) => impulse,
+            // Some of the contacts may jam alone where all together do not.
+            Err(_) if !exhausted => {
+                bodies.velocity().copy_from_slice(&present);
+                cluster.impacts = MOST_IMPACTS;
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        cluster.impacts += 1;
+        if exhausted {
+            break;
+        }
+    }
+    cluster.struck.sort_unstable();
+    Ok(cluster)
+}
