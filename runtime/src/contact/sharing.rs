@@ -106,8 +106,13 @@ pub(crate) fn is_independent(
     active: &[ActiveContact],
     line: Line,
 ) -> Result<bool, ModeError> {
+    is_free(contacts, &unbiased_lines(active), line)
+}
+
+/// Whether the velocity of `line` is free while others are `held`.
+pub(crate) fn is_free(contacts: &View<'_>, held: &[Line], line: Line) -> Result<bool, ModeError> {
     let own = contacts.coupling(line, line);
-    let free = reduced_couplings(contacts, &unbiased_lines(active), &[line])?;
+    let free = reduced_couplings(contacts, held, &[line])?;
     Ok(free[0] > DEPENDENT * own)
 }
 

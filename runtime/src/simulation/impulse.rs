@@ -13,8 +13,8 @@
 
 use super::recorder::Impulses;
 use super::{ContactMode, Event, EventKind, Simulation, Trajectory};
+use crate::contact::least_norm;
 use crate::fesd::contacts::{Contacts, Line};
-use crate::linalg::dense;
 use crate::model::{Model, friction_share};
 
 /// Sliding velocity after an impact, as a share of the velocities of its contact before, that counts as none.
@@ -24,10 +24,6 @@ const STICKS: f64 = 1e-8;
 const MISSED: f64 = 1e-6;
 /// Share of the largest normal impulse below which a contact carries no friction.
 const UNLOADED: f64 = 1e-9;
-/// Weight of the size of the impulses in one step of the proximal point method, as a share of what their equations weigh.
-const PROXIMAL: f64 = 1e-6;
-/// Its steps. Each leaves this weight of the error, or half of it where directions agree to their sixth digit.
-const STEPS: usize = 40;
 
 /// Records the impulses of all impacts of a run, at their events and along its trajectory.
 pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
@@ -305,7 +301,7 @@ impl Jump<'_> {
                 weight * unit(line) * coupling * its / unit(column)
             }));
         }
-        let found = smallest(&matrix, &rows)?;
+        let found = least_norm::smallest(&matrix, &rows)?;
         let impulses = weighted.iter().zip(found);
         let impulses = impulses.map(|(&(line, weight), value)| (line, weight * unit(line) * value));
         Some(impulses.collect())
@@ -342,30 +338,6 @@ impl Jump<'_> {
         let lines = lines.into_iter();
         lines.map(|(line, _)| (line, f64::NAN)).collect()
     }
-}
-
-/// The smallest `x` with `matrix x = rows`, for a matrix with eigenvalues that are not negative, by the proximal point
-/// method from 0; `None` if a number is not finite.
-pub(super) fn smallest(matrix: &[f64], rows: &[f64]) -> Option<Vec<f64>> {
-    let order = rows.len();
-    let mut factors = matrix.to_vec();
-    for entry in factors.iter_mut().step_by(order + 1) {
-        *entry += PROXIMAL;
-    }
-    let mut pivots = vec![0; order];
-    dense::factorize(&mut factors, &mut pivots).ok()?;
-    let mut x = vec![0.0; order];
-    for _ in 0..STEPS {
-        let products = matrix.chunks_exact(order).zip(rows);
-        let mut step: Vec<f64> = products
-            .map(|(row, wanted)| wanted - row.iter().zip(&x).map(|(a, x)| a * x).sum::<f64>())
-            .collect();
-        dense::solve(&factors, &pivots, &mut step);
-        for (x, step) in x.iter_mut().zip(&step) {
-            *x += step;
-        }
-    }
-    x.iter().all(|value| value.is_finite()).then_some(x)
 }
 
 /// How many impacts raise something, as the beginning of a note.

@@ -7,10 +7,11 @@
 //! N' M^-1 N lambda = N' M^-1 N lambda_0
 //! ```
 //!
-//! give the same motion. The smallest of them are recorded, measured as the impulses of [`impulse`] are,
+//! give the same motion. The smallest of them are recorded, measured as the [impulses](super::impulse) are,
 //! if none of them pulls; and the result says so.
 
-use super::{Simulation, impulse};
+use super::Simulation;
+use crate::contact::least_norm;
 use crate::contact::sharing;
 use crate::contact::{ActiveContact, ContactState};
 use crate::fesd::contacts::{Contacts, Line};
@@ -172,7 +173,7 @@ fn smallest(contacts: &Contacts<'_>, touching: &[usize], forces: &[f64]) -> Opti
         .chunks_exact(lines.len())
         .map(|row| row.iter().zip(&known).map(|(k, x)| k * x).sum())
         .collect();
-    let found = impulse::smallest(&matrix, &right)?;
+    let found = least_norm::smallest(&matrix, &right)?;
     let found: Vec<f64> = found.iter().zip(&units).map(|(x, unit)| x * unit).collect();
     let largest = found
         .iter()

@@ -1,8 +1,7 @@
 //! The motion that the contact accelerations of a mode give, and the projection onto its surfaces.
 
-use super::{Dynamics, dot, rows, switching};
-use crate::contact::{ContactState, Line, stuck};
-use crate::linalg::small_system;
+use super::{Dynamics, rows, switching};
+use crate::contact::{ContactState, Line, sharing, stuck};
 use crate::model::contact_point;
 use crate::simulation::event::dop853::System;
 
@@ -25,27 +24,11 @@ pub(in crate::simulation) fn keeps_apart(dynamics: &Dynamics<'_>, contact: usize
 
 /// Whether the velocity of a line depends on those that the mode keeps zero.
 fn depends(dynamics: &Dynamics<'_>, line: Line) -> bool {
-    let (covector, direction) = (dynamics.row(line).0, dynamics.line_direction(line));
-    let rows = dynamics.mode.active.len() + dynamics.mode.sticking.len();
-    let order = rows + 1;
-    let mut matrix = vec![0.0; order * order];
-    for row in 0..order {
-        for column in 0..order {
-            let covector = if row < rows {
-                rows::constraint(dynamics, row)
-            } else {
-                covector
-            };
-            let direction = if column < rows {
-                rows::force_direction(dynamics, column, false)
-            } else {
-                direction
-            };
-            let given = row == column && rows::is_given(dynamics, row);
-            matrix[row * order + column] = if given { 1.0 } else { dot(covector, direction) };
-        }
-    }
-    small_system::solve(&mut matrix, &mut vec![0.0; order]).is_none()
+    let normals = dynamics.mode.active.iter().map(|&i| Line::normal(i));
+    let held: Vec<Line> = normals
+        .chain(dynamics.mode.sticking.iter().copied())
+        .collect();
+    !sharing::is_free(dynamics, &held, line).unwrap_or(false)
 }
 
 /// Moves the state onto `g = 0`, `v_n = 0` of the active contacts and `v_t = 0` of the sticking ones,
