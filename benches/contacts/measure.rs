@@ -3,8 +3,9 @@
 use crate::row::Row;
 use crate::{FAMILIES, option};
 use cpu_time::ProcessTime;
+use hangtime::baselines::Moreau;
 use hangtime::model::Model;
-use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Moreau, Simulator};
+use hangtime::simulation::{EventDriven, Fesd, InitialValueProblem, Simulator};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 

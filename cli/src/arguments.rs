@@ -568,8 +568,9 @@ pub(crate) struct ManArguments {
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory as _;
+    use hangtime::baselines::{FixedStep, Moreau, Smooth};
     use hangtime::ocp::{Formulation, Settings, TimeFreezingSettings};
-    use hangtime::simulation::{EventDriven, Fesd, FixedStep, Moreau, Smooth};
+    use hangtime::simulation::{EventDriven, Fesd};
 
     use super::Arguments;
     use crate::task::INTERVALS;

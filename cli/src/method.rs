@@ -4,11 +4,11 @@ use std::fmt;
 
 use clap::ValueEnum;
 use hangtime::Observer;
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    EventDriven, Fesd, FixedStep, InitialValueProblem, InputError, Moreau, Simulation, Simulator,
-    Smooth, StepFormulation,
+    EventDriven, Fesd, InitialValueProblem, InputError, Simulation, Simulator, StepFormulation,
 };
 use serde::Serialize;
 

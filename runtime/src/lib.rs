@@ -55,6 +55,11 @@ pub mod __private;
 #[cfg(test)]
 extern crate self as hangtime;
 
+pub mod baselines {
+    //! Methods to compare with.
+    #[doc(inline)]
+    pub use crate::simulation::baselines::{FixedStep, Moreau, Smooth};
+}
 mod contact;
 mod dcs;
 pub mod estimation;

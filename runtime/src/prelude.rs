@@ -6,6 +6,6 @@ pub use crate::model::Model;
 pub use crate::ocp::{ControlShape, Formulation, Guess, Solution, Stationarity};
 pub use crate::progress::Progress;
 pub use crate::simulation::{
-    ContactMode, ControlSignal, Direction, Event, EventDriven, EventKind, Fesd, FixedStep,
-    InputError, Moreau, Simulation, SimulationStatus, Smooth, State, Trajectory,
+    ContactMode, ControlSignal, Direction, Event, EventDriven, EventKind, Fesd, InputError,
+    Simulation, SimulationStatus, State, Trajectory,
 };

@@ -1,7 +1,8 @@
 //! Starts that contacts and joints leave inconsistent: what is said of them, and the motions that follow.
 
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::prelude::*;
-use hangtime::simulation::{FixedStep, InitialValueProblem, Simulator, Smooth};
+use hangtime::simulation::{InitialValueProblem, Simulator};
 use hangtime_scene_files::of_text;
 
 use super::both::{ends, motions, scene};

@@ -1,5 +1,6 @@
 //! States of first order and switches of what acts: motions against closed forms and independent integration.
 
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::prelude::*;
 use hangtime::rk::Scheme;
 use hangtime_scene_files::of_text;

@@ -1,7 +1,7 @@
 //! Conditions that set states and velocities: motions against closed forms by both methods that locate them.
 
+use hangtime::baselines::{FixedStep, Smooth};
 use hangtime::prelude::*;
-use hangtime::simulation::{FixedStep, Smooth};
 use hangtime_scene_files::of_text;
 
 use super::both::{ends, motions, motions_under};

@@ -1,7 +1,8 @@
 //! Many contacts, joints and switches at once, where the default may hand over to another method or stop with a name.
 
+use hangtime::baselines::Moreau;
 use hangtime::prelude::*;
-use hangtime::simulation::{EventDriven, Moreau, Simulation};
+use hangtime::simulation::{EventDriven, Simulation};
 use hangtime_cli::Right;
 use hangtime_models::hard_scenes;
 

@@ -46,7 +46,8 @@
 //! [`Decision`] reads from a balance of accelerations what each contact does next: it carries a force, or leaves with an
 //! acceleration; it sticks inside of its cone, or slips with an acceleration. Where both sides of a condition vanish it says so. Contacts
 //! whose velocity others hold need no force of their own ([`sharing`]); of all forces with the same motion the smallest are
-//! recorded ([`least_norm`]). Impacts that follow too fast to be told apart, or that a scene wants in sequence, are a [`cluster`].
+//! recorded ([`least_norm`]). Impacts that follow too fast to be told apart, or that a scene wants in sequence, are a [`cluster`]; those of
+//! others may pass an [`edge`] by.
 //!
 //! # What stays twice on purpose
 //!
@@ -71,6 +72,7 @@ mod blocks;
 pub(crate) mod cluster;
 mod contact_mode;
 mod decision;
+pub(crate) mod edge;
 mod few;
 pub(crate) mod impact;
 pub(crate) mod law;

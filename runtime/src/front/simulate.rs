@@ -103,14 +103,14 @@ impl<'a> Simulate<'a> {
     }
 
     /// Tolerance of the method, see [`Fesd::tolerance`], [`EventDriven::tolerance`](crate::simulation::EventDriven) and
-    /// [`Smooth::tolerance`](crate::simulation::Smooth); the others are refused.
+    /// [`Smooth::tolerance`](crate::baselines::Smooth); the others are refused.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(tolerance);
         self
     }
 
-    /// Number of equal steps of the method: of [`Fesd`], [`Moreau`](crate::simulation::Moreau) or
-    /// [`FixedStep`](crate::simulation::FixedStep); the others are refused.
+    /// Number of equal steps of the method: of [`Fesd`], [`Moreau`](crate::baselines::Moreau) or
+    /// [`FixedStep`](crate::baselines::FixedStep); the others are refused.
     pub fn steps(mut self, steps: usize) -> Self {
         self.steps = Some(steps);
         self

@@ -7,16 +7,15 @@
 
 mod agreement;
 mod along;
+pub(crate) mod baselines;
 mod event;
 mod event_log;
 mod explicit_time;
 mod fesd;
-mod fixed;
 mod gradient;
 mod hand_over;
 mod impulse;
 mod joints;
-mod moreau;
 mod one_sided;
 mod order_of_impacts;
 mod other_grid;
@@ -26,7 +25,6 @@ mod recorder;
 mod result;
 mod shared_load;
 mod singular;
-mod smooth;
 mod state;
 mod struck_at_start;
 mod trajectory;
@@ -38,7 +36,6 @@ pub use crate::joints::joint_forces;
 pub use crate::size::{FormulationSize, SizeGroup};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation, step_sizes};
-pub use fixed::FixedStep;
 pub use gradient::{
     Gradient, GradientMode, OneSided, SequenceLimit, SequenceRange, Side, differentiate,
     differentiate_values,
@@ -46,11 +43,9 @@ pub use gradient::{
 pub(crate) use gradient::{Observed, observe};
 pub use hangtime_solver::nlp::Residuals;
 pub use hangtime_solver::{ProblemSize, Seconds};
-pub use moreau::Moreau;
 pub use one_sided::{Simulate as SimulateNeighbour, add_one_sided};
 pub use problem::{ControlSignal, InitialValueProblem};
 pub use result::{Counts, Diagnosis, Event, EventKind, Simulation, SimulationStatus};
-pub use smooth::Smooth;
 pub use state::State;
 pub use trajectory::Trajectory;
 

@@ -46,7 +46,7 @@ pub struct Simulation {
     /// Mode of each contact right after the start and its impacts; empty if the run ended before it was known.
     ///
     /// The mode at a later time is that of the last event until then. Methods without events know the modes of the
-    /// start only: [`Moreau`](super::Moreau) those of its first step, [`Smooth`](super::Smooth) which contacts are
+    /// start only: [`Moreau`](crate::baselines::Moreau) those of its first step, [`Smooth`](crate::baselines::Smooth) which contacts are
     /// closed up to its width.
     pub initial_modes: Vec<ContactMode>,
     /// Switches of the contact mode in order of time. Of more than 200,000 one of so many is listed, which a note says;

@@ -161,7 +161,7 @@ impl Trajectory {
 
     /// Impulses of all impacts until instant `k`: of the contacts along their normals and then along their sliding
     /// velocities, `2 n_c` numbers \[N s for a gap in metres\]; not numbers where the method does not tell impacts from
-    /// lasting forces, as [`Moreau`](super::Moreau) and [`Smooth`](super::Smooth).
+    /// lasting forces, as [`Moreau`](crate::baselines::Moreau) and [`Smooth`](crate::baselines::Smooth).
     #[must_use]
     pub fn impulses(&self, k: usize) -> Vec<f64> {
         let contacts = self.contact_force.get(k).map_or(0, Vec::len);

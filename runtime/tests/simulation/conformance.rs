@@ -4,11 +4,12 @@
 use crate::common::laws::Ground;
 use crate::common::scenes::{self, GRAVITY, STIFFNESS};
 use crate::common::{distance, gap_at, last, start};
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    ControlSignal, EventDriven, EventKind, Fesd, FixedStep, InitialValueProblem, Moreau,
-    Simulation, SimulationStatus, Simulator, Smooth,
+    ControlSignal, EventDriven, EventKind, Fesd, InitialValueProblem, Simulation, SimulationStatus,
+    Simulator,
 };
 
 /// A simulator at two resolutions, and what is known of its errors.

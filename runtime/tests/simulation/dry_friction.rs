@@ -2,11 +2,12 @@
 //! scenes, and how both say that a bound is negative.
 
 use crate::common::{distance, last, same_in_every_run, start};
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    ContactMode, ControlSignal, Direction, EventDriven, EventKind, Fesd, FixedStep,
-    InitialValueProblem, Moreau, Simulation, SimulationStatus, Simulator, Smooth, StepFormulation,
+    ContactMode, ControlSignal, Direction, EventDriven, EventKind, Fesd, InitialValueProblem,
+    Simulation, SimulationStatus, Simulator, StepFormulation,
 };
 use proptest::prelude::*;
 use std::f64::consts::PI;

@@ -3,10 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a failed step fails the test")]
 
 use crate::common::{distance, last};
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::prelude::*;
-use hangtime::simulation::{
-    FixedStep, InitialValueProblem, SimulationStatus, Simulator, Smooth, StepFormulation,
-};
+use hangtime::simulation::{InitialValueProblem, SimulationStatus, Simulator, StepFormulation};
 
 const G: f64 = 9.81;
 

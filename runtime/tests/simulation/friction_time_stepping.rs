@@ -6,8 +6,9 @@ use crate::common::gold;
 use crate::common::laws::{Disc, Ground, Rod, Table};
 use crate::common::scenes::GRAVITY;
 use crate::common::{distance, energies, index_at, last, start};
+use hangtime::baselines::Moreau;
 use hangtime::model::Model;
-use hangtime::simulation::{InitialValueProblem, Moreau, Simulation, SimulationStatus, Simulator};
+use hangtime::simulation::{InitialValueProblem, Simulation, SimulationStatus, Simulator};
 
 fn moreau(steps: usize) -> Moreau {
     Moreau {

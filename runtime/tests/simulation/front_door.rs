@@ -4,6 +4,7 @@
 
 use std::f64::consts::PI;
 
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::prelude::*;
 use hangtime::simulation::{InitialValueProblem, Simulator, StepFormulation};
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::Model;
 use hangtime::prelude::*;
 use hangtime::simulation::{InitialValueProblem, Simulation, Simulator, StepFormulation};

@@ -2,10 +2,11 @@
 //! `in sequence`.
 
 use crate::common::start;
+use hangtime::baselines::{Moreau, Smooth};
 use hangtime::model::Model;
 use hangtime::simulation::{
-    Event, EventDriven, EventKind, Fesd, InitialValueProblem, Moreau, Simulation, Simulator,
-    Smooth, StepFormulation,
+    Event, EventDriven, EventKind, Fesd, InitialValueProblem, Simulation, Simulator,
+    StepFormulation,
 };
 
 hangtime::model! {

@@ -2,11 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step fails the test")]
 
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::{Model, contact_point, tangent_point};
 use hangtime::prelude::*;
-use hangtime::simulation::{
-    FixedStep, InitialValueProblem, Simulator, Smooth, StepFormulation, Trajectory,
-};
+use hangtime::simulation::{InitialValueProblem, Simulator, StepFormulation, Trajectory};
 
 const G: f64 = 9.81;
 

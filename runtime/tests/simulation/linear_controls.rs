@@ -1,11 +1,12 @@
 //! Controls that are linear between nodes, in every simulator: closed forms, orders, refusals.
 
 use crate::common::{distance, last, start};
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    ControlSignal, EventDriven, EventKind, Fesd, FixedStep, InitialValueProblem, InputError,
-    Moreau, Simulation, SimulationStatus, Simulator, Smooth, StepFormulation,
+    ControlSignal, EventDriven, EventKind, Fesd, InitialValueProblem, InputError, Simulation,
+    SimulationStatus, Simulator, StepFormulation,
 };
 
 hangtime::model! {

@@ -2,10 +2,11 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::{Model, tangent_point};
 use hangtime::simulation::{
-    ContactMode, ControlSignal, Direction, EventDriven, EventKind, Fesd, FixedStep,
-    InitialValueProblem, Moreau, Simulation, SimulationStatus, Simulator, Smooth, StepFormulation,
+    ContactMode, ControlSignal, Direction, EventDriven, EventKind, Fesd, InitialValueProblem,
+    Simulation, SimulationStatus, Simulator, StepFormulation,
 };
 
 hangtime::model! {

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step fails the test")]
 
 use crate::common::{last, start};
+use hangtime::baselines::Moreau;
 use hangtime::prelude::*;
 use hangtime::simulation::{InitialValueProblem, Simulator, StepFormulation};
 

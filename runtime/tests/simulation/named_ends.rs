@@ -1,12 +1,12 @@
 //! Runs that end otherwise than solved do so for a true reason, and those that need not end do not.
 
 use crate::common::start;
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::Model;
 use hangtime::prelude::simulate;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    EventDriven, Fesd, FixedStep, InitialValueProblem, Moreau, Simulation, SimulationStatus,
-    Simulator, Smooth,
+    EventDriven, Fesd, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
 
 hangtime::model! {

@@ -3,10 +3,10 @@
 use crate::common::gold;
 use crate::common::scenes::{self, GRAVITY};
 use crate::common::{distance, energies, last, start};
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::Model;
 use hangtime::simulation::{
-    EventDriven, EventKind, FixedStep, InitialValueProblem, Moreau, Simulation, SimulationStatus,
-    Simulator, Smooth,
+    EventDriven, EventKind, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {

@@ -1,6 +1,7 @@
 //! Dry friction whose bound follows a control, a velocity or the force of a surface.
 
 use super::{ends, events, motions, motions_under, refusal};
+use hangtime::baselines::Moreau;
 use hangtime::prelude::*;
 
 #[test]

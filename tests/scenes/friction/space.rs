@@ -1,6 +1,7 @@
 //! Friction in space: slides along two directions, their ends, and impacts.
 
 use super::{ends, events, motions, motions_under, refusal, scene};
+use hangtime::baselines::Moreau;
 use hangtime::prelude::*;
 use hangtime::simulation::StepFormulation;
 

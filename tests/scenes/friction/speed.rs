@@ -1,6 +1,7 @@
 //! Friction that changes with the speed of sliding and with the place, and friction of rest.
 
 use super::{events, motions, motions_under, refusal, scene};
+use hangtime::baselines::Smooth;
 use hangtime::prelude::*;
 
 /// A block on a belt, held by a spring.

@@ -1,6 +1,7 @@
 //! What is refused, and in which words.
 
 use super::scene;
+use hangtime::baselines::Smooth;
 use hangtime::ocp::{Formulation, TimeFreezingSettings};
 use hangtime::prelude::*;
 use hangtime::simulation::{InitialValueProblem, Simulator, step_sizes};

@@ -1,6 +1,7 @@
 //! Links: closed loops, and stops that are struck.
 
 use super::{assert_close, both, last, scene, solved, tight};
+use hangtime::baselines::{FixedStep, Moreau};
 use hangtime::prelude::*;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{InitialValueProblem, Simulator, StepFormulation};

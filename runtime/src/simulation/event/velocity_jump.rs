@@ -6,6 +6,7 @@ use super::impact::{
     Impact, LowestBounce, Undetermined, closed_contacts, ended_bounces, rests, strike,
 };
 use crate::contact::cluster::{NearContact, in_sequence};
+use crate::contact::edge::{self, Zeros};
 use crate::model::contact_point;
 
 /// Applies the impact law to the velocities in `y`, for all closed contacts at once:
@@ -40,7 +41,7 @@ pub(in crate::simulation) fn impact(
 }
 
 /// The impact of those `closed` contacts that are at no edge, if the motion that it leads to is free at the edges, as
-/// [`leading`] says: the contact of an edge acts only against motions that leave none of its pieces. Those that lead from
+/// [`edge`] says: the contact of an edge acts only against motions that leave none of its pieces. Those that lead from
 /// there on act. None, with everything as it was, where it is not.
 fn pass_edges(
     dynamics: &mut Dynamics<'_>,
@@ -49,81 +50,43 @@ fn pass_edges(
     closed: &[usize],
     (closing, lowest): (Option<usize>, LowestBounce),
 ) -> Option<Impact> {
-    let mut edges = Vec::new();
-    // Whether the piece that acts stands against a motion that another one sets free, where surfaces meet; the very edge of a
-    // single one is struck.
-    let mut blocked = false;
-    for &i in closed {
-        let (ties, _, velocity) = leading(dynamics, i);
-        let zero = dynamics.zero_normal_velocity(i);
-        if ties && velocity >= -zero {
-            edges.push(i);
-            let approaches = dynamics.point(i)[contact_point::NORMAL_VELOCITY] < -zero;
-            blocked |= approaches && closed.len() > 1;
-        }
+    let zeros = |dynamics: &Dynamics<'_>, contact: usize| Zeros {
+        gap: dynamics.closed_gap(contact),
+        rounding: dynamics.zero_normal_velocity(contact),
+        velocity: dynamics.zero_normal_velocity(contact),
+    };
+    for piece in edge::pieces(dynamics, closed) {
+        dynamics.evaluate_contact(piece);
     }
-    if edges.is_empty() || edges.len() == closed.len() && !blocked {
-        return None;
-    }
-    let others = closed.iter().copied().filter(|i| !edges.contains(i));
+    let edges = edge::at_edges(dynamics, closed, |i| zeros(dynamics, i))?;
     let mut after = y.to_vec();
-    let struck = strike_together(dynamics, t, &mut after, others.collect(), (closing, lowest));
+    let others = edges.others.clone();
+    let struck = strike_together(dynamics, t, &mut after, others, (closing, lowest));
     dynamics.load(t, &after);
-    let mut leads = Vec::with_capacity(edges.len());
-    for &i in &edges {
+    let own = edges.edges.iter().copied();
+    for piece in own.chain(edge::pieces(dynamics, &edges.edges)) {
+        dynamics.evaluate_sides(piece);
+    }
+    let leads = edges.leads(dynamics, |i| zeros(dynamics, i));
+    let passes = |impact: &Impact| edges.blocked || !impact.struck.is_empty();
+    if let (Some(mut outcome), Some(leads)) = (struck.ok().filter(passes), leads) {
+        y.copy_from_slice(&after);
+        dynamics.evaluate_free_acceleration();
+        for (piece, velocity) in leads {
+            let model = dynamics.model;
+            dynamics.pieces.let_act(model, piece);
+            if rests(dynamics, piece, velocity, false) {
+                outcome.resting.push(piece);
+            }
+        }
+        outcome.resting.sort_unstable();
+        return Some(outcome);
+    }
+    dynamics.load(t, y);
+    for &i in closed {
         dynamics.evaluate_sides(i);
-        let (_, piece, velocity) = leading(dynamics, i);
-        if velocity >= -dynamics.zero_normal_velocity(i) {
-            leads.push((piece, velocity));
-        }
     }
-    match struck {
-        Ok(mut outcome)
-            if leads.len() == edges.len() && (blocked || !outcome.struck.is_empty()) =>
-        {
-            y.copy_from_slice(&after);
-            dynamics.evaluate_free_acceleration();
-            for (piece, velocity) in leads {
-                let model = dynamics.model;
-                dynamics.pieces.let_act(model, piece);
-                if rests(dynamics, piece, velocity, false) {
-                    outcome.resting.push(piece);
-                }
-            }
-            outcome.resting.sort_unstable();
-            Some(outcome)
-        }
-        _ => {
-            dynamics.load(t, y);
-            for &i in closed {
-                dynamics.evaluate_sides(i);
-            }
-            None
-        }
-    }
-}
-
-/// Whether the edge of an evaluated contact is here, where other pieces vanish together with it; the piece of them whose
-/// gap is the largest from here on, and its normal velocity. Where they stay equal, the contact itself.
-fn leading(dynamics: &mut Dynamics<'_>, contact: usize) -> (bool, usize, f64) {
-    let own = dynamics.point(contact)[contact_point::NORMAL_VELOCITY];
-    let (mut ties, mut least) = (false, (contact, 0.0));
-    for &other in dynamics.model.declaration().contacts[contact].alternatives {
-        dynamics.evaluate_contact(other);
-        // An idle piece is away from acting by its gap, and moves away from it.
-        let point = dynamics.point(other);
-        let (gap, ahead) = (
-            point[contact_point::GAP],
-            point[contact_point::NORMAL_VELOCITY],
-        );
-        if gap <= dynamics.closed_gap(other) {
-            ties = true;
-            if ahead < least.1 - dynamics.zero_normal_velocity(other) {
-                least = (other, ahead);
-            }
-        }
-    }
-    (ties, least.0, own - least.1)
+    None
 }
 
 /// The impact of all `closed` contacts, which are evaluated, whatever pieces of edges they are; they rest or not.

@@ -3,6 +3,7 @@
 use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
 use super::{bounces, edge, impacts, resets};
+use crate::contact::edge::leading;
 use crate::contact::impact;
 use crate::contact::{ActiveContact, ContactState, find};
 use crate::fesd::contact_mode;
@@ -38,7 +39,8 @@ fn largest_from_here(driver: &mut Driver<'_>, switch: Switch) -> usize {
     }
     let seen = others.iter().copied().chain([switch.contact]);
     driver.now.evaluate_contacts(seen);
-    let (largest, _) = edge::leading(driver, switch.contact);
+    let zeros = |i| edge::zeros(driver, i);
+    let (largest, _) = leading(&driver.now.contacts, switch.contact, zeros);
     if largest != switch.contact {
         driver.now.contacts.pieces.let_act(model, largest);
     }

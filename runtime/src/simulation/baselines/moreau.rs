@@ -2,19 +2,19 @@
 
 use hangtime_solver::clock::ThreadTime;
 
-use super::event::contact_problem::ContactProblem;
-use super::event::dynamics::{Dynamics, dot, largest, motion};
 use super::fixed::check_gaps;
-use super::joints::Closed;
-use super::other_grid::{self, Judge, OtherGrid};
-use super::watch::Watch;
-use super::{
-    ContactMode, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
-    SimulationStatus, Simulator,
-};
 use crate::Observer;
 use crate::contact::{Balance, Line, Touching};
 use crate::model::{Model, contact_point, friction_share, pair_size};
+use crate::simulation::event::contact_problem::ContactProblem;
+use crate::simulation::event::dynamics::{Dynamics, dot, largest, motion};
+use crate::simulation::joints::Closed;
+use crate::simulation::other_grid::{self, Judge, OtherGrid};
+use crate::simulation::watch::Watch;
+use crate::simulation::{
+    ContactMode, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
+    SimulationStatus, Simulator,
+};
 
 /// Largest number of iterations of the implicit midpoint rule; they contract with the step size times the
 /// rate at which forces change, so more than ten mean that the step is too long.
@@ -45,6 +45,7 @@ const CONVERGED: f64 = 1e-13;
 /// Nonsmooth Dynamical Systems* (2008), chapter 10; forces at the midpoint.
 ///
 /// ```
+/// use hangtime::baselines::Moreau;
 /// use hangtime::prelude::*;
 ///
 /// # hangtime::model! {

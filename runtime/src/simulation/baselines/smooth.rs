@@ -3,19 +3,19 @@
 
 use hangtime_solver::clock::ThreadTime;
 
-use super::event::dop853::{Dop853, System};
-use super::event::dynamics::Dynamics;
 use super::fixed::check_gaps;
-use super::joints::{self, Closed};
-use super::other_grid::{self, Judge, OtherGrid};
-use super::watch::Watch;
-use super::{
-    ContactMode, ControlSignal, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
-    SimulationStatus, Simulator,
-};
 use crate::Observer;
 use crate::model::{Model, contact_point};
 use crate::refusal;
+use crate::simulation::event::dop853::{Dop853, System};
+use crate::simulation::event::dynamics::Dynamics;
+use crate::simulation::joints::{self, Closed};
+use crate::simulation::other_grid::{self, Judge, OtherGrid};
+use crate::simulation::watch::Watch;
+use crate::simulation::{
+    ContactMode, ControlSignal, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
+    SimulationStatus, Simulator,
+};
 
 /// Steps shorter than this share of the horizon fail.
 const SHORTEST: f64 = 1e-14;
@@ -46,6 +46,7 @@ const LANDINGS: usize = 50;
 /// (2023) 111295.
 ///
 /// ```
+/// use hangtime::baselines::Smooth;
 /// use hangtime::prelude::*;
 ///
 /// # hangtime::model! {

@@ -2,23 +2,23 @@
 
 use hangtime_solver::clock::ThreadTime;
 
-use super::agreement;
-use super::event::contact_mode;
-use super::event::dop853::{Dop853, System};
-use super::event::dynamics::{Dynamics, motion};
-use super::event::impact::{LowestBounce, Undetermined};
-use super::event::velocity_jump;
-use super::impulse;
-use super::joints::Closed;
-use super::other_grid::{self, Judge, OtherGrid};
-use super::watch::Watch;
-use super::{
-    Diagnosis, Event, EventKind, InitialValueProblem, InputError, Simulation, SimulationStatus,
-    Simulator,
-};
 use crate::Observer;
 use crate::model::Model;
 use crate::refusal;
+use crate::simulation::agreement;
+use crate::simulation::event::contact_mode;
+use crate::simulation::event::dop853::{Dop853, System};
+use crate::simulation::event::dynamics::{Dynamics, motion};
+use crate::simulation::event::impact::{LowestBounce, Undetermined};
+use crate::simulation::event::velocity_jump;
+use crate::simulation::impulse;
+use crate::simulation::joints::Closed;
+use crate::simulation::other_grid::{self, Judge, OtherGrid};
+use crate::simulation::watch::Watch;
+use crate::simulation::{
+    Diagnosis, Event, EventKind, InitialValueProblem, InputError, Simulation, SimulationStatus,
+    Simulator,
+};
 
 /// The classical Runge-Kutta method of order 4 with fixed steps on the mode-switched system: the
 /// constrained dynamics of the contacts that are active at the start of a step hold to its end. Only
@@ -31,6 +31,7 @@ use crate::refusal;
 /// of the steps, which cost as much again, and by an embedded estimate of its steps. To be compared with.
 ///
 /// ```
+/// use hangtime::baselines::FixedStep;
 /// use hangtime::prelude::*;
 ///
 /// # hangtime::model! {
@@ -123,7 +124,11 @@ impl Simulator for FixedStep {
         let closed = Closed::of(model, problem)?;
         let (model, problem) = closed.scene();
         InitialValueProblem::check_inelastic(model, self.name())?;
-        InitialValueProblem::check_resets(model, "fixed steps", super::joints::LOCATED)?;
+        InitialValueProblem::check_resets(
+            model,
+            "fixed steps",
+            crate::simulation::joints::LOCATED,
+        )?;
         let clock = ThreadTime::try_now();
         let mut watch = Watch::new(problem, observer);
         let others = OtherGrid::of_steps(self.steps, |steps| Self {
