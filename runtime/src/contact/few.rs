@@ -113,21 +113,18 @@ impl<'a> Few<'a> {
         combinations
     }
 
-    /// Place of the frictions of some states among all of them; contacts that are open need none.
+    /// Place of the frictions of some states among all of them; contacts that are open need none. Where sliding has a lower coefficient
+    /// of its own, what may rest does.
     fn rank(&self, states: &[ContactState]) -> usize {
-        let breaks = self
-            .problem
-            .cones
-            .iter()
-            .any(|cone| cone.kinetic < cone.friction);
+        let breaks = self.problem.breaks();
         let (mut rank, mut digit, mut slides) = (0, 1, 0);
         for cone in self.problem.cones {
             let choices = &self.choices[cone.normal];
-            let own = choices.iter().filter(|state| !state.is_open());
-            let own = own.clone().position(|state| *state == states[cone.normal]);
-            rank += digit * own.unwrap_or(0);
+            let state = states[cone.normal];
+            let mut closed = choices.iter().filter(|choice| !choice.is_open());
+            rank += digit * closed.position(|choice| *choice == state).unwrap_or(0);
             digit *= choices.len();
-            slides += usize::from(states[cone.normal].slips());
+            slides += usize::from(state.slips());
         }
         rank + if breaks { slides * digit } else { 0 }
     }
@@ -156,11 +153,10 @@ impl<'a> Few<'a> {
             }
         }
         let forces = forces_of(problem, &self.tangents, states, (&unknown, &right));
-        let (mut motion, mut numbers) = (Vec::new(), forces.iter().sum::<f64>());
-        for line in 0..problem.lines() {
-            let own = problem.motion(line, &forces).0;
-            motion.push(own);
-        }
+        let lines = 0..problem.lines();
+        let motion: Vec<f64> = lines.map(|line| problem.motion(line, &forces).0).collect();
+        // Not a number where one of them is none.
+        let mut numbers: f64 = forces.iter().sum();
         for (i, &state) in states.iter().enumerate() {
             let contradicts = match (state, self.tangents[i]) {
                 (ContactState::Open, _) => -motion[i],

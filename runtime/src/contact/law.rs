@@ -14,9 +14,11 @@ use super::space::{is_in_space, solve_in_space};
 use super::state::ContactState;
 use crate::linalg::lcp::{self, LcpError};
 
-/// Most cones whose choices are tried one after the other for one solution.
-const MOST_CHOICES: usize = 6;
-/// Most lines beside few cones that are left to Lemke's method at first.
+/// Most decisions that are tried for one solution before states are changed, and where nothing else has found one: some hundred
+/// systems take a millisecond.
+const FEW_CHOICES: usize = 10;
+const MOST_CHOICES: usize = 14;
+/// Most lines without friction that are left to Lemke's method at first.
 const FEW_LINES: usize = 14;
 /// Most decisions for which trying all is the fastest way to all solutions.
 const FEW_DECISIONS: usize = 5;
@@ -71,26 +73,24 @@ pub(crate) fn first(problem: &Problem<'_>) -> Result<Vec<f64>, LcpError> {
 
 /// One solution of contacts that are coupled.
 fn first_of_block(problem: &Problem<'_>) -> Result<Vec<f64>, LcpError> {
-    // Where rest and sliding have coefficients of their own, several choices may be consistent, of which rest is right.
-    let breaks = problem
-        .cones
-        .iter()
-        .any(|cone| cone.kinetic < cone.friction);
-    let few = problem.cones.len() <= MOST_CHOICES;
-    if !breaks
-        && (!few || problem.lines() > FEW_LINES)
-        && let Some(solution) = many::solve(problem, None)
-    {
-        return Ok(solution.forces);
+    let smooth = problem.cones.is_empty();
+    let choices = Few::new(problem, Order::Frictions);
+    let decisions = choices.decisions();
+    if decisions > if smooth { FEW_LINES } else { FEW_CHOICES } {
+        // Where sliding has a lower coefficient of its own, what may rest does.
+        let guess = problem.breaks().then(|| held(problem));
+        if let Some(solution) = many::solve(problem, guess.as_deref()) {
+            return Ok(solution.forces);
+        }
     }
     let mut forces = vec![0.0; problem.lines()];
-    if problem.cones.is_empty() {
+    if smooth {
         lcp::solve(problem.matrix, problem.offsets, &mut forces)?;
         return Ok(forces);
     }
     let mut least: Option<(Vec<f64>, f64)> = None;
-    if few {
-        for (trial, violation) in Few::new(problem, Order::Frictions).attempts() {
+    if decisions <= MOST_CHOICES {
+        for (trial, violation) in choices.attempts() {
             let scale = largest(problem.offsets).max(largest(&trial)) + f64::MIN_POSITIVE;
             let violation = violation / scale;
             if violation <= ROUNDING {
@@ -102,7 +102,7 @@ fn first_of_block(problem: &Problem<'_>) -> Result<Vec<f64>, LcpError> {
         }
     }
     let least = least.filter(|known| known.1 <= ILL_CONDITIONED);
-    if breaks {
+    if problem.breaks() {
         return least.map_or(Err(LcpError::Ray), |known| Ok(known.0));
     }
     match (solve_polyhedral(problem, &mut forces), least) {
@@ -263,19 +263,27 @@ fn monotone(problem: &Problem<'_>, inertia: &[f64]) -> Option<f64> {
     Some(weakest)
 }
 
-/// The states to begin with: those that the offsets suggest, and where solutions may differ, all open and all sticking.
+/// The states to begin with: those that the offsets suggest, and where solutions may differ, all open and all sticking. What may rest
+/// does where sliding has a lower coefficient of its own, and then those come first.
 fn guesses(problem: &Problem<'_>, differ: bool) -> Vec<Option<Vec<ContactState>>> {
     let mut guesses = vec![None];
     if differ {
-        let normals = problem.normals();
-        let mut held = vec![ContactState::Frictionless; normals];
-        for cone in problem.cones {
-            held[cone.normal] = ContactState::Stick;
-        }
-        guesses.push(Some(vec![ContactState::Open; normals]));
-        guesses.push(Some(held));
+        guesses.push(Some(vec![ContactState::Open; problem.normals()]));
+        guesses.push(Some(held(problem)));
+    }
+    if problem.breaks() {
+        guesses.reverse();
     }
     guesses
+}
+
+/// All closed, and all that may sticking.
+fn held(problem: &Problem<'_>) -> Vec<ContactState> {
+    let mut held = vec![ContactState::Frictionless; problem.normals()];
+    for cone in problem.cones {
+        held[cone.normal] = ContactState::Stick;
+    }
+    held
 }
 
 /// A block of a problem.
@@ -395,6 +403,47 @@ mod tests {
         let forces = one(2.0, [1.0, -0.8, -0.8, 0.65], [-1.0, -5.0]);
         // condition number 300
         assert!((forces[0] - 465.0).abs() < 1e-10 && (forces[1] - 580.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn contact_that_breaks_loose_among_many_slides_with_its_lower_coefficient() {
+        // Contacts without friction press each other: K = 2 on the diagonal, -0.5 beside it, too many for all choices.
+        let normals = 20;
+        let lines = normals + 1;
+        let mut matrix = vec![0.0; lines * lines];
+        for i in 0..normals {
+            matrix[i * lines + i] = 2.0;
+            if i + 1 < normals {
+                matrix[i * lines + i + 1] = -0.5;
+                matrix[(i + 1) * lines + i] = -0.5;
+            }
+        }
+        matrix[lines * lines - 1] = 1.0;
+        let cone = Cone {
+            normal: 7,
+            friction: 0.5,
+            kinetic: 0.2,
+            across: None,
+        };
+        // Where it would slide with 0.3 friction may hold it, where with 0.9 it may not: p is 0.98 or more.
+        for (slip, sticks) in [(0.3, true), (0.9, false)] {
+            let mut offsets = vec![-1.0; lines];
+            offsets[normals] = slip;
+            let problem = Problem {
+                matrix: &matrix,
+                offsets: &offsets,
+                cones: &[cone],
+                surfaces: normals,
+            };
+            let forces = first(&problem).expect("solvable");
+            for i in 0..normals {
+                let w = problem.motion(i, &forces).0;
+                assert!(forces[i] > 0.0 && w.abs() < 1e-14, "{i}: {w}");
+            }
+            let wanted = if sticks { -slip } else { -0.2 * forces[7] };
+            // One rounding error.
+            assert!((forces[normals] - wanted).abs() < 1e-15, "{forces:?}");
+        }
     }
 
     /// `N' N` of a matrix with `rank` rows, some of its columns 0 in all rows but one.

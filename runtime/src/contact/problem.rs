@@ -69,6 +69,11 @@ impl Problem<'_> {
         tangents
     }
 
+    /// Whether a contact slides with a lower coefficient than it rests with.
+    pub(super) fn breaks(&self) -> bool {
+        self.cones.iter().any(|cone| cone.kinetic < cone.friction)
+    }
+
     /// Whether all numbers are finite.
     pub(super) fn is_finite(&self) -> bool {
         let mut numbers = self.matrix.iter().chain(self.offsets);
