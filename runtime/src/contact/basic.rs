@@ -5,7 +5,7 @@ use super::problem::{Problem, Solution, Tangent};
 use super::state::ContactState;
 use crate::linalg::dense;
 
-/// Pivots below this share of the largest entry are those of dependent lines, see `small_system` of the event-driven method.
+/// Pivots below this share of the largest entry are those of dependent lines, see [`small_system`](crate::linalg::small_system).
 const DEPENDENT: f64 = 1e-11;
 
 /// Moves forces that do nothing together until one of the contacts opens or reaches the edge of its cone, until the others are

@@ -2,7 +2,7 @@
 //!
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
 //! mode, `dop853` integrates it (`error_scale` says how accurately, `forces` what acts), `search` and `locate` find where the
-//! mode ends, `impact` and `contact_mode` (with `contact_problem` and `coulomb`) what follows, `instant` lists it, `audit`
+//! mode ends, `impact` and `contact_mode` (with `contact_problem`, by the laws of `contact`) what follows, `instant` lists it, `audit`
 //! measures the signs, `diagnosis` says why a run ends early, `ending` which impacts belong to its end. `accuracy` compares two
 //! runs.
 
