@@ -97,3 +97,72 @@ pub(crate) fn sliding(view: &View<'_>, contact: usize) -> ContactState {
         ContactState::Frictionless
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::touching::Touching;
+    use super::*;
+
+    crate::model! {
+        /// A block at rest on an incline.
+        Block {
+            parameters { m: kg = 1.7, g: m/s^2 = 9.81, a = 0.4, mu = 0.6 }
+            coordinates { x: m, z: m }
+            lagrangian m/2*|dot((x, z))|^2 - m*g*(z*cos(a) - x*sin(a))
+            surface ground: z >= 0
+            impact ground: inelastic, friction mu, sliding dot(x)
+            start { z: 0 [m] }
+        }
+    }
+
+    /// The balance of accelerations at rest, and what it says.
+    fn decided(mu: f64) -> (Balance, Decision) {
+        let block = Block {
+            mu,
+            ..Block::default()
+        };
+        let x = [0.3, 0.0, 0.0, 0.0];
+        let mut view = View::new(&block);
+        view.evaluate_free_acceleration(&x);
+        view.evaluate_sides(0, &x);
+        let touching = Touching::new(&view, &[0], |_| true);
+        let lines = touching.lines.iter();
+        let offsets: Vec<f64> = lines
+            .map(|&line| view.free_line_acceleration(line))
+            .collect();
+        let balance = touching.balance(&view, &offsets).expect("solvable");
+        let decision = balance.decide(&view, 0, (1e-8, 1e-8), Vanished::default());
+        (balance, decision)
+    }
+
+    #[test]
+    fn block_on_an_incline_sticks_below_the_angle_of_friction_and_slips_beyond_it() {
+        let (normal, along) = (9.81 * 0.4_f64.cos(), 9.81 * 0.4_f64.sin());
+        let slides = ContactState::Slip(Direction::Forward);
+        // A few rounding errors of numbers up to 10.
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-14;
+        let (balance, decision) = decided(0.6);
+        assert_eq!(decision, Decision::Is(ContactState::Stick));
+        assert!(near(balance.forces[0], normal) && near(balance.friction(0).0, -along));
+        let (balance, decision) = decided(0.3);
+        assert_eq!(decision, Decision::Is(slides));
+        assert!(near(balance.friction(0).0, -0.3 * normal));
+        let slip = balance.slip(0).map(|slip| slip.0);
+        assert!(slip.is_some_and(|slip| near(slip, along - 0.3 * normal)));
+        assert_eq!(decided(0.4_f64.tan()).1, Decision::Edge(slides));
+    }
+
+    #[test]
+    fn force_that_vanishes_leaves_the_contact_undecided() {
+        let (mut balance, _) = decided(0.6);
+        balance.forces = vec![0.0; 2];
+        balance.motions = vec![0.0; 2];
+        let block = Block::default();
+        let view = View::new(&block);
+        let decide =
+            |balance: &Balance| balance.decide(&view, 0, (1e-8, 1e-8), Vanished::default());
+        assert_eq!(decide(&balance), Decision::Touches);
+        balance.motions[0] = 1e-3;
+        assert_eq!(decide(&balance), Decision::Is(ContactState::Open));
+    }
+}
