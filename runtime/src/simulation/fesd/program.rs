@@ -11,7 +11,7 @@ use super::driver::Driver;
 use super::settings::StepFormulation;
 use super::stop::Stop;
 use super::{bounces, impacts, mode_change};
-use crate::contact::sharing;
+use crate::contact::{impact, sharing};
 use crate::contact::{ActiveContact, ContactState, find};
 use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::State;
@@ -283,6 +283,10 @@ fn follow(driver: &mut Driver<'_>, program: &Transcription<'_>, x: &[f64]) -> Re
         .filter(|&i| followed.phases[i] != Phase::Free)
         .collect();
     impacts::project(driver, &close)?;
+    // Where that is, what holds a contact has another direction than where the program ends.
+    let now = &mut driver.now;
+    now.evaluate_contacts(now.active.clone().iter().map(|held| held.contact));
+    impact::hold(&now.contacts, &now.active, &mut now.state.v)?;
     mode_change::settle(driver, &close)?;
     set_modes(driver, followed.open_from);
     Ok(())
