@@ -5,7 +5,8 @@ use std::io::Read as _;
 use std::path::Path;
 
 use hangtime::estimation::Measurements;
-use hangtime::model::Experiment;
+use hangtime::model::{Experiment, VariableDeclaration};
+use hangtime::simulation::ControlSignal;
 use hangtime_units::Unit;
 
 use crate::failure::{BadInput, did_you_mean};
@@ -17,8 +18,12 @@ const LARGEST: u64 = 64 << 20;
 /// What the column of times may be called.
 const TIMES: [&str; 2] = ["t", "time"];
 
-/// Reads the measurements of an experiment; a path that is not absolute is that from `folder`.
-pub(crate) fn read(folder: &Path, experiment: &Experiment) -> Result<Measurements, BadInput> {
+/// Reads the measurements of an experiment of a scene with these controls; a path that is not absolute is that from `folder`.
+pub(crate) fn read(
+    folder: &Path,
+    experiment: &Experiment,
+    controls: &[VariableDeclaration],
+) -> Result<Measurements, BadInput> {
     let file = folder.join(experiment.file);
     let refuse = |what: &str| {
         let file = file.display();
@@ -40,7 +45,7 @@ pub(crate) fn read(folder: &Path, experiment: &Experiment) -> Result<Measurement
             )));
         }
     }
-    table(&text, experiment).map_err(|what| refuse(&what))
+    table(&text, experiment, controls).map_err(|what| refuse(&what))
 }
 
 /// A column that is read.
@@ -53,8 +58,12 @@ struct Column {
     factor: f64,
 }
 
-/// Reads a table.
-fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
+/// Reads a table. Controls keep the value of a line until the next one that has another.
+fn table(
+    text: &str,
+    experiment: &Experiment,
+    controls: &[VariableDeclaration],
+) -> Result<Measurements, String> {
     let text = text.trim_start_matches('\u{feff}');
     let lines = text.lines().enumerate();
     let mut lines = lines
@@ -67,9 +76,10 @@ fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
         );
     };
     let headings = cells(first);
-    let (time, columns) =
-        columns(&headings, experiment).map_err(|what| format!("line {number}, {what}"))?;
+    let (time, columns, given) = columns(&headings, experiment, controls)
+        .map_err(|what| format!("line {number}, {what}"))?;
     let mut measurements = Measurements::default();
+    let mut steps = Steps::default();
     for (number, line) in lines {
         let cells = cells(line);
         if cells.len() != headings.len() {
@@ -81,19 +91,19 @@ fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
                 headings.len()
             ));
         }
+        let wrong = |column: &Column, what: &str| {
+            format!(
+                "line {number}, column {} (`{}`): {what}",
+                column.place + 1,
+                column.heading
+            )
+        };
         let cell = |column: &Column| {
             let text = cells[column.place].as_str();
-            let wrong = |what: &str| {
-                format!(
-                    "line {number}, column {} (`{}`): {what}",
-                    column.place + 1,
-                    column.heading
-                )
-            };
             match (text.is_empty(), number_of(text)) {
                 (true, _) => Ok(f64::NAN),
                 (false, Some(value)) => Ok(value * column.factor),
-                (false, None) => Err(wrong(&format!(
+                (false, None) => Err(wrong(column, &format!(
                     "`{}` is no finite number; write one, or leave the cell empty where nothing was measured",
                     short(text)
                 ))),
@@ -109,25 +119,72 @@ fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
                 }
                 false => format!("times do not go back: the one before is {before} s"),
             };
-            return Err(format!(
-                "line {number}, column {} (`{}`): `{}`; {wanted}",
-                time.place + 1,
-                time.heading,
-                short(&cells[time.place])
-            ));
+            let text = short(&cells[time.place]);
+            return Err(wrong(&time, &format!("`{text}`; {wanted}")));
         }
         let row = columns
             .iter()
             .map(cell)
             .collect::<Result<Vec<f64>, String>>()?;
+        let acts = given
+            .iter()
+            .map(cell)
+            .collect::<Result<Vec<f64>, String>>()?;
+        if let Some(k) = steps.take(at, acts) {
+            return Err(wrong(
+                &given[k],
+                "nothing says what the control was at first; write its first value into this line",
+            ));
+        }
         measurements.times.push(at);
         measurements.values.push(row);
+    }
+    if !controls.is_empty() {
+        measurements.controls = ControlSignal::PiecewiseConstant {
+            times: steps.times,
+            values: steps.values,
+        };
     }
     Ok(measurements)
 }
 
-/// The columns of the times and of all quantities.
-fn columns(headings: &[String], experiment: &Experiment) -> Result<(Column, Vec<Column>), String> {
+/// Controls that keep their values until others follow.
+#[derive(Default)]
+struct Steps {
+    times: Vec<f64>,
+    values: Vec<Vec<f64>>,
+}
+
+impl Steps {
+    /// Takes the values from a time on, those that are not numbers as before. The control that has no value yet, if there is one.
+    fn take(&mut self, time: f64, mut values: Vec<f64>) -> Option<usize> {
+        if let Some(before) = self.values.last() {
+            for (value, before) in values.iter_mut().zip(before) {
+                *value = if value.is_nan() { *before } else { *value };
+            }
+        }
+        if let Some(k) = values.iter().position(|value| value.is_nan()) {
+            return Some(k);
+        }
+        match (self.times.last(), self.values.last_mut()) {
+            (_, Some(before)) if *before == values => {}
+            (Some(&last), Some(before)) if last == time => *before = values,
+            (last, _) => {
+                // What is first written of them held from the start on.
+                self.times.push(if last.is_some() { time } else { 0.0 });
+                self.values.push(values);
+            }
+        }
+        None
+    }
+}
+
+/// The columns of the times, of all quantities, and of all controls.
+fn columns(
+    headings: &[String],
+    experiment: &Experiment,
+    controls: &[VariableDeclaration],
+) -> Result<(Column, Vec<Column>, Vec<Column>), String> {
     let names: Vec<(&str, Option<&str>)> = headings.iter().map(|text| heading(text)).collect();
     let find = |wanted: &[&str], unit: &str, what: &str| {
         let mut places = (0..names.len()).filter(|&place| wanted.contains(&names[place].0));
@@ -167,7 +224,11 @@ fn columns(headings: &[String], experiment: &Experiment) -> Result<(Column, Vec<
             "the scene compares with it",
         )
     });
-    Ok((time, columns.collect::<Result<_, String>>()?))
+    let columns = columns.collect::<Result<_, String>>()?;
+    let given = controls
+        .iter()
+        .map(|control| find(&[control.name], control.unit, "a control of the scene is"));
+    Ok((time, columns, given.collect::<Result<_, String>>()?))
 }
 
 /// Name and unit of a heading such as `z [cm]`, `z (cm)` or `dot(z) [m/s]`.
@@ -242,7 +303,7 @@ mod tests {
             "\u{feff}dot(phi) [rev/s];\"time (s)\";remark;z (cm)\r\n1;0;a;150\r\n;0,02;b;148\r\n",
             "# a remark\nt [ms]\tdot(phi) [rev/s]\tz [cm]\n\n0\t1\t150\n20\t\t148",
         ] {
-            let read = table(text, &EXPERIMENT).unwrap();
+            let read = table(text, &EXPERIMENT, &[]).unwrap();
             assert_eq!(read.times, [0.0, 0.02]);
             let turn = 2.0 * std::f64::consts::PI;
             assert!(
@@ -302,7 +363,7 @@ mod tests {
                 "line 2, column 2 (`z [m]`): `inf` is no finite number",
             ),
         ] {
-            let message = table(&text, &EXPERIMENT).unwrap_err();
+            let message = table(&text, &EXPERIMENT, &[]).unwrap_err();
             assert!(message.contains(reason), "{message}");
         }
     }

@@ -78,3 +78,25 @@ pub(crate) const CEILING: &str = "
     start { dot(z): v0 }
     horizon 1 [s]
 ";
+
+/// A room that is heated until it is warm, and again when it is cold.
+pub(crate) const THERMOSTAT: &str = "
+    parameters { h: 1/s = 1.3, tau: s = 2, warm = 1.9, cold = 1.1, x0 = 0.2 }
+    states { x, on }
+    rates { x: on*h - x/tau }
+    when x >= warm { on = 0 }
+    when x <= cold { on = 1 }
+    start { x: x0, on: 1 }
+    horizon 6 [s]
+";
+
+/// A ball that lies on a floor until a hammer strikes it.
+pub(crate) const HAMMER: &str = "
+    parameters { g: m/s^2 = 9.6, e = 0.5, v1: m/s = 3, t1: s = 0.9 }
+    coordinates { z: m }
+    lagrangian (dot(z)^2/2 - g*z)*1 [kg]
+    surface floor: z >= 0
+    impact floor: restitution e
+    when t >= t1 { dot(z) = -v1 }
+    horizon 1.1 [s]
+";
