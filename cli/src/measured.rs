@@ -103,10 +103,13 @@ fn table(
             match (text.is_empty(), number_of(text)) {
                 (true, _) => Ok(f64::NAN),
                 (false, Some(value)) => Ok(value * column.factor),
-                (false, None) => Err(wrong(column, &format!(
-                    "`{}` is no finite number; write one, or leave the cell empty where nothing was measured",
-                    short(text)
-                ))),
+                (false, None) => Err(wrong(
+                    column,
+                    &format!(
+                        "`{}` is no finite number; write one, or leave the cell empty where nothing was measured",
+                        short(text)
+                    ),
+                )),
             }
         };
         let at = cell(&time)?;

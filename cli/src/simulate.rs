@@ -248,7 +248,10 @@ fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradien
         let _ = writeln!(text, "note        no derivatives: {obstacle}");
         if gradient.one_sided.is_some() {
             text += "            to one side there are others: what is open has none\n";
-            if sides(gradient).iter().any(|(side, _)| !side.roots.is_empty()) {
+            if sides(gradient)
+                .iter()
+                .any(|(side, _)| !side.roots.is_empty())
+            {
                 text += "            where they are infinite the value moves with the root of the distance: square_root in --json\n";
             }
         }

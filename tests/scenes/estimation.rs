@@ -498,7 +498,11 @@ fn mass_and_friction_follow_from_a_cart_that_is_pushed_as_is_known() {
             let until = pushes.get(k + 1).map_or(t, |next| t.min(next.0));
             let rate = push / m - mu * G;
             let lasts = (until - from).max(0.0);
-            let moves = if rate < 0.0 { lasts.min(v / -rate) } else { lasts };
+            let moves = if rate < 0.0 {
+                lasts.min(v / -rate)
+            } else {
+                lasts
+            };
             y += v * moves + 0.5 * rate * moves * moves;
             v += rate * moves;
         }
@@ -514,5 +518,8 @@ fn mass_and_friction_follow_from_a_cart_that_is_pushed_as_is_known() {
     data.controls = ControlSignal::Zero;
     let refused = estimate(&scene(CART), &[data], &Settings::default(), &mut |_| true);
     let refused = refused.expect_err("unknown").to_string();
-    assert!(refused.contains("nothing says what the control `u` was in `push`"), "{refused}");
+    assert!(
+        refused.contains("nothing says what the control `u` was in `push`"),
+        "{refused}"
+    );
 }

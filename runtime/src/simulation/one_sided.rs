@@ -203,10 +203,7 @@ fn limits(
         if !continuous[i] {
             return none;
         }
-        let (first, second) = (
-            2.0 * by(&middle) - by(&far),
-            2.0 * by(&near) - by(&middle),
-        );
+        let (first, second) = (2.0 * by(&middle) - by(&far), 2.0 * by(&near) - by(&middle));
         if same(first, second) {
             let by = (4.0 * second - first) / 3.0;
             return Limit { by, root: 0.0 };

@@ -49,7 +49,7 @@ const CASES: [Case; 15] = [
         name: "a block on a belt that sticks and slips",
         text: BELT,
         from: &["x", "dot(x)"],
-        of: &["dot(x)", "rubbing", "load", "event_times[0]", "event_times[2]"],
+        of: &["dot(x)", "rubbing", "load", "event_times[0]", "event_times[1]"],
     },
     Case {
         name: "a body that slides over a hump, leaves it and lands",
@@ -373,8 +373,14 @@ fn values_that_nothing_has_are_refused() {
         ("y", "no gradient of `y` at the end"),
         ("objective", "`minimize` declares an objective"),
         ("g", "it has: x, dot(x), z, dot(z), rubbed"),
-        ("event_times[9]", "the motion has 2 events, `event_times[0]` to `event_times[1]`"),
-        ("event_times[]", "`event_times[0]` is the time of the first event"),
+        (
+            "event_times[9]",
+            "the motion has 3 events, `event_times[0]` to `event_times[2]`",
+        ),
+        (
+            "event_times[]",
+            "`event_times[0]` is the time of the first event",
+        ),
     ] {
         let run = simulate(&scene).gradient_of([of]);
         let refusal = run.gradient(["all"]).unwrap_err().to_string();

@@ -21,7 +21,11 @@ fn thermostat_switches_by_its_thresholds() {
     let time = |p: &[Dual64], event: usize| {
         let mut time = heated(p, p[4]);
         for k in 1..=event {
-            time += if k % 2 == 1 { cooled(p) } else { heated(p, p[3]) };
+            time += if k % 2 == 1 {
+                cooled(p)
+            } else {
+                heated(p, p[3])
+            };
         }
         time
     };
@@ -33,7 +37,7 @@ fn thermostat_switches_by_its_thresholds() {
             assert_row(times, &derivatives(|p| time(p, event), &at), "time");
         }
         // The last one ends the heating.
-        let end = |p: &[Dual64]| p[2] * (-(-time(p, count - 1) + 6.0) / p[1]).exp();
+        let end = |p: &[Dual64]| p[2] * (-(-time(p, count - 1) + 8.0) / p[1]).exp();
         assert_row(&gradient.v[0], &derivatives(end, &at), "end");
         assert_row(&gradient.v[1], &[0.0; 5], "switch");
     }
@@ -94,8 +98,16 @@ fn bounces_by_a_condition_are_those_of_a_surface() {
     for (run, gradient) in by_both(&scene(text, &[]), &["g", "e", "height", "v0"]) {
         assert_exists(&gradient);
         assert_eq!(run.events.len(), 2, "{run}");
-        assert_row(&gradient.q[0], &derivatives(|p| bounces(p, 1.4, 2).1, &at), "height");
-        assert_row(&gradient.v[0], &derivatives(|p| bounces(p, 1.4, 2).2, &at), "velocity");
+        assert_row(
+            &gradient.q[0],
+            &derivatives(|p| bounces(p, 1.4, 2).1, &at),
+            "height",
+        );
+        assert_row(
+            &gradient.v[0],
+            &derivatives(|p| bounces(p, 1.4, 2).2, &at),
+            "velocity",
+        );
         for (k, times) in gradient.event_times.iter().enumerate() {
             let right = derivatives(|p| bounces(p, 1.4, 2).0[k], &at);
             assert_row(times, &right, "time");

@@ -129,7 +129,11 @@ fn graze_has_a_derivative_to_the_side_that_does_not_touch_and_a_root_to_the_othe
         assert_eq!(sides.above.q[0][0], f64::NEG_INFINITY);
         assert_eq!(sides.above.v[0][0], f64::NEG_INFINITY);
         root(sides.above.roots[0][0], -0.75 * 8.0_f64.sqrt(), "z by v0");
-        root(sides.above.roots[1][0], -1.5 * 8.0_f64.sqrt(), "dz/dt by v0");
+        root(
+            sides.above.roots[1][0],
+            -1.5 * 8.0_f64.sqrt(),
+            "dz/dt by v0",
+        );
         // A higher ceiling changes nothing, a lower one is struck.
         assert_close(sides.above.q[0][1], 0.0, 1e-12, "z by top from above");
         assert_eq!(sides.below.q[0][1], f64::INFINITY);
@@ -261,7 +265,9 @@ fn end_at_which_a_condition_comes_true_has_a_derivative_to_each_side() {
         horizon 2 [s]
     ";
     for (_, gradient) in by_both(&scene(text, &[]), &["rate"]) {
-        let obstacle = gradient.obstacle.expect("at another rate it comes true later");
+        let obstacle = gradient
+            .obstacle
+            .expect("at another rate it comes true later");
         assert!(obstacle.contains("event at `x >= 1`"), "{obstacle}");
     }
 }

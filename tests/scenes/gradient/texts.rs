@@ -25,7 +25,7 @@ pub(crate) const LINKS: &str = "
 
 /// A block on a belt, held by a spring: it sticks, slips and sticks again.
 pub(crate) const BELT: &str = "
-    parameters { m: kg = 1, k: N/m = 20, mu = 0.3, g: m/s^2 = 9.81, belt: m/s = 0.3, x0: m = 0.1 }
+    parameters { m: kg = 1, k: N/m = 20, mu = 0.3, g: m/s^2 = 9.81, belt: m/s = 0.3, x0: m = 0.02 }
     coordinates { x: m, z: m }
     lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z - k/2*x^2
     surface floor: z >= 0
@@ -37,7 +37,7 @@ pub(crate) const BELT: &str = "
 
 /// A body that slides over a hump, leaves it and lands.
 pub(crate) const HUMP: &str = "
-    parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.5, s: m = 1, u0: m/s = 4, c: N*s/m = 0.1 }
+    parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.5, s: m = 1, u0: m/s = 5, c: N*s/m = 0.1 }
     coordinates { x: m, z: m }
     lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
     forces { x: -c*dot(x), z: -c*dot(z) }
@@ -87,7 +87,7 @@ pub(crate) const THERMOSTAT: &str = "
     when x >= warm { on = 0 }
     when x <= cold { on = 1 }
     start { x: x0, on: 1 }
-    horizon 6 [s]
+    horizon 8 [s]
 ";
 
 /// A ball that lies on a floor until a hammer strikes it.

@@ -141,16 +141,16 @@ impl<'w> Walk<'w> {
             (&x, controls.slopes()),
         );
         let declared = self.at.acceleration.model.declaration().contacts;
-        for margin in margins.iter().filter(|margin| margin.rate < 0.0) {
+        for margin in &margins {
             let resets = declared[margin.contact].switch == Some(Switching::Resets);
-            let size = match margin.of {
-                Of::Gap => self.at.gap_sizes[margin.contact],
+            let (size, rate) = match margin.of {
+                Of::Gap => (self.at.gap_sizes[margin.contact], margin.rate),
                 // A condition that ceases to hold is no event.
-                Of::Sliding(sense) if resets && sense < 0.0 => continue,
-                Of::Sliding(_) => margin.size.max(self.at.sizes[1]),
+                Of::Sliding(sense) if resets => (margin.size, sense * margin.rate),
+                Of::Sliding(_) => (margin.size.max(self.at.sizes[1]), margin.rate),
                 Of::Force | Of::Left(_) => continue,
             };
-            if margin.value <= ROUNDING * size {
+            if rate < 0.0 && margin.value <= ROUNDING * size {
                 name = name.or(Some(declared[margin.contact].name));
             }
         }
