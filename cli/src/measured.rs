@@ -275,7 +275,8 @@ fn factor(from: Option<&str>, to: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::table;
-    use hangtime::model::{Experiment, Measured, MeasuredQuantity};
+    use hangtime::model::{Experiment, Measured, MeasuredQuantity, VariableDeclaration};
+    use hangtime::simulation::ControlSignal;
 
     const EXPERIMENT: Experiment = Experiment {
         name: "flight",
@@ -313,6 +314,37 @@ mod tests {
                 (read.values[0][0] - 1.5).abs() < 1e-15 && (read.values[1][0] - 1.48).abs() < 1e-15
             );
             assert!((read.values[0][1] - turn).abs() < 1e-14 && read.values[1][1].is_nan());
+        }
+    }
+
+    const CONTROLS: [VariableDeclaration; 1] = [VariableDeclaration {
+        name: "u",
+        unit: "N",
+        documentation: "",
+    }];
+
+    #[test]
+    fn controls_hold_from_the_line_that_has_them_on() {
+        let text = "t,z,dot(phi),u [kN]\n0.1,1,2,0.01\n0.2,1,2,\n0.3,1,2,0.01\n0.4,1,2,-0.02\n0.4,1,2,0.03\n";
+        let read = table(text, &EXPERIMENT, &CONTROLS).unwrap();
+        let steps = ControlSignal::PiecewiseConstant {
+            times: vec![0.0, 0.4],
+            values: vec![vec![10.0], vec![30.0]],
+        };
+        assert_eq!(read.controls, steps);
+        for (text, reason) in [
+            ("t,z,dot(phi)\n0,1,2\n", "line 1, no column is called `u`"),
+            (
+                "t,z,dot(phi),u [m]\n0,1,2,3\n",
+                "line 1, column 4 (`u [m]`): `m` is no unit of",
+            ),
+            (
+                "t,z,dot(phi),u\n0,1,2,\n",
+                "line 2, column 4 (`u`): nothing says what the control was at first",
+            ),
+        ] {
+            let message = table(text, &EXPERIMENT, &CONTROLS).unwrap_err();
+            assert!(message.contains(reason), "{message}");
         }
     }
 
