@@ -289,11 +289,17 @@ fn wave_number_of_a_track_is_that_of_a_scan_whatever_is_searched() {
 fn wave_number_of_a_pump_track_for_15_km_per_hour_is_that_of_a_scan() {
     let track = include_str!("../../models/scenes/pump-track.hang");
     let track = track.replace("    k: 1/m = 2,\n", "");
-    let text = track.replace("coordinates {", "free k: 1/m in 1.2..=2.6 = 2\ncoordinates {");
+    let text = track.replace(
+        "coordinates {",
+        "free k: 1/m in 1.2..=2.6 = 2\ncoordinates {",
+    );
     assert_ne!(text, track);
     // Within the scan the same controls are at their bounds.
     let solution = compare_with_scan(&text, 6, "k", 0.0005);
-    assert_eq!(solution.motion.expect("a motion").trajectory.v[0][0], 15.0 / 3.6);
+    assert_eq!(
+        solution.motion.expect("a motion").trajectory.v[0][0],
+        15.0 / 3.6
+    );
 }
 
 #[test]
