@@ -24,6 +24,10 @@ pub(crate) fn read(
     experiment: &Experiment,
     controls: &[VariableDeclaration],
 ) -> Result<Measurements, BadInput> {
+    if let Some(text) = experiment.table() {
+        let refuse = |what| BadInput::new(format!("measured `{}`: {what}", experiment.name));
+        return table(text, experiment, controls).map_err(refuse);
+    }
     let file = folder.join(experiment.file);
     let refuse = |what: &str| {
         let file = file.display();
@@ -41,7 +45,8 @@ pub(crate) fn read(
         }
         Err(error) => {
             return Err(refuse(&format!(
-                "{error}; give a table with a column of times and one for each quantity"
+                "{error}; give a table with a column of times and one for each quantity, or write it between the \
+                 quotation marks, on lines of its own"
             )));
         }
     }
