@@ -4,7 +4,7 @@ use hangtime::prelude::*;
 use hangtime_scene_files::TextScene;
 
 use super::support::{TOLERANCE, assert_close, scene};
-use super::texts::{BELT, HILLS, HUMP, LINKS};
+use super::texts::{BELT, HILLS, HUMP, LINKS, NET};
 use crate::random::Random;
 
 /// Step of a parameter, relative to it.
@@ -18,7 +18,7 @@ struct Kind {
     ranges: &'static [(&'static str, f64, f64)],
 }
 
-const KINDS: [Kind; 4] = [
+const KINDS: [Kind; 5] = [
     // A ball on hills with friction.
     Kind {
         text: HILLS,
@@ -63,6 +63,17 @@ const KINDS: [Kind; 4] = [
             ("u0", 4.0, 6.0),
             ("c", 0.0, 0.4),
             ("g", 8.0, 11.0),
+        ],
+    },
+    // A ball between a floor and a net that throws it back.
+    Kind {
+        text: NET,
+        ranges: &[
+            ("v0", 2.5, 5.0),
+            ("top", 0.3, 0.8),
+            ("share", 0.3, 0.9),
+            ("e", 0.4, 0.9),
+            ("c", 0.0, 0.4),
         ],
     },
 ];

@@ -252,6 +252,21 @@ fn end_with_an_impact_has_a_derivative_to_each_side() {
         // z = e s (T - t) with t' = 1/4 s/m and s = 4 m/s.
         assert_close(sides.below.q[0][0], -0.5, 1e-9, "z from below");
         assert_close(sides.above.v[0][0], 0.0, 1e-9, "dz/dt from above");
+        // Another restitution leaves the impact where it is: nothing has come of it yet.
+        assert_eq!((sides.above.q[0][1], sides.below.q[0][1]), (0.0, 0.0));
+    }
+    for (_, gradient) in by_both(&scene(text, &[]), &["e"]) {
+        assert_exists(&gradient);
+        assert_eq!(gradient.q, [[0.0]]);
+    }
+    // An end that moves with the impact has the derivatives of a motion without it.
+    let text = text.replace("horizon 0.5 [s]", "horizon sqrt(2*height/g)");
+    for (_, gradient) in by_both(&scene(&text, &[]), &["height", "g", "e"]) {
+        assert_exists(&gradient);
+        assert!(
+            gradient.q[0].iter().all(|by| by.abs() < 1e-9),
+            "{gradient:?}"
+        );
     }
 }
 
@@ -269,6 +284,9 @@ fn end_at_which_a_condition_comes_true_has_a_derivative_to_each_side() {
             .obstacle
             .expect("at another rate it comes true later");
         assert!(obstacle.contains("event at `x >= 1`"), "{obstacle}");
+        // Slower it has gone on to rate times 2 s.
+        let sides = gradient.one_sided.expect("to one side");
+        assert_close(sides.below.v[0][0], 2.0, 1e-9, "x from below");
     }
 }
 

@@ -100,3 +100,16 @@ pub(crate) const HAMMER: &str = "
     when t >= t1 { dot(z) = -v1 }
     horizon 1.1 [s]
 ";
+
+/// A ball between a floor and a net, a condition that throws it back.
+pub(crate) const NET: &str = "
+    parameters { g: m/s^2 = 9.81, v0: m/s = 4, top: m = 0.5, share = 0.6, e = 0.7, c: N*s/m = 0.1 }
+    coordinates { z: m }
+    lagrangian (dot(z)^2/2 - g*z)*1 [kg]
+    forces { z: -c*dot(z) }
+    surface floor: z >= 0
+    impact floor: restitution e
+    when z >= top { dot(z) = -share*dot(z) }
+    start { z: 0.1, dot(z): v0 }
+    horizon 1.2 [s]
+";

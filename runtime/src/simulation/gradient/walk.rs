@@ -123,24 +123,37 @@ impl<'w> Walk<'w> {
         }
     }
 
-    /// The motion does not end with an event, nor right before one, at its last instant, where the acceleration is evaluated.
+    /// The motion does not end with an event, nor right before one, that moves away from its last instant, where the acceleration is
+    /// evaluated.
     fn check_end(&mut self, last: usize) -> Result<(), String> {
-        let (time, begin) = (
-            self.at.run.trajectory.time[last],
-            self.at.run.trajectory.time[0],
-        );
-        let x = self.at.input(last);
-        let controls = self.at.controls(time);
-        let events = self.at.run.events.last();
-        let happened =
-            events.filter(|event| event.time > begin && event.time >= time * (1.0 - ROUNDING));
-        let mut name = happened.map(|event| event.contact_name);
-        let margins = margins(
-            &mut self.at.acceleration,
-            &self.at.modes,
-            (&x, controls.slopes()),
-        );
+        let times = &self.at.run.trajectory.time;
+        let (time, begin) = (times[last], times[0]);
+        let ends = self.at.horizon_moves();
+        let late = |event: &&Event| event.time > begin && event.time >= time * (1.0 - ROUNDING);
+        let happened = self.at.run.events.last().filter(late);
+        let moves = self.event_times.last().is_some_and(|times| {
+            let least = ROUNDING * largest(times).max(largest(&ends));
+            let mut both = times.iter().zip(&ends);
+            both.any(|(own, end)| (own - end).abs() > least)
+        });
+        let name = happened.filter(|_| moves).map(|event| event.contact_name);
+        match name.or_else(|| self.about_to_happen(last, &ends)) {
+            None => Ok(()),
+            Some(name) => Err(format!(
+                "the motion ends at t = {time} s with an event at `{name}`, so that its end has different derivatives to both \
+                 sides; take another horizon"
+            )),
+        }
+    }
+
+    /// Where an event happens within rounding of an instant, from which it moves away if that moves by `ends`.
+    fn about_to_happen(&mut self, k: usize, ends: &[f64]) -> Option<&'static str> {
+        let x = self.at.input(k);
+        let controls = self.at.controls(self.at.run.trajectory.time[k]);
+        let at = (&x[..], controls.slopes());
+        let margins = margins(&mut self.at.acceleration, &self.at.modes, at);
         let declared = self.at.acceleration.model.declaration().contacts;
+        let (wanted, state) = (self.at.front.wanted, &self.at.front.state);
         for margin in &margins {
             let resets = declared[margin.contact].switch == Some(Switching::Resets);
             let (size, rate) = match margin.of {
@@ -150,17 +163,19 @@ impl<'w> Walk<'w> {
                 Of::Sliding(_) => (margin.size.max(self.at.sizes[1]), margin.rate),
                 Of::Force | Of::Left(_) => continue,
             };
-            if rate < 0.0 && margin.value <= ROUNDING * size {
-                name = name.or(Some(declared[margin.contact].name));
+            let moves = |(column, end): (usize, &f64)| {
+                let terms = (0..2 * self.at.acceleration.n)
+                    .map(|i| (margin.by[i] * state.row(i)[column]).abs());
+                let along = (margin.rate * end).abs() + wanted.own(&margin.by, column).abs();
+                let change = wanted.along(&margin.by, state, column) + margin.rate * end;
+                change.abs() > ROUNDING * (terms.sum::<f64>() + along)
+            };
+            let close = rate < 0.0 && margin.value <= ROUNDING * size;
+            if close && ends.iter().enumerate().any(moves) {
+                return Some(declared[margin.contact].name);
             }
         }
-        match name {
-            None => Ok(()),
-            Some(name) => Err(format!(
-                "the motion ends at t = {time} s with an event at `{name}`, so that its end has different derivatives to both \
-                 sides; take another horizon"
-            )),
-        }
+        None
     }
 
     /// Keeps what is known at some instants.
