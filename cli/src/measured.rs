@@ -63,6 +63,26 @@ struct Column {
     factor: f64,
 }
 
+impl Column {
+    /// What it is called in messages.
+    fn called(&self) -> String {
+        format!("column {} (`{}`)", self.place + 1, self.heading)
+    }
+
+    /// What a line has in it, in the unit of the scene; not a number where that is nothing.
+    fn number(&self, cells: &[String]) -> Result<f64, String> {
+        let text = cells[self.place].as_str();
+        match (text.is_empty(), number_of(text)) {
+            (true, _) => Ok(f64::NAN),
+            (false, Some(value)) => Ok(value * self.factor),
+            (false, None) => Err(format!(
+                "`{}` is no finite number; write one, or leave the cell empty where nothing was measured",
+                short(text)
+            )),
+        }
+    }
+}
+
 /// Reads a table. Controls keep the value of a line until the next one that has another.
 fn table(
     text: &str,
@@ -96,27 +116,9 @@ fn table(
                 headings.len()
             ));
         }
-        let wrong = |column: &Column, what: &str| {
-            format!(
-                "line {number}, column {} (`{}`): {what}",
-                column.place + 1,
-                column.heading
-            )
-        };
-        let cell = |column: &Column| {
-            let text = cells[column.place].as_str();
-            match (text.is_empty(), number_of(text)) {
-                (true, _) => Ok(f64::NAN),
-                (false, Some(value)) => Ok(value * column.factor),
-                (false, None) => Err(wrong(
-                    column,
-                    &format!(
-                        "`{}` is no finite number; write one, or leave the cell empty where nothing was measured",
-                        short(text)
-                    ),
-                )),
-            }
-        };
+        let wrong =
+            |column: &Column, what: &str| format!("line {number}, {}: {what}", column.called());
+        let cell = |column: &Column| column.number(&cells).map_err(|what| wrong(column, &what));
         let at = cell(&time)?;
         let before = measurements.times.last().copied().unwrap_or(0.0);
         if at.is_nan() || at < before {
@@ -130,14 +132,9 @@ fn table(
             let text = short(&cells[time.place]);
             return Err(wrong(&time, &format!("`{text}`; {wanted}")));
         }
-        let row = columns
-            .iter()
-            .map(cell)
-            .collect::<Result<Vec<f64>, String>>()?;
-        let acts = given
-            .iter()
-            .map(cell)
-            .collect::<Result<Vec<f64>, String>>()?;
+        let numbers =
+            |columns: &[Column]| -> Result<Vec<f64>, String> { columns.iter().map(cell).collect() };
+        let (row, acts) = (numbers(&columns)?, numbers(&given)?);
         if let Some(k) = steps.take(at, acts) {
             return Err(wrong(
                 &given[k],
