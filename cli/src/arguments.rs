@@ -165,7 +165,7 @@ pub(crate) struct SimulateArguments {
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub(crate) gradient: Vec<String>,
     /// Differentiate these alone, at the end of the motion, separated by commas: `objective`, coordinates (z, dot(z)), states,
-    /// outputs [default: the whole motion].
+    /// outputs; and times of events, `event_times[0]` of the first [default: the whole motion].
     #[arg(
         long,
         value_name = "NAME",

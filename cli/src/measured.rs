@@ -5,7 +5,8 @@ use std::io::Read as _;
 use std::path::Path;
 
 use hangtime::estimation::Measurements;
-use hangtime::model::Experiment;
+use hangtime::model::{Experiment, VariableDeclaration};
+use hangtime::simulation::ControlSignal;
 use hangtime_units::Unit;
 
 use crate::failure::{BadInput, did_you_mean};
@@ -17,11 +18,15 @@ const LARGEST: u64 = 64 << 20;
 /// What the column of times may be called.
 const TIMES: [&str; 2] = ["t", "time"];
 
-/// Reads the measurements of an experiment; a path that is not absolute is that from `folder`.
-pub(crate) fn read(folder: &Path, experiment: &Experiment) -> Result<Measurements, BadInput> {
+/// Reads the measurements of an experiment of a scene with these controls; a path that is not absolute is that from `folder`.
+pub(crate) fn read(
+    folder: &Path,
+    experiment: &Experiment,
+    controls: &[VariableDeclaration],
+) -> Result<Measurements, BadInput> {
     if let Some(text) = experiment.table() {
         let refuse = |what| BadInput::new(format!("measured `{}`: {what}", experiment.name));
-        return table(text, experiment).map_err(refuse);
+        return table(text, experiment, controls).map_err(refuse);
     }
     let file = folder.join(experiment.file);
     let refuse = |what: &str| {
@@ -45,7 +50,7 @@ pub(crate) fn read(folder: &Path, experiment: &Experiment) -> Result<Measurement
             )));
         }
     }
-    table(&text, experiment).map_err(|what| refuse(&what))
+    table(&text, experiment, controls).map_err(|what| refuse(&what))
 }
 
 /// A column that is read.
@@ -58,8 +63,32 @@ struct Column {
     factor: f64,
 }
 
-/// Reads a table.
-fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
+impl Column {
+    /// What it is called in messages.
+    fn called(&self) -> String {
+        format!("column {} (`{}`)", self.place + 1, self.heading)
+    }
+
+    /// What a line has in it, in the unit of the scene; not a number where that is nothing.
+    fn number(&self, cells: &[String]) -> Result<f64, String> {
+        let text = cells[self.place].as_str();
+        match (text.is_empty(), number_of(text)) {
+            (true, _) => Ok(f64::NAN),
+            (false, Some(value)) => Ok(value * self.factor),
+            (false, None) => Err(format!(
+                "`{}` is no finite number; write one, or leave the cell empty where nothing was measured",
+                short(text)
+            )),
+        }
+    }
+}
+
+/// Reads a table. Controls keep the value of a line until the next one that has another.
+fn table(
+    text: &str,
+    experiment: &Experiment,
+    controls: &[VariableDeclaration],
+) -> Result<Measurements, String> {
     let text = text.trim_start_matches('\u{feff}');
     let lines = text.lines().enumerate();
     let mut lines = lines
@@ -72,9 +101,10 @@ fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
         );
     };
     let headings = cells(first);
-    let (time, columns) =
-        columns(&headings, experiment).map_err(|what| format!("line {number}, {what}"))?;
+    let (time, columns, given) = columns(&headings, experiment, controls)
+        .map_err(|what| format!("line {number}, {what}"))?;
     let mut measurements = Measurements::default();
+    let mut steps = Steps::default();
     for (number, line) in lines {
         let cells = cells(line);
         if cells.len() != headings.len() {
@@ -86,24 +116,9 @@ fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
                 headings.len()
             ));
         }
-        let cell = |column: &Column| {
-            let text = cells[column.place].as_str();
-            let wrong = |what: &str| {
-                format!(
-                    "line {number}, column {} (`{}`): {what}",
-                    column.place + 1,
-                    column.heading
-                )
-            };
-            match (text.is_empty(), number_of(text)) {
-                (true, _) => Ok(f64::NAN),
-                (false, Some(value)) => Ok(value * column.factor),
-                (false, None) => Err(wrong(&format!(
-                    "`{}` is no finite number; write one, or leave the cell empty where nothing was measured",
-                    short(text)
-                ))),
-            }
-        };
+        let wrong =
+            |column: &Column, what: &str| format!("line {number}, {}: {what}", column.called());
+        let cell = |column: &Column| column.number(&cells).map_err(|what| wrong(column, &what));
         let at = cell(&time)?;
         let before = measurements.times.last().copied().unwrap_or(0.0);
         if at.is_nan() || at < before {
@@ -114,25 +129,67 @@ fn table(text: &str, experiment: &Experiment) -> Result<Measurements, String> {
                 }
                 false => format!("times do not go back: the one before is {before} s"),
             };
-            return Err(format!(
-                "line {number}, column {} (`{}`): `{}`; {wanted}",
-                time.place + 1,
-                time.heading,
-                short(&cells[time.place])
+            let text = short(&cells[time.place]);
+            return Err(wrong(&time, &format!("`{text}`; {wanted}")));
+        }
+        let numbers =
+            |columns: &[Column]| -> Result<Vec<f64>, String> { columns.iter().map(cell).collect() };
+        let (row, acts) = (numbers(&columns)?, numbers(&given)?);
+        if let Some(k) = steps.take(at, acts) {
+            return Err(wrong(
+                &given[k],
+                "nothing says what the control was at first; write its first value into this line",
             ));
         }
-        let row = columns
-            .iter()
-            .map(cell)
-            .collect::<Result<Vec<f64>, String>>()?;
         measurements.times.push(at);
         measurements.values.push(row);
+    }
+    if !controls.is_empty() {
+        measurements.controls = ControlSignal::PiecewiseConstant {
+            times: steps.times,
+            values: steps.values,
+        };
     }
     Ok(measurements)
 }
 
-/// The columns of the times and of all quantities.
-fn columns(headings: &[String], experiment: &Experiment) -> Result<(Column, Vec<Column>), String> {
+/// Controls that keep their values until others follow.
+#[derive(Default)]
+struct Steps {
+    times: Vec<f64>,
+    values: Vec<Vec<f64>>,
+}
+
+impl Steps {
+    /// Takes the values from a time on, those that are not numbers as before. The control that has no value yet, if there is one.
+    fn take(&mut self, time: f64, mut values: Vec<f64>) -> Option<usize> {
+        if let Some(before) = self.values.last() {
+            for (value, before) in values.iter_mut().zip(before) {
+                *value = if value.is_nan() { *before } else { *value };
+            }
+        }
+        if let Some(k) = values.iter().position(|value| value.is_nan()) {
+            return Some(k);
+        }
+        match (self.times.last(), self.values.last_mut()) {
+            (_, Some(before)) if *before == values => {}
+            (Some(&last), Some(before)) if last == time => *before = values,
+            (last, _) => {
+                // What is first written of them held from the start on.
+                self.times.push(if last.is_some() { time } else { 0.0 });
+                self.values.push(values);
+            }
+        }
+        None
+    }
+}
+
+/// The columns of the times, of all quantities, and of all controls.
+fn columns(
+    headings: &[String],
+    experiment: &Experiment,
+    controls: &[VariableDeclaration],
+) -> Result<(Column, Vec<Column>, Vec<Column>), String> {
     let names: Vec<(&str, Option<&str>)> = headings.iter().map(|text| heading(text)).collect();
     let find = |wanted: &[&str], unit: &str, what: &str| {
         let mut places = (0..names.len()).filter(|&place| wanted.contains(&names[place].0));
@@ -172,7 +229,11 @@ fn columns(headings: &[String], experiment: &Experiment) -> Result<(Column, Vec<
             "the scene compares with it",
         )
     });
-    Ok((time, columns.collect::<Result<_, String>>()?))
+    let columns = columns.collect::<Result<_, String>>()?;
+    let given = controls
+        .iter()
+        .map(|control| find(&[control.name], control.unit, "a control of the scene is"));
+    Ok((time, columns, given.collect::<Result<_, String>>()?))
 }
 
 /// Name and unit of a heading such as `z [cm]`, `z (cm)` or `dot(z) [m/s]`.
@@ -216,7 +277,8 @@ fn factor(from: Option<&str>, to: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::table;
-    use hangtime::model::{Experiment, Measured, MeasuredQuantity};
+    use hangtime::model::{Experiment, Measured, MeasuredQuantity, VariableDeclaration};
+    use hangtime::simulation::ControlSignal;
 
     const EXPERIMENT: Experiment = Experiment {
         name: "flight",
@@ -247,13 +309,44 @@ mod tests {
             "\u{feff}dot(phi) [rev/s];\"time (s)\";remark;z (cm)\r\n1;0;a;150\r\n;0,02;b;148\r\n",
             "# a remark\nt [ms]\tdot(phi) [rev/s]\tz [cm]\n\n0\t1\t150\n20\t\t148",
         ] {
-            let read = table(text, &EXPERIMENT).unwrap();
+            let read = table(text, &EXPERIMENT, &[]).unwrap();
             assert_eq!(read.times, [0.0, 0.02]);
             let turn = 2.0 * std::f64::consts::PI;
             assert!(
                 (read.values[0][0] - 1.5).abs() < 1e-15 && (read.values[1][0] - 1.48).abs() < 1e-15
             );
             assert!((read.values[0][1] - turn).abs() < 1e-14 && read.values[1][1].is_nan());
+        }
+    }
+
+    const CONTROLS: [VariableDeclaration; 1] = [VariableDeclaration {
+        name: "u",
+        unit: "N",
+        documentation: "",
+    }];
+
+    #[test]
+    fn controls_hold_from_the_line_that_has_them_on() {
+        let text = "t,z,dot(phi),u [kN]\n0.1,1,2,0.01\n0.2,1,2,\n0.3,1,2,0.01\n0.4,1,2,-0.02\n0.4,1,2,0.03\n";
+        let read = table(text, &EXPERIMENT, &CONTROLS).unwrap();
+        let steps = ControlSignal::PiecewiseConstant {
+            times: vec![0.0, 0.4],
+            values: vec![vec![10.0], vec![30.0]],
+        };
+        assert_eq!(read.controls, steps);
+        for (text, reason) in [
+            ("t,z,dot(phi)\n0,1,2\n", "line 1, no column is called `u`"),
+            (
+                "t,z,dot(phi),u [m]\n0,1,2,3\n",
+                "line 1, column 4 (`u [m]`): `m` is no unit of",
+            ),
+            (
+                "t,z,dot(phi),u\n0,1,2,\n",
+                "line 2, column 4 (`u`): nothing says what the control was at first",
+            ),
+        ] {
+            let message = table(text, &EXPERIMENT, &CONTROLS).unwrap_err();
+            assert!(message.contains(reason), "{message}");
         }
     }
 
@@ -307,7 +400,7 @@ mod tests {
                 "line 2, column 2 (`z [m]`): `inf` is no finite number",
             ),
         ] {
-            let message = table(&text, &EXPERIMENT).unwrap_err();
+            let message = table(&text, &EXPERIMENT, &[]).unwrap_err();
             assert!(message.contains(reason), "{message}");
         }
     }

@@ -248,6 +248,12 @@ fn gradient_table(model: &dyn Model, simulation: &Simulation, gradient: &Gradien
         let _ = writeln!(text, "note        no derivatives: {obstacle}");
         if gradient.one_sided.is_some() {
             text += "            to one side there are others: what is open has none\n";
+            if sides(gradient)
+                .iter()
+                .any(|(side, _)| !side.roots.is_empty())
+            {
+                text += "            where they are infinite the value moves with the root of the distance: square_root in --json\n";
+            }
         }
     }
     text
@@ -294,10 +300,13 @@ fn end_rows(model: &dyn Model, (q, v): (&[Vec<f64>], &[Vec<f64>]), side: &str) -
     places.chain(rates).chain(states).collect()
 }
 
-/// Rows of the derivatives of chosen values at the end, but for the objective.
+/// Rows of the derivatives of chosen values at the end and of times of events, but for the objective.
 fn value_rows(model: &dyn Model, values: &[(String, Vec<f64>)], side: &str) -> Vec<Vec<String>> {
     let values = values.iter().filter(|(name, _)| name != "objective");
     let rows = values.map(|(name, values)| {
+        if name.starts_with("event_times[") {
+            return derivative_row(&format!("{name}{side}"), "s", values);
+        }
         let output = model.outputs().iter().find(|output| output.name == name);
         let unit = output.map_or_else(
             || unit_of(model.declaration(), name),

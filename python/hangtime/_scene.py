@@ -187,7 +187,7 @@ class Scene:
         ``formulation``, ``tolerance``, ``width``, ``no_exit_condition``, ``horizon`` [s], ``rows``, ``time_limit`` [s],
         ``gradient`` (a name or a list of names that the motion is differentiated by, for :attr:`Run.gradient`),
         ``gradient_of`` (a name or a list of names of values at the end that alone are differentiated: ``"objective"``,
-        coordinates, outputs), ``gradient_mode`` (``"forward"``, ``"adjoint"``). A parameter with the name of an option is set by ``parameters={"name": value}``.
+        coordinates, outputs, ``"event_times[0]"``), ``gradient_mode`` (``"forward"``, ``"adjoint"``). A parameter with the name of an option is set by ``parameters={"name": value}``.
 
         The interpreter's lock is released. Ctrl-C raises ``KeyboardInterrupt``. ``progress`` is true for a line on the
         standard error stream, or is called with the time reached [s] and a text.

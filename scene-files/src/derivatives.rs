@@ -157,6 +157,14 @@ impl ParameterDerivatives for TextDerivatives {
         self.of_parameters(friction.map(|friction| &friction.coefficient), values);
     }
 
+    fn reset(&self, contact: usize, x: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        let known = self.sensitivity.contacts.get(contact);
+        if let Some(reset) = known.and_then(|known| known.reset.as_ref()) {
+            self.put(reset, (x, &[]), |row| row, values);
+        }
+    }
+
     fn outputs(&self, x: &[f64], contacts: &[f64], values: &mut [f64]) {
         values.fill(0.0);
         if let Some(outputs) = &self.sensitivity.outputs {

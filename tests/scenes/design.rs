@@ -284,6 +284,65 @@ fn wave_number_of_a_track_is_that_of_a_scan_whatever_is_searched() {
     assert!((one - other).abs() < 1e-7, "{one} {other}");
 }
 
+#[test]
+#[ignore = "long"]
+fn wave_number_of_a_pump_track_for_15_km_per_hour_is_that_of_a_scan() {
+    let track = include_str!("../../models/scenes/pump-track.hang");
+    let track = track.replace("    k: 1/m = 2,\n", "");
+    let text = track.replace(
+        "coordinates {",
+        "free k: 1/m in 1.2..=2.6 = 2\ncoordinates {",
+    );
+    assert_ne!(text, track);
+    // Within the scan the same controls are at their bounds.
+    let solution = compare_with_scan(&text, 6, "k", 0.0005);
+    assert_eq!(
+        solution.motion.expect("a motion").trajectory.v[0][0],
+        15.0 / 3.6
+    );
+}
+
+#[test]
+fn leg_length_of_a_hopper_is_that_of_a_scan() {
+    // A leg pushes a body up from a crouch until it is stretched, and is pulled off the ground then; a longer one is heavier.
+    let text = "
+        parameters { m: kg = 2, g: m/s^2 = 9.81, push: N = 60, density: kg/m = 1, crouch: m = 0.2 }
+        free leg: m in 0.3..=2.5 = 0.6
+        coordinates { z: m, f: m }
+        lagrangian m/2*dot(z)^2 + density*leg/2*dot(f)^2 - m*g*z - density*leg*g*f
+        forces { z: push, f: -push }
+        surface ground: f >= 0
+        impact ground: inelastic
+        surface stop: leg - (z - f) >= 0
+        impact stop: inelastic
+        start { z: crouch }
+        horizon 0.6 [s]
+        minimize -f/1 [m]
+    ";
+    let solution = designed(text, 2);
+    let foot = |leg: f64| {
+        let rate = 60.0 / 2.0 - 9.81;
+        let time = (2.0 * (leg - 0.2) / rate).sqrt();
+        let (speed, since) = (rate * time * 2.0 / (2.0 + leg), 0.6 - time);
+        speed * since - 9.81 / 2.0 * since * since
+    };
+    // A scan, narrowed by thirds.
+    let (mut low, mut high) = (0.3, 2.5);
+    while high - low > 1e-9 {
+        let third = (high - low) / 3.0;
+        if foot(low + third) < foot(high - third) {
+            low += third;
+        } else {
+            high -= third;
+        }
+    }
+    let found = solution.parameters[0].value;
+    // Where a maximum is flat its place is known to the root of rounding.
+    assert!((found - low).abs() < 1e-6, "{found} {low}");
+    assert!((solution.objective + foot(low)).abs() < 1e-9, "{solution}");
+    assert_eq!(solution.planned_events.len(), 2, "{solution}");
+}
+
 /// Derivatives of an optimum against central differences of solves.
 fn compare_gradient(text: &str, intervals: usize, steps: &[(&str, f64)]) {
     let scene = scene(text);

@@ -3,6 +3,7 @@
 use super::random::Random;
 use hangtime::estimation::{Estimate, Measurements, Settings, Status, estimate};
 use hangtime::model::Model as _;
+use hangtime::simulation::ControlSignal;
 use hangtime_scene_files::{TextScene, of_text};
 use std::f64::consts::PI;
 
@@ -449,16 +450,76 @@ fn slope_follows_from_a_disc_that_rolls_by_a_joint() {
 }
 
 #[test]
-fn estimates_through_conditions_that_set_something_are_refused_by_name() {
+fn thresholds_of_a_thermostat_follow_from_its_temperatures() {
     let text = "
-        free a in 0.1..=2 = 1 states { x } rates { x: a*1[1/s] } when x >= 0.5 { x = 0 } start { x: 0 }
-        measured run: \"a.csv\" { x within 0.1 } minimize misfit(run)
+        parameters { h: 1/s = 1.3, tau: s = 2 } free warm in 1.5..=2.3 = 1.8 free cold in 0.5..=1.4 = 1
+        states { x, on } rates { x: on*h - x/tau } when x >= warm { on = 0 } when x <= cold { on = 1 }
+        start { x: 0.2, on: 1 }
+        measured run: \"a.csv\" { x within 0.01 } minimize misfit(run)
     ";
-    let data = [exact(every(0.1, 3), |t| vec![t])];
-    let refused = estimate(&scene(text), &data, &Settings::default(), &mut |_| true);
-    let refused = refused.expect_err("not known").to_string();
+    let (warm, cold) = (1.9_f64, 1.1);
+    // Heated x goes to 2.6, cooled to 0.
+    let motion = |t: f64| {
+        let (mut x, mut rest, mut on) = (0.2_f64, t, true);
+        loop {
+            let (goal, to) = if on { (2.6, warm) } else { (0.0, cold) };
+            let lasts = 2.0 * ((goal - x) / (goal - to)).ln();
+            if rest <= lasts {
+                return vec![goal - (goal - x) * (-rest / 2.0).exp()];
+            }
+            (x, rest, on) = (to, rest - lasts, !on);
+        }
+    };
+    near(
+        &fitted(text, &[exact(every(0.07, 80), motion)]),
+        &[warm, cold],
+        1e-8,
+    );
+}
+
+/// A cart on a floor, pushed by a hand.
+const CART: &str = "
+    free m: kg in 0.5..=8 = 4 free mu in 0.02..=0.9 = 0.1
+    controls { u: N in -50..=50 }
+    coordinates { y: m, z: m } lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*9.81[m/s^2]*z
+    surface floor: z >= 0 impact floor: inelastic, friction mu, sliding dot(y)
+    forces { y: u }
+    measured push: \"a.csv\" { y within 1 [mm] } minimize misfit(push)
+";
+
+#[test]
+fn mass_and_friction_follow_from_a_cart_that_is_pushed_as_is_known() {
+    let (m, mu) = (2.1, 0.23);
+    let pushes = [(0.0, 12.0), (0.5, 7.0), (1.0, 0.0)];
+    // With each push at a constant acceleration, until it stands.
+    let motion = |t: f64| {
+        let (mut y, mut v) = (0.0, 0.0);
+        for (k, (from, push)) in pushes.iter().enumerate() {
+            let until = pushes.get(k + 1).map_or(t, |next| t.min(next.0));
+            let rate = push / m - mu * G;
+            let lasts = (until - from).max(0.0);
+            let moves = if rate < 0.0 {
+                lasts.min(v / -rate)
+            } else {
+                lasts
+            };
+            y += v * moves + 0.5 * rate * moves * moves;
+            v += rate * moves;
+        }
+        vec![y]
+    };
+    let mut data = exact(every(0.04, 60), motion);
+    data.controls = ControlSignal::PiecewiseConstant {
+        times: pushes.iter().map(|push| push.0).collect(),
+        values: pushes.iter().map(|push| vec![push.1]).collect(),
+    };
+    // Exact data leave the error of the motion over what a millimetre says.
+    near(&fitted(CART, &[data.clone()]), &[m, mu], 1e-8);
+    data.controls = ControlSignal::Zero;
+    let refused = estimate(&scene(CART), &[data], &Settings::default(), &mut |_| true);
+    let refused = refused.expect_err("unknown").to_string();
     assert!(
-        refused.contains("`when x >= 0.5`, by gradients"),
+        refused.contains("nothing says what the control `u` was in `push`"),
         "{refused}"
     );
 }

@@ -13,7 +13,7 @@ pub(super) struct GradientEntry<'a> {
     with_respect_to: &'a [String],
     /// `forward`, or `adjoint`, which has nothing but chosen values and the objective.
     mode: &'static str,
-    /// Of chosen values at the end, by name. Only where they were chosen.
+    /// Of chosen values at the end, and of chosen times of events, by name. Only where they were chosen.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     values: BTreeMap<&'a str, &'a [f64]>,
     /// Of the end of the motion.
@@ -92,11 +92,25 @@ struct SideEntry<'a> {
     /// Of chosen values at the end, by name.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     values: BTreeMap<&'a str, &'a [f64]>,
+    /// Numbers `a` of values that move by `a sqrt(h)` with the distance `h`, whose derivatives are infinite and null above; 0 of others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    square_root: Option<Box<SideEntry<'a>>>,
 }
 
 impl<'a> SideEntry<'a> {
     fn new(side: &'a Side, mechanical: usize) -> Self {
+        let (n, values) = (side.q.len(), side.values.len());
+        let roots = &side.roots;
+        let of = || Self {
+            last: LastEntry::new(&roots[..n], &roots[n..2 * n], mechanical),
+            objective: roots.get(2 * n + values).map(Vec::as_slice),
+            values: (side.values.iter().zip(&roots[2 * n..]))
+                .map(|((name, _), row)| (name.as_str(), &row[..]))
+                .collect(),
+            square_root: None,
+        };
         Self {
+            square_root: (!roots.is_empty()).then(|| Box::new(of())),
             last: LastEntry::new(&side.q, &side.v, mechanical),
             objective: side.objective.as_deref(),
             values: by_name(&side.values),

@@ -34,7 +34,9 @@ impl FitTask {
         settings.given_parameters.clone_from(&chosen.given);
         let folder = Path::new(chosen.scene.folder);
         let experiments = chosen.model.experiments().iter();
-        let measurements = experiments.map(|experiment| measured::read(folder, experiment));
+        let controls = chosen.model.declaration().controls;
+        let measurements =
+            experiments.map(|experiment| measured::read(folder, experiment, controls));
         Ok(Self {
             measurements: measurements.collect::<Result<_, _>>()?,
             chosen,

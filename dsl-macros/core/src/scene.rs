@@ -359,6 +359,16 @@ impl Contact {
 }
 
 impl Contact {
+    /// All `n` velocities right after it has come true, if it is a condition that sets some of them.
+    pub(crate) fn velocities_set(&self, n: usize) -> Option<Vec<Sym>> {
+        let velocities = (0..n).map(|i| Sym::variable(Variable::Velocity(i as u16)));
+        let mut velocities: Vec<Sym> = velocities.collect();
+        for &(index, value) in &self.reset {
+            velocities[index] = value;
+        }
+        (!self.reset.is_empty()).then_some(velocities)
+    }
+
     /// Largest force of dry friction, with the forces that it follows.
     pub(crate) fn whole_bound(&self) -> Option<Sym> {
         let force = |i: u16| Sym::variable(Variable::ContactForce(i));

@@ -1,8 +1,9 @@
 //! What was measured, as numbers.
 
 use crate::InputError;
-use crate::model::Experiment;
+use crate::model::{Experiment, VariableDeclaration};
 use crate::refusal;
+use crate::simulation::ControlSignal;
 
 /// Most measurements of one experiment: far above what a fit needs, and what a mistaken file may have.
 const MOST: usize = 1_000_000;
@@ -14,6 +15,8 @@ pub struct Measurements {
     pub times: Vec<f64>,
     /// One vector a time, with one number a quantity; not a number where it was not measured.
     pub values: Vec<Vec<f64>>,
+    /// What the controls of the scene were meanwhile; of a scene without controls [`ControlSignal::Zero`].
+    pub controls: ControlSignal,
 }
 
 impl Measurements {
@@ -29,7 +32,11 @@ impl Measurements {
     }
 
     /// Whether they are measurements of that experiment.
-    pub(super) fn check(&self, experiment: &Experiment) -> Result<(), InputError> {
+    pub(super) fn check(
+        &self,
+        experiment: &Experiment,
+        controls: &[VariableDeclaration],
+    ) -> Result<(), InputError> {
         let what = |what: &str| format!("{what} of `{}`", experiment.name);
         if self.values.len() != self.times.len() {
             return Err(refusal::wrong_length(
@@ -69,6 +76,13 @@ impl Measurements {
             if let Some(&value) = row.iter().find(|value| value.is_infinite()) {
                 return Err(refusal::not_finite(what("a value"), value));
             }
+        }
+        if let (ControlSignal::Zero, Some(control)) = (&self.controls, controls.first()) {
+            return Err(InputError::new(format!(
+                "nothing says what the control `{}` was in `{}`; give the controls with the measurements, or write what acted as a \
+                 function of `t`",
+                control.name, experiment.name
+            )));
         }
         if self.end() <= 0.0 {
             return Err(InputError::new(format!(

@@ -70,7 +70,7 @@ impl<'a, 'o> Motions<'a, 'o> {
         }
         let mut experiments = Vec::with_capacity(data.len());
         for (index, (declared, data)) in declared.iter().zip(data).enumerate() {
-            data.check(declared)?;
+            data.check(declared, model.declaration().controls)?;
             let model = model.in_experiment(index).ok_or_else(|| {
                 crate::refusal::unsupported(
                     format!(
@@ -157,8 +157,7 @@ impl<'a, 'o> Motions<'a, 'o> {
     pub(super) fn confirmed(&mut self, index: usize, x: &[f64]) -> Option<Compared> {
         self.set(index, x);
         let one = &self.experiments[index];
-        let mut problem = InitialValueProblem::of(&*one.model, Some(one.data.end())).ok()?;
-        problem.points = usize::MAX;
+        let problem = problem(one, one.data.end()).ok()?;
         let event = EventDriven {
             tolerance: TOLERANCE,
             ..EventDriven::default()
@@ -322,14 +321,21 @@ fn counted(one: &One<'_>, share: f64) -> usize {
     count.max(first).min(times.len())
 }
 
+/// The motion of an experiment up to a time, under the controls that it had.
+fn problem(one: &One<'_>, end: f64) -> Result<InitialValueProblem, InputError> {
+    let mut problem = InitialValueProblem::of(&*one.model, Some(end))?;
+    problem.controls.clone_from(&one.data.controls);
+    problem.points = usize::MAX;
+    Ok(problem)
+}
+
 /// One experiment up to a time, by the method that locates events most accurately, and by finite elements where that fails.
 fn simulated(
     one: &One<'_>,
     end: f64,
     observer: &mut Observer<'_>,
 ) -> Result<(InitialValueProblem, Simulation), InputError> {
-    let mut problem = InitialValueProblem::of(&*one.model, Some(end))?;
-    problem.points = usize::MAX;
+    let problem = problem(one, end)?;
     let event = EventDriven {
         tolerance: TOLERANCE,
         ..EventDriven::default()

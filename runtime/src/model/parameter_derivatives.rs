@@ -31,6 +31,9 @@ pub trait ParameterDerivatives: Send + Sync {
     /// Of [`Model::friction`](super::Model::friction), by the parameters.
     fn friction(&self, contact: usize, values: &mut [f64]);
 
+    /// Of [`Model::reset`](super::Model::reset), of all velocities. Only for conditions that set something.
+    fn reset(&self, contact: usize, x: &[f64], values: &mut [f64]);
+
     /// Of [`Model::output_values`](super::Model::output_values), by `(q, v, u, t)`, by the forces and impulses of `contacts`,
     /// by the forces of joints behind them, and by the parameters.
     fn outputs(&self, x: &[f64], contacts: &[f64], values: &mut [f64]);

@@ -2,8 +2,16 @@
 //!
 //! To each side of a value at which a surface is grazed, or at which two events coincide, the order of events is one, and the end
 //! of the motion is a smooth function `x(p)` there. Its derivative at `p + h`, `p + h/2` and `p + h/4` gives the limit for
-//! `h -> 0` with an error of `h^3` (Richardson); where these do not agree there is no limit, as at the side of a graze on which
-//! the surface is struck, where the derivative grows like `h^(-1/2)`.
+//! `h -> 0` with an error of `h^3` (Richardson).
+//!
+//! Where a graze is struck the speed of the impact is a square root of `h`, and so is what it changes: `x = x_0 + a sqrt(h) + b h + ..`.
+//! There the derivative is infinite, and `a` is what says how the value moves. Of the derivatives `d_k` at `h/2^k` it is
+//!
+//! ```text
+//! a = 2 sqrt(h) (r d_0 - (1 + r) d_1 + d_2)/(1 - r),  r = 1/sqrt(2)
+//! ```
+//!
+//! without what the two next terms leave; those at half of the distances have to give the same. Where neither do there is no limit.
 
 use super::gradient::{Gradient, GradientMode, OneSided, Side, differentiate_values};
 use super::quantity::Quantity;
@@ -16,6 +24,8 @@ const DISTANCE: f64 = 1e-4;
 const AGREE: f64 = 1e-4;
 /// Part of the way to the nearest neighbour that the end may move beyond its derivative: the end is a continuous function.
 const JUMP: f64 = 4.0;
+/// Share of the time by which instants of the end may differ: rounding.
+const SAME_TIME: f64 = 1e-12;
 /// Share of the largest value that is the error of a motion.
 const ERROR: f64 = 1e-7;
 /// Share of the largest derivative that counts as none where limits are compared.
@@ -33,52 +43,127 @@ pub fn add_one_sided(
     run: &Simulation,
     simulate: &mut Simulate<'_>,
 ) {
-    let Some(end) = end(run).filter(|_| gradient.obstacle.is_some() && run.status.is_solved())
-    else {
+    let ends = ends(run);
+    if ends.is_empty() || gradient.obstacle.is_none() || !run.status.is_solved() {
         return;
-    };
-    let n = problem.q.len();
+    }
     let of: Vec<String> = gradient
         .values
         .iter()
         .map(|known| known.0.clone())
         .collect();
+    let known = Known {
+        rows: rows_of_state(model, &of),
+        ends,
+        of,
+    };
     let mut side = |sense: f64| {
         let columns = gradient.with_respect_to.iter();
-        let columns: Vec<Vec<f64>> = columns
-            .map(|name| limit((model, problem), &end, (name, sense, &of), simulate))
+        let columns: Vec<Vec<Limit>> = columns
+            .map(|name| limits((model, problem), &known, (name, sense), simulate))
             .collect();
-        let objective = columns.iter().any(|column| column.len() > 2 * n + of.len());
-        let row = |i: usize| -> Vec<f64> {
-            columns
-                .iter()
-                .map(|column| column.get(i).copied().unwrap_or(f64::NAN))
-                .collect()
-        };
-        Side {
-            q: (0..n).map(row).collect(),
-            v: (n..2 * n).map(row).collect(),
-            values: (2 * n..)
-                .zip(&of)
-                .map(|(i, name)| (name.clone(), row(i)))
-                .collect(),
-            objective: objective.then(|| row(2 * n + of.len())),
-        }
+        known.side(problem.q.len(), &columns)
     };
     let (below, above) = (side(-1.0), side(1.0));
     let exists = |side: &Side| {
         let mut rows = side.q.iter().chain(&side.v).flatten();
-        rows.any(|by| by.is_finite())
+        rows.any(|by| !by.is_nan())
     };
     if exists(&below) || exists(&above) {
         gradient.one_sided = Some(Box::new(OneSided { below, above }));
     }
 }
 
-/// The last state of a motion.
-fn end(run: &Simulation) -> Option<Vec<f64>> {
-    let (q, v) = (run.trajectory.q.last()?, run.trajectory.v.last()?);
-    Some([&q[..], v].concat())
+/// What is known of the motion itself.
+struct Known {
+    /// States `(q, v)` at the end: of two the first is that before an event there.
+    ends: Vec<Vec<f64>>,
+    /// Names of the chosen values, and the component of `(q, v)` that each is, if it is one.
+    of: Vec<String>,
+    rows: Vec<Option<usize>>,
+}
+
+impl Known {
+    /// The limits of all quantities as rows.
+    fn side(&self, n: usize, columns: &[Vec<Limit>]) -> Side {
+        let row = |i: usize, of: fn(&Limit) -> f64| -> Vec<f64> {
+            columns
+                .iter()
+                .map(|column| column.get(i).map_or(f64::NAN, of))
+                .collect()
+        };
+        let by = |i: usize| row(i, |limit| limit.by);
+        let values = 2 * n + self.of.len();
+        let objective = columns.iter().any(|column| column.len() > values);
+        let rows = values + usize::from(objective);
+        let rooted = columns.iter().flatten().any(|limit| limit.root != 0.0);
+        let roots = if rooted { rows } else { 0 };
+        Side {
+            q: (0..n).map(by).collect(),
+            v: (n..2 * n).map(by).collect(),
+            values: (2 * n..)
+                .zip(&self.of)
+                .map(|(i, name)| (name.clone(), by(i)))
+                .collect(),
+            objective: objective.then(|| by(values)),
+            roots: (0..roots).map(|i| row(i, |limit| limit.root)).collect(),
+        }
+    }
+
+    /// Whether the end of a motion goes over into a known one with its distance, for each row of its derivatives: nothing else is known
+    /// of those that are no components of the state, which do so where all of these do.
+    fn continuous(&self, near: &Neighbour) -> Vec<bool> {
+        let size = largest(&near.by);
+        let states = near.end.iter().enumerate().map(|(i, value)| {
+            let mut ends = self.ends.iter();
+            ends.any(|end| {
+                let error = ERROR * largest(end);
+                (value - end[i]).abs() <= JUMP * near.distance * size + error
+            })
+        });
+        let states: Vec<bool> = states.collect();
+        let all = states.iter().all(|goes_over| *goes_over);
+        let of_value = |row: &Option<usize>| row.map_or(all, |row| states[row]);
+        let values: Vec<bool> = self.rows.iter().map(of_value).collect();
+        let mut rows = [states, values].concat();
+        rows.resize(near.by.len(), all);
+        rows
+    }
+}
+
+/// The components of `(q, v)` that values of these names are.
+fn rows_of_state(model: &dyn Model, of: &[String]) -> Vec<Option<usize>> {
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let row = |name: &String| match Quantity::named(declaration, model.outputs(), name)? {
+        Quantity::Coordinate(k) => Some(k),
+        Quantity::Velocity(k) => Some(n + k),
+        _ => None,
+    };
+    of.iter().map(row).collect()
+}
+
+/// The states of a motion at its last time.
+fn ends(run: &Simulation) -> Vec<Vec<f64>> {
+    let trajectory = &run.trajectory;
+    let Some(&last) = trajectory.time.last() else {
+        return Vec::new();
+    };
+    let first = trajectory
+        .time
+        .partition_point(|&t| t < last * (1.0 - SAME_TIME));
+    (first..trajectory.time.len())
+        .map(|k| [&trajectory.q[k][..], &trajectory.v[k]].concat())
+        .collect()
+}
+
+/// A derivative to one side.
+#[derive(Clone, Copy)]
+struct Limit {
+    /// Not a number where there is none.
+    by: f64,
+    /// What the root of the distance is multiplied by; 0 where the derivative is finite.
+    root: f64,
 }
 
 /// The end of a motion nearby, and its derivatives.
@@ -91,39 +176,60 @@ struct Neighbour {
     distance: f64,
 }
 
-/// The limits of the derivatives of `(q, v)` and of the values `of` at the end, and of the objective, by one quantity; empty where
+/// The limits of the derivatives of `(q, v)` and of the chosen values at the end, and of the objective, by one quantity; empty where
 /// neighbours have none.
-fn limit(
+fn limits(
     scene: (&dyn Model, &InitialValueProblem),
-    end: &[f64],
-    (name, sense, of): (&str, f64, &[String]),
+    known: &Known,
+    (name, sense): (&str, f64),
     simulate: &mut Simulate<'_>,
-) -> Vec<f64> {
-    let mut at = |share: f64| neighbour(scene, (name, of), sense * share * DISTANCE, simulate);
+) -> Vec<Limit> {
+    let mut at =
+        |share: f64| neighbour(scene, (name, &known.of), sense * share * DISTANCE, simulate);
     let (Some(far), Some(middle), Some(near)) = (at(1.0), at(0.5), at(0.25)) else {
         return Vec::new();
     };
+    let continuous = known.continuous(&near);
     let size = largest(&near.by);
-    let error = ERROR * largest(end);
-    let continuous = end
-        .iter()
-        .zip(&near.end)
-        .all(|(end, near_end)| (near_end - end).abs() <= JUMP * near.distance * size + error);
-    if !continuous {
-        return Vec::new();
-    }
-    let values = far.by.iter().zip(&middle.by).zip(&near.by);
-    values
-        .map(|((far, middle), near)| {
-            let (first, second) = (2.0 * middle - far, 2.0 * near - middle);
-            let agree = (second - first).abs() <= AGREE * second.abs() + NONE * size;
-            if agree {
-                (4.0 * second - first) / 3.0
-            } else {
-                f64::NAN
-            }
-        })
-        .collect()
+    let same = |one: f64, other: f64| (other - one).abs() <= AGREE * other.abs() + NONE * size;
+    let mut nearest = None;
+    let rows = 0..near.by.len();
+    rows.map(|i| {
+        let none = Limit {
+            by: f64::NAN,
+            root: 0.0,
+        };
+        let by = |of: &Neighbour| of.by.get(i).copied().unwrap_or(f64::NAN);
+        if !continuous[i] {
+            return none;
+        }
+        let (first, second) = (2.0 * by(&middle) - by(&far), 2.0 * by(&near) - by(&middle));
+        if same(first, second) {
+            let by = (4.0 * second - first) / 3.0;
+            return Limit { by, root: 0.0 };
+        }
+        let Some(nearest) = nearest.get_or_insert_with(|| at(0.125)).as_ref() else {
+            return none;
+        };
+        let first = root(far.distance, [by(&far), by(&middle), by(&near)]);
+        let second = root(middle.distance, [by(&middle), by(&near), by(nearest)]);
+        if !same(first, second) || second == 0.0 {
+            return none;
+        }
+        // What is left out of both is as h^(3/2).
+        let ratio = std::f64::consts::SQRT_2.powi(3);
+        Limit {
+            by: f64::INFINITY.copysign(second),
+            root: sense * (ratio * second - first) / (ratio - 1.0),
+        }
+    })
+    .collect()
+}
+
+/// What the root of the distance is multiplied by in a value with these derivatives at a distance, half of it and a quarter of it.
+fn root(distance: f64, [far, middle, near]: [f64; 3]) -> f64 {
+    let r = std::f64::consts::FRAC_1_SQRT_2;
+    2.0 * distance.sqrt() * (r * far - (1.0 + r) * middle + near) / (1.0 - r)
 }
 
 fn largest(values: &[f64]) -> f64 {
@@ -152,7 +258,7 @@ fn neighbour(
         .collect();
     by.extend(gradient.objective.iter().flatten());
     Some(Neighbour {
-        end: end(&run)?,
+        end: ends(&run).pop()?,
         by,
         distance,
     })

@@ -53,7 +53,7 @@ pub struct InitialValueProblem {
 /// assert!(ControlSignal::constant(&[1.0, 0.0]).write(0.0, &mut u).is_err());
 /// # Ok::<(), InputError>(())
 /// ```
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub enum ControlSignal {
     /// All controls zero.
     #[default]

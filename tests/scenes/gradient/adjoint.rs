@@ -5,7 +5,7 @@ use hangtime::simulation::{Gradient, GradientMode, Simulator};
 use hangtime_scene_files::TextScene;
 
 use super::support::{TOLERANCE, assert_close, assert_exists, scene};
-use super::texts::{BELT, CEILING, EDGE, HILLS, HUMP, LINKS, STOP};
+use super::texts::{BELT, CEILING, EDGE, HAMMER, HILLS, HUMP, LINKS, STOP, THERMOSTAT};
 
 /// Names, text, initial values, and values at the end.
 struct Case {
@@ -15,7 +15,7 @@ struct Case {
     of: &'static [&'static str],
 }
 
-const CASES: [Case; 13] = [
+const CASES: [Case; 15] = [
     Case {
         name: "a ball that bounces on a floor that moves, with an objective and a horizon that depend on parameters",
         text: "
@@ -31,31 +31,31 @@ const CASES: [Case; 13] = [
             outputs { pushed: N*s = impulse(floor), energy: J = m/2*dot(z)^2 + m*g*z }
         ",
         from: &["z", "dot(z)"],
-        of: &["objective", "z", "dot(z)", "pushed", "energy"],
+        of: &["objective", "z", "dot(z)", "pushed", "energy", "event_times[0]", "event_times[1]"],
     },
     Case {
         name: "a ball that rubs on hills",
         text: HILLS,
         from: &["x", "dot(z)"],
-        of: &["x", "rubbed"],
+        of: &["x", "rubbed", "event_times[1]"],
     },
     Case {
         name: "two links that strike a wall",
         text: LINKS,
         from: &["a", "dot(b)"],
-        of: &["a", "dot(b)"],
+        of: &["a", "dot(b)", "event_times[0]"],
     },
     Case {
         name: "a block on a belt that sticks and slips",
         text: BELT,
         from: &["x", "dot(x)"],
-        of: &["dot(x)", "rubbing", "load"],
+        of: &["dot(x)", "rubbing", "load", "event_times[0]", "event_times[1]"],
     },
     Case {
         name: "a body that slides over a hump, leaves it and lands",
         text: HUMP,
         from: &[],
-        of: &["x"],
+        of: &["x", "event_times[0]", "event_times[1]"],
     },
     Case {
         name: "a wheel with a brake that comes to rest and is turned again",
@@ -69,7 +69,7 @@ const CASES: [Case; 13] = [
             horizon 6 [s]
         ",
         from: &["phi", "dot(phi)"],
-        of: &["phi"],
+        of: &["phi", "event_times[0]"],
     },
     Case {
         name: "a body that passes an edge",
@@ -121,7 +121,7 @@ const CASES: [Case; 13] = [
             horizon 1.4 [s]
         ",
         from: &["dot(x)"],
-        of: &["x", "dot(z)"],
+        of: &["x", "dot(z)", "event_times[0]"],
     },
     Case {
         name: "a disc that rolls, as a joint of velocities, and is braked at a gate",
@@ -147,13 +147,25 @@ const CASES: [Case; 13] = [
             horizon 2 [s]
         ",
         from: &["x", "y"],
-        of: &["x", "y"],
+        of: &["x", "y", "event_times[1]"],
     },
     Case {
         name: "a mass that a stop of rubber throws back, until a step of the time",
         text: STOP,
         from: &["x", "dot(x)"],
-        of: &["x"],
+        of: &["x", "event_times[2]"],
+    },
+    Case {
+        name: "a room that is heated until it is warm, and again when it is cold",
+        text: THERMOSTAT,
+        from: &["x", "on"],
+        of: &["x", "event_times[4]"],
+    },
+    Case {
+        name: "a ball that a hammer drives onto the floor it lies on",
+        text: HAMMER,
+        from: &[],
+        of: &["z", "dot(z)", "event_times[0]"],
     },
 ];
 
@@ -261,7 +273,8 @@ fn hundred_parameters_of_a_force_have_their_closed_form() {
     let text = harmonics(COUNT);
     let scene = scene(&text, &[]);
     let names: Vec<String> = (1..=COUNT).map(|k| format!("a{k}")).collect();
-    let run = simulate(&scene).tolerance(TOLERANCE).gradient_of(["z"]);
+    let run = simulate(&scene).tolerance(TOLERANCE);
+    let run = run.gradient_of(["z", "event_times[0]"]);
     let (run, gradient) = run.gradient(names.iter().map(String::as_str)).unwrap();
     assert_exists(&gradient);
     assert_eq!(gradient.mode, GradientMode::Adjoint);
@@ -276,9 +289,11 @@ fn hundred_parameters_of_a_force_have_their_closed_form() {
     let fall: f64 = harmonics().map(|(k, a)| a * speed(k, impact)).sum();
     let before = fall - 9.81 * impact;
     let rate = force(impact) - 9.81;
-    for (k, found) in (1..=COUNT).zip(&gradient.values[0].1) {
+    let times = &gradient.values[1].1;
+    for (k, (found, time)) in (1..=COUNT).zip(gradient.values[0].1.iter().zip(times)) {
         let k = k as f64;
         let moves = -height(k, impact) / before;
+        assert_close(*time, moves, 1e-10, "time of the impact by a harmonic");
         let after = -e * (speed(k, impact) + rate * moves) - rate * moves;
         let since = end - impact;
         let later = height(k, end) - height(k, impact) - speed(k, impact) * since;
@@ -316,7 +331,14 @@ fn motions_without_derivatives_say_so_backwards_too() {
     // Thrown slower the ball is at v0 T - g T^2/2; a higher ceiling changes nothing.
     let sides = gradient.one_sided.expect("to one side");
     assert_close(sides.below.values[0].1[0], 1.0, 1e-9, "z by v0 from below");
-    assert!(sides.above.values[0].1[0].is_nan());
+    // Thrown faster it strikes at s = sqrt(8 h), and is lower by (1 + e) s/2.
+    assert_eq!(sides.above.values[0].1[0], f64::NEG_INFINITY);
+    assert_close(
+        sides.above.roots[2][0],
+        -0.75 * 8.0_f64.sqrt(),
+        1e-6,
+        "z by the root of v0 from above",
+    );
     assert_close(
         sides.above.values[0].1[1],
         0.0,
@@ -351,6 +373,14 @@ fn values_that_nothing_has_are_refused() {
         ("y", "no gradient of `y` at the end"),
         ("objective", "`minimize` declares an objective"),
         ("g", "it has: x, dot(x), z, dot(z), rubbed"),
+        (
+            "event_times[9]",
+            "the motion has 3 events, `event_times[0]` to `event_times[2]`",
+        ),
+        (
+            "event_times[]",
+            "`event_times[0]` is the time of the first event",
+        ),
     ] {
         let run = simulate(&scene).gradient_of([of]);
         let refusal = run.gradient(["all"]).unwrap_err().to_string();

@@ -7,10 +7,10 @@ use super::support::{assert_close, assert_exists, by_both, scene};
 use super::texts::{EDGE, STOP};
 
 /// Derivatives are as good as the motion: tolerances of 1e-12 leave this.
-const CLOSE: f64 = 1e-9;
+pub(super) const CLOSE: f64 = 1e-9;
 
 /// Derivatives of a function of several numbers by each of them.
-fn derivatives(f: impl Fn(&[Dual64]) -> Dual64, at: &[f64]) -> Vec<f64> {
+pub(super) fn derivatives(f: impl Fn(&[Dual64]) -> Dual64, at: &[f64]) -> Vec<f64> {
     let by = |k: usize| {
         let along = |x: Dual64| {
             let mut values: Vec<Dual64> = at.iter().map(|&value| Dual64::from(value)).collect();
@@ -23,7 +23,7 @@ fn derivatives(f: impl Fn(&[Dual64]) -> Dual64, at: &[f64]) -> Vec<f64> {
 }
 
 #[track_caller]
-fn assert_row(found: &[f64], right: &[f64], what: &str) {
+pub(super) fn assert_row(found: &[f64], right: &[f64], what: &str) {
     assert_eq!(found.len(), right.len());
     for (k, (found, right)) in found.iter().zip(right).enumerate() {
         assert_close(*found, *right, CLOSE, &format!("{what}, quantity {k}"));
@@ -42,7 +42,7 @@ const BALL: &str = "
 ";
 
 /// Times of the first impacts, and height and velocity at `t` behind them, for `(g, e, height, v0)`.
-fn bounces(p: &[Dual64], t: f64, impacts: usize) -> (Vec<Dual64>, Dual64, Dual64) {
+pub(super) fn bounces(p: &[Dual64], t: f64, impacts: usize) -> (Vec<Dual64>, Dual64, Dual64) {
     let (g, e, height, v0) = (p[0], p[1], p[2], p[3]);
     let speed = (v0 * v0 + g * height * 2.0).sqrt();
     let mut time = (v0 + speed) / g;

@@ -4,7 +4,7 @@ use hangtime::prelude::*;
 use hangtime_scene_files::TextScene;
 
 use super::support::{TOLERANCE, assert_close, scene};
-use super::texts::{BELT, HILLS, HUMP, LINKS};
+use super::texts::{BELT, HILLS, HUMP, LINKS, NET};
 use crate::random::Random;
 
 /// Step of a parameter, relative to it.
@@ -18,7 +18,7 @@ struct Kind {
     ranges: &'static [(&'static str, f64, f64)],
 }
 
-const KINDS: [Kind; 4] = [
+const KINDS: [Kind; 5] = [
     // A ball on hills with friction.
     Kind {
         text: HILLS,
@@ -65,6 +65,17 @@ const KINDS: [Kind; 4] = [
             ("g", 8.0, 11.0),
         ],
     },
+    // A ball between a floor and a net that throws it back. It arrives at more than 1 m/s: near a graze differences of this step are off.
+    Kind {
+        text: NET,
+        ranges: &[
+            ("v0", 3.2, 5.0),
+            ("top", 0.2, 0.45),
+            ("share", 0.3, 0.9),
+            ("e", 0.4, 0.9),
+            ("c", 0.0, 0.4),
+        ],
+    },
 ];
 
 /// What happens at which contacts.
@@ -88,10 +99,11 @@ fn end(scene: &TextScene) -> Option<(Vec<f64>, Kinds)> {
     Some((values, kinds))
 }
 
-/// Differences of fourth order of the end and of the event times by a parameter; none where the sequence of events differs.
-fn differences(scene: &TextScene, parameter: usize) -> Option<Vec<f64>> {
+/// Differences of fourth order of the end and of the event times by a parameter, over steps of this share of it; none where the
+/// sequence of events differs.
+fn differences(scene: &TextScene, parameter: usize, step: f64) -> Option<Vec<f64>> {
     let value = scene.parameter(parameter);
-    let step = STEP * value.abs().max(0.1);
+    let step = step * value.abs().max(0.1);
     let at = |steps: f64| {
         let mut scene = scene.clone();
         scene.set_parameter(parameter, value + steps * step);
@@ -114,7 +126,7 @@ fn random_motions_have_the_derivatives_that_differences_show() {
     let scenes = std::env::var("HANGTIME_GRADIENTS").ok();
     let scenes: usize = scenes.and_then(|count| count.parse().ok()).unwrap_or(32);
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
-    let (mut compared, mut existing) = (0, 0);
+    let (mut compared, mut existing, mut refined) = (0, 0, 0);
     for number in 0..scenes {
         let kind = &KINDS[number % KINDS.len()];
         let settings: Vec<(&str, f64)> = kind
@@ -138,8 +150,8 @@ fn random_motions_have_the_derivatives_that_differences_show() {
             }
             existing += 1;
             for (k, name) in names.iter().enumerate() {
-                let Some(right) = differences(&scene, super::support::parameter(&scene, name))
-                else {
+                let parameter = super::support::parameter(&scene, name);
+                let Some(mut right) = differences(&scene, parameter, STEP) else {
                     continue;
                 };
                 let column: Vec<f64> = (gradient
@@ -156,6 +168,12 @@ fn random_motions_have_the_derivatives_that_differences_show() {
                 let largest = right
                     .iter()
                     .fold(1.0_f64, |most, value| most.max(value.abs()));
+                let mut pairs = column.iter().zip(&right);
+                if pairs.any(|(found, right)| (found - right).abs() > CLOSE * largest) {
+                    // Near a graze or a lift-off differences converge late; to the derivative all the same.
+                    right = differences(&scene, parameter, 0.25 * STEP).unwrap_or(right);
+                    refined += 1;
+                }
                 for (i, (found, right)) in column.iter().zip(&right).enumerate() {
                     let what = format!("scene {number} {settings:?}, row {i} by {name}\n{run}");
                     assert_close(found / largest, right / largest, CLOSE, &what);
@@ -163,7 +181,9 @@ fn random_motions_have_the_derivatives_that_differences_show() {
             }
         }
     }
-    println!("{scenes} scenes, {existing} motions with derivatives, {compared} compared");
+    println!(
+        "{scenes} scenes, {existing} motions with derivatives, {compared} compared, {refined} by shorter steps"
+    );
     assert!(
         existing >= 2 * scenes * 8 / 10,
         "{existing} of {}",
@@ -214,7 +234,7 @@ fn motions_of_many_coordinates_have_the_derivatives_that_differences_show() {
         assert!(!run.events.is_empty());
         for (k, name) in names.iter().enumerate() {
             let parameter = super::support::parameter(&scene, name);
-            let right = differences(&scene, parameter).unwrap();
+            let right = differences(&scene, parameter, STEP).unwrap();
             let column = gradient
                 .q
                 .iter()

@@ -4,7 +4,9 @@
 
 mod adjoint;
 mod closed_forms;
+mod conditions;
 mod differences;
+mod mechanisms;
 mod obstacles;
 mod ranges;
 mod support;

@@ -25,7 +25,7 @@ pub(crate) const LINKS: &str = "
 
 /// A block on a belt, held by a spring: it sticks, slips and sticks again.
 pub(crate) const BELT: &str = "
-    parameters { m: kg = 1, k: N/m = 20, mu = 0.3, g: m/s^2 = 9.81, belt: m/s = 0.3, x0: m = 0.1 }
+    parameters { m: kg = 1, k: N/m = 20, mu = 0.3, g: m/s^2 = 9.81, belt: m/s = 0.3, x0: m = 0.02 }
     coordinates { x: m, z: m }
     lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z - k/2*x^2
     surface floor: z >= 0
@@ -37,7 +37,7 @@ pub(crate) const BELT: &str = "
 
 /// A body that slides over a hump, leaves it and lands.
 pub(crate) const HUMP: &str = "
-    parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.5, s: m = 1, u0: m/s = 4, c: N*s/m = 0.1 }
+    parameters { m: kg = 1, g: m/s^2 = 9.81, a: m = 0.5, s: m = 1, u0: m/s = 5, c: N*s/m = 0.1 }
     coordinates { x: m, z: m }
     lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
     forces { x: -c*dot(x), z: -c*dot(z) }
@@ -77,4 +77,39 @@ pub(crate) const CEILING: &str = "
     impact ceiling: restitution 0.5
     start { dot(z): v0 }
     horizon 1 [s]
+";
+
+/// A room that is heated until it is warm, and again when it is cold.
+pub(crate) const THERMOSTAT: &str = "
+    parameters { h: 1/s = 1.3, tau: s = 2, warm = 1.9, cold = 1.1, x0 = 0.2 }
+    states { x, on }
+    rates { x: on*h - x/tau }
+    when x >= warm { on = 0 }
+    when x <= cold { on = 1 }
+    start { x: x0, on: 1 }
+    horizon 8 [s]
+";
+
+/// A ball that lies on a floor until a hammer strikes it.
+pub(crate) const HAMMER: &str = "
+    parameters { g: m/s^2 = 9.6, e = 0.5, v1: m/s = 3, t1: s = 0.9 }
+    coordinates { z: m }
+    lagrangian (dot(z)^2/2 - g*z)*1 [kg]
+    surface floor: z >= 0
+    impact floor: restitution e
+    when t >= t1 { dot(z) = -v1 }
+    horizon 1.1 [s]
+";
+
+/// A ball between a floor and a net, a condition that throws it back.
+pub(crate) const NET: &str = "
+    parameters { g: m/s^2 = 9.81, v0: m/s = 4, top: m = 0.5, share = 0.6, e = 0.7, c: N*s/m = 0.1 }
+    coordinates { z: m }
+    lagrangian (dot(z)^2/2 - g*z)*1 [kg]
+    forces { z: -c*dot(z) }
+    surface floor: z >= 0
+    impact floor: restitution e
+    when z >= top { dot(z) = -share*dot(z) }
+    start { z: 0.1, dot(z): v0 }
+    horizon 1.2 [s]
 ";

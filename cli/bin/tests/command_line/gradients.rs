@@ -1,8 +1,10 @@
 //! `simulate --gradient`.
 
+use std::fs;
+
 use serde_json::Value;
 
-use crate::support::{hangtime, json, solved};
+use crate::support::{Scratch, hangtime, json, solved};
 
 /// One second of a ball that bounces, differentiated by all parameters.
 const BOUNCING_BY_ALL: [&str; 6] = [
@@ -113,6 +115,64 @@ fn values_at_the_end_are_differentiated_backwards_where_they_are_fewer() {
         text.contains("z at the end [m]") && !text.contains("time of impact at"),
         "{text}"
     );
+}
+
+#[test]
+fn times_of_events_are_differentiated_backwards_with_the_unit_of_a_time() {
+    // The first impact is at sqrt(2 h/g), the second 2 e sqrt(2 h/g) later.
+    let words = [
+        "simulate",
+        "bouncing-ball",
+        "--set",
+        "g=8",
+        "--set",
+        "height=1",
+        "--set",
+        "e=0.5",
+    ];
+    let asked = [
+        "--horizon",
+        "1.1",
+        "--gradient",
+        "e,g,height",
+        "--gradient-of",
+        "event_times[1]",
+    ];
+    let words = [&words[..], &asked].concat();
+    let document = json(&[&words[..], &["--json"]].concat());
+    assert_eq!(document["gradient"]["mode"], "adjoint");
+    let found = numbers(&document["gradient"]["values"]["event_times[1]"]);
+    assert_close(&found, &[2.0 * 0.5, -1.0 / 16.0, 0.5]);
+    let text = solved(&words);
+    assert!(text.contains("event_times[1] [s]"), "{text}");
+}
+
+#[test]
+fn struck_side_of_a_graze_has_the_number_of_its_root() {
+    let scratch = Scratch::new("graze");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("ceiling.hang");
+    let text = "
+        parameters { v0: m/s = 4 }
+        coordinates { z: m }
+        lagrangian 1[kg]*(dot(z)^2/2 - 8[m/s^2]*z)
+        surface ceiling: 1[m] - z >= 0
+        impact ceiling: restitution 0.5
+        start { dot(z): v0 }
+        horizon 1 [s]
+    ";
+    fs::write(&file, text).unwrap();
+    let words = ["simulate", file.to_str().unwrap(), "--gradient", "v0"];
+    let document = json(&[&words[..], &["--json"]].concat());
+    let sides = &document["gradient"]["one_sided"];
+    // Struck at sqrt(8 h), it is lower by (1 + e) sqrt(8 h)/2; where it is not struck it rises by the velocity times 1 s.
+    assert!(sides["above"]["final"]["q"][0][0].is_null());
+    let root = numbers(&sides["above"]["square_root"]["final"]["q"][0]);
+    // The default tolerance of a motion over the distance of its neighbours.
+    assert!((root[0] + 0.75 * 8.0_f64.sqrt()).abs() < 1e-3, "{root:?}");
+    assert!((numbers(&sides["below"]["final"]["q"][0])[0] - 1.0).abs() < 1e-6);
+    assert!(sides["below"].get("square_root").is_none());
+    assert!(solved(&words).contains("square_root in --json"));
 }
 
 #[test]

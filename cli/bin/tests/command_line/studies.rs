@@ -3,6 +3,7 @@
 use crate::browser::{Origin, browser, visit, visit_sized};
 use crate::support::{Scratch, assert_page_shows_its_result, json, result_files, solved};
 use serde_json::Value;
+use std::fs;
 
 #[test]
 fn reproduce_covers_the_publication_with_figures_data_and_pages() {
@@ -209,6 +210,40 @@ fn sizes_of_all_scenes_are_classified_and_those_of_the_pump_track_stand_beside_p
     // That of the publication is as large as there.
     assert_eq!(shares(gauss, "time-freezing program")[0], 1.0);
     assert_eq!(shares(radau, "time-freezing program")[0], 1.0);
+}
+
+#[test]
+fn free_parameter_is_one_variable_and_a_given_one_is_none() {
+    let scratch = Scratch::new("sizes");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let sizes = |name: &str, angle: &str| {
+        let file = scratch.0.join(name);
+        let text = format!(
+            "parameters {{ m: kg = 1, g: m/s^2 = 9.81 }} {angle} coordinates {{ s: m }}
+             lagrangian m/2*dot(s)^2 + m*g*s*sin(angle) minimize time finally {{ s*cos(angle) == 2 [m] }}"
+        );
+        fs::write(&file, text).unwrap();
+        let sizes = json(&["explain", file.to_str().unwrap(), "--size", "--json"]);
+        let of = |name: &str| -> Vec<u64> {
+            let mut known = sizes["formulations"].as_array().unwrap().iter();
+            let own = known.find(|own| own["formulation"].as_str().unwrap().ends_with(name));
+            let size = &own.unwrap()["size"];
+            let parts = [
+                "variables",
+                "equalities",
+                "inequalities",
+                "jacobian_nonzeros",
+            ];
+            parts.map(|what| size[what].as_u64().unwrap()).to_vec()
+        };
+        [of("free flight"), of(" collocation")]
+    };
+    let given = sizes("given.hang", "parameters { angle: rad = 0.5 }");
+    let free = sizes("free.hang", "free angle: rad in 0.2..=1.4 = 0.5");
+    // 30 intervals of four stages with a position, a velocity or an acceleration each, and the time; the angle is in the
+    // equation of each stage and in the goal.
+    assert_eq!(given, [vec![6, 6, 0, 6], vec![241, 241, 0, 1553]]);
+    assert_eq!(free, [vec![6, 6, 0, 6], vec![242, 241, 0, 1553 + 121]]);
 }
 
 /// The measured order of a method, from the table that `chart` prints.

@@ -222,18 +222,8 @@ fn huber(checker: &mut Checker<'_>, loss: &Expr) -> Checked<f64> {
     Err(checker.diagnostics.report("E15", loss.place, message))
 }
 
-/// What a misfit is not compatible with: nothing says what controls were, and conditions belong to a motion that is planned.
+/// What a misfit is not compatible with: conditions belong to a motion that is planned.
 fn without_others(checker: &mut Checker<'_>, declared: &Scene, objective: Place) {
-    if let Some(control) = checker.controls.first() {
-        let message = format!(
-            "the control `{0}` in a scene that minimizes a misfit is not supported: nothing says what it was; write what acted \
-             as a function of the time `t` in `forces`, or as a `profile` of it",
-            control.name.text
-        );
-        checker
-            .diagnostics
-            .report("E15", control.name.place(), message);
-    }
     let planned = declared
         .statements
         .iter()

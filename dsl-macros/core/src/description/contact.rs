@@ -3,7 +3,7 @@
 use super::builder::{Builder, Pattern, Vectors};
 use super::declared::{inferred, text};
 use crate::derive::{ContactEquations, Directed, Explicit, FrictionEquations, InverseInertia};
-use crate::graph::{Sym, Variable};
+use crate::graph::Sym;
 use crate::scene;
 
 // Many fields: what a declaration says of a contact, and a kernel each of what is derived.
@@ -160,15 +160,7 @@ pub(super) fn contact(
 }
 
 fn reset(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Option<usize> {
-    if declared.reset.is_empty() {
-        return None;
-    }
-    let n = builder.scene.coordinates.len();
-    let velocities = (0..n).map(|i| Sym::variable(Variable::Velocity(i as u16)));
-    let mut velocities: Vec<Sym> = velocities.collect();
-    for &(index, value) in &declared.reset {
-        velocities[index] = value;
-    }
+    let velocities = declared.velocities_set(builder.scene.coordinates.len())?;
     Some(builder.kernel(&format!("reset_{name}"), &velocities))
 }
 

@@ -46,6 +46,8 @@ pub struct ContactSensitivity {
     pub restitution: Option<Derivative>,
     /// Friction, if it is declared.
     pub friction: Option<FrictionSensitivity>,
+    /// All velocities right after it has come true by the inputs and then the parameters, if it is a condition that sets some.
+    pub reset: Option<Derivative>,
 }
 
 /// Of the friction of a contact.
@@ -132,7 +134,12 @@ impl List<'_, '_> {
         };
         let mut geometry = vec![derived.curvature, inertia];
         geometry.extend(&derived.normal);
+        let n = self.builder.scene.coordinates.len();
+        let reset = declared
+            .velocities_set(n)
+            .map(|values| self.derivative(&format!("reset_{name}"), &values, self.inputs));
         ContactSensitivity {
+            reset,
             geometry: self.derivative(&format!("geometry_{name}"), &geometry, self.inputs),
             knows_inertia,
             restitution: declared

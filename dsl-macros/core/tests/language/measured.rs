@@ -195,10 +195,6 @@ fn mistakes_in_misfits_say_what_to_write() {
             "a scene has one `minimize`",
         ),
         (
-            &with("controls { u: N } forces { y: u } minimize misfit(one)"),
-            "E15: the control `u` in a scene that minimizes a misfit is not supported",
-        ),
-        (
             &with("finally { y == 0 } minimize misfit(one)"),
             "E15: `finally` in a scene that minimizes a misfit",
         ),

@@ -1,7 +1,7 @@
 //! Derivatives by parameters are derived where they are asked for, and only there.
 
 use hangtime_dsl::description::Description;
-use hangtime_dsl::{describe_differentiated, describe_text};
+use hangtime_dsl::{describe_differentiated, describe_text, expand_text};
 
 const BALL: &str = "
     parameters { m: kg = 2, g: m/s^2 = 9.81, e = 0.5, mu = 0.1, height: m = 3, unused_by_motion: s = 4 }
@@ -63,4 +63,89 @@ fn columns_of_parameters_stand_behind_those_of_the_inputs() {
     let outputs = sensitivity.outputs.as_ref().expect("declared");
     assert_eq!(outputs.pattern.entries, [(0, 1), (0, 4 + 1 + 4)]);
     assert_eq!(scene.kernels[outputs.kernel].outputs.len(), 2);
+}
+
+/// Names of all kernels.
+fn kernels(text: &str) -> Vec<String> {
+    let scene = describe_text(text, "ball").expect("no mistakes").0;
+    let names = scene.kernels.iter().map(|kernel| kernel.name.clone());
+    names.collect()
+}
+
+#[test]
+fn scenes_without_free_parameters_carry_nothing_of_them() {
+    // Motion, contact, law, and what is declared once.
+    let all = [
+        "free_acceleration",
+        "free_jacobian",
+        "free_hessian",
+        "mass_matrix",
+        "energy",
+        "gap_floor",
+        "contact_floor",
+        "contact_jacobian_floor",
+        "contact_hessian_floor",
+        "restitution_floor",
+        "tangent_floor",
+        "tangent_jacobian_floor",
+        "tangent_hessian_floor",
+        "friction_floor",
+        "outputs",
+        "horizon",
+        "start_coordinates",
+        "start_velocities",
+        "lower_bounds",
+        "upper_bounds",
+    ];
+    assert_eq!(kernels(BALL), all);
+    // What is found has a range, and no kernel more before a solve asks for it.
+    let given = format!("{BALL} minimize -z/1[m]");
+    let free = given
+        .replace("e = 0.5, ", "")
+        .replace("coordinates", "free e in 0..=1 = 0.5 coordinates");
+    let mut names = kernels(&free);
+    names.retain(|name| !kernels(&given).contains(name));
+    assert_eq!(names, ["free_parameters_lower", "free_parameters_upper"]);
+    let rust = |text: &str| {
+        expand_text(text, "ball")
+            .expect("no mistakes")
+            .0
+            .to_string()
+    };
+    assert!(!rust(BALL).contains("derivative"), "{}", rust(BALL));
+}
+
+#[test]
+fn what_conditions_set_is_differentiated_where_that_is_asked_for() {
+    let text = "
+        parameters { share = 0.5, top: m = 1 }
+        coordinates { z: m }
+        states { seen: m/s }
+        lagrangian 1[kg]/2*dot(z)^2
+        when z >= top { dot(z) = -share*dot(z), seen = dot(z) + t*share*1[m/s^2] }
+        horizon 1 [s]
+    ";
+    assert!(
+        kernels(text)
+            .iter()
+            .all(|name| !name.ends_with("derivative"))
+    );
+    let (scene, _) = describe_differentiated(text, "ball", &["share"]).expect("no mistakes");
+    let sensitivity = scene.sensitivity.as_ref().expect("asked for");
+    let reset = sensitivity.contacts[0]
+        .reset
+        .as_ref()
+        .expect("it sets something");
+    // Coordinates z and that of the state, their velocities, the time, and the parameter: both velocities by those that they read.
+    let (velocity, time, share) = (2, 4, 5);
+    assert_eq!(
+        reset.pattern.entries,
+        [
+            (0, velocity),
+            (0, share),
+            (1, velocity),
+            (1, time),
+            (1, share)
+        ]
+    );
 }

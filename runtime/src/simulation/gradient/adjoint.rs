@@ -1,4 +1,4 @@
-//! Derivatives of a few values at the end of a motion by many quantities, backwards.
+//! Derivatives of a few values at the end of a motion, or of times of its events, by many quantities, backwards.
 //!
 //! A value at the end is linear in the derivatives of the state there, those are linear in the ones before, and so on: what
 //! forward sensitivities multiply from the right, by a column a quantity, is multiplied here from the left, by a row a value. Steps
@@ -10,7 +10,7 @@
 //! it has to be what the rows give: where it is not, there is no answer, and forward sensitivities are taken.
 
 use super::front::start;
-use super::matrix::{Covector, add};
+use super::matrix::add;
 use super::tape::Tape;
 use super::walk::{End, Walk};
 use super::wanted::Wanted;
@@ -22,7 +22,7 @@ const ROUNDING: f64 = 1e-8;
 /// Steps of the shares of quantities in the direction that is carried forward: the golden ratio, whose multiples keep apart.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// A value at the end of a motion.
+/// A value at the end of a motion, or the time of an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Value {
     /// The objective that the scene declares.
@@ -31,6 +31,8 @@ pub(super) enum Value {
     State(usize),
     /// Output, by its index.
     Output(usize),
+    /// Time of an event, by its place among all events.
+    EventTime(usize),
 }
 
 impl Value {
@@ -40,11 +42,12 @@ impl Value {
             Self::Objective => end.objective.as_deref(),
             Self::State(i) => Some(end.state.row(i)),
             Self::Output(i) => Some(end.outputs.row(i)),
+            Self::EventTime(i) => end.event_times.get(i).map(Vec::as_slice),
         }
     }
 }
 
-/// Derivatives of some values at the end of a motion, a row a value; none where there are none or they cannot be had backwards.
+/// Derivatives of some values, a row a value; none where there are none or they cannot be had backwards.
 pub(super) fn adjoint(
     model: &dyn Model,
     (problem, run): (&InitialValueProblem, &Simulation),
@@ -63,17 +66,16 @@ pub(super) fn adjoint(
     let tape = walk.tape.take()?;
     walk.at.front = tape.present();
     let end = walk.end();
-    let n = problem.q.len();
     let at_start = start(model, problem, asked);
     let row = |value: Value| {
-        let by = value.of(&end)?;
-        let mut covector = Covector {
-            state: by[..2 * n].to_vec(),
-            impulses: by[2 * n..changes].to_vec(),
-            cost: f64::from(u8::from(value == Value::Objective)),
-            by: by[changes..].to_vec(),
+        let (behind, mut covector) = match value {
+            Value::EventTime(event) => tape.at_event(event)?,
+            _ => {
+                let cost = f64::from(u8::from(value == Value::Objective));
+                tape.at_end(value.of(&end)?, cost)
+            }
         };
-        tape.back(&walk.at.arc, &mut covector);
+        tape.back(&walk.at.arc, behind, &mut covector);
         for (i, factor) in covector.state.iter().enumerate() {
             add(&mut covector.by, *factor, at_start.row(i));
         }

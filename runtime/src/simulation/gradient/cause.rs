@@ -12,7 +12,7 @@ use crate::simulation::{ContactMode, Event, EventKind};
 /// Rate of what vanishes at an event, relative to the sizes of its terms, below which it is touched and not crossed.
 const GRAZING: f64 = 1e-7;
 /// Share of the sizes of its terms that a vanishing force or sliding velocity may have.
-const VANISHED: f64 = 1e-5;
+pub(super) const VANISHED: f64 = 1e-5;
 /// Relative difference of times of events found together that are no coincidence.
 const APART: f64 = 1e-6;
 
@@ -79,9 +79,12 @@ pub(super) fn time(
     let mut found: Option<(Vec<f64>, &Event)> = None;
     let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
     for event in events {
-        let closes = matches!(event.kind, EventKind::Impact | EventKind::Contact);
+        let causes = matches!(
+            event.kind,
+            EventKind::Impact | EventKind::Contact | EventKind::When
+        );
         // What else happens in an impact follows from it.
-        if jumps && !closes {
+        if jumps && !causes {
             continue;
         }
         let Some(zero) = zero(acceleration, x, event, before) else {
@@ -156,7 +159,7 @@ fn zero(
                 size: size.max(terms),
             })
         }
-        (EventKind::Slide | EventKind::Switch, ContactMode::Slip(_)) => {
+        (EventKind::Slide | EventKind::Switch | EventKind::When, ContactMode::Slip(_)) => {
             let (value, by) = acceleration.tangent(contact, tangent_point::SLIDING_VELOCITY);
             Some(Zero {
                 value,

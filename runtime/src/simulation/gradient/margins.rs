@@ -2,7 +2,7 @@
 
 use super::acceleration::Acceleration;
 use super::cause::{force_size, friction_left};
-use crate::model::{contact_point, switching_terms, tangent_point};
+use crate::model::{Switching, contact_point, switching_terms, tangent_point};
 use crate::simulation::ContactMode;
 
 /// What a margin is one of.
@@ -42,7 +42,8 @@ pub(super) struct Margin {
     pub(super) size: f64,
 }
 
-/// The margins of a mode, where the acceleration is evaluated at `x`: always the same ones in the same order.
+/// The margins of a mode, where the acceleration is evaluated at `x`: always of the same contacts in the same order, and the same ones but for
+/// conditions that cease to hold.
 pub(super) fn margins(
     acceleration: &mut Acceleration<'_>,
     modes: &[ContactMode],
@@ -81,8 +82,12 @@ pub(super) fn margins(
             put(acceleration, Of::Force, own, size);
         }
         if let ContactMode::Slip(direction) = mode {
-            let sense = direction.sign();
             let (value, by) = acceleration.tangent(contact, tangent_point::SLIDING_VELOCITY);
+            // A condition that ceases to hold is no event.
+            let sense = match declared.switch {
+                Some(Switching::Resets) => value.signum(),
+                _ => direction.sign(),
+            };
             let own = (sense * value, by.iter().map(|by| sense * by).collect());
             let size = match declared.switch {
                 Some(_) => switching_terms(model, contact, x),

@@ -29,6 +29,7 @@ mod outputs;
 mod place;
 mod projection;
 mod ranges;
+mod reset;
 mod samples;
 mod sides;
 mod tape;
@@ -81,8 +82,8 @@ pub struct Gradient {
     pub with_respect_to: Vec<String>,
     /// How they were computed.
     pub mode: GradientMode,
-    /// Of chosen values at the end, which moves where the horizon depends on a parameter, by their names; none unless
-    /// [`differentiate_values`] was asked for them. In [`GradientMode::Adjoint`] there is nothing else.
+    /// Of chosen values at the end, which moves where the horizon depends on a parameter, and of chosen times of events, by their names;
+    /// none unless [`differentiate_values`] was asked for them. In [`GradientMode::Adjoint`] there is nothing else.
     pub values: Vec<(String, Vec<f64>)>,
     /// Of the coordinates at the end, which moves where the horizon depends on a parameter. Not numbers without derivatives.
     pub q: Vec<Vec<f64>>,
@@ -130,7 +131,8 @@ pub fn differentiate(
 const OBJECTIVE: &str = "objective";
 
 /// Differentiates chosen values at the end of a motion, as [`differentiate`] does: `objective`, coordinates `z`, velocities
-/// `dot(z)`, states, and what the scene declares in `outputs`, by their names. Without a `mode`, backwards where there are more
+/// `dot(z)`, states, and what the scene declares in `outputs`, by their names; `event_times[k]` is the time of event `k`, from 0 on.
+/// Without a `mode`, backwards where there are more
 /// quantities than values; backwards there is nothing but [`Gradient::values`] and the objective, if that is among them. A motion
 /// without derivatives is gone along forwards in any case, which tells why.
 ///
@@ -147,7 +149,7 @@ pub fn differentiate_values(
     let wanted = Wanted::of(model, names)?;
     let values: Vec<(&str, Value)> = of
         .iter()
-        .map(|name| Ok((name.as_str(), value(model, name)?)))
+        .map(|name| Ok((name.as_str(), value(model, run, name)?)))
         .collect::<Result<_, InputError>>()?;
     let fewer = values.len() < wanted.count() && !values.is_empty();
     let backwards = mode.map_or(fewer, |mode| mode == GradientMode::Adjoint);
@@ -194,9 +196,29 @@ pub fn differentiate_values(
     })
 }
 
-/// The value at the end of this name.
-fn value(model: &dyn Model, name: &str) -> Result<Value, InputError> {
+/// The event whose time has this name: `k` of `event_times[k]`.
+fn event(name: &str) -> Option<usize> {
+    let index = name.strip_prefix("event_times[")?.strip_suffix(']')?;
+    index.trim().parse().ok()
+}
+
+/// The value at the end, or the time of an event, of this name.
+fn value(model: &dyn Model, run: &Simulation, name: &str) -> Result<Value, InputError> {
     let (declaration, outputs) = (model.declaration(), model.outputs());
+    if let Some(k) = event(name) {
+        return match run.events.len() {
+            count if k < count => Ok(Value::EventTime(k)),
+            0 => Err(InputError::new(format!(
+                "no gradient of `{name}` along `{}`: the motion has no events",
+                declaration.name
+            ))),
+            count => Err(InputError::new(format!(
+                "no gradient of `{name}` along `{}`: the motion has {count} events, `event_times[0]` to `event_times[{}]`",
+                declaration.name,
+                count - 1
+            ))),
+        };
+    }
     let n = declaration.coordinates.len();
     match Quantity::named(declaration, outputs, name) {
         Some(Quantity::Coordinate(k)) => return Ok(Value::State(k)),
@@ -227,7 +249,8 @@ fn value(model: &dyn Model, name: &str) -> Result<Value, InputError> {
     let known = states.chain(first_order).chain(recorded).chain(objective);
     let known: Vec<String> = known.collect();
     Err(InputError::new(format!(
-        "no gradient of `{name}` at the end of `{}`: it has no coordinate, state or output of this name (it has: {}){}",
+        "no gradient of `{name}` at the end of `{}`: it has no coordinate, state or output of this name (it has: {}; \
+         `event_times[0]` is the time of the first event){}",
         declaration.name,
         known.join(", "),
         if name == OBJECTIVE {
@@ -288,7 +311,17 @@ fn forward(
             }
             gradient.objective = end.objective;
         }
-        Err(why) => gradient.obstacle = Some(why),
+        Err(why) => {
+            // Times of events before that are known.
+            for ((_, row), (_, value)) in gradient.values.iter_mut().zip(values) {
+                if let Value::EventTime(k) = *value
+                    && let Some(times) = walk.event_times.get(k)
+                {
+                    row.clone_from(times);
+                }
+            }
+            gradient.obstacle = Some(why);
+        }
     }
     for (to, times) in gradient.event_times.iter_mut().zip(walk.event_times) {
         *to = times;

@@ -2,7 +2,7 @@
 
 use super::acceleration::{Acceleration, Hold, input};
 use super::arc::{Arc, At, Step, stage_input};
-use super::cause::terms;
+use super::cause::{VANISHED, terms};
 use super::front::Front;
 use super::matrix::largest;
 use super::wanted::Wanted;
@@ -145,11 +145,19 @@ impl<'w> Place<'w> {
             .of_horizon(self.acceleration.model, self.problem)
     }
 
-    /// Whether velocities change by more than rounding between two instants of the same time.
-    pub(super) fn velocities_jump(&self, first: usize, last: usize) -> bool {
-        let v = &self.run.trajectory.v;
-        let mut pairs = v[first].iter().zip(&v[last]);
-        pairs.any(|(before, after)| (after - before).abs() > ROUNDING * self.sizes[1])
+    /// Whether the velocities of two input vectors differ by more than a share of the largest one of the motion.
+    pub(super) fn velocities_differ(&self, one: &[f64], other: &[f64], share: f64) -> bool {
+        let mut velocities = self.acceleration.n..2 * self.acceleration.n;
+        velocities.any(|i| (one[i] - other[i]).abs() > share * self.sizes[1])
+    }
+
+    /// Whether the function of a condition vanishes at `x`, or is positive.
+    pub(super) fn holds(&mut self, condition: usize, (x, time): (&[f64], f64)) -> bool {
+        self.acceleration.load_contact(condition, x);
+        let (against, by) = self
+            .acceleration
+            .tangent(condition, tangent_point::SLIDING_VELOCITY);
+        against <= VANISHED * terms(self.sizes, self.acceleration.n, by, (x, time))
     }
 
     /// No open contact touches its surface within the step that was solved last and opens again: a neighbouring motion

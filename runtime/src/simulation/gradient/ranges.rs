@@ -112,7 +112,8 @@ impl Ranges {
             return Ok(());
         };
         let end = margins_at(at, k);
-        let turns = |(from, to): &(&Margin, &Margin)| from.rate < 0.0 && to.rate > 0.0;
+        let turns =
+            |(from, to): &(&Margin, &Margin)| from.of == to.of && from.rate < 0.0 && to.rate > 0.0;
         let inside: Vec<(Margin, Margin)> = begin
             .iter()
             .zip(&end)

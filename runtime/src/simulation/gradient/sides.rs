@@ -9,7 +9,8 @@ pub struct OneSided {
     pub above: Side,
 }
 
-/// Derivatives to one side; not numbers where there is none.
+/// Derivatives to one side; not numbers where there is none, and infinite where the value moves with the root of the distance, as
+/// where a graze is struck.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Side {
     /// Of the coordinates at the end.
@@ -20,4 +21,8 @@ pub struct Side {
     pub values: Vec<(String, Vec<f64>)>,
     /// Of the objective, in a scene that declares one.
     pub objective: Option<Vec<f64>>,
+    /// Of a value that moves by `a sqrt(h)` with the distance `h` to that side the number `a`, in its unit over the root of that of
+    /// the quantity, and 0 of others: rows of the coordinates, of the velocities, of chosen values, and of the objective. Empty where all
+    /// derivatives are finite.
+    pub roots: Vec<Vec<f64>>,
 }

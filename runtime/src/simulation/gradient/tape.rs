@@ -18,6 +18,8 @@ pub(super) struct Tape<'w> {
     pub(super) lean: Acceleration<'w>,
     model: &'w dyn Model,
     passed: Vec<Passed>,
+    /// Of each event, how many parts there are before it, and how its time changes with the [`present`](Self::present) there.
+    times: Vec<(usize, Vec<f64>)>,
 }
 
 /// A linear part.
@@ -46,6 +48,7 @@ impl<'w> Tape<'w> {
             lean: Acceleration::new(model, lean),
             model,
             passed: Vec::new(),
+            times: Vec::new(),
         }
     }
 
@@ -88,9 +91,38 @@ impl<'w> Tape<'w> {
         self.passed.push(Passed::Event(Matrix { columns, values }));
     }
 
-    /// Carries what depends on the present at the end back to the start.
-    pub(super) fn back(&self, arc: &Arc, to: &mut Covector) {
-        for passed in self.passed.iter().rev() {
+    /// Keeps how the times of the events that come next change with the [`present`](Self::present).
+    pub(super) fn times(&mut self, times: &[Vec<f64>]) {
+        let before = self.passed.len();
+        let events = times.iter().map(|by| (before, by.clone()));
+        self.times.extend(events);
+    }
+
+    /// What the end depends on by this row of derivatives by the [`present`](Self::present), and how many parts are before that.
+    pub(super) fn at_end(&self, by: &[f64], cost: f64) -> (usize, Covector) {
+        (self.passed.len(), self.covector(by, cost))
+    }
+
+    /// The same of the time of an event; none of one that was not passed.
+    pub(super) fn at_event(&self, event: usize) -> Option<(usize, Covector)> {
+        let (before, by) = self.times.get(event)?;
+        Some((*before, self.covector(by, 0.0)))
+    }
+
+    fn covector(&self, by: &[f64], cost: f64) -> Covector {
+        let changes = Self::present_changes(self.model);
+        let states = 2 * self.model.declaration().coordinates.len();
+        Covector {
+            state: by[..states].to_vec(),
+            impulses: by[states..changes].to_vec(),
+            cost,
+            by: by[changes..].to_vec(),
+        }
+    }
+
+    /// Carries what depends on the present behind that many parts back to the start.
+    pub(super) fn back(&self, arc: &Arc, behind: usize, to: &mut Covector) {
+        for passed in self.passed[..behind].iter().rev() {
             match passed {
                 Passed::Step(linear) => arc.back(linear, self.asked, to),
                 Passed::Event(rows) => through(rows, to),

@@ -7,19 +7,23 @@ use super::cause::{self, Before};
 use super::front::{Front, shift};
 use super::joint_rows::JointRows;
 use super::jump::{Impact, jump};
+use super::margins::{Of, margins};
 use super::matrix::{Matrix, add, largest};
 use super::outputs::{Instant, outputs};
 use super::place::{DRIFT, HELD, Place, ROUNDING};
 use super::projection::project;
 use super::ranges::{Ranges, SequenceRange};
+use super::reset;
 use super::samples::Samples;
 use super::tape::Tape;
 use super::wanted::Wanted;
-use crate::model::Model;
+use crate::model::{Model, Switching};
 use crate::simulation::{ContactMode, Event, EventKind, InitialValueProblem, Simulation};
 
 /// Distance of a step from the known motion, relative to the largest values of that, above which it is another motion.
 const ANOTHER: f64 = 1e-5;
+/// Share of the largest velocity that what conditions and impacts change may miss.
+const MISSED: f64 = 1e-6;
 /// Share of accelerations that balance which rounding may leave.
 const BALANCED: f64 = 1e-12;
 
@@ -107,11 +111,7 @@ impl<'w> Walk<'w> {
             self.put_back(last)?;
             self.record(last..last + 1);
             if last + 1 == times.len() {
-                return if here > 0 && first > 0 {
-                    Err(self.at_the_end(time))
-                } else {
-                    Ok(())
-                };
+                return self.check_end(last);
             }
             if let Some(ranges) = &mut self.ranges {
                 let times = self.event_times.last().filter(|_| last > 0);
@@ -123,11 +123,59 @@ impl<'w> Walk<'w> {
         }
     }
 
-    fn at_the_end(&self, time: f64) -> String {
-        format!(
-            "the motion ends at t = {time} s with an event, so that its end has different derivatives to both sides; take \
-             another horizon"
-        )
+    /// The motion does not end with an event, nor right before one, that moves away from its last instant, where the acceleration is
+    /// evaluated.
+    fn check_end(&mut self, last: usize) -> Result<(), String> {
+        let times = &self.at.run.trajectory.time;
+        let (time, begin) = (times[last], times[0]);
+        let ends = self.at.horizon_moves();
+        let late = |event: &&Event| event.time > begin && event.time >= time * (1.0 - ROUNDING);
+        let happened = self.at.run.events.last().filter(late);
+        let moves = self.event_times.last().is_some_and(|times| {
+            let least = ROUNDING * largest(times).max(largest(&ends));
+            let mut both = times.iter().zip(&ends);
+            both.any(|(own, end)| (own - end).abs() > least)
+        });
+        let name = happened.filter(|_| moves).map(|event| event.contact_name);
+        match name.or_else(|| self.about_to_happen(last, &ends)) {
+            None => Ok(()),
+            Some(name) => Err(format!(
+                "the motion ends at t = {time} s with an event at `{name}`, so that its end has different derivatives to both \
+                 sides; take another horizon"
+            )),
+        }
+    }
+
+    /// Where an event happens within rounding of an instant, from which it moves away if that moves by `ends`.
+    fn about_to_happen(&mut self, k: usize, ends: &[f64]) -> Option<&'static str> {
+        let x = self.at.input(k);
+        let controls = self.at.controls(self.at.run.trajectory.time[k]);
+        let at = (&x[..], controls.slopes());
+        let margins = margins(&mut self.at.acceleration, &self.at.modes, at);
+        let declared = self.at.acceleration.model.declaration().contacts;
+        let (wanted, state) = (self.at.front.wanted, &self.at.front.state);
+        for margin in &margins {
+            let resets = declared[margin.contact].switch == Some(Switching::Resets);
+            let (size, rate) = match margin.of {
+                Of::Gap => (self.at.gap_sizes[margin.contact], margin.rate),
+                // A condition that ceases to hold is no event.
+                Of::Sliding(sense) if resets => (margin.size, sense * margin.rate),
+                Of::Sliding(_) => (margin.size.max(self.at.sizes[1]), margin.rate),
+                Of::Force | Of::Left(_) => continue,
+            };
+            let moves = |(column, end): (usize, &f64)| {
+                let terms = (0..2 * self.at.acceleration.n)
+                    .map(|i| (margin.by[i] * state.row(i)[column]).abs());
+                let along = (margin.rate * end).abs() + wanted.own(&margin.by, column).abs();
+                let change = wanted.along(&margin.by, state, column) + margin.rate * end;
+                change.abs() > ROUNDING * (terms.sum::<f64>() + along)
+            };
+            let close = rate < 0.0 && margin.value <= ROUNDING * size;
+            if close && ends.iter().enumerate().any(moves) {
+                return Some(declared[margin.contact].name);
+            }
+        }
+        None
     }
 
     /// Keeps what is known at some instants.
@@ -269,6 +317,7 @@ impl<'w> Walk<'w> {
         let passed = self.pass(events, range);
         self.checked = true;
         passed?;
+        tape.times(&self.event_times[self.event_times.len() - events.len()..]);
         again(self);
         if range.0 == 0 {
             let all = Front::at_start(model, self.at.problem, tape.asked);
@@ -287,7 +336,6 @@ impl<'w> Walk<'w> {
     /// Passes the events between two instants of the same time.
     fn pass(&mut self, events: &[Event], (first, last): (usize, usize)) -> Result<(), String> {
         let (n, m) = (self.at.acceleration.n, self.at.front.wanted.count());
-        let time = self.at.run.trajectory.time[first];
         let (x_before, x_after) = (self.at.input(first), self.at.input(last));
         let mut times = vec![0.0; m];
         let mut before = vec![0.0; n];
@@ -303,45 +351,9 @@ impl<'w> Walk<'w> {
         let mut moved = self.at.front.state.clone();
         let v = &self.at.run.trajectory.v;
         shift(&mut moved, (&v[first], &before), &times, 1.0);
-        let after_modes = events.last().map(|event| event.modes.clone());
-        let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
-        if jumps || self.at.velocities_jump(first, last) {
-            let struck = self.struck(events, after_modes.as_deref().unwrap_or_default());
-            if first == 0 && self.checked {
-                self.at.check_start(&struck)?;
-            }
-            for &contact in struck.iter().filter(|_| self.checked) {
-                self.at.check_laws(contact, first)?;
-            }
-            let impact = Impact {
-                before: &x_before,
-                after: &x_after,
-                struck: &struck,
-                time,
-                moved: &moved,
-                times: &times,
-            };
-            let jump = jump(&mut self.at.acceleration, self.at.front.wanted, &impact)?;
-            if let Some(ranges) = &mut self.ranges {
-                let impact = (&struck[..], events);
-                let by = (&moved, &jump.velocities);
-                ranges.strike(
-                    &mut self.at,
-                    impact,
-                    (&x_before, &x_after),
-                    by,
-                    (&times, &jump.impulses),
-                );
-            }
-            moved.values[n * m..].copy_from_slice(&jump.velocities.values);
-            add(
-                &mut self.at.front.impulses.values,
-                1.0,
-                &jump.impulses.values,
-            );
-        }
-        if let Some(modes) = after_modes {
-            self.at.modes = modes;
+        self.change(events, (&x_before, &x_after), (&mut moved, &times), first)?;
+        if let Some(event) = events.last() {
+            self.at.modes.clone_from(&event.modes);
         }
         self.at.enter(last)?;
         let after = (&v[last][..], &self.at.acceleration.value[..]);
@@ -355,6 +367,99 @@ impl<'w> Walk<'w> {
         }
         self.event_times
             .extend(events.iter().map(|_| times.clone()));
+        Ok(())
+    }
+
+    /// What events at instant `k` change of the velocities, from one input vector to the other, with the derivatives `moved` of `(q, v)`
+    /// where they happen: conditions set what they ask for, contacts are struck, and so come true what other conditions wait for.
+    fn change(
+        &mut self,
+        events: &[Event],
+        (x_before, x_after): (&[f64], &[f64]),
+        (moved, times): (&mut Matrix, &[f64]),
+        k: usize,
+    ) -> Result<(), String> {
+        let time = self.at.run.trajectory.time[k];
+        let when = |event: &&Event| event.kind == EventKind::When;
+        let conditions: Vec<usize> = events.iter().filter(when).map(|e| e.contact).collect();
+        let mut x = x_before.to_vec();
+        let mut first = 0;
+        while let Some(&condition) = conditions.get(first) {
+            if !self.at.holds(condition, (&x, time)) {
+                break;
+            }
+            self.set(condition, (&mut x, moved), times, k);
+            first += 1;
+        }
+        let late = &conditions[first..];
+        let (model, wanted) = (self.at.acceleration.model, self.at.front.wanted);
+        let behind = reset::before(model, wanted, late, (&x, x_after));
+        let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
+        if jumps || self.at.velocities_differ(&x, &behind, ROUNDING) {
+            self.strike(events, (&x, &behind), (moved, times), k)?;
+            x = behind;
+        }
+        for &condition in late {
+            self.set(condition, (&mut x, moved), times, k);
+        }
+        if self.at.velocities_differ(&x, x_after, MISSED) {
+            return Err(format!(
+                "at t = {time} s `{}` sets something together with another event: which of them is first for other parameters is not known",
+                self.at.acceleration.model.declaration().contacts[conditions[0]].name
+            ));
+        }
+        Ok(())
+    }
+
+    /// Sets what a condition asks for.
+    fn set(
+        &mut self,
+        condition: usize,
+        (x, moved): (&mut [f64], &mut Matrix),
+        times: &[f64],
+        k: usize,
+    ) {
+        let controls = self.at.controls(self.at.run.trajectory.time[k]);
+        let (model, wanted) = (self.at.acceleration.model, self.at.front.wanted);
+        let of = (condition, controls.slopes());
+        reset::set(model, wanted, of, (x, moved), times);
+    }
+
+    /// What an impact at instant `k` changes.
+    fn strike(
+        &mut self,
+        events: &[Event],
+        (x_before, x_after): (&[f64], &[f64]),
+        (moved, times): (&mut Matrix, &[f64]),
+        k: usize,
+    ) -> Result<(), String> {
+        let after_modes = events.last().map_or(&[][..], |event| &event.modes);
+        let struck = self.struck(events, after_modes);
+        if k == 0 && self.checked {
+            self.at.check_start(&struck)?;
+        }
+        for &contact in struck.iter().filter(|_| self.checked) {
+            self.at.check_laws(contact, k)?;
+        }
+        let impact = Impact {
+            before: x_before,
+            after: x_after,
+            struck: &struck,
+            time: self.at.run.trajectory.time[k],
+            moved,
+            times,
+        };
+        let jump = jump(&mut self.at.acceleration, self.at.front.wanted, &impact)?;
+        if let Some(ranges) = &mut self.ranges {
+            let impact = (&struck[..], events);
+            let by = (&*moved, &jump.velocities);
+            let impulses = (times, &jump.impulses);
+            ranges.strike(&mut self.at, impact, (x_before, x_after), by, impulses);
+        }
+        let first = moved.values.len() / 2;
+        moved.values[first..].copy_from_slice(&jump.velocities.values);
+        let impulses = &mut self.at.front.impulses.values;
+        add(impulses, 1.0, &jump.impulses.values);
         Ok(())
     }
 
@@ -467,6 +572,7 @@ impl<'w> Walk<'w> {
             state,
             outputs: recorded,
             objective,
+            event_times: self.event_times.clone(),
         }
     }
 }
@@ -476,4 +582,6 @@ pub(super) struct End {
     pub(super) state: Matrix,
     pub(super) outputs: Matrix,
     pub(super) objective: Option<Vec<f64>>,
+    /// Of the times of all events.
+    pub(super) event_times: Vec<Vec<f64>>,
 }

@@ -75,8 +75,6 @@ impl Wanted {
                 None => of_state(model, name)?,
             });
         }
-        let remedy = "take differences of two simulations, or end the motion before the condition comes true with --horizon";
-        InitialValueProblem::check_resets(model, "gradients", remedy)?;
         let remedy = "take differences of two simulations, or give the contact one coefficient and a bound of positions";
         InitialValueProblem::check_friction(model, "gradients", remedy)?;
         if by.is_empty() {
