@@ -56,7 +56,14 @@ pub mod __private;
 extern crate self as hangtime;
 
 pub mod baselines {
-    //! Methods to compare with.
+    //! Methods that exist to be compared with: none of them locates events, so that each shows what that is worth.
+    //!
+    //! - [`FixedStep`]: Runge-Kutta steps of fixed length that see impacts and switches at their ends only.
+    //! - [`Moreau`]: Moreau-Jean time stepping, with impulses over fixed steps.
+    //! - [`Smooth`]: contacts as smoothed step functions of numerical time.
+    //!
+    //! They take scenes and give results as all methods do: `simulate(&scene).method(Moreau::default())`.
+
     #[doc(inline)]
     pub use crate::simulation::baselines::{FixedStep, Moreau, Smooth};
 }

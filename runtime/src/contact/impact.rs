@@ -11,10 +11,11 @@
 //!
 //! Source: Moreau, *Unilateral contact and dry friction in finite freedom dynamics* (1988).
 
+use super::balance::Balance;
 use super::line::{Line, unbiased_lines};
 use super::mode_error::ModeError;
 use super::state::{ActiveContact, ContactState};
-use super::touching::{Balance, Touching};
+use super::touching::Touching;
 use super::view::View;
 use crate::linalg::dense;
 use crate::model::pair_size;
@@ -85,7 +86,7 @@ pub(crate) fn strike(
     v: &mut [f64],
 ) -> Result<Vec<f64>, ModeError> {
     let blow = Blow::new(view, touching, restitution, |_| 0.0);
-    let balance = blow.touching.balance(view, &blow.offsets)?;
+    let balance = Balance::first(blow.touching, view, &blow.offsets)?;
     balance.push(view, &balance.forces, v);
     Ok(balance.normals().to_vec())
 }

@@ -67,11 +67,11 @@
 //! Newton like solution methods* (1991).
 
 mod active_set;
+mod balance;
 mod basic;
 mod blocks;
 pub(crate) mod cluster;
 mod contact_mode;
-mod decision;
 pub(crate) mod edge;
 mod few;
 pub(crate) mod impact;
@@ -88,11 +88,11 @@ mod state;
 pub(crate) mod touching;
 mod view;
 
+pub(crate) use balance::{Balance, Decision, Vanished, sliding};
 pub use contact_mode::{ContactMode, Direction};
-pub(crate) use decision::{Decision, Vanished, sliding};
 pub(crate) use line::{Line, stuck, tangents};
 pub(crate) use mode_error::ModeError;
 pub(crate) use problem::{Cone, Problem};
 pub(crate) use state::{ActiveContact, ContactState, find, force_count};
-pub(crate) use touching::{Balance, Touching};
+pub(crate) use touching::Touching;
 pub(crate) use view::{View, dot, sum_of_sizes};

@@ -1,10 +1,8 @@
-//! Contacts that touch: the lines on which their forces are sought, and the forces that the law finds.
+//! Contacts that touch: the lines on which their forces are sought.
 
-use super::law::{self, Solutions};
 use super::line::Line;
 use super::problem::{Cone, Problem};
-use super::view::{View, dot};
-use crate::linalg::lcp::LcpError;
+use super::view::View;
 
 /// The lines of contacts that touch: their normals, then the tangents of those that may stick, each with a cone, then the second
 /// tangents of those in space. What slides already is part of its normal.
@@ -15,14 +13,6 @@ pub(crate) struct Touching {
     cones: Vec<Cone>,
     /// Number of contacts that may open; the others, behind them, are dry friction.
     surfaces: usize,
-}
-
-/// Forces of contacts that touch, and what their lines do under them: `w = q + K f`.
-#[derive(Debug, Clone)]
-pub(crate) struct Balance {
-    pub(crate) touching: Touching,
-    pub(crate) forces: Vec<f64>,
-    pub(crate) motions: Vec<f64>,
 }
 
 impl Touching {
@@ -75,74 +65,14 @@ impl Touching {
         self.cones.iter().any(|cone| cone.kinetic < cone.friction)
     }
 
-    /// A solution of the law for lines that move by `offsets` without forces, where one is enough.
-    ///
-    /// # Errors
-    /// Where none is found.
-    pub(crate) fn balance(self, view: &View<'_>, offsets: &[f64]) -> Result<Balance, LcpError> {
-        let matrix = view.couplings(&self.lines);
-        let forces = law::first(&self.problem(&matrix, offsets))?;
-        Ok(self.with(&matrix, offsets, forces))
-    }
-
-    /// The same with all solutions that are found; `None` without any.
-    pub(crate) fn balances(self, view: &View<'_>, offsets: &[f64]) -> Option<(Balance, Solutions)> {
-        let matrix = view.couplings(&self.lines);
-        let inertia: Vec<f64> = self.contacts.iter().map(|&i| view.force(i, 1.0)).collect();
-        let solutions = law::all(&self.problem(&matrix, offsets), &inertia)?;
-        let mut first = solutions.first();
-        for force in &mut first[..self.contacts.len()] {
-            *force = force.max(0.0);
-        }
-        Some((self.with(&matrix, offsets, first), solutions))
-    }
-
-    fn problem<'p>(&'p self, matrix: &'p [f64], offsets: &'p [f64]) -> Problem<'p> {
+    /// The problem of the law for lines that move by `offsets` without forces.
+    pub(super) fn problem<'p>(&'p self, matrix: &'p [f64], offsets: &'p [f64]) -> Problem<'p> {
         Problem {
             matrix,
             offsets,
             cones: &self.cones,
             surfaces: self.surfaces,
         }
-    }
-
-    fn with(self, matrix: &[f64], offsets: &[f64], forces: Vec<f64>) -> Balance {
-        let rows = matrix.chunks_exact(self.lines.len().max(1)).zip(offsets);
-        let motions = rows.map(|(row, q)| q + dot(row, &forces)).collect();
-        Balance {
-            touching: self,
-            forces,
-            motions,
-        }
-    }
-}
-
-impl Balance {
-    /// Adds these forces, or others on the same lines, to an acceleration, or impulses to a velocity.
-    pub(crate) fn push(&self, view: &View<'_>, forces: &[f64], to: &mut [f64]) {
-        for (&line, &force) in self.touching.lines.iter().zip(forces) {
-            view.push(line, force, to);
-        }
-    }
-
-    /// Forces of the normals, one a contact.
-    pub(crate) fn normals(&self) -> &[f64] {
-        &self.forces[..self.touching.contacts.len()]
-    }
-
-    /// Tangential forces of the `k`-th contact; the second is 0 in the plane.
-    pub(crate) fn friction(&self, k: usize) -> (f64, f64) {
-        match (self.touching.tangent(k), self.touching.lines[k]) {
-            (Some(tangent), _) => self.touching.both(tangent, &self.forces),
-            (None, Line::Normal { slope, .. }) => (slope * self.forces[k], 0.0),
-            (None, _) => (0.0, 0.0),
-        }
-    }
-
-    /// Tangential motions of the `k`-th contact, where its friction has a cone.
-    pub(crate) fn slip(&self, k: usize) -> Option<(f64, f64)> {
-        let tangent = self.touching.tangent(k)?;
-        Some(self.touching.both(tangent, &self.motions))
     }
 }
 

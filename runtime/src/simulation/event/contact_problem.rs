@@ -30,7 +30,7 @@ impl ContactProblem {
         // Where sliding has a lower coefficient of its own, what may rest does, and comes first.
         let breaks = touching.breaks();
         let jamming = jamming(&touching, view);
-        let Some((balance, solutions)) = touching.balances(view, &offsets) else {
+        let Some((balance, solutions)) = Balance::all(touching, view, &offsets) else {
             return Err(format!(
                 "the {what} has no solution: {}",
                 jamming.unwrap_or_else(|| {

@@ -1,9 +1,12 @@
-//! What a balance of forces says of the state of each contact that touches.
+//! Forces of contacts that touch, as the law finds them, and what they say of the state of each contact.
 
 use super::contact_mode::Direction;
+use super::law::{self, Solutions};
+use super::line::Line;
 use super::state::ContactState;
-use super::touching::Balance;
-use super::view::View;
+use super::touching::Touching;
+use super::view::{View, dot};
+use crate::linalg::lcp::LcpError;
 use crate::model::pair_size;
 
 /// What accelerations say of a contact.
@@ -27,7 +30,85 @@ pub(crate) struct Vanished {
     pub(crate) reserve: Option<Direction>,
 }
 
+/// Forces of contacts that touch, and what their lines do under them: `w = q + K f`.
+#[derive(Debug, Clone)]
+pub(crate) struct Balance {
+    pub(crate) touching: Touching,
+    pub(crate) forces: Vec<f64>,
+    pub(crate) motions: Vec<f64>,
+}
+
 impl Balance {
+    /// A solution of the law for lines that move by `offsets`, where one is enough.
+    ///
+    /// # Errors
+    /// Where none is found.
+    pub(crate) fn first(
+        touching: Touching,
+        view: &View<'_>,
+        offsets: &[f64],
+    ) -> Result<Self, LcpError> {
+        let matrix = view.couplings(&touching.lines);
+        let forces = law::first(&touching.problem(&matrix, offsets))?;
+        Ok(Self::with(touching, &matrix, offsets, forces))
+    }
+
+    /// The same with all solutions that are found; `None` without any.
+    pub(crate) fn all(
+        touching: Touching,
+        view: &View<'_>,
+        offsets: &[f64],
+    ) -> Option<(Self, Solutions)> {
+        let matrix = view.couplings(&touching.lines);
+        let contacts = touching.contacts.iter();
+        let inertia: Vec<f64> = contacts.map(|&i| view.force(i, 1.0)).collect();
+        let solutions = law::all(&touching.problem(&matrix, offsets), &inertia)?;
+        let mut first = solutions.first();
+        for force in &mut first[..touching.contacts.len()] {
+            *force = force.max(0.0);
+        }
+        Some((Self::with(touching, &matrix, offsets, first), solutions))
+    }
+
+    fn with(touching: Touching, matrix: &[f64], offsets: &[f64], forces: Vec<f64>) -> Self {
+        let rows = matrix
+            .chunks_exact(touching.lines.len().max(1))
+            .zip(offsets);
+        let motions = rows.map(|(row, q)| q + dot(row, &forces)).collect();
+        Self {
+            touching,
+            forces,
+            motions,
+        }
+    }
+
+    /// Adds these forces, or others on the same lines, to an acceleration, or impulses to a velocity.
+    pub(crate) fn push(&self, view: &View<'_>, forces: &[f64], to: &mut [f64]) {
+        for (&line, &force) in self.touching.lines.iter().zip(forces) {
+            view.push(line, force, to);
+        }
+    }
+
+    /// Forces of the normals, one a contact.
+    pub(crate) fn normals(&self) -> &[f64] {
+        &self.forces[..self.touching.contacts.len()]
+    }
+
+    /// Tangential forces of the `k`-th contact; the second is 0 in the plane.
+    pub(crate) fn friction(&self, k: usize) -> (f64, f64) {
+        match (self.touching.tangent(k), self.touching.lines[k]) {
+            (Some(tangent), _) => self.touching.both(tangent, &self.forces),
+            (None, Line::Normal { slope, .. }) => (slope * self.forces[k], 0.0),
+            (None, _) => (0.0, 0.0),
+        }
+    }
+
+    /// Tangential motions of the `k`-th contact, where its friction has a cone.
+    pub(crate) fn slip(&self, k: usize) -> Option<(f64, f64)> {
+        let tangent = self.touching.tangent(k)?;
+        Some(self.touching.both(tangent, &self.motions))
+    }
+
     /// What accelerations say of the `k`-th contact; below `zeros`, a normal and a tangential acceleration, they are none.
     pub(crate) fn decide(
         &self,
@@ -100,7 +181,6 @@ pub(crate) fn sliding(view: &View<'_>, contact: usize) -> ContactState {
 
 #[cfg(test)]
 mod tests {
-    use super::super::touching::Touching;
     use super::*;
 
     crate::model! {
@@ -130,7 +210,7 @@ mod tests {
         let offsets: Vec<f64> = lines
             .map(|&line| view.free_line_acceleration(line))
             .collect();
-        let balance = touching.balance(&view, &offsets).expect("solvable");
+        let balance = Balance::first(touching, &view, &offsets).expect("solvable");
         let decision = balance.decide(&view, 0, (1e-8, 1e-8), Vanished::default());
         (balance, decision)
     }
