@@ -460,3 +460,14 @@ pub(in crate::ocp) mod impossible {
     pub(in crate::ocp) const LONGEST: f64 = 1e6;
     pub(in crate::ocp) const PRECISION: f64 = 1e-3;
 }
+
+/// Free final times where rest costs nothing.
+pub(in crate::ocp) mod waiting {
+    /// Prices of the length of a motion, in sizes of the objective, with which it is looked for and solved, and then solved once more. Chosen: well above the tolerance of the programs, and below what differences of objectives count.
+    pub(in crate::ocp) const FIRST: f64 = 1e-4;
+    pub(in crate::ocp) const SECOND: f64 = 1e-6;
+    /// Relative growth of the final time from the first price to the second from which on it has no end. Follows: where costs fall as the power
+    /// `-k` of the time it grows by `100^(1/(k + 1))`, which is more for all `k` below 45; the shortest of motions that cost the same moves
+    /// by some ten-thousandths.
+    pub(in crate::ocp) const GROWS: f64 = 0.1;
+}

@@ -505,6 +505,7 @@ mod tests {
             lengths: Lengths::Equal,
             elastic: None,
             kept: 1.0,
+            haste: crate::ocp::settings::Haste::None,
             problem: &problem,
             tableau: &tableau,
             units: &units,

@@ -16,6 +16,7 @@ use super::kernel::{Evaluator, Kernel};
 use super::laws::Laws;
 use super::units::{Units, objective_size};
 use crate::model::Model;
+use crate::ocp::settings::Haste;
 
 /// The row of the objective in the uses of a kernel.
 pub(in crate::ocp) const OBJECTIVE: usize = usize::MAX;
@@ -89,6 +90,8 @@ pub(in crate::ocp) struct Program<'a> {
     objective_size: f64,
     /// Variables with a price in the objective, of their physical values.
     penalties: Vec<(usize, f64)>,
+    /// The variable for the final time, and what its units cost where a longer motion is to have a price.
+    haste: Option<(usize, f64)>,
     pairs: Vec<(usize, usize)>,
     laws: Laws,
     jacobian: Pattern,
@@ -108,6 +111,7 @@ impl<'a> Program<'a> {
             objective_unit: 1.0,
             objective_size: 1.0,
             penalties: Vec::new(),
+            haste: None,
             pairs: Vec::new(),
             laws: Laws::default(),
             jacobian: Pattern::default(),
@@ -320,6 +324,22 @@ impl<'a> Program<'a> {
     pub(in crate::ocp) fn penalize(&mut self, variables: &[usize], price: f64) {
         let per_value = |&i: &usize| (i, price / self.variables.unit[i]);
         self.penalties = variables.iter().map(per_value).collect();
+    }
+
+    /// Adds the price of the final time to the objective; call once, after everything else.
+    pub(in crate::ocp) fn hasten(mut self, horizon: usize, haste: Haste) -> Self {
+        let price = match haste {
+            Haste::None => return self,
+            Haste::OfSize(share) => share * self.objective_size,
+            Haste::PerSecond(price) => price * self.variables.unit[horizon],
+        };
+        self.haste = Some((horizon, price));
+        self
+    }
+
+    /// What the length of the motion adds to the objective at a solver's point.
+    pub(in crate::ocp) fn price_of_time(&self, x: &[f64]) -> f64 {
+        self.haste.map_or(0.0, |(i, price)| price * x[i])
     }
 
     /// The price of a unit of a variable that has one.
@@ -557,7 +577,7 @@ impl NlpProblem for Program<'_> {
         let penalties = self.penalties.iter();
         let units = &self.variables.unit;
         let penalty: f64 = penalties.map(|&(i, price)| price * units[i] * x[i]).sum();
-        (value + penalty) / self.objective_unit
+        (value + penalty + self.price_of_time(x)) / self.objective_unit
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
@@ -590,6 +610,9 @@ impl NlpProblem for Program<'_> {
         });
         for &(i, price) in &self.penalties {
             gradient[i] += price * self.variables.unit[i];
+        }
+        if let Some((i, price)) = self.haste {
+            gradient[i] += price;
         }
         gradient.iter_mut().for_each(|g| *g /= self.objective_unit);
     }

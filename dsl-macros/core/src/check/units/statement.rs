@@ -14,6 +14,13 @@ use crate::words;
 
 pub(super) fn declare(walk: &mut Walk<'_>, scene: &Scene) {
     for statement in &scene.statements {
+        if let Statement::At { values, .. } = statement {
+            for value in values {
+                let name = &value.target.text;
+                let dimension = walk.unifier.unknown(name);
+                walk.values.insert(name.clone(), Units::Scalar(dimension));
+            }
+        }
         let (Statement::Parameters(list)
         | Statement::Coordinates(list)
         | Statement::Controls(list)
@@ -109,8 +116,17 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             each(walk, assignments, reset)
         }
         Statement::At {
-            time, conditions, ..
-        } => at(walk, time, conditions),
+            time,
+            conditions,
+            values,
+            ..
+        } => {
+            at(walk, time, conditions)?;
+            if conditions.is_empty() && !values.is_empty() {
+                walk.goals.push(Dimension::one());
+            }
+            each(walk, values, reset)
+        }
         Statement::Start(assignments) => starts(walk, assignments),
         Statement::Horizon { value, .. } => horizon(walk, value),
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
