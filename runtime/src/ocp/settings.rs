@@ -225,18 +225,6 @@ pub enum PathPoints {
     Both,
 }
 
-/// What a longer motion costs beside its objective.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) enum Haste {
-    /// Nothing.
-    #[default]
-    None,
-    /// So many sizes of the objective for a unit of the final time, as each program measures them.
-    OfSize(f64),
-    /// So much of the objective for a second.
-    PerSecond(f64),
-}
-
 /// Settings of the optimal control solver; change fields of [`Settings::default`].
 // Many fields: independent choices, of which a caller changes one or two.
 #[derive(Debug, Clone, PartialEq)]
@@ -308,8 +296,9 @@ pub struct Settings {
     /// Largest distance between planned and re-simulated final coordinates of a confirmed result;
     /// default 1e-6 \[unit of the coordinates\], > 0. Where a coordinate is measured in less than a thousandth of that unit, as much less.
     pub largest_distance: f64,
-    /// Price of a longer motion; default none. Where rest costs nothing it decides among motions that cost the same.
-    pub(crate) haste: Haste,
+    /// Price of a longer motion, in sizes of the objective for a unit of the final time; default 0. Where rest costs nothing it decides among
+    /// motions that cost the same.
+    pub(crate) haste: f64,
 }
 
 impl Default for Settings {
@@ -339,7 +328,7 @@ impl Default for Settings {
             replay_tolerance: 1e-9,
             resimulation_tolerance: 1e-12,
             largest_distance: 1e-6,
-            haste: Haste::default(),
+            haste: 0.0,
         }
     }
 }

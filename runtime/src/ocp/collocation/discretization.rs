@@ -7,7 +7,7 @@ use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Problem;
 use crate::ocp::program::units::Units;
-use crate::ocp::settings::{Haste, PathPoints, Settings};
+use crate::ocp::settings::{PathPoints, Settings};
 use crate::rk::ButcherTableau;
 
 /// Everything that stays the same over all sequences.
@@ -28,7 +28,7 @@ pub(in crate::ocp) struct Setting<'a> {
     /// Distances that the method keeps by itself, shortest phases and least impacts, as a share of the usual ones.
     pub(in crate::ocp) kept: f64,
     /// Price of a longer motion: [`Settings::haste`].
-    pub(in crate::ocp) haste: Haste,
+    pub(in crate::ocp) haste: f64,
 }
 
 impl<'a> Setting<'a> {

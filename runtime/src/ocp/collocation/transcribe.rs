@@ -147,7 +147,7 @@ mod tests {
             lengths: Lengths::Equal,
             elastic: None,
             kept: 1.0,
-            haste: crate::ocp::settings::Haste::None,
+            haste: 0.0,
         };
         check(setting, &guessed);
     }

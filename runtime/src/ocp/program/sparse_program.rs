@@ -16,7 +16,6 @@ use super::kernel::{Evaluator, Kernel};
 use super::laws::Laws;
 use super::units::{Units, objective_size};
 use crate::model::Model;
-use crate::ocp::settings::Haste;
 
 /// The row of the objective in the uses of a kernel.
 pub(in crate::ocp) const OBJECTIVE: usize = usize::MAX;
@@ -326,14 +325,9 @@ impl<'a> Program<'a> {
         self.penalties = variables.iter().map(per_value).collect();
     }
 
-    /// Adds the price of the final time to the objective; call once, after everything else.
-    pub(in crate::ocp) fn hasten(mut self, horizon: usize, haste: Haste) -> Self {
-        let price = match haste {
-            Haste::None => return self,
-            Haste::OfSize(share) => share * self.objective_size,
-            Haste::PerSecond(price) => price * self.variables.unit[horizon],
-        };
-        self.haste = Some((horizon, price));
+    /// Adds so many sizes of the objective for each unit of the final time, 0 for none; call once, after everything else.
+    pub(in crate::ocp) fn hasten(mut self, horizon: usize, price: f64) -> Self {
+        self.haste = (price > 0.0).then_some((horizon, price * self.objective_size));
         self
     }
 

@@ -23,7 +23,7 @@ use crate::ocp::search::attempt::{Attempts, Local, Visited};
 use crate::ocp::search::candidates::{Found, Proved, Readings, Search};
 use crate::ocp::search::ride::ride;
 use crate::ocp::search::sampled::sampled;
-use crate::ocp::settings::{Formulation, Guess, Haste, Settings};
+use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Counts, Solution, Status};
 use crate::ocp::tuning::grids::MORE_STAGES;
 use crate::rk::{ButcherTableau, Scheme};
@@ -171,7 +171,8 @@ pub(super) fn solve_round<'s>(
     };
     let scale = Scale::of(model, problem);
     let units = Units::new(model, &scale, &guessed, bounds).measured_by(known, bounds);
-    let priced = matches!(settings.haste, Haste::PerSecond(_));
+    // A price on the time has to be seen beside the objective.
+    let priced = settings.haste > 0.0;
     let units = if start.effort.proves() && coarser.is_some() || priced {
         units.exact()
     } else {

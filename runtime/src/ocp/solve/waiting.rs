@@ -8,7 +8,7 @@
 use super::starts;
 use crate::model::Model;
 use crate::ocp::problem::{Horizon, Problem, bounds, has_free_start};
-use crate::ocp::settings::{Formulation, Guess, Haste, Settings};
+use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Solution, Status};
 use crate::ocp::tuning::waiting::{FIRST, GROWS, SECOND};
 use crate::simulation::{ControlSignal, EventDriven, InputError, SimulationStatus, simulate_once};
@@ -20,7 +20,7 @@ pub(super) fn hasty(model: &dyn Model, problem: &Problem, settings: &Settings) -
     let waits = asks_nothing_of_time(model, problem, settings)
         && !has_free_start(model)
         && rests(model, problem, &problem.start());
-    waits.then(|| with_price(settings, Haste::OfSize(FIRST)))
+    waits.then(|| with_price(settings, FIRST))
 }
 
 /// Whether a plan may rest at its end for nothing, of a problem where that was not known before.
@@ -49,14 +49,12 @@ pub(super) fn shortest(
     if known.previous.is_none() || known.status == Status::Interrupted {
         return Ok(known);
     }
-    let unit = known.objective_unit / known.horizon;
-    let price = |share: f64| Haste::PerSecond(share * unit);
-    let dear = again(model, problem, (settings, price(FIRST)), observer, known)?;
+    let dear = again(model, problem, (settings, FIRST), observer, known)?;
     if !is_found(&dear) {
         return Ok(dear);
     }
     let horizon = dear.horizon;
-    let mut found = again(model, problem, (settings, price(SECOND)), observer, dear)?;
+    let mut found = again(model, problem, (settings, SECOND), observer, dear)?;
     if !is_found(&found) {
         return Ok(found);
     }
@@ -76,7 +74,7 @@ pub(super) fn shortest(
 fn again(
     model: &dyn Model,
     problem: &Problem,
-    (settings, price): (&Settings, Haste),
+    (settings, price): (&Settings, f64),
     observer: &mut Observer<'_>,
     known: Solution,
 ) -> Result<Solution, InputError> {
@@ -109,7 +107,7 @@ fn again(
     })
 }
 
-fn with_price(settings: &Settings, price: Haste) -> Settings {
+fn with_price(settings: &Settings, price: f64) -> Settings {
     Settings {
         haste: price,
         ..settings.clone()
