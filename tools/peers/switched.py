@@ -260,7 +260,8 @@ def main():
         writer.writerow(["scene", "stages, steps, elements of a step", "all steps solved", *names])
         for name, setting, solved, error, seconds, status, own, its in itertools.chain(simulated(program), grids):
             digits = 10 if name.startswith("turbo") else 2
-            numbers = [f"{error:.{digits}g}", f"{seconds:.2g}", status, f"{own:.{digits}g}", f"{its:.2g}", f"{seconds / its:.0f}"]
+            ratio = seconds / its
+            numbers = [f"{error:.{digits}g}", f"{seconds:.2g}", status, f"{own:.{digits}g}", f"{its:.2g}", f"{ratio:.0f}" if ratio >= 10 else f"{ratio:.1f}"]
             row = [name, ", ".join(map(str, setting)), solved, *numbers]
             print(*row, sep=" | ", flush=True)
             writer.writerow(row)
