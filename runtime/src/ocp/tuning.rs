@@ -466,8 +466,8 @@ pub(in crate::ocp) mod waiting {
     /// Prices of the length of a motion, in sizes of the objective, with which it is looked for and solved, and then solved once more. Chosen: well above the tolerance of the programs, and below what differences of objectives count.
     pub(in crate::ocp) const FIRST: f64 = 1e-4;
     pub(in crate::ocp) const SECOND: f64 = 1e-6;
-    /// Relative growth of the final time from the first price to the second from which on it has no end. Follows: where costs fall as the power
-    /// `-k` of the time it grows by `100^(1/(k + 1))`, which is more for all `k` below 45; the shortest of motions that cost the same moves
-    /// by some ten-thousandths.
-    pub(in crate::ocp) const GROWS: f64 = 0.1;
+    /// How many times as long a motion is that would cost less, and by how much less, relative, if there is no best length. Chosen: what falls as the
+    /// power `-k` of the time falls by `1 - 2^-k`, which is more for all `k` above 0.03.
+    pub(in crate::ocp) const LONGER: f64 = 2.0;
+    pub(in crate::ocp) const LESS: f64 = 0.02;
 }

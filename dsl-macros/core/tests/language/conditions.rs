@@ -215,4 +215,32 @@ fn conditions_are_formatted_like_the_statements_around_them() {
         format_text(text, "s").expect("no mistakes"),
         "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nfree { x }\nminimize (x - start(x))^2\nfinally { x == -start(x) + 1 [m] }\n"
     );
+    let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nminimize  at( 0.5 [s],x )^2\nat (1 [s]) {x==at(0.5 [s],x)}\nhorizon 3 [s]\n";
+    assert_eq!(
+        format_text(text, "s").expect("no mistakes"),
+        "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nminimize at(0.5 [s], x)^2\nat(1 [s]) { x == at(0.5 [s], x) }\nhorizon 3 [s]\n"
+    );
+}
+
+#[test]
+fn value_at_a_time_is_a_state_and_its_time_another_one_unless_a_condition_has_it() {
+    let states = |judged: &str| {
+        let text = format!(
+            "coordinates {{ x: m }} controls {{ u: N }} lagrangian dot(x)^2/2*1 [kg] forces {{ x: u }} horizon 3 [s] minimize integral(u^2) {judged}"
+        );
+        let (plain, _) = describe_text(&text, "s").expect("no mistakes");
+        let names = plain.states.iter().map(|state| state.name.clone());
+        names.collect::<Vec<String>>()
+    };
+    assert!(states("finally { x == 1 [m] }").is_empty());
+    assert_eq!(
+        states(
+            "finally { x == 2*at(1 [s], x) + at(1 [s], x)^2/1 [m], at(1 [s], dot(x)) >= 0 [m/s] }"
+        ),
+        ["t >= 1 [s]", "at(1 [s], x)", "at(1 [s], dot(x))"]
+    );
+    assert_eq!(
+        states("at 1 [s] { dot(x) >= 0 [m/s] } finally { x == 2*at(1 [s], x) }"),
+        ["dot(x) >= 0 [m/s] at 1 [s]", "at(1 [s], x)"]
+    );
 }

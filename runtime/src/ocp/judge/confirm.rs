@@ -347,6 +347,7 @@ pub(in crate::ocp) fn confirm(
         cost_departure,
         resimulated_objective: simulated,
         let_pass,
+        is_longest: false,
         disagreement,
         residuals: Residuals {
             primal: solution.residuals.primal,

@@ -2,18 +2,22 @@
 //!
 //! A motion that may rest at its start or at its end for nothing is never worse for lasting longer: with `J(T)` the least cost in the time `T`,
 //! `J` does not grow. So either `J` is the same from some `T` on, and every greater length is as good; or it falls for ever, and no motion is the
-//! best one. Both are told by a price on the time, `min J(T) + p T` (Tikhonov's choice among minima): as `p` tends to 0, `T(p)` tends to the
-//! shortest of the best motions if there is one, and grows without end otherwise, as `p^(-1/(k + 1))` where `J ~ T^-k`.
+//! best one. A price on the time, `min J(T) + p T`, has a shortest motion in both cases (Tikhonov's choice among minima), and tends to the shortest of
+//! the best ones as `p` tends to 0. Twice its time costs less only where there is no best one.
 
 use super::starts;
 use crate::model::Model;
 use crate::ocp::problem::{Horizon, Problem, bounds, has_free_start};
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Solution, Status};
-use crate::ocp::tuning::waiting::{FIRST, GROWS, SECOND};
+use crate::ocp::tuning::waiting::{FIRST, LESS, LONGER, SECOND};
 use crate::simulation::{ControlSignal, EventDriven, InputError, SimulationStatus, simulate_once};
 use crate::{Observer, ocp::tuning::equal::ROUNDING};
 use hangtime_solver::mpcc::Stationarity;
+
+/// What is said of the shortest of equals.
+const SHORTEST: &str =
+    "rest costs nothing, so that longer motions cost as much: this is the shortest of them";
 
 /// Settings for a problem whose start may rest for nothing: with a price on the time; none for others.
 pub(super) fn hasty(model: &dyn Model, problem: &Problem, settings: &Settings) -> Option<Settings> {
@@ -46,65 +50,111 @@ pub(super) fn shortest(
     observer: &mut Observer<'_>,
     known: Solution,
 ) -> Result<Solution, InputError> {
-    if known.previous.is_none() || known.status == Status::Interrupted {
+    let stopped = |solution: &Solution| solution.status == Status::Interrupted;
+    if known.previous.is_none() || stopped(&known) {
         return Ok(known);
     }
-    let dear = again(model, problem, (settings, FIRST), observer, known)?;
-    if !is_found(&dear) {
+    let (dear, found) = again(model, problem, with_price(settings, FIRST), observer, known)?;
+    if stopped(&dear) || !is_found(&dear) {
         return Ok(dear);
     }
-    let horizon = dear.horizon;
-    let mut found = again(model, problem, (settings, SECOND), observer, dear)?;
-    if !is_found(&found) {
-        return Ok(found);
+    // Whether twice the time costs less.
+    let longer = Problem {
+        horizon: Horizon::Fixed(LONGER * dear.horizon),
+        ..problem.clone()
+    };
+    let before = (dear.objective, dear.tolerated(LESS));
+    let costs = dear.objective > dear.tolerated(0.0);
+    let (mut dear, late) = match costs {
+        true => {
+            let (late, found) = again(model, &longer, settings.clone(), observer, dear.clone())?;
+            match found && late.objective < before.0 - before.1 {
+                true => return Ok(endless(late)),
+                false => (with_work(dear, &late), found),
+            }
+        }
+        false => (dear, true),
+    };
+    // Where neither shows, nothing is proved.
+    if dear.status == Status::Solved && !(found && late) {
+        dear.status = Status::Uncertified;
+        dear.stationarity = Stationarity::None;
     }
-    if found.horizon > (1.0 + GROWS) * horizon {
-        found.status = Status::Unbounded;
-        found.stationarity = Stationarity::None;
-    } else if let Some(motion) = &mut found.motion {
-        motion.notes.push(
-            "rest costs nothing, so that longer motions cost as much: this is the shortest of them"
-                .to_owned(),
-        );
+    let (mut found, _) = again(model, problem, with_price(settings, SECOND), observer, dear)?;
+    if let Some(motion) = &mut found.motion {
+        motion.notes.push(SHORTEST.to_owned());
     }
     Ok(found)
 }
 
-/// A motion, solved once more with a price on the time; as it is where that leads to none.
+/// A plan of a problem without a best length.
+fn endless(plan: Solution) -> Solution {
+    Solution {
+        status: Status::Unbounded,
+        stationarity: Stationarity::None,
+        is_longest: true,
+        ..plan
+    }
+}
+
+/// A solution with the work of another one, which has that of both.
+fn with_work(solution: Solution, other: &Solution) -> Solution {
+    Solution {
+        counts: other.counts,
+        seconds: other.seconds,
+        ..solution
+    }
+}
+
+/// A motion, solved once more, and whether that has led to one; as it is where it has not.
 fn again(
     model: &dyn Model,
     problem: &Problem,
-    (settings, price): (&Settings, f64),
+    settings: Settings,
     observer: &mut Observer<'_>,
     known: Solution,
-) -> Result<Solution, InputError> {
+) -> Result<(Solution, bool), InputError> {
     let Some(previous) = known.previous.clone() else {
-        return Ok(known);
+        return Ok((known, false));
     };
     let settings = Settings {
         guess: Guess::Previous(Box::new(previous)),
-        ..with_price(settings, price)
+        ..settings
     };
     let mut other = starts::solve(model, problem, &settings, observer)?;
+    eprintln!(
+        "again haste {} {:?}: {:?} T {} J {} unit {} -> {:?} T {} J {}",
+        settings.haste,
+        problem.horizon,
+        known.status,
+        known.horizon,
+        known.objective,
+        known.objective_unit,
+        other.status,
+        other.horizon,
+        other.objective
+    );
     let (mut counts, mut seconds) = (known.counts, known.seconds);
     counts.add(&other.counts);
     seconds += other.seconds;
-    let interrupted = other.status == Status::Interrupted;
-    if is_found(&other) {
+    let found = is_found(&other);
+    if found {
         other.optima = known.optima;
         other.starts = known.starts;
         other.improvements = known.improvements;
     } else {
+        let interrupted = other.status == Status::Interrupted;
         other = known;
         if interrupted {
             other.status = Status::Interrupted;
         }
     }
-    Ok(Solution {
+    let other = Solution {
         counts,
         seconds,
         ..other
-    })
+    };
+    Ok((other, found))
 }
 
 fn with_price(settings: &Settings, price: f64) -> Settings {
