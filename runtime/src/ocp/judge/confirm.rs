@@ -313,7 +313,7 @@ pub(in crate::ocp) fn confirm(
     let replay = simulate(setting, trajectory, plan, settings.resimulation_tolerance)?;
     let (distance, departure) = ends_apart(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
-    let objective = solution.objective - program.program.price_of_time(&solution.x);
+    let objective = solution.objective;
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
         .or_else(|| forces::other_cost(setting, objective, &replay));

@@ -332,8 +332,16 @@ impl<'a> Program<'a> {
     }
 
     /// What the length of the motion adds to the objective at a solver's point.
-    pub(in crate::ocp) fn price_of_time(&self, x: &[f64]) -> f64 {
+    fn price_of_time(&self, x: &[f64]) -> f64 {
         self.haste.map_or(0.0, |(i, price)| price * x[i])
+    }
+
+    /// The objective at a solver's point without the price of the time, where there is one.
+    pub(in crate::ocp) fn cost_without_haste(&mut self, x: &[f64]) -> Option<f64> {
+        let haste = self.haste.take()?;
+        let cost = self.objective(x) * self.objective_unit;
+        self.haste = Some(haste);
+        Some(cost)
     }
 
     /// The price of a unit of a variable that has one.

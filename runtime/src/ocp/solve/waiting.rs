@@ -122,18 +122,6 @@ fn again(
         ..settings
     };
     let mut other = starts::solve(model, problem, &settings, observer)?;
-    eprintln!(
-        "again haste {} {:?}: {:?} T {} J {} unit {} -> {:?} T {} J {}",
-        settings.haste,
-        problem.horizon,
-        known.status,
-        known.horizon,
-        known.objective,
-        known.objective_unit,
-        other.status,
-        other.horizon,
-        other.objective
-    );
     let (mut counts, mut seconds) = (known.counts, known.seconds);
     counts.add(&other.counts);
     seconds += other.seconds;
