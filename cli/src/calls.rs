@@ -5,7 +5,7 @@
 
 use clap::Parser as _;
 use hangtime::Progress;
-use hangtime::model::{Declaration, Model as _};
+use hangtime::model::Model;
 use hangtime::ocp::Previous;
 use hangtime::simulation::Simulation;
 use hangtime_scene_files::{SceneError, TextMistake};
@@ -14,7 +14,7 @@ use serde_json::value::RawValue;
 
 use crate::Scene;
 use crate::animation::motion;
-use crate::arguments::{Arguments, Command};
+use crate::arguments::{Arguments, Command, SolveArguments};
 use crate::drawing::Drawing;
 use crate::ending::Ending;
 use crate::explain;
@@ -23,7 +23,9 @@ use crate::json::to_line;
 use crate::scene_file::{EXTENSION, entry};
 use crate::settings::ChosenScene;
 use crate::table::counted;
-use crate::task::{OptimumTask, SimulationTask, optimum_facts, simulation_facts};
+use crate::task::{
+    FitTask, OptimumTask, SimulationTask, fit_facts, optimum_facts, simulation_facts,
+};
 
 /// Progress is told this often [s].
 const PATIENCE: f64 = 0.1;
@@ -162,7 +164,7 @@ struct SceneEntry {
     states: Vec<NameEntry>,
     controls: Vec<NameEntry>,
     contacts: Vec<NameEntry>,
-    /// Whether there is an optimal control problem.
+    /// Whether there is something to solve: an objective, or measurements to compare with.
     solvable: bool,
     equations: Vec<[&'static str; 2]>,
 }
@@ -183,7 +185,8 @@ struct NameEntry {
 }
 
 impl SceneEntry {
-    fn new(scene: &Scene, declaration: &Declaration) -> Self {
+    fn new(scene: &Scene, model: &dyn Model) -> Self {
+        let declaration = model.declaration();
         let variables = |list: &[hangtime::model::VariableDeclaration]| {
             let entries = list.iter().map(|v| NameEntry {
                 name: v.name,
@@ -215,7 +218,7 @@ impl SceneEntry {
             states: variables(declaration.states),
             controls: variables(declaration.controls),
             contacts: contacts.collect(),
-            solvable: declaration.optimal_control.is_some(),
+            solvable: declaration.optimal_control.is_some() || !model.experiments().is_empty(),
             equations: equations.map(|e| [e.left, e.right]).collect(),
         }
     }
@@ -277,6 +280,13 @@ impl Calls {
             }
             Some(Command::Solve(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
+                if !chosen.model.experiments().is_empty() {
+                    return Ok(fitted(
+                        &mut FitTask::new(chosen, &arguments)?,
+                        &arguments,
+                        progress,
+                    )?);
+                }
                 let mut task = OptimumTask::new(chosen, &arguments)?;
                 let warm = self.warm(scene, request.warm);
                 if let Some(plan) = warm {
@@ -295,7 +305,7 @@ impl Calls {
             _ => {
                 let text = scene.text.ok_or_else(|| BadInput::new("no scene"))?;
                 Ok(Answer::Checked {
-                    scene: Box::new(SceneEntry::new(scene, text.declaration())),
+                    scene: Box::new(SceneEntry::new(scene, text)),
                     warnings: text.warnings().to_owned(),
                 })
             }
@@ -408,6 +418,36 @@ fn solved(
         warm,
     };
     Ok((answer, solution.previous))
+}
+
+/// An estimate, with the motion of its first experiment.
+fn fitted(
+    task: &mut FitTask,
+    arguments: &SolveArguments,
+    progress: &mut (dyn FnMut(Option<f64>, &str) + Send),
+) -> Result<Answer, BadInput> {
+    let mut next = PATIENCE;
+    let estimate = task.run(&mut |now| {
+        if now.seconds >= next {
+            next = now.seconds + PATIENCE;
+            progress(
+                None,
+                &format!(
+                    "comparing motions with what was measured, {:.0} s",
+                    now.seconds
+                ),
+            );
+        }
+        true
+    })?;
+    let ending = Ending::of_estimate(&estimate, None, &arguments.limits);
+    let first = estimate.experiments.first();
+    Ok(Answer::Done {
+        result: raw(task.json(&estimate, &ending)),
+        facts: fit_facts(&estimate, &ending),
+        motion: drawn(&task.chosen, first.map(|known| &known.motion)),
+        warm: false,
+    })
 }
 
 /// What a solve does, in words of its problem: what it looks for, how many motions it has computed, and the best of them.

@@ -252,7 +252,7 @@ fn measured(model: &dyn Model) -> String {
             text,
             "measured    {} in {}: {}{start}",
             known.name,
-            known.file,
+            known.table().map_or(known.file, |_| "the scene itself"),
             quantities.join(", ")
         );
     }

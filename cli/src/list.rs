@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::{Question, Scene};
-use hangtime::model::Declaration;
+use hangtime::model::Model;
 use serde::Serialize;
 
 use crate::arguments::ListArguments;
@@ -98,16 +98,17 @@ impl SceneEntry {
                         .collect()
                 })
                 .collect(),
-            commands: commands(scene, declaration),
+            commands: commands(scene, &*chosen.model),
         })
     }
 }
 
 /// What can be done with a scene.
-fn commands(scene: &Scene, declaration: &Declaration) -> Vec<&'static str> {
+fn commands(scene: &Scene, model: &dyn Model) -> Vec<&'static str> {
+    let planned = model.declaration().optimal_control.is_some();
     [
         ("simulate", true),
-        ("solve", declaration.optimal_control.is_some()),
+        ("solve", planned || !model.experiments().is_empty()),
         ("chart", true),
         ("explain", true),
         ("reproduce", !scene.published.is_empty()),
@@ -212,10 +213,13 @@ fn told(scene: &SceneEntry) -> String {
     }) = scene.known
     {
         let objective = number(objective);
-        let _ = writeln!(
-            text,
-            "  least objective known on {intervals} intervals: {objective}"
-        );
+        let _ = match intervals {
+            0 => writeln!(text, "  least misfit known: {objective}"),
+            _ => writeln!(
+                text,
+                "  least objective known on {intervals} intervals: {objective}"
+            ),
+        };
     }
     let commands = scene.commands.join(", ");
     let _ = writeln!(text, "  for {commands}\n\n{}", parameters(scene));

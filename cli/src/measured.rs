@@ -19,6 +19,10 @@ const TIMES: [&str; 2] = ["t", "time"];
 
 /// Reads the measurements of an experiment; a path that is not absolute is that from `folder`.
 pub(crate) fn read(folder: &Path, experiment: &Experiment) -> Result<Measurements, BadInput> {
+    if let Some(text) = experiment.table() {
+        let refuse = |what| BadInput::new(format!("measured `{}`: {what}", experiment.name));
+        return table(text, experiment).map_err(refuse);
+    }
     let file = folder.join(experiment.file);
     let refuse = |what: &str| {
         let file = file.display();
@@ -36,7 +40,8 @@ pub(crate) fn read(folder: &Path, experiment: &Experiment) -> Result<Measurement
         }
         Err(error) => {
             return Err(refuse(&format!(
-                "{error}; give a table with a column of times and one for each quantity"
+                "{error}; give a table with a column of times and one for each quantity, or write it between the \
+                 quotation marks, on lines of its own"
             )));
         }
     }

@@ -49,7 +49,8 @@ pub struct Question {
     pub asked: &'static str,
     /// Its answer in words.
     pub answer: &'static str,
-    /// A number of control intervals, and the least objective that is known on them.
+    /// A number of control intervals, and the least objective that is known on them; 0 and the least misfit where measurements are
+    /// compared with.
     pub known: (usize, f64),
 }
 
@@ -117,8 +118,8 @@ pub enum RightOptimum {
 pub struct ControlScene {
     /// Its name, in kebab case.
     pub name: &'static str,
-    /// Makes the model with default parameters.
-    pub model: fn() -> Box<dyn Model>,
+    /// The text of its file.
+    pub text: &'static str,
     /// The best objective known of a scene, by its name, on a grid with that many control intervals.
     pub best: fn(name: &str, intervals: usize) -> Option<f64>,
 }

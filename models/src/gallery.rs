@@ -19,6 +19,10 @@ macro_rules! gallery {
 
 /// All scenes of the gallery.
 pub(crate) const GALLERY: &[Scene] = gallery! {
+    "publication" {
+        "ski-jump-pushed": "a ski jumper with legs pushes off, against the air",
+            "How far away are they after five seconds?" => "65.4 m, with a start of 2.17 m/s that is worth 4.7 m." (10: -57.417259363219);
+    }
     "flights and bounces" {
         "wall-ball": "a ball is played off a wall and comes back to the hand",
             "With how little effort does it come back?" => "13.01 N^2 s; the wall gives back what it needs." (10: 13.007342179766);
@@ -32,14 +36,20 @@ pub(crate) const GALLERY: &[Scene] = gallery! {
             "Is it better to push all the time, or to let it slide?" => "16.11 N^2 s: it is pushed for a while, and slides the rest of the way by itself." (10: 16.109644905);
         "plate-and-box": "a box slips on a driven plate to its place",
             "How soon can it be there?" => "In 1.82 s, with an effort that counts like 1 ms for each N^2 s." (10: 1.820078283);
+        "pushing": "a finger pushes a box to its place and comes back",
+            "With how little effort?" => "12.09 N^2 s: it lets go after a second, and friction brakes the box." (10: 12.086862391881);
     }
     "vehicles" {
         "two-bumps": "a bike and its rider cross two bumps in least time",
             "How soon are they across?" => "In 1.397 s." (10: 1.397362919);
         "two-wheels": "a rigid bike on two wheels crosses waves in least time",
             "How soon is it across?" => "In 0.904 s." (10: 0.904453159);
+        "measured-track": "a bike and its rider cross three bumps of a measured track in least time",
+            "How soon are they across?" => "In 1.884 s, with a jump over each." (15: 1.883964422163);
+        "gap-jump": "a bike and its rider jump over a gap",
+            "How slow may they come?" => "At 5.73 m/s, if the legs push off at the end of the ramp." (10: 5.934758836622);
         "rolling-bike": "a bike rolls on two tyres by friction, its rider leans and pushes",
-            "How soon does it cross a wave of a pump track?" => "In 0.713 s." (10: 0.7133833);
+            "How soon does it cross a wave of a pump track?" => "In 0.709 s." (10: 0.709273689);
         "spinning-wheel": "a driven wheel goes five metres from rest to rest",
             "How soon, where too much torque spins it?" => "In 2.258 s." (10: 2.257618205);
     }
@@ -52,6 +62,8 @@ pub(crate) const GALLERY: &[Scene] = gallery! {
             "With how little effort does it hop a metre?" => "10.64 N^2 s." (10: 10.640004796);
         "biped": "a body on two legs walks half a metre on rough ground",
             "With how little effort does it walk?" => "5.148 N^2 s beyond what carries the body." (10: 5.148088311);
+        "gymnast": "a gymnast on a high bar swings up by the hips",
+            "How high can the legs be after two and a half seconds?" => "1.75 m, which is a handstand." (10: -1.741648439162);
         "push-off": "a ski jumper pushes off with the legs",
             "How far away are they after two and a half seconds?" => "14.71 m, with an effort that counts like a centimetre for each 1000 N^2 s." (10: -14.706644549492);
     }
@@ -66,10 +78,18 @@ pub(crate) const GALLERY: &[Scene] = gallery! {
             "With how little effort?" => "27.79 N^2 m^2 s." (10: 27.785882879);
     }
     "games" {
+        "billiards": "a ball is pocketed by way of a cushion",
+            "Which shot needs the least speed?" => "One of 1.09 m/s, by (0.71, -0.83) m/s." (1: 1.198147935948);
         "curling": "a curling stone has to come to rest in the house",
             "With how little effort of a hand that stays behind a line?" => "1180.7 N^2 s." (10: 1180.669452634);
         "cradle-of-carts": "a driven cart sets two others in motion, one by the other",
             "With how little effort?" => "2.391 N^2 s." (10: 2.390910722);
+    }
+    "estimation" {
+        "bouncing-throw": "a ball that was filmed bounces along a rough floor",
+            "How much does it bounce, and how much does the floor rub?" => "e = 0.778 and mu = 0.120, each to a thousandth." (0: 36.094042503588);
+        "jump-on-sledge": "a rider was filmed who jumped on a sledge",
+            "What does the rider weigh?" => "69 kg, to 2 kg." (0: 54.680407866219);
     }
     "switched systems" {
         "crossing": "a motion crosses a jump of its rate";

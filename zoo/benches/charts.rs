@@ -14,7 +14,7 @@ use hangtime_zoo::{best, exhibits};
 fn main() -> ExitCode {
     let exhibits = exhibits().iter().map(|exhibit| ControlScene {
         name: exhibit.name,
-        model: exhibit.model,
+        text: exhibit.text,
         best,
     });
     let charts = CommandLine::new(scenes())

@@ -84,7 +84,7 @@ fn scenes() -> Result<Vec<Scene>, Failure> {
         let scene = |exhibit: &hangtime_zoo::Exhibit| Scene {
             name: exhibit.name.to_owned(),
             half: exhibit.half,
-            model: (exhibit.model)(),
+            model: exhibit.model(),
         };
         return Ok(exhibits().iter().map(scene).collect());
     }

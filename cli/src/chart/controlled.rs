@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use hangtime::ocp::{self, Problem};
+use hangtime_scene_files::of_text;
 
 use super::drawn::Chart;
 use super::searches::WAYS;
@@ -77,11 +78,12 @@ fn solve(
     (intervals, best): (usize, f64),
     bounds: &Bounds,
 ) -> Result<Run, BadInput> {
-    let model = (scene.model)();
+    let model = of_text(scene.name, scene.text);
+    let model = model.map_err(|mistakes| BadInput::new(mistakes.to_string()))?;
     let clock = Instant::now();
     let solution = ocp::solve(
-        model.as_ref(),
-        &Problem::of(model.as_ref(), intervals),
+        &model,
+        &Problem::of(&model, intervals),
         &WAYS[way].settings(),
         &mut |_| bounds.asked().is_none() && clock.elapsed().as_secs_f64() < PATIENCE,
     );
@@ -300,16 +302,23 @@ mod tests {
     use crate::ControlScene;
     use crate::arguments::LimitArguments;
     use crate::bounds::Bounds;
-    use crate::settings::{ChosenScene, find};
 
     /// A scene that can be solved, with an objective that no motion has.
     fn scene() -> ControlScene {
         ControlScene {
             name: "wave",
-            model: || {
-                let scene = find(crate::testing::SCENES, "wave").unwrap();
-                ChosenScene::new(scene, &[]).unwrap().model
-            },
+            text: "parameters { a = 0.2, k = 2 }
+                coordinates { y, s }
+                controls { u in -20..=20 }
+                let mass = (y, a*(1 - cos(k*y)) + s)
+                lagrangian |dot(mass)|^2 - 19.62*mass.z
+                forces { y: u }
+                surface ground: s >= 0
+                impact ground: inelastic
+                minimize time
+                finally { y == 1 }
+                start { dot(y): 1 }
+                horizon 1",
             best: |name, intervals| (name == "wave" && intervals == GRIDS[0]).then_some(1e-3),
         }
     }

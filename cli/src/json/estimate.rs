@@ -89,8 +89,8 @@ impl<'a> DirectionEntry<'a> {
 struct ExperimentEntry<'a> {
     /// Name of the experiment.
     name: &'static str,
-    /// File of its measurements.
-    file: &'static str,
+    /// File of its measurements. Null where the scene has them itself.
+    file: Option<&'static str>,
     /// When something was measured \[s\].
     time: &'a [f64],
     /// What was measured.
@@ -122,7 +122,10 @@ impl<'a> ExperimentEntry<'a> {
         let quantities = fitted.declared.quantities.iter().enumerate();
         Self {
             name: fitted.declared.name,
-            file: fitted.declared.file,
+            file: match fitted.declared.table() {
+                Some(_) => None,
+                None => Some(fitted.declared.file),
+            },
             time: &fitted.times,
             quantities: quantities
                 .map(|(k, quantity)| MeasuredEntry {

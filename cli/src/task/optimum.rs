@@ -36,12 +36,6 @@ impl OptimumTask {
         mut chosen: ChosenScene,
         arguments: &SolveArguments,
     ) -> Result<Self, BadInput> {
-        if let Some(first) = chosen.model.experiments().first() {
-            return Err(BadInput::new(format!(
-                "scene `{0}` compares with the file `{1}`, which cannot be read here; run `hangtime solve {0}.hang` beside it",
-                chosen.scene.name, first.file
-            )));
-        }
         if chosen.model.declaration().optimal_control.is_none() {
             return Err(BadInput::new(format!(
                 "scene `{0}` declares no objective, so there is nothing to optimize; run `simulate {0}` instead",

@@ -7,7 +7,7 @@ pub struct Experiment {
     pub name: &'static str,
     /// Its documentation.
     pub documentation: &'static str,
-    /// The file of the measurements, as declared.
+    /// The file of the measurements, as declared, or [their table](Self::table).
     pub file: &'static str,
     /// What was measured.
     pub quantities: &'static [MeasuredQuantity],
@@ -15,6 +15,15 @@ pub struct Experiment {
     pub huber: Option<f64>,
     /// Whether it has a start of its own, see [`Model::in_experiment`](super::Model::in_experiment).
     pub own_start: bool,
+}
+
+impl Experiment {
+    /// The table of the measurements, where the scene has it between the quotation marks, on lines of its own; `None` where
+    /// [`file`](Self::file) is the name of a file.
+    #[must_use]
+    pub fn table(&self) -> Option<&'static str> {
+        self.file.contains('\n').then_some(self.file)
+    }
 }
 
 /// Something that was measured.

@@ -77,8 +77,9 @@ fn picture(scene: &Scene) -> std::result::Result<String, String> {
     let host = HostScene::open(scenes(), scene.name).map_err(|refusal| refusal.to_string())?;
     let run = match scene.question {
         Some(question) => {
-            let words = [format!("--intervals={}", question.known.0)];
-            host.solve(&words, &mut |_| true)
+            let intervals = Some(question.known.0).filter(|&intervals| intervals > 0);
+            let words = intervals.map(|intervals| format!("--intervals={intervals}"));
+            host.solve(words.as_slice(), &mut |_| true)
         }
         None => host.simulate(&[], &mut |_| true),
     };
