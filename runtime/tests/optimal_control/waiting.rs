@@ -106,6 +106,40 @@ fn motion_that_costs_less_the_longer_it_lasts_has_no_best_length() {
 }
 
 hangtime::model! {
+    /// A cart that has to be elsewhere within a time.
+    InTime {
+        parameters { late: s = 3 }
+        coordinates { x: m }
+        controls { u: N }
+        lagrangian dot(x)^2/2*1 [kg]
+        forces { x: u }
+        minimize integral(u^2)
+        finally { x == 1 [m], dot(x) == 0 [m/s], time <= late }
+        horizon 2 [s]
+    }
+}
+
+#[test]
+fn motion_that_may_not_last_longer_takes_all_of_its_time() {
+    // 12 d^2/T^3, by a control that is linear.
+    for late in [3.0, 0.9] {
+        let solution = solve(&InTime { late }, 4, ControlShape::Linear);
+        assert_eq!(solution.status, Status::Solved, "{solution}");
+        assert!((solution.horizon / late - 1.0).abs() < 1e-7, "{solution}");
+        let least = 12.0 / late.powi(3);
+        assert!(
+            (solution.objective / least - 1.0).abs() < 1e-7,
+            "{solution}"
+        );
+        assert!(
+            !notes(&solution)
+                .iter()
+                .any(|note| note.contains("shortest"))
+        );
+    }
+}
+
+hangtime::model! {
     /// A body on a spring that stands on the floor, where it is to stand still.
     Standing {
         parameters { k: N/m = 100, g: m/s^2 = 10, least: s = 0.3 }

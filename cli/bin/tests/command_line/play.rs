@@ -12,7 +12,9 @@ use crate::support::{Scratch, hangtime};
 pub(crate) fn text(scene: &str) -> &'static str {
     let texts = hangtime_models::scene_texts().iter();
     let compiled = texts.clone().find(|(name, _)| *name == scene);
-    let listed = hangtime_models::scenes().iter().find(|listed| listed.name == scene);
+    let listed = hangtime_models::scenes()
+        .iter()
+        .find(|listed| listed.name == scene);
     let unread = listed.and_then(|listed| listed.unread);
     compiled.map(|(_, text)| *text).or(unread).unwrap()
 }

@@ -313,12 +313,11 @@ pub(in crate::ocp) fn confirm(
     let replay = simulate(setting, trajectory, plan, settings.resimulation_tolerance)?;
     let (distance, departure) = ends_apart(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
-    let objective = solution.objective;
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
-        .or_else(|| forces::other_cost(setting, objective, &replay));
+        .or_else(|| forces::other_cost(setting, solution.objective, &replay));
     let controls = &trajectory.controls;
-    let again = replayed(setting.model, controls, &replay, objective)
+    let again = replayed(setting.model, controls, &replay, solution.objective)
         .filter(|_| replay.status == SimulationStatus::Solved);
     let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
@@ -335,7 +334,7 @@ pub(in crate::ocp) fn confirm(
     let limits = Limits::new(setting, settings);
     Ok(Solution {
         status,
-        objective,
+        objective: solution.objective,
         objective_unit: program.program.size_of(0.0),
         horizon: trajectory.horizon,
         final_times: (f64::NAN, f64::NAN),

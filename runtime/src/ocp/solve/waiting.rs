@@ -6,13 +6,15 @@
 //! the best ones as `p` tends to 0. Twice its time costs less only where there is no best one.
 
 use super::starts;
+use crate::Observer;
 use crate::model::Model;
+use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::problem::{Horizon, Problem, bounds, has_free_start};
 use crate::ocp::settings::{Formulation, Guess, Settings};
 use crate::ocp::solution::{Solution, Status};
+use crate::ocp::tuning::equal::ROUNDING;
 use crate::ocp::tuning::waiting::{FIRST, LESS, LONGER, SECOND};
 use crate::simulation::{ControlSignal, EventDriven, InputError, SimulationStatus, simulate_once};
-use crate::{Observer, ocp::tuning::equal::ROUNDING};
 use hangtime_solver::mpcc::Stationarity;
 
 /// What is said of the shortest of equals.
@@ -58,22 +60,14 @@ pub(super) fn shortest(
     if stopped(&dear) || !is_found(&dear) {
         return Ok(dear);
     }
-    // Whether twice the time costs less.
-    let longer = Problem {
-        horizon: Horizon::Fixed(LONGER * dear.horizon),
-        ..problem.clone()
-    };
-    let before = (dear.objective, dear.tolerated(LESS));
-    let costs = dear.objective > dear.tolerated(0.0);
-    let (mut dear, late) = match costs {
-        true => {
-            let (late, found) = again(model, &longer, settings.clone(), observer, dear.clone())?;
-            match found && late.objective < before.0 - before.1 {
-                true => return Ok(endless(late)),
-                false => (with_work(dear, &late), found),
-            }
-        }
-        false => (dear, true),
+    let bounded = is_bounded(model, dear.horizon);
+    let (mut dear, late) = match bounded || dear.objective <= dear.tolerated(0.0) {
+        true => (dear, true),
+        false => match longer(model, problem, settings, observer, dear)? {
+            Longer::CostsLess(late) => return Ok(endless(*late)),
+            Longer::CostsAsMuch(dear) => (*dear, true),
+            Longer::Unknown(dear) => (*dear, false),
+        },
     };
     // Where neither shows, nothing is proved.
     if dear.status == Status::Solved && !(found && late) {
@@ -81,10 +75,56 @@ pub(super) fn shortest(
         dear.stationarity = Stationarity::None;
     }
     let (mut found, _) = again(model, problem, with_price(settings, SECOND), observer, dear)?;
-    if let Some(motion) = &mut found.motion {
+    if let Some(motion) = found.motion.as_mut().filter(|_| !bounded) {
         motion.notes.push(SHORTEST.to_owned());
     }
     Ok(found)
+}
+
+/// Whether goals do not let a motion last twice as long.
+fn is_bounded(model: &dyn Model, horizon: f64) -> bool {
+    let range = FinalTimes {
+        shortest: horizon / LONGER,
+        longest: horizon * LONGER,
+    };
+    range.allowed(model).longest < range.longest
+}
+
+/// What twice the time comes to.
+enum Longer {
+    CostsLess(Box<Solution>),
+    /// The motion of which that was asked, as with all others here with the work of both.
+    CostsAsMuch(Box<Solution>),
+    /// No motion was found.
+    Unknown(Box<Solution>),
+}
+
+/// Whether a motion of twice the time costs less.
+fn longer(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    observer: &mut Observer<'_>,
+    dear: Solution,
+) -> Result<Longer, InputError> {
+    let longer = Problem {
+        horizon: Horizon::Fixed(LONGER * dear.horizon),
+        ..problem.clone()
+    };
+    let less = dear.objective - dear.tolerated(LESS);
+    let (late, found) = again(model, &longer, settings.clone(), observer, dear.clone())?;
+    if found && late.objective < less {
+        return Ok(Longer::CostsLess(Box::new(late)));
+    }
+    let dear = Box::new(Solution {
+        counts: late.counts,
+        seconds: late.seconds,
+        ..dear
+    });
+    Ok(match found {
+        true => Longer::CostsAsMuch(dear),
+        false => Longer::Unknown(dear),
+    })
 }
 
 /// A plan of a problem without a best length.
@@ -94,15 +134,6 @@ fn endless(plan: Solution) -> Solution {
         stationarity: Stationarity::None,
         is_longest: true,
         ..plan
-    }
-}
-
-/// A solution with the work of another one, which has that of both.
-fn with_work(solution: Solution, other: &Solution) -> Solution {
-    Solution {
-        counts: other.counts,
-        seconds: other.seconds,
-        ..solution
     }
 }
 
