@@ -306,8 +306,10 @@ pub(in crate::ocp) fn confirm(
         solution,
         trajectory,
         sequence,
+        cost,
         ..
     } = plan;
+    let cost = *cost;
     let let_pass = setting.largest_distance(settings, trajectory);
     let plan = Some((sequence, let_pass));
     let replay = simulate(setting, trajectory, plan, settings.resimulation_tolerance)?;
@@ -315,9 +317,9 @@ pub(in crate::ocp) fn confirm(
     let forces = forces::looked(setting.model, &replay);
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
-        .or_else(|| forces::other_cost(setting, solution.objective, &replay));
+        .or_else(|| forces::other_cost(setting, cost, &replay));
     let controls = &trajectory.controls;
-    let again = replayed(setting.model, controls, &replay, solution.objective)
+    let again = replayed(setting.model, controls, &replay, cost)
         .filter(|_| replay.status == SimulationStatus::Solved);
     let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
@@ -334,7 +336,7 @@ pub(in crate::ocp) fn confirm(
     let limits = Limits::new(setting, settings);
     Ok(Solution {
         status,
-        objective: solution.objective,
+        objective: cost,
         objective_unit: program.program.size_of(0.0),
         horizon: trajectory.horizon,
         final_times: (f64::NAN, f64::NAN),

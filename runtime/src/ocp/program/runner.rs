@@ -165,9 +165,7 @@ impl<'s> Runner<'s> {
         let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
         let mut solution = nlp::solve_from(program, run.settings, run.start, Some(&mut observer))
             .map_err(|error| refused(&mut self.refusal, &error))?;
-        solution.objective = program
-            .cost_without_haste(&solution.x)
-            .unwrap_or(unit * solution.objective);
+        solution.objective *= unit;
         for info in &mut solution.history {
             info.objective *= unit;
         }
