@@ -637,11 +637,9 @@ impl Solution {
                 self.times_looked_at(),
                 self.advice()
             )),
-            Status::Unbounded if self.is_longest => Some(format!(
-                "rest costs nothing, and every longer motion costs less, as far as can be told: this one lasts {:.3e} s; bound the final time, \
-                 as in `finally {{ time <= 10 [s] }}`",
-                self.horizon
-            )),
+            Status::Unbounded if self.is_longest => Some(
+                "rest costs nothing, and every longer motion costs less, as far as can be told; bound the final time, as in `finally { time <= 10 [s] }`".to_owned(),
+            ),
             Status::Unbounded => Some(format!(
                 "the objective still improves at a final time of {:.3e} s, the end of those from {:.3e} to {:.3e} s that \
                  were looked at; bound the controls or the final time",

@@ -166,7 +166,8 @@ fn standing_still_for_nothing_lasts_as_short_as_it_may() {
         let solution = solve(&standing, 4, ControlShape::Constant);
         assert_eq!(solution.status, Status::Solved, "{solution}");
         assert!(solution.objective < 1e-12, "{solution}");
-        assert!((solution.horizon - least).abs() < 1e-6, "{solution}");
+        // A bound that a price of 1e-6 presses on is kept to the tolerance by that, 1e-9/1e-6.
+        assert!((solution.horizon - least).abs() < 1e-3, "{solution}");
     }
 }
 

@@ -12,6 +12,7 @@ use std::ops::Range;
 use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::{NlpProblem, Pattern};
 
+use super::haste::Haste;
 use super::kernel::{Evaluator, Kernel};
 use super::laws::Laws;
 use super::units::{Units, objective_size};
@@ -89,8 +90,7 @@ pub(in crate::ocp) struct Program<'a> {
     objective_size: f64,
     /// Variables with a price in the objective, of their physical values.
     penalties: Vec<(usize, f64)>,
-    /// The variable for the final time, and what its units cost where a longer motion is to have a price.
-    haste: Option<(usize, f64)>,
+    haste: Haste,
     pairs: Vec<(usize, usize)>,
     laws: Laws,
     jacobian: Pattern,
@@ -110,7 +110,7 @@ impl<'a> Program<'a> {
             objective_unit: 1.0,
             objective_size: 1.0,
             penalties: Vec::new(),
-            haste: None,
+            haste: Haste::default(),
             pairs: Vec::new(),
             laws: Laws::default(),
             jacobian: Pattern::default(),
@@ -327,20 +327,15 @@ impl<'a> Program<'a> {
 
     /// Adds so many sizes of the objective for each unit of the final time, 0 for none; call once, after everything else.
     pub(in crate::ocp) fn hasten(mut self, horizon: usize, price: f64) -> Self {
-        self.haste = (price > 0.0).then_some((horizon, price * self.objective_size));
+        self.haste = Haste::new(horizon, price * self.objective_size);
         self
-    }
-
-    /// What the length of the motion adds to the objective at a solver's point.
-    fn price_of_time(&self, x: &[f64]) -> f64 {
-        self.haste.map_or(0.0, |(i, price)| price * x[i])
     }
 
     /// The objective at a solver's point without the price of the time, where there is one.
     pub(in crate::ocp) fn cost_without_haste(&mut self, x: &[f64]) -> Option<f64> {
         let haste = self.haste.take()?;
         let cost = self.objective(x) * self.objective_unit;
-        self.haste = Some(haste);
+        self.haste = haste;
         Some(cost)
     }
 
@@ -579,7 +574,7 @@ impl NlpProblem for Program<'_> {
         let penalties = self.penalties.iter();
         let units = &self.variables.unit;
         let penalty: f64 = penalties.map(|&(i, price)| price * units[i] * x[i]).sum();
-        (value + penalty + self.price_of_time(x)) / self.objective_unit
+        (value + penalty + self.haste.at(x)) / self.objective_unit
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
@@ -613,9 +608,7 @@ impl NlpProblem for Program<'_> {
         for &(i, price) in &self.penalties {
             gradient[i] += price * self.variables.unit[i];
         }
-        if let Some((i, price)) = self.haste {
-            gradient[i] += price;
-        }
+        self.haste.add_to(gradient);
         gradient.iter_mut().for_each(|g| *g /= self.objective_unit);
     }
 

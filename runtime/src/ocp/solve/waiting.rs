@@ -112,7 +112,15 @@ fn longer(
         ..problem.clone()
     };
     let less = dear.objective - dear.tolerated(LESS);
-    let (late, found) = again(model, &longer, settings.clone(), observer, dear.clone())?;
+    let (mut late, mut found) = again(model, &longer, settings.clone(), observer, dear.clone())?;
+    if !found || late.objective >= less {
+        // A motion that is stretched may lead to a poorer one.
+        let mut other = super::searched(model, &longer, settings, observer)?;
+        other.counts.add(&late.counts);
+        other.seconds += late.seconds;
+        found = is_found(&other);
+        late = other;
+    }
     if found && late.objective < less {
         return Ok(Longer::CostsLess(Box::new(late)));
     }
@@ -125,16 +133,6 @@ fn longer(
         true => Longer::CostsAsMuch(dear),
         false => Longer::Unknown(dear),
     })
-}
-
-/// A plan of a problem without a best length.
-fn endless(plan: Solution) -> Solution {
-    Solution {
-        status: Status::Unbounded,
-        stationarity: Stationarity::None,
-        is_longest: true,
-        ..plan
-    }
 }
 
 /// A motion, solved once more, and whether that has led to one; as it is where it has not.
