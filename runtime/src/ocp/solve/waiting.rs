@@ -135,6 +135,16 @@ fn longer(
     })
 }
 
+/// A plan of a problem without a best length.
+fn endless(plan: Solution) -> Solution {
+    Solution {
+        status: Status::Unbounded,
+        stationarity: Stationarity::None,
+        is_longest: true,
+        ..plan
+    }
+}
+
 /// A motion, solved once more, and whether that has led to one; as it is where it has not.
 fn again(
     model: &dyn Model,
