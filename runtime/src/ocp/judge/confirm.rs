@@ -306,10 +306,9 @@ pub(in crate::ocp) fn confirm(
         solution,
         trajectory,
         sequence,
-        cost,
         ..
     } = plan;
-    let cost = *cost;
+    let cost = plan.cost;
     let let_pass = setting.largest_distance(settings, trajectory);
     let plan = Some((sequence, let_pass));
     let replay = simulate(setting, trajectory, plan, settings.resimulation_tolerance)?;
@@ -323,11 +322,9 @@ pub(in crate::ocp) fn confirm(
         .filter(|_| replay.status == SimulationStatus::Solved);
     let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
-    let chosen = margins.iter().all(|margin| margin.chosen);
-    let stationarity = if chosen {
-        stationarity
-    } else {
-        Stationarity::None
+    let stationarity = match margins.iter().all(|margin| margin.chosen) {
+        true => stationarity,
+        false => Stationarity::None,
     };
     // What is looked for only has to be near: a motion is refined where it may be the result.
     let costs_the_same = cost_departure <= 1.0 || runner.effort != Effort::Conclude;

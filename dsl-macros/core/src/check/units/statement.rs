@@ -120,13 +120,7 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             conditions,
             values,
             ..
-        } => {
-            at(walk, time, conditions)?;
-            if conditions.is_empty() && !values.is_empty() {
-                walk.goals.push(Dimension::one());
-            }
-            each(walk, values, reset)
-        }
+        } => at(walk, time, conditions, values),
         Statement::Start(assignments) => starts(walk, assignments),
         Statement::Horizon { value, .. } => horizon(walk, value),
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
@@ -144,8 +138,13 @@ fn finally(walk: &mut Walk<'_>, goals: &[Condition]) -> Checked<()> {
     Ok(())
 }
 
-/// Conditions at a time.
-fn at(walk: &mut Walk<'_>, time: &Expr, conditions: &[Condition]) -> Checked<()> {
+/// Conditions at a time, and values that are asked for then.
+fn at(
+    walk: &mut Walk<'_>,
+    time: &Expr,
+    conditions: &[Condition],
+    values: &[Assignment],
+) -> Checked<()> {
     if !is_bare(time) {
         let own = walk.scalar(time)?;
         walk.expect(
@@ -159,7 +158,11 @@ fn at(walk: &mut Walk<'_>, time: &Expr, conditions: &[Condition]) -> Checked<()>
         let own = comparison(walk, condition, "both sides of a condition")?;
         walk.goals.push(own);
     }
-    Ok(())
+    if conditions.is_empty() && !values.is_empty() {
+        // That the time has come.
+        walk.goals.push(Dimension::one());
+    }
+    each(walk, values, reset)
 }
 
 /// Each assignment reports its own mistakes; the next one is checked all the same.
