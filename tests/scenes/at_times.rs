@@ -149,3 +149,65 @@ fn dear_gate_lies_where_the_control_takes_over() {
     let found = solution.parameters[0].value;
     assert!((found - low).abs() < 1e-5, "{found} for {low}");
 }
+
+#[test]
+fn value_at_a_time_may_stand_in_a_cost_and_in_conditions_between_times() {
+    // x(1.5) = 0.3 and x(3) = -0.5 for nothing but effort, the first of which may be missed at a price: with Gram matrix G of both functions
+    // `c' G^-1 c` over c = (0.3 + d, -0.5), and `w d^2`.
+    let (weight, asked, end) = (40.0, 0.3, -0.5);
+    let text = format!(
+        "coordinates {{ x: m }} controls {{ u: m/s^2 }} lagrangian dot(x)^2/2*1 [kg] forces {{ x: u*1 [kg] }}
+        minimize integral(u^2) + {weight} [1/s^3]*(at(1 [s], x) - {asked} [m])^2 finally {{ x == {end} [m] }} horizon 3 [s]"
+    );
+    let g = [[1.0 / 3.0, 8.0 / 6.0], [8.0 / 6.0, 9.0]];
+    let cost = |at: f64| least(g, [at, end]) + weight * (at - asked).powi(2);
+    // A parabola in the place at 1 s.
+    let (low, middle, high) = (cost(-1.0), cost(0.0), cost(1.0));
+    let (slope, bend) = ((high - low) / 2.0, high - 2.0 * middle + low);
+    let solution = solved(&text, 3, ControlShape::Linear);
+    close(solution.objective, cost(-slope / bend));
+    let motion = solution.motion.expect("a motion");
+    assert!((motion.at(1.0).expect("inside")["x"] + slope / bend).abs() < 1e-7);
+}
+
+#[test]
+fn condition_between_two_times_is_one_of_what_both_are() {
+    // x(3) = 2 x(1) + 1: one condition with the function of the second time less twice that of the first.
+    let text = mass("finally { x == 2*at(1 [s], x) + 1 [m] }");
+    let solution = solved(&text, 3, ControlShape::Linear);
+    let norm = 9.0 - 4.0 * 8.0 / 6.0 + 4.0 / 3.0;
+    close(solution.objective, 1.0 / norm);
+    // The same asked for at the later of two times inside.
+    let text = mass("at 2 [s] { x == 2*at(1 [s], x) + 1 [m] }");
+    let solution = solved(&text, 3, ControlShape::Linear);
+    // With t = 1, 2: the integrals of (1 - s)^2, (1 - s)(2 - s) and (2 - s)^2.
+    let norm = 8.0 / 3.0 - 4.0 * 5.0 / 6.0 + 4.0 / 3.0;
+    close(solution.objective, 1.0 / norm);
+}
+
+#[test]
+fn motion_with_a_free_end_lasts_until_the_time_of_which_it_is_asked() {
+    // At full force it is there after 2 s, and at 0.5 after 1 s; the last place is asked for at 2.5 s.
+    let text = "coordinates { x: m } controls { u: m/s^2 in -1..=1 } lagrangian dot(x)^2/2*1 [kg] forces { x: u*1 [kg] }
+        minimize time + 0.1 [s/m]*at(2.5 [s], x) finally { x == 1 [m], dot(x) == 0 } horizon 3 [s]";
+    let scene = of_text("scene.hang", text).expect("a scene");
+    let solution = solve(&scene).intervals(4).run().expect("accepted");
+    assert!(solution.horizon >= 2.5, "{solution}");
+}
+
+#[test]
+fn value_of_a_velocity_at_a_time_is_part_of_a_simulation() {
+    let text = "coordinates { x: m } lagrangian dot(x)^2/2*1 [kg] - x*1 [N] start { dot(x): 2 } controls { u: N } forces { x: u }
+        minimize at(0.75 [s], dot(x)*x) finally { at(0.75 [s], x) <= at(1.5 [s], x) + 1 [m] } horizon 2 [s]";
+    for motion in motions(text) {
+        let end = motion.at(2.0).expect("its end");
+        let place = |t: f64| 2.0 * t - t * t / 2.0;
+        for (name, value) in [
+            ("at(0.75 [s], dot(x)*x)", 1.25 * place(0.75)),
+            ("at(0.75 [s], x)", place(0.75)),
+            ("at(1.5 [s], x)", place(1.5)),
+        ] {
+            assert!((end[name] - value).abs() < 1e-9, "{name}: {}", end[name]);
+        }
+    }
+}

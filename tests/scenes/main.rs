@@ -29,5 +29,6 @@ mod starts;
 mod states;
 mod switched;
 mod teaching_models;
+mod textbook;
 mod when;
 mod zoo;

@@ -256,3 +256,16 @@ fn hopper_repeats_itself_by_a_motor_that_gives_back_what_each_landing_takes() {
         );
     }
 }
+
+#[test]
+fn shaken_pendulum_repeats_itself_as_by_shooting() {
+    // Without a closed form: scipy's DOP853 at 1e-13 and Newton's method on the return map; any other motion needs a torque.
+    let text = "coordinates { phi: rad } controls { u: N m } lagrangian dot(phi)^2/2*1 [kg m^2] + cos(phi)*1 [J]
+        forces { phi: u - 0.2 [N m s]*dot(phi) + 0.6 [N m]*cos(1.3 [rad/s]*t) } free { phi in -2..=2, dot(phi) in -2..=2 }
+        minimize integral(u^2) finally { phi == start(phi), dot(phi) == start(dot(phi)) } horizon 4.83321946706122 [s]";
+    let solution = optimum(text, 10);
+    let (q, v) = start(&solution);
+    for (found, wanted) in [(q[0], -0.707_411_715_3), (v[0], 0.311_654_259_3)] {
+        assert!((found - wanted).abs() < 1e-7, "{found} for {wanted}");
+    }
+}

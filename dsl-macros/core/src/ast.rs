@@ -250,6 +250,8 @@ pub(crate) enum Statement {
         /// The time as a parameter that is to be found, which it names then; the parser declares it by itself.
         gate: Option<Box<Quantity>>,
         conditions: Vec<Condition>,
+        /// What is asked for then by `at(time, value)`, which the parser adds.
+        values: Vec<Assignment>,
     },
     Start(Vec<Assignment>),
     Horizon {
@@ -387,6 +389,27 @@ impl Expr {
                 arguments: items, ..
             }
             | Kind::Vector(items) => items.iter().collect(),
+            Kind::Derivative { argument, .. } => vec![argument],
+            Kind::Component { vector, .. } | Kind::Index { vector, .. } => vec![vector],
+        }
+    }
+}
+
+impl Expr {
+    /// The same, to be changed.
+    pub(crate) fn children_mut(&mut self) -> Vec<&mut Self> {
+        match &mut self.kind {
+            Kind::Number { .. } | Kind::Name(_) | Kind::Profile { .. } => Vec::new(),
+            Kind::Negate(inner) | Kind::Norm(inner) => vec![inner],
+            Kind::Chain(first, rest) => {
+                let operands = rest.iter_mut().map(|link| &mut link.operand);
+                std::iter::once(&mut **first).chain(operands).collect()
+            }
+            Kind::Power { base, exponent, .. } => vec![base, exponent],
+            Kind::Call {
+                arguments: items, ..
+            }
+            | Kind::Vector(items) => items.iter_mut().collect(),
             Kind::Derivative { argument, .. } => vec![argument],
             Kind::Component { vector, .. } | Kind::Index { vector, .. } => vec![vector],
         }

@@ -179,9 +179,27 @@ impl Writer {
     }
 }
 
-/// Whether `start(...)` is there, the value of a quantity at the start, and no statement.
-fn is_value_at_start(pieces: &[Piece]) -> bool {
-    pieces[0].text == words::START && pieces.get(1).is_some_and(|next| next.is("("))
+/// Whether `start(...)` or `at(...)` is there, the value of a quantity at the start or at a time, and no statement.
+fn is_value(pieces: &[Piece]) -> bool {
+    let called = pieces.get(1).is_some_and(|next| next.is("("));
+    match pieces[0].text.as_str() {
+        words::START => called,
+        // A time in parentheses has braces or a range behind it.
+        words::AT => {
+            let mut depth = 0_usize;
+            let closes = pieces.iter().skip(1).position(|piece| {
+                depth = match piece.text.as_str() {
+                    "(" => depth + 1,
+                    ")" => depth.saturating_sub(1),
+                    _ => depth,
+                };
+                depth == 0
+            });
+            let behind = closes.and_then(|k| pieces.get(k + 2));
+            called && !behind.is_some_and(|next| next.is("{") || next.text == "in")
+        }
+        _ => false,
+    }
 }
 
 /// Where the first statement ends: before the next one, or before what belongs to that.
@@ -192,7 +210,7 @@ fn statement_end(pieces: &[Piece]) -> usize {
             && depth == 0
             && piece.kind == Kind::Word
             && words::STATEMENTS.contains(&piece.text.as_str())
-            && !is_value_at_start(&pieces[index..]);
+            && !is_value(&pieces[index..]);
         if begins {
             // Comments above the next statement are its own; one behind this statement stays there.
             let comments = pieces[..index].iter().rev();

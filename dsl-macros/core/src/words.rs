@@ -319,6 +319,8 @@ pub(crate) const MISFIT: &str = "misfit";
 pub(crate) const HUBER: &str = "huber";
 /// What a quantity is at the start of the motion; its word begins a statement as well, where braces follow.
 pub(crate) const START: &str = "start";
+/// What a quantity is at a time; its word begins a statement as well, where braces follow.
+pub(crate) const AT: &str = "at";
 /// The size of the sliding velocity in a coefficient of friction and in the bound of dry friction; its name may be taken by
 /// declarations.
 pub(crate) const SPEED: &str = "speed";

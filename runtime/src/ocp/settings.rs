@@ -296,6 +296,9 @@ pub struct Settings {
     /// Largest distance between planned and re-simulated final coordinates of a confirmed result;
     /// default 1e-6 \[unit of the coordinates\], > 0. Where a coordinate is measured in less than a thousandth of that unit, as much less.
     pub largest_distance: f64,
+    /// Price of a longer motion, in sizes of the objective for a unit of the final time; default 0. Where rest costs nothing it decides among
+    /// motions that cost the same.
+    pub(crate) haste: f64,
 }
 
 impl Default for Settings {
@@ -325,6 +328,7 @@ impl Default for Settings {
             replay_tolerance: 1e-9,
             resimulation_tolerance: 1e-12,
             largest_distance: 1e-6,
+            haste: 0.0,
         }
     }
 }

@@ -378,6 +378,8 @@ pub struct Solution {
     pub resimulation_error: f64,
     /// That difference as one of a motion of the order of a metre and a radian: what is judged.
     pub(in crate::ocp) departure: f64,
+    /// Whether it is a motion of a problem in which every longer one costs less.
+    pub(in crate::ocp) is_longest: bool,
     /// Objective of the re-simulated motion, by its own quadrature; NaN without a motion, and where the objective reads forces or
     /// impulses of contacts, of which the re-simulation is looked at more coarsely.
     pub resimulated_objective: f64,
@@ -495,6 +497,7 @@ impl Solution {
             resimulated_objective: f64::NAN,
             cost_departure: 0.0,
             let_pass: 0.0,
+            is_longest: false,
             disagreement: None,
             residuals: Residuals {
                 primal: f64::NAN,
@@ -634,6 +637,9 @@ impl Solution {
                 self.times_looked_at(),
                 self.advice()
             )),
+            Status::Unbounded if self.is_longest => Some(
+                "rest costs nothing, and every longer motion costs less, as far as can be told; bound the final time, as in `finally { time <= 10 [s] }`".to_owned(),
+            ),
             Status::Unbounded => Some(format!(
                 "the objective still improves at a final time of {:.3e} s, the end of those from {:.3e} to {:.3e} s that \
                  were looked at; bound the controls or the final time",

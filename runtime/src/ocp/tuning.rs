@@ -460,3 +460,14 @@ pub(in crate::ocp) mod impossible {
     pub(in crate::ocp) const LONGEST: f64 = 1e6;
     pub(in crate::ocp) const PRECISION: f64 = 1e-3;
 }
+
+/// Free final times where rest costs nothing.
+pub(in crate::ocp) mod waiting {
+    /// Prices of the length of a motion, in sizes of the objective, with which it is looked for and solved, and then solved once more. Chosen: well above the tolerance of the programs, and below what differences of objectives count.
+    pub(in crate::ocp) const FIRST: f64 = 1e-4;
+    pub(in crate::ocp) const SECOND: f64 = 1e-6;
+    /// How many times as long a motion is that would cost less, and by how much less, relative, if there is no best length. Chosen: what falls as the
+    /// power `-k` of the time falls by `1 - 2^-k`, which is more for all `k` above 0.03.
+    pub(in crate::ocp) const LONGER: f64 = 2.0;
+    pub(in crate::ocp) const LESS: f64 = 0.02;
+}

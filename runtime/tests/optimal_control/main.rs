@@ -30,4 +30,5 @@ mod support;
 mod swings;
 mod throws;
 mod vanishing_objective;
+mod waiting;
 mod words;

@@ -22,6 +22,7 @@ mod refusals;
 mod scene_files;
 mod simulate;
 mod solve;
+mod start_pictures;
 mod studies;
 mod support;
 mod sweep;

@@ -5,11 +5,11 @@
 //! condition holds.
 
 use super::checker::{Checker, Moment, Reset};
-use super::names::recorded;
+use super::names::{self, recorded};
 use super::rules::smooth;
-use super::states;
 use super::values::of_an_instant;
-use crate::ast::{Condition, Expr, Name, Relation};
+use super::{resets, states};
+use crate::ast::{Assignment, Condition, Documentation, Expr, Name, Relation};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::expression;
 use crate::graph::{self, Sym, Variable};
@@ -18,7 +18,12 @@ use crate::scene;
 /// What a recorded condition is before its time: it holds neither as an equation nor as an inequality.
 const NOT_YET: f64 = -1.0;
 
-pub(super) fn at(checker: &mut Checker<'_>, time: &Expr, conditions: &[Condition]) -> Checked<()> {
+pub(super) fn at(
+    checker: &mut Checker<'_>,
+    time: &Expr,
+    conditions: &[Condition],
+    recorded: &[Assignment],
+) -> Checked<()> {
     let before = checker.diagnostics.mistakes();
     let moment = moment(checker, time);
     let mut values = Vec::new();
@@ -27,18 +32,35 @@ pub(super) fn at(checker: &mut Checker<'_>, time: &Expr, conditions: &[Condition
             values.push(value);
         }
     }
+    let recorded: Vec<Checked<(usize, Sym)>> = recorded
+        .iter()
+        .map(|value| resets::set(checker, value))
+        .collect();
     if checker.diagnostics.mistakes() > before {
         return Err(Reported);
     }
     let mut moment = moment?;
-    if conditions.is_empty() {
+    let recorded: Vec<(usize, Sym)> = recorded.into_iter().collect::<Checked<_>>()?;
+    if conditions.is_empty() && recorded.is_empty() {
         let message = format!(
             "`at {time}` asks for nothing; write what holds then, as in `at {time} {{ x == 1 }}`"
         );
         return Err(checker.diagnostics.syntax(time.place, message));
     }
+    if conditions.is_empty() {
+        values.push(reached(checker, time)?);
+    }
     let first = usize::from(checker.scope.first_state);
     moment.states = values.iter().map(|known| known.0).collect();
+    moment.values = recorded.iter().map(|known| known.0 - first).collect();
+    let read = values.iter().chain(&recorded).map(|known| known.1);
+    moment.read = graph::variables(&read.collect::<Vec<Sym>>())
+        .into_iter()
+        .filter_map(|variable| match variable {
+            Variable::Velocity(i) => usize::from(i).checked_sub(first),
+            _ => None,
+        })
+        .collect();
     checker.laws.resets.push(Reset {
         documentation: Default::default(),
         name: Name {
@@ -49,6 +71,7 @@ pub(super) fn at(checker: &mut Checker<'_>, time: &Expr, conditions: &[Condition
         values: values
             .into_iter()
             .map(|(state, value)| (first + state, value))
+            .chain(recorded)
             .collect(),
     });
     checker.moments.push(moment);
@@ -78,7 +101,26 @@ fn moment(checker: &mut Checker<'_>, time: &Expr) -> Checked<Moment> {
         place: time.place,
         shown: format!("at {time}"),
         states: Vec::new(),
+        values: Vec::new(),
+        read: Vec::new(),
     })
+}
+
+/// Declares that a motion lasts until a time of which values are asked for: the state that tells it, which is 1 from then on.
+fn reached(checker: &mut Checker<'_>, time: &Expr) -> Checked<(usize, Sym)> {
+    let name = names::reached(time).text;
+    let mut states = checker.states.iter();
+    let state = states
+        .position(|state| state.name.text == name)
+        .ok_or(Reported)?;
+    checker.task.goals.push(vec![scene::Condition {
+        name,
+        documentation: Documentation::default(),
+        function: Sym::variable(states::variable(checker, state)),
+        equality: false,
+        unit: None,
+    }]);
+    Ok((state, Sym::ONE))
 }
 
 /// Evaluates a condition and declares what it asks for; the state that records it, and the value that is recorded.
@@ -128,7 +170,11 @@ pub(super) fn finish(checker: &mut Checker<'_>, velocities: &mut [Sym]) {
     let free_time = checker.scope.used.contains(crate::words::FINAL_TIME);
     let horizon = checker.horizon.filter(|_| !free_time);
     let horizon = horizon.and_then(|horizon| checker.at_default(horizon));
-    for moment in std::mem::take(&mut checker.moments) {
+    let moments = std::mem::take(&mut checker.moments);
+    for moment in &moments {
+        order(checker, moment, &moments);
+    }
+    for moment in moments {
         for state in moment.states {
             velocities[first + state] = Sym::number(NOT_YET);
         }
@@ -139,6 +185,28 @@ pub(super) fn finish(checker: &mut Checker<'_>, velocities: &mut [Sym]) {
             let message = format!(
                 "`{}` is at {time} s, and the motion ends at {horizon} s; what holds at its end is written in `finally`",
                 moment.shown
+            );
+            checker.diagnostics.report("E17", moment.place, message);
+        }
+    }
+}
+
+/// E17: what is read at a time of values at others is known then.
+fn order(checker: &mut Checker<'_>, moment: &Moment, all: &[Moment]) {
+    for &state in &moment.read {
+        let mut others = all.iter();
+        let Some(other) = others.find(|other| other.values.contains(&state)) else {
+            continue;
+        };
+        let times = checker.at_default(moment.time);
+        let Some((time, its)) = times.zip(checker.at_default(other.time)) else {
+            continue;
+        };
+        if its >= time {
+            let message = format!(
+                "`{}` is not known at {time} s, where `{}` reads it; a condition between times is written in `finally`, as in \
+                 `finally {{ at(2 [s], x) == 2*at(1 [s], x) }}`",
+                checker.states[state].name.text, moment.shown
             );
             checker.diagnostics.report("E17", moment.place, message);
         }

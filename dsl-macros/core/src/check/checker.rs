@@ -90,6 +90,10 @@ pub(super) struct Moment {
     pub(super) shown: String,
     /// The states that record its conditions.
     pub(super) states: Vec<usize>,
+    /// The states of values that are asked for then.
+    pub(super) values: Vec<usize>,
+    /// States that are read then.
+    pub(super) read: Vec<usize>,
 }
 
 /// Dry friction without a surface.

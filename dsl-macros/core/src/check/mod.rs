@@ -120,8 +120,11 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
             assignments,
         } => resets::when(checker, condition, assignments),
         Statement::At {
-            time, conditions, ..
-        } => at_times::at(checker, time, conditions),
+            time,
+            conditions,
+            values,
+            ..
+        } => at_times::at(checker, time, conditions, values),
         Statement::Start(assignments) => values::start_statement(checker, assignments),
         Statement::Horizon { keyword, value } => values::horizon(checker, *keyword, value),
         Statement::Minimize { value, .. } if measured::is_misfit(checker, value) => Ok(()),

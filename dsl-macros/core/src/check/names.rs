@@ -2,7 +2,7 @@
 
 use super::checker::Checker;
 use super::{states, values};
-use crate::ast::{Condition, Expr, Name, Quantity, Statement};
+use crate::ast::{Condition, Documentation, Expr, Name, Quantity, Statement};
 use crate::diagnostics::{Checked, Reported};
 use crate::evaluate::{Meaning, Value};
 use crate::graph::{Compose, Sym, Variable};
@@ -197,23 +197,49 @@ fn state(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
 fn declare_recorded(checker: &mut Checker<'_>, statements: &[Statement]) {
     for statement in statements {
         let Statement::At {
-            time, conditions, ..
+            time,
+            conditions,
+            values,
+            ..
         } = statement
         else {
             continue;
         };
-        for condition in conditions {
-            let name = recorded(condition, time);
+        let mut names: Vec<(Name, Documentation)> = conditions
+            .iter()
+            .map(|condition| (recorded(condition, time), condition.documentation.clone()))
+            .collect();
+        if conditions.is_empty() && !values.is_empty() {
+            names.push((reached(time), Documentation::default()));
+        }
+        for value in values {
+            let name = value.target.clone();
+            let state = Sym::variable(states::variable(
+                checker,
+                checker.states.len() + names.len(),
+            ));
+            declare_value(checker, &name, state);
+            names.push((name, Documentation::default()));
+        }
+        for (name, documentation) in names {
             if room(checker, &name, checker.states.len()).is_err() {
                 return;
             }
             checker.states.push(Coordinate {
                 name,
                 unit: None,
-                documentation: condition.documentation.clone(),
+                documentation,
                 bounds: None,
             });
         }
+    }
+}
+
+/// The name of the state that tells whether a time has come.
+pub(super) fn reached(time: &Expr) -> Name {
+    Name {
+        text: format!("t >= {time}"),
+        ident: proc_macro2::Ident::new("at", time.place.start),
     }
 }
 

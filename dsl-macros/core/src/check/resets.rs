@@ -75,7 +75,7 @@ pub(super) fn when(
 }
 
 /// The velocity or state that is set, by its place among all velocities, and its value in its declared unit.
-fn set(checker: &mut Checker<'_>, assignment: &Assignment) -> Checked<(usize, Sym)> {
+pub(super) fn set(checker: &mut Checker<'_>, assignment: &Assignment) -> Checked<(usize, Sym)> {
     let name = &assignment.target;
     let value = of_an_instant(checker, &assignment.value);
     let (index, unit) = match states::index(checker, name) {

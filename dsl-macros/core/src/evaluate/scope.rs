@@ -244,6 +244,11 @@ impl Scope {
         diagnostics: &mut Diagnostics,
     ) -> Reported {
         let text = function.text.as_str();
+        if text == words::AT {
+            let message = "`at(time, value)` is known to `minimize`, `finally` and `at` only, which judge a motion as a whole; elsewhere a state \
+                           that `when t >= 1 [s] { ... }` sets says the same";
+            return diagnostics.report("E15", function.place(), message);
+        }
         let mut functions: Vec<&str> = words::FUNCTIONS.to_vec();
         functions.extend(words::SPECIAL_FUNCTIONS);
         functions.extend(words::MATRIX_FUNCTIONS);

@@ -64,7 +64,7 @@ impl Line {
             self.separate();
         }
         let text = piece.text.as_str();
-        let keyword = (words::is_keyword(text) && text != words::START)
+        let keyword = (words::is_keyword(text) && ![words::START, words::AT].contains(&text))
             || ["in", words::IF, "else"].contains(&text)
             || (self.picture
                 && (self.value || self.text.is_empty())

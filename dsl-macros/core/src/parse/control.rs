@@ -115,6 +115,7 @@ pub(super) fn at(
         time,
         gate,
         conditions,
+        values: Vec::new(),
     })
 }
 

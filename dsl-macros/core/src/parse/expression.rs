@@ -365,7 +365,7 @@ impl Parser<'_> {
         }
         if cursor.ident().is_some_and(|ident| {
             let text = ident.to_string();
-            !words::is_keyword(&text) || is_value_at_start(cursor)
+            !words::is_keyword(&text) || is_value(cursor)
         }) && let Some(name) = cursor.eat_name()
         {
             return self.name(cursor, name);
@@ -647,9 +647,9 @@ fn stacked_power(exponent: &Expr) -> bool {
         }
 }
 
-/// Whether `start(...)` is there, the value of a quantity at the start of the motion, and no statement.
-pub(super) fn is_value_at_start(cursor: &Cursor) -> bool {
-    cursor.at_word(words::START)
+/// Whether `start(...)` or `at(...)` is there, the value of a quantity at the start of the motion or at a time, and no statement.
+fn is_value(cursor: &Cursor) -> bool {
+    (cursor.at_word(words::START) || cursor.at_word(words::AT))
         && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
             if group.delimiter() == Delimiter::Parenthesis)
 }

@@ -12,6 +12,7 @@ mod number;
 mod picture;
 mod pieces;
 mod profile;
+mod recorded;
 mod slips;
 mod statement;
 mod unit;
@@ -63,7 +64,8 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
         );
     }
     note_names(Cursor::inside(&body), diagnostics);
-    let statements = statement::statements(&mut Cursor::inside(&body), diagnostics);
+    let mut statements = statement::statements(&mut Cursor::inside(&body), diagnostics);
+    recorded::record(&mut statements, diagnostics);
     Ok(Scene {
         documentation,
         visibility,

@@ -56,6 +56,31 @@ texts! {
     time_that_is_found_without_a_name: solved "at 0.5 in 0.2..=0.9 [s] { x == 1 [m] }" =>
         "a time that is to be found has a name, as in `at gate in 0.2..=0.9 [s] { ... }`";
     nothing_at_a_time: solved "at 0.5 [s] { }" => "`at 0.5 [s]` asks for nothing; write what holds then, as in `at 0.5 [s] { x == 1 }`";
+    values_at_times: with_rate "minimize integral(u^2)*1 [1/(N^2 s)] + at(0.5 [s], x)^2*1 [1/m^2] + at(0.5 [s], on) horizon 1 [s]" => "accepted";
+    condition_between_times: solved "finally { at(0.5 [s], dot(x)) == 2*at(0.25 [s], dot(x)), x >= at(0.25 [s], x + 1 [m]) }" => "accepted";
+    condition_at_a_time_on_another_one: solved "at 0.5 [s] { x == 2*at(0.25 [s], x) }" => "accepted";
+    value_at_a_time_that_is_found: solved "at gate in 0.2..=0.9 [s] { x == 1 [m] } finally { at(gate, dot(x)) >= 1 [m/s] }" => "accepted";
+    condition_on_a_time_after_it: solved "at 0.5 [s] { x == 2*at(0.75 [s], x) }" =>
+        "E17: `at(0.75 [s], x)` is not known at 0.5 s, where `at 0.5 [s]` reads it; a condition between times is written in `finally`, as in \
+         `finally { at(2 [s], x) == 2*at(1 [s], x) }`";
+    value_at_a_time_in_another_unit: solved "finally { at(0.5 [s], x) == 2 [m/s] }" =>
+        "E03: units differ: `at(0.5 [s], x)` is in m, `2 [m/s]` is in m/s; both sides of a terminal condition must agree";
+    value_at_no_time: solved "finally { at(0.5 [m], x) == 2 [m] }" =>
+        "E03: units differ: `0.5 [m]` is in m, where s is needed (conditions hold at a time)";
+    value_at_a_time_after_the_end: solved "finally { at(2 [s], x) == 2 [m] }" =>
+        "E17: `at 2 [s]` is at 2 s, and the motion ends at 1 s; what holds at its end is written in `finally`";
+    value_of_a_control_at_a_time: solved "finally { at(0.5 [s], u) == 2 [N] }" =>
+        "E07: `u` depends on the control `u`, which may jump where the condition comes true; use what moves and the time";
+    value_at_a_time_in_a_force: with_rate "forces { x: at(0.5 [s], x)*1 [N/m] }" =>
+        "E15: `at(time, value)` is known to `minimize`, `finally` and `at` only, which judge a motion as a whole; elsewhere a state that \
+         `when t >= 1 [s] { ... }` sets says the same";
+    value_at_a_time_in_a_peak: solved "finally { peak(x - at(0.5 [s], x)) <= 2 [m] }" =>
+        "E15: `at(0.5 [s], x)` is one number of the motion, and stands inside of `peak`, which asks for all of the motion, also before that \
+         time; write it outside";
+    value_at_a_time_of_another: solved "finally { at(0.5 [s], at(0.2 [s], x)) <= 2 [m] }" =>
+        "E15: `at(0.2 [s], x)` is one number of the motion, and stands inside of another `at`; write one value for each time";
+    value_at_a_time_of_nothing: solved "finally { at(0.5 [s]) <= 2 [m] }" =>
+        "E02: `at` takes 2 arguments, a time and what is asked for then, as in `at(1 [s], x)`; found 1";
     state_that_is_set_twice: with_rate "when x >= 1 [m] { on = 1, on = 0 }" => "`on` is set twice at once; keep one";
     condition_that_sets_nothing: with_rate "when x >= 1 [m] { }" =>
         "`when x >= 1 [m]` sets nothing; write what it sets, as in `{ on = 1 }`";
@@ -189,5 +214,33 @@ fn conditions_are_formatted_like_the_statements_around_them() {
     assert_eq!(
         format_text(text, "s").expect("no mistakes"),
         "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nfree { x }\nminimize (x - start(x))^2\nfinally { x == -start(x) + 1 [m] }\n"
+    );
+    let text = "coordinates { x: m }\nlagrangian dot(x)^2/2*1 [kg]\nminimize  at( 0.5 [s],x )^2\nat (1 [s]) {x==at(0.5 [s],x)}\nhorizon 3 [s]\n";
+    assert_eq!(
+        format_text(text, "s").expect("no mistakes"),
+        "coordinates { x: m }\nlagrangian dot(x)^2/2*1[kg]\nminimize at(0.5 [s], x)^2\nat(1 [s]) { x == at(0.5 [s], x) }\nhorizon 3 [s]\n"
+    );
+}
+
+#[test]
+fn value_at_a_time_is_a_state_and_its_time_another_one_unless_a_condition_has_it() {
+    let states = |judged: &str| {
+        let text = format!(
+            "coordinates {{ x: m }} controls {{ u: N }} lagrangian dot(x)^2/2*1 [kg] forces {{ x: u }} horizon 3 [s] minimize integral(u^2) {judged}"
+        );
+        let (plain, _) = describe_text(&text, "s").expect("no mistakes");
+        let names = plain.states.iter().map(|state| state.name.clone());
+        names.collect::<Vec<String>>()
+    };
+    assert!(states("finally { x == 1 [m] }").is_empty());
+    assert_eq!(
+        states(
+            "finally { x == 2*at(1 [s], x) + at(1 [s], x)^2/1 [m], at(1 [s], dot(x)) >= 0 [m/s] }"
+        ),
+        ["t >= 1 [s]", "at(1 [s], x)", "at(1 [s], dot(x))"]
+    );
+    assert_eq!(
+        states("at 1 [s] { dot(x) >= 0 [m/s] } finally { x == 2*at(1 [s], x) }"),
+        ["dot(x) >= 0 [m/s] at 1 [s]", "at(1 [s], x)"]
     );
 }

@@ -27,6 +27,8 @@ pub(in crate::ocp) struct Setting<'a> {
     pub(in crate::ocp) elastic: Option<&'a [f64]>,
     /// Distances that the method keeps by itself, shortest phases and least impacts, as a share of the usual ones.
     pub(in crate::ocp) kept: f64,
+    /// Price of a longer motion: [`Settings::haste`].
+    pub(in crate::ocp) haste: f64,
 }
 
 impl<'a> Setting<'a> {
@@ -52,6 +54,7 @@ impl<'a> Setting<'a> {
             lengths: Lengths::Equal,
             elastic: None,
             kept: 1.0,
+            haste: settings.haste,
         }
     }
 

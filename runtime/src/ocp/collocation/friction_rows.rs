@@ -505,6 +505,7 @@ mod tests {
             lengths: Lengths::Equal,
             elastic: None,
             kept: 1.0,
+            haste: 0.0,
             problem: &problem,
             tableau: &tableau,
             units: &units,

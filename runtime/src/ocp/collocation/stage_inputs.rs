@@ -261,6 +261,7 @@ mod tests {
             lengths: Lengths::Equal,
             elastic: None,
             kept: 1.0,
+            haste: 0.0,
         };
         let sequence = Sequence {
             initially: vec![ContactMode::Frictionless],

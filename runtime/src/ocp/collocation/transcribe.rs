@@ -71,7 +71,9 @@ pub(in crate::ocp) fn transcribe<'a>(
     let known = Provided::Known(forces.map_or(&[], |stage| &stage.provided));
     let missed = frame.finish(&mut program, &builder.state, known, setting.elastic);
     Collocation {
-        program: program.finish(&frame.controls, setting.units),
+        program: program
+            .finish(&frame.controls, setting.units)
+            .hasten(frame.horizon, setting.haste),
         model,
         sequence: sequence.clone(),
         phases: builder.phases,
@@ -145,6 +147,7 @@ mod tests {
             lengths: Lengths::Equal,
             elastic: None,
             kept: 1.0,
+            haste: 0.0,
         };
         check(setting, &guessed);
     }

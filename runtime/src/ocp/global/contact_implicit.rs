@@ -173,7 +173,9 @@ impl<'a> ContactImplicit<'a> {
         }
         frame.finish(&mut program, &before, Provided::Unknown, setting.elastic);
         Self {
-            program: program.finish(&frame.controls, setting.units),
+            program: program
+                .finish(&frame.controls, setting.units)
+                .hasten(frame.horizon, setting.haste),
             horizon: frame.horizon,
             controls: frame.controls,
             elements,

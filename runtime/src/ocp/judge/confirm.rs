@@ -308,6 +308,7 @@ pub(in crate::ocp) fn confirm(
         sequence,
         ..
     } = plan;
+    let cost = plan.cost;
     let let_pass = setting.largest_distance(settings, trajectory);
     let plan = Some((sequence, let_pass));
     let replay = simulate(setting, trajectory, plan, settings.resimulation_tolerance)?;
@@ -315,17 +316,15 @@ pub(in crate::ocp) fn confirm(
     let forces = forces::looked(setting.model, &replay);
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
-        .or_else(|| forces::other_cost(setting, solution.objective, &replay));
+        .or_else(|| forces::other_cost(setting, cost, &replay));
     let controls = &trajectory.controls;
-    let again = replayed(setting.model, controls, &replay, solution.objective)
+    let again = replayed(setting.model, controls, &replay, cost)
         .filter(|_| replay.status == SimulationStatus::Solved);
     let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
-    let chosen = margins.iter().all(|margin| margin.chosen);
-    let stationarity = if chosen {
-        stationarity
-    } else {
-        Stationarity::None
+    let stationarity = match margins.iter().all(|margin| margin.chosen) {
+        true => stationarity,
+        false => Stationarity::None,
     };
     // What is looked for only has to be near: a motion is refined where it may be the result.
     let costs_the_same = cost_departure <= 1.0 || runner.effort != Effort::Conclude;
@@ -334,7 +333,7 @@ pub(in crate::ocp) fn confirm(
     let limits = Limits::new(setting, settings);
     Ok(Solution {
         status,
-        objective: solution.objective,
+        objective: cost,
         objective_unit: program.program.size_of(0.0),
         horizon: trajectory.horizon,
         final_times: (f64::NAN, f64::NAN),
@@ -346,6 +345,7 @@ pub(in crate::ocp) fn confirm(
         cost_departure,
         resimulated_objective: simulated,
         let_pass,
+        is_longest: false,
         disagreement,
         residuals: Residuals {
             primal: solution.residuals.primal,

@@ -5,6 +5,7 @@
 
 pub(in crate::ocp) mod frame;
 mod given;
+mod haste;
 pub(in crate::ocp) mod joint_rows;
 pub(in crate::ocp) mod kernel;
 mod laws;

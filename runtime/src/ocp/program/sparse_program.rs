@@ -12,6 +12,7 @@ use std::ops::Range;
 use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::{NlpProblem, Pattern};
 
+use super::haste::Haste;
 use super::kernel::{Evaluator, Kernel};
 use super::laws::Laws;
 use super::units::{Units, objective_size};
@@ -89,6 +90,7 @@ pub(in crate::ocp) struct Program<'a> {
     objective_size: f64,
     /// Variables with a price in the objective, of their physical values.
     penalties: Vec<(usize, f64)>,
+    haste: Haste,
     pairs: Vec<(usize, usize)>,
     laws: Laws,
     jacobian: Pattern,
@@ -108,6 +110,7 @@ impl<'a> Program<'a> {
             objective_unit: 1.0,
             objective_size: 1.0,
             penalties: Vec::new(),
+            haste: Haste::default(),
             pairs: Vec::new(),
             laws: Laws::default(),
             jacobian: Pattern::default(),
@@ -311,9 +314,8 @@ impl<'a> Program<'a> {
         let (mut lower, mut upper, mut c) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
         self.constraint_bounds(&mut lower, &mut upper);
         self.constraint_values(x, &mut c);
-        let rows = c.iter().zip(lower).zip(upper);
-        rows.map(|((c, lower), upper)| (c - lower).min(upper - c).max(0.0))
-            .collect()
+        let slack = |((c, lower), upper): ((&f64, f64), f64)| (c - lower).min(upper - c).max(0.0);
+        c.iter().zip(lower).zip(upper).map(slack).collect()
     }
 
     /// Adds `price` to the objective for each unit of these variables, in place of earlier prices.
@@ -322,10 +324,24 @@ impl<'a> Program<'a> {
         self.penalties = variables.iter().map(per_value).collect();
     }
 
+    /// Adds so many sizes of the objective for each unit of the final time, 0 for none; call once, after everything else.
+    pub(in crate::ocp) fn hasten(self, horizon: usize, price: f64) -> Self {
+        let haste = Haste::new(horizon, price * self.objective_size);
+        Self { haste, ..self }
+    }
+
+    /// The objective at a solver's point without the price of the time, where there is one.
+    pub(in crate::ocp) fn cost_without_haste(&mut self, x: &[f64]) -> Option<f64> {
+        let haste = self.haste.take()?;
+        let cost = Some(self.objective(x) * self.objective_unit);
+        self.haste = haste;
+        cost
+    }
+
     /// The price of a unit of a variable that has one.
     pub(in crate::ocp) fn penalty(&self) -> f64 {
-        let first = self.penalties.first();
-        first.map_or(0.0, |&(i, price)| price * self.variables.unit[i])
+        let unit = |&(i, price): &(usize, f64)| price * self.variables.unit[i];
+        self.penalties.first().map_or(0.0, unit)
     }
 
     /// The power of ten, or of a million if that is smaller, nearest to the largest derivative of the objective.
@@ -554,10 +570,9 @@ impl NlpProblem for Program<'_> {
             }
             value
         });
-        let penalties = self.penalties.iter();
-        let units = &self.variables.unit;
-        let penalty: f64 = penalties.map(|&(i, price)| price * units[i] * x[i]).sum();
-        (value + penalty) / self.objective_unit
+        let price = |&(i, price): &(usize, f64)| price * self.variables.unit[i] * x[i];
+        let penalty: f64 = self.penalties.iter().map(price).sum();
+        (value + penalty + self.haste.at(x)) / self.objective_unit
     }
 
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
@@ -591,6 +606,7 @@ impl NlpProblem for Program<'_> {
         for &(i, price) in &self.penalties {
             gradient[i] += price * self.variables.unit[i];
         }
+        self.haste.add_to(gradient);
         gradient.iter_mut().for_each(|g| *g /= self.objective_unit);
     }
 

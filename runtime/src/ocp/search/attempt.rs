@@ -80,6 +80,8 @@ pub(in crate::ocp) struct Visited {
 pub(in crate::ocp) struct Local<'a> {
     pub(in crate::ocp) program: Collocation<'a>,
     pub(in crate::ocp) solution: nlp::Solution,
+    /// Its objective without a price of the time.
+    pub(in crate::ocp) cost: f64,
     /// Distance of each row from the nearest of its bounds.
     pub(super) slacks: Vec<f64>,
     pub(in crate::ocp) trajectory: Trajectory,
@@ -302,6 +304,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
                 if new.is_empty() || last {
                     let (trajectory, sequence) = program.result(&solved.x);
                     let slacks = program.program.slacks(&solved.x);
+                    let cost = program.program.cost_without_haste(&solved.x);
                     self.visited.push(Visited {
                         start: self.start,
                         signature: sequence.signature(),
@@ -310,6 +313,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
                     self.outdone = self.best.replace(Local {
                         program,
                         slacks,
+                        cost: cost.unwrap_or(solved.objective),
                         solution: solved,
                         trajectory,
                         sequence,

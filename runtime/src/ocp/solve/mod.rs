@@ -12,6 +12,7 @@ mod run;
 mod shared_observer;
 mod starts;
 mod undriven;
+mod waiting;
 mod words;
 
 use self::impossible::Shown;
@@ -98,18 +99,12 @@ fn solve_consistent(
         return Err(refusal::unsupported(what, "take an equal one"));
     }
     let problem = &problem.on_the_ground(model);
-    let search = matches!(settings.formulation, Formulation::Phases)
-        && !matches!(settings.guess, Guess::Previous(_));
-    let mut solution = if search && problem.intervals > 1 && model.declaration().controls.is_empty()
-    {
-        undriven::solve(model, problem, settings, observer)
-    } else if search && settings.searches_words() {
-        words::solve(model, problem, settings, observer)
-    } else if search {
-        nested::solve(model, problem, settings, observer)
-    } else {
-        starts::solve(model, problem, settings, observer)
-    }?;
+    let hasty = waiting::hasty(model, problem, settings);
+    let with = hasty.as_ref().unwrap_or(settings);
+    let mut solution = searched(model, problem, with, observer)?;
+    if hasty.is_some() || waiting::ends_at_rest(model, problem, settings, &solution) {
+        solution = waiting::shortest(model, problem, settings, observer, solution)?;
+    }
     if matches!(solution.status, Status::NotFound | Status::Failed(_)) && solution.motion.is_none()
     {
         // What it shows holds for given parameters.
@@ -122,4 +117,24 @@ fn solve_consistent(
         solution.nearest = nearest::nearest(model, problem, settings)?;
     }
     Ok(solution)
+}
+
+/// Looks for a motion in the way that the settings ask for.
+fn searched(
+    model: &dyn Model,
+    problem: &Problem,
+    settings: &Settings,
+    observer: &mut Observer<'_>,
+) -> Result<Solution, InputError> {
+    let search = matches!(settings.formulation, Formulation::Phases)
+        && !matches!(settings.guess, Guess::Previous(_));
+    if search && problem.intervals > 1 && model.declaration().controls.is_empty() {
+        undriven::solve(model, problem, settings, observer)
+    } else if search && settings.searches_words() {
+        words::solve(model, problem, settings, observer)
+    } else if search {
+        nested::solve(model, problem, settings, observer)
+    } else {
+        starts::solve(model, problem, settings, observer)
+    }
 }

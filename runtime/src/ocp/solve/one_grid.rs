@@ -171,7 +171,9 @@ pub(super) fn solve_round<'s>(
     };
     let scale = Scale::of(model, problem);
     let units = Units::new(model, &scale, &guessed, bounds).measured_by(known, bounds);
-    let units = if start.effort.proves() && coarser.is_some() {
+    // A price on the time has to be seen beside the objective.
+    let priced = settings.haste > 0.0;
+    let units = if start.effort.proves() && coarser.is_some() || priced {
         units.exact()
     } else {
         units

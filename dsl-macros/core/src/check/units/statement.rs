@@ -14,6 +14,13 @@ use crate::words;
 
 pub(super) fn declare(walk: &mut Walk<'_>, scene: &Scene) {
     for statement in &scene.statements {
+        if let Statement::At { values, .. } = statement {
+            for value in values {
+                let name = &value.target.text;
+                let dimension = walk.unifier.unknown(name);
+                walk.values.insert(name.clone(), Units::Scalar(dimension));
+            }
+        }
         let (Statement::Parameters(list)
         | Statement::Coordinates(list)
         | Statement::Controls(list)
@@ -109,8 +116,11 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             each(walk, assignments, reset)
         }
         Statement::At {
-            time, conditions, ..
-        } => at(walk, time, conditions),
+            time,
+            conditions,
+            values,
+            ..
+        } => at(walk, time, conditions, values),
         Statement::Start(assignments) => starts(walk, assignments),
         Statement::Horizon { value, .. } => horizon(walk, value),
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
@@ -128,8 +138,13 @@ fn finally(walk: &mut Walk<'_>, goals: &[Condition]) -> Checked<()> {
     Ok(())
 }
 
-/// Conditions at a time.
-fn at(walk: &mut Walk<'_>, time: &Expr, conditions: &[Condition]) -> Checked<()> {
+/// Conditions at a time, and values that are asked for then.
+fn at(
+    walk: &mut Walk<'_>,
+    time: &Expr,
+    conditions: &[Condition],
+    values: &[Assignment],
+) -> Checked<()> {
     if !is_bare(time) {
         let own = walk.scalar(time)?;
         walk.expect(
@@ -143,7 +158,11 @@ fn at(walk: &mut Walk<'_>, time: &Expr, conditions: &[Condition]) -> Checked<()>
         let own = comparison(walk, condition, "both sides of a condition")?;
         walk.goals.push(own);
     }
-    Ok(())
+    if conditions.is_empty() && !values.is_empty() {
+        // That the time has come.
+        walk.goals.push(Dimension::one());
+    }
+    each(walk, values, reset)
 }
 
 /// Each assignment reports its own mistakes; the next one is checked all the same.
