@@ -20,7 +20,7 @@ use self::impossible::Shown;
 use super::global::time_freezing::refuse_switches;
 use super::joined::joined;
 use super::problem::Problem;
-use super::settings::{ControlNodes, Formulation, Guess, Settings};
+use super::settings::{ControlNodes, Formulation, Settings};
 use super::solution::{Solution, Status};
 use super::struck::after_impact;
 use super::unknown::with_unknowns;
