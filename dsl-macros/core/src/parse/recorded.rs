@@ -3,7 +3,7 @@
 //! The states of one time are set together, by a statement `at` that the parser adds, or by the one with the same time that the scene has.
 
 use crate::ast::{Assignment, Condition, Expr, Kind, Name, Statement};
-use crate::diagnostics::Diagnostics;
+use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::words;
 
 /// A time, and the states that are set then.
@@ -83,16 +83,38 @@ fn replace(
         }
         return;
     }
-    let (function, arguments) = (function.clone(), arguments.clone());
-    let shown = expr.to_string();
-    let [time, value] = &arguments[..] else {
+    let name = Name {
+        text: String::new(),
+        ident: function.ident.clone(),
+    };
+    let arguments = arguments.clone();
+    match at(
+        expr,
+        (name, &arguments),
+        (statement, inside),
+        moments,
+        diagnostics,
+    ) {
+        Ok(state) => expr.kind = Kind::Name(state),
+        Err(Reported) => diagnostics.poison(words::AT),
+    }
+}
+
+/// The state that records what is asked for by `at(time, value)`.
+fn at(
+    whole: &Expr,
+    (mut name, arguments): (Name, &[Expr]),
+    (statement, inside): (usize, Option<&str>),
+    moments: &mut Vec<Moment>,
+    diagnostics: &mut Diagnostics,
+) -> Checked<Name> {
+    let shown = whole.to_string();
+    let [time, value] = arguments else {
         let message = format!(
             "`at` takes 2 arguments, a time and what is asked for then, as in `at(1 [s], x)`; found {}",
             arguments.len()
         );
-        diagnostics.report("E02", expr.place, message);
-        diagnostics.poison(words::AT);
-        return;
+        return Err(diagnostics.report("E02", whole.place, message));
     };
     let why = match inside {
         Some(words::AT) => Some("inside of another `at`; write one value for each time".to_owned()),
@@ -103,9 +125,7 @@ fn replace(
     };
     if let Some(why) = why {
         let message = format!("`{shown}` is one number of the motion, and stands {why}");
-        diagnostics.report("E15", expr.place, message);
-        diagnostics.poison(words::AT);
-        return;
+        return Err(diagnostics.report("E15", whole.place, message));
     }
     let mut value = value.clone();
     replace(
@@ -114,19 +134,16 @@ fn replace(
         moments,
         diagnostics,
     );
-    let name = Name {
-        text: shown,
-        ident: function.ident,
-    };
-    let at = time.to_string();
-    let known = moments
-        .iter_mut()
-        .find(|known| known.time.to_string() == at);
+    name.text = shown;
     let assignment = Assignment {
         target: name.clone(),
         velocity: false,
         value,
     };
+    let at = time.to_string();
+    let known = moments
+        .iter_mut()
+        .find(|known| known.time.to_string() == at);
     match known {
         Some(known) => {
             known.last = statement;
@@ -141,5 +158,5 @@ fn replace(
             last: statement,
         }),
     }
-    expr.kind = Kind::Name(name);
+    Ok(name)
 }

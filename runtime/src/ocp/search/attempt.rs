@@ -462,6 +462,8 @@ impl Local<'_> {
         if let Ok(solution) = runner.solve(&mut self.program.program, horizon, &run) {
             self.slacks = self.program.program.slacks(&solution.x);
             (self.trajectory, self.sequence) = self.program.result(&solution.x);
+            let cost = self.program.program.cost_without_haste(&solution.x);
+            self.cost = cost.unwrap_or(solution.objective);
             self.solution = solution;
         }
         self

@@ -9,6 +9,7 @@ mod one_grid;
 mod optima;
 mod portfolio;
 mod run;
+mod searched;
 mod shared_observer;
 mod starts;
 mod undriven;
@@ -19,7 +20,7 @@ use self::impossible::Shown;
 use super::global::time_freezing::refuse_switches;
 use super::joined::joined;
 use super::problem::Problem;
-use super::settings::{ControlNodes, Formulation, Guess, Settings};
+use super::settings::{ControlNodes, Formulation, Settings};
 use super::solution::{Solution, Status};
 use super::struck::after_impact;
 use super::unknown::with_unknowns;
@@ -101,7 +102,7 @@ fn solve_consistent(
     let problem = &problem.on_the_ground(model);
     let hasty = waiting::hasty(model, problem, settings);
     let with = hasty.as_ref().unwrap_or(settings);
-    let mut solution = searched(model, problem, with, observer)?;
+    let mut solution = searched::searched(model, problem, with, observer)?;
     if hasty.is_some() || waiting::ends_at_rest(model, problem, settings, &solution) {
         solution = waiting::shortest(model, problem, settings, observer, solution)?;
     }
@@ -117,24 +118,4 @@ fn solve_consistent(
         solution.nearest = nearest::nearest(model, problem, settings)?;
     }
     Ok(solution)
-}
-
-/// Looks for a motion in the way that the settings ask for.
-fn searched(
-    model: &dyn Model,
-    problem: &Problem,
-    settings: &Settings,
-    observer: &mut Observer<'_>,
-) -> Result<Solution, InputError> {
-    let search = matches!(settings.formulation, Formulation::Phases)
-        && !matches!(settings.guess, Guess::Previous(_));
-    if search && problem.intervals > 1 && model.declaration().controls.is_empty() {
-        undriven::solve(model, problem, settings, observer)
-    } else if search && settings.searches_words() {
-        words::solve(model, problem, settings, observer)
-    } else if search {
-        nested::solve(model, problem, settings, observer)
-    } else {
-        starts::solve(model, problem, settings, observer)
-    }
 }

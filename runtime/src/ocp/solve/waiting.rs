@@ -5,6 +5,7 @@
 //! best one. A price on the time, `min J(T) + p T`, has a shortest motion in both cases (Tikhonov's choice among minima), and tends to the shortest of
 //! the best ones as `p` tends to 0. Twice its time costs less only where there is no best one.
 
+use super::searched::searched;
 use super::starts;
 use crate::Observer;
 use crate::model::Model;
@@ -115,7 +116,7 @@ fn longer(
     let (mut late, mut found) = again(model, &longer, settings.clone(), observer, dear.clone())?;
     if !found || late.objective >= less {
         // A motion that is stretched may lead to a poorer one.
-        let mut other = super::searched(model, &longer, settings, observer)?;
+        let mut other = searched(model, &longer, settings, observer)?;
         other.counts.add(&late.counts);
         other.seconds += late.seconds;
         found = is_found(&other);
