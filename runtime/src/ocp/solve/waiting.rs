@@ -30,7 +30,8 @@ pub(super) fn hasty(model: &dyn Model, problem: &Problem, settings: &Settings) -
     waits.then(|| with_price(settings, FIRST))
 }
 
-/// Whether a plan may rest at its end for nothing, of a problem where that was not known before.
+/// Whether a plan may rest at its end for nothing, of a problem where that was not known before. One that is proved, and that goals do
+/// not let last twice as long, has a best length already.
 pub(super) fn ends_at_rest(
     model: &dyn Model,
     problem: &Problem,
@@ -41,7 +42,9 @@ pub(super) fn ends_at_rest(
         let (q, v) = (motion.trajectory.q.last()?, motion.trajectory.v.last()?);
         Some([&q[..], v].concat())
     });
+    let proved = solution.status == Status::Solved && is_bounded(model, solution.horizon);
     asks_nothing_of_time(model, problem, settings)
+        && !proved
         && end.is_some_and(|end| rests(model, problem, &end))
 }
 
