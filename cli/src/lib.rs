@@ -15,6 +15,7 @@ mod animation;
 mod anytime;
 mod arguments;
 mod calls;
+mod cells;
 mod contour;
 mod drawing;
 mod ending;
@@ -23,6 +24,7 @@ mod failure;
 mod json;
 mod kept;
 mod markup;
+mod measured;
 mod method;
 mod numbers;
 mod published;
@@ -62,8 +64,6 @@ mod host;
 mod host_program;
 #[cfg(feature = "terminal")]
 mod list;
-#[cfg(feature = "terminal")]
-mod measured;
 #[cfg(feature = "terminal")]
 mod motion;
 #[cfg(feature = "terminal")]

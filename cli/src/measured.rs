@@ -9,8 +9,8 @@ use hangtime::model::{Experiment, VariableDeclaration};
 use hangtime::simulation::ControlSignal;
 use hangtime_units::Unit;
 
+use crate::cells::{cells, number_of, short};
 use crate::failure::{BadInput, did_you_mean};
-use crate::profile::{cells, number_of, short};
 use crate::table::counted;
 
 /// Largest table that is read, in bytes.

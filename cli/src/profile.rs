@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::Read as _;
 
 use crate::arguments::ProfileArguments;
+use crate::cells::{cells, number_of, short};
 use crate::failure::BadInput;
 use crate::report::Report;
 use crate::table::counted;
@@ -99,34 +100,12 @@ fn table(text: &str) -> Result<Table, String> {
     Ok(table)
 }
 
-/// The begin of a text, for a message.
-pub(crate) fn short(text: &str) -> String {
-    text.chars().take(60).collect()
-}
-
 /// Whether a line holds names instead of a point.
 fn is_heading(line: &str) -> bool {
     let cells = cells(line);
     let begins =
         |cell: &String| cell.starts_with(|c: char| !c.is_ascii_digit() && !"+-.".contains(c));
     cells.first().is_some_and(begins) && cells.iter().all(|cell| cell.parse::<f64>().is_err())
-}
-
-/// What stands between semicolons, else between commas or tabs, else between blanks; units stay with their names.
-pub(crate) fn cells(line: &str) -> Vec<String> {
-    let separator = [';', ',', '\t'].into_iter().find(|&c| line.contains(c));
-    let Some(separator) = separator else {
-        let mut cells: Vec<String> = Vec::new();
-        for word in line.split_whitespace() {
-            match cells.last_mut() {
-                Some(name) if word.starts_with(['[', '(']) => *name = format!("{name} {word}"),
-                _ => cells.push(word.to_owned()),
-            }
-        }
-        return cells;
-    };
-    let clean = |cell: &str| cell.trim().trim_matches('"').trim().to_owned();
-    line.split(separator).map(clean).collect()
 }
 
 /// The two cells of a line.
@@ -139,12 +118,6 @@ fn two(number: usize, line: &str) -> Result<[String; 2], String> {
             counted(cells.len(), "column")
         )
     })
-}
-
-/// A finite number, whose decimals may stand behind a comma.
-pub(crate) fn number_of(cell: &str) -> Option<f64> {
-    let value: f64 = cell.replace(',', ".").parse().ok()?;
-    value.is_finite().then_some(value)
 }
 
 /// Name and unit of a heading such as `s [m]` or `s (m)`.

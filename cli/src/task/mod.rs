@@ -1,11 +1,9 @@
 //! What is to be computed: arguments become a task, which gives its result and the documents about it.
 
-#[cfg(feature = "terminal")]
 mod fit;
 mod optimum;
 mod simulation;
 
-#[cfg(feature = "terminal")]
 pub(crate) use fit::{FitTask, METHOD as FIT_METHOD, facts as fit_facts};
 pub(crate) use optimum::{INTERVALS, OptimumTask, certificate, facts as optimum_facts};
 pub(crate) use simulation::{SimulationTask, facts as simulation_facts};
