@@ -2,7 +2,8 @@
 //!
 //! Switched systems that nothing steers ask nothing: they are simulated, and their tests have their closed forms.
 //!
-//! Objectives are the least ones known on so many control intervals, as `hangtime solve SCENE --intervals N` finds them.
+//! Objectives are the least ones known on so many control intervals, as `hangtime solve SCENE --intervals N` finds them: to 1e-6 but
+//! for `hop-forward`, `two-wheels` and `two-bumps`, where it may end 1.2, 0.15 and 0.14 % above them.
 
 use hangtime_cli::{Question, Scene};
 
