@@ -25,7 +25,8 @@ pub(crate) fn read(
     controls: &[VariableDeclaration],
 ) -> Result<Measurements, BadInput> {
     if let Some(text) = experiment.table() {
-        let refuse = |what| BadInput::new(format!("measured `{}`: {what}", experiment.name));
+        let refuse =
+            |what| BadInput::new(format!("measured `{}`, its table: {what}", experiment.name));
         return table(text, experiment, controls).map_err(refuse);
     }
     let file = folder.join(experiment.file);

@@ -19,7 +19,7 @@ pub struct Scene {
     pub text: Option<&'static TextScene>,
     /// The text of its file, if it is one that is read only where it is asked for.
     pub unread: Option<&'static str>,
-    /// The text of the file from which it was compiled, if it was.
+    /// The text of the file from which it was compiled or read, if it was.
     pub source: Option<&'static str>,
     /// Where the files that it names are looked for; empty for the present folder.
     pub folder: &'static str,

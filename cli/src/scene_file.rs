@@ -62,11 +62,12 @@ pub(crate) fn load_text(name: &str, text: &str) -> Result<&'static Scene, BadInp
 }
 
 /// A scene of the list with the text of its file read.
-pub(crate) fn load_unread(scene: &Scene, text: &str) -> Result<&'static Scene, BadInput> {
+pub(crate) fn load_unread(scene: &Scene, text: &'static str) -> Result<&'static Scene, BadInput> {
     let read = load_text(scene.name, text)?;
     Ok(Box::leak(Box::new(Scene {
         text: read.text,
         unread: None,
+        source: Some(text),
         ..*scene
     })))
 }

@@ -28,3 +28,5 @@ const find = () => {
 words.value = new URLSearchParams(location.search).get("q") ?? "";
 words.addEventListener("input", find);
 find();
+// Told by a script, since a browser that has been told to look elsewhere meanwhile complains of `autofocus`.
+words.focus();

@@ -24,7 +24,7 @@ pub(crate) fn page(book: &Book) -> Result<Page, String> {
     // No browser takes it for markup.
     let sections = sections.replace('<', "\\u003c");
     let text = format!(
-        "<h1>Search</h1>\n<p><label>Words <input type=\"search\" id=\"words\" autofocus></label> <output id=\"count\" role=\"status\"></output></p>\n\
+        "<h1>Search</h1>\n<p><label>Words <input type=\"search\" id=\"words\"></label> <output id=\"count\" role=\"status\"></output></p>\n\
          <ol id=\"found\"></ol>\n<script type=\"application/json\" id=\"sections\">{sections}</script>\n<script>\n{SCRIPT}</script>\n"
     );
     Ok(Page {

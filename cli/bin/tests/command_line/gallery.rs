@@ -50,6 +50,8 @@ fn scenes_that_ask_are_in_groups_can_be_solved_and_are_in_the_settled_style() {
             scene["name"]
         );
     }
+    let alone = &json(&["list", "hop", "--json"])["scenes"][0];
+    assert!(scenes.contains(alone), "{alone}");
     for scene in asking {
         let name = scene["name"].as_str().unwrap();
         let commands = scene["commands"].as_array().unwrap();
