@@ -10,6 +10,7 @@ mod closed_forms;
 mod convergence_order;
 mod design;
 mod estimation;
+mod four_bar;
 mod friction;
 mod gradient;
 mod joints;

@@ -6,6 +6,8 @@ use hangtime::ocp::{
 };
 use hangtime::prelude::{ControlSignal, simulate};
 
+use crate::support::attempt;
+
 hangtime::model! {
     /// A cart is driven from rest against a wall, and comes back to where it was at speed, in least time.
     ToTheWall {
@@ -40,13 +42,7 @@ hangtime::model! {
 fn solve(model: &dyn Model, intervals: usize, grid: ControlNodes) -> Solution {
     let mut settings = Settings::default();
     settings.grid = grid;
-    ocp::solve(
-        model,
-        &Problem::of(model, intervals),
-        &settings,
-        &mut |_| true,
-    )
-    .expect("a good problem")
+    attempt(model, intervals, &settings)
 }
 
 #[test]

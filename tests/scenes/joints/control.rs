@@ -4,46 +4,25 @@
 //! intervals, and to rounding where accelerations are constant.
 
 use super::{assert_close, scene, solved};
+use crate::four_bar::{CRANK, RODS, SIZES};
 use hangtime::ocp::{Problem, Settings, program_sizes};
 use hangtime::prelude::*;
 use hangtime_scene_files::TextScene;
 
-/// A four-bar linkage that is driven at its crank; the loop, and the start of the crank that closes it.
-const FOUR_BAR: &str = "
-    parameters { m1: kg = 1, m2: kg = 2, m3: kg = 1.5, a: m = 1, b: m = 2.2, c: m = 1.8, d: m = 2, g: m/s^2 = 9.81 }
-    coordinates { t1: rad, t2: rad, t3: rad }
+/// What drives a linkage at its crank.
+const DRIVEN: &str = "
     controls { u: N*m }
-    let crank = (a*cos(t1), a*sin(t1))
-    let c2 = crank + (b*cos(t2), b*sin(t2))/2
-    let c3 = (d + c/2*cos(t3), c/2*sin(t3))
-    let links = m1*a^2/6*dot(t1)^2 + m2/2*|dot(c2)|^2 + m2*b^2/24*dot(t2)^2 + m3/2*|dot(c3)|^2 + m3*c^2/24*dot(t3)^2
-    lagrangian links - g*(m1*crank.z/2 + m2*c2.z + m3*c3.z)
     forces { t1: u }
-    joint loop: crank + (b*cos(t2), b*sin(t2)) == (d + c*cos(t3), c*sin(t3))
-    start { t1: 1.2, t2: 0.35, t3: 1.5 }
     minimize integral(u^2)
     horizon 1 [s]
 ";
 
-const CRANK: &str = "
-    parameters { m1: kg = 1, m2: kg = 2, m3: kg = 1.5, a: m = 1, b: m = 2.2, c: m = 1.8, d: m = 2, g: m/s^2 = 9.81 }
-    coordinates { t1: rad }
-    controls { u: N*m }
-    let e = (a*cos(t1) - d, a*sin(t1))
-    let w = c^2 - |e|^2 - b^2
-    let s = sqrt(4*b^2*|e|^2 - w^2)
-    let u2 = ((w*e.y + s*e.z)/(2*b*|e|^2), (w*e.z - s*e.y)/(2*b*|e|^2))
-    let crank = (a*cos(t1), a*sin(t1))
-    let c2 = crank + u2*b/2
-    let tip = crank + u2*b
-    let c3 = (d/2, 0 [m]) + tip/2
-    let links = m1*a^2/6*dot(t1)^2 + m2/2*|dot(c2)|^2 + m2*b^2/24*|dot(u2)|^2 + m3/2*|dot(c3)|^2
-    lagrangian links + m3/24*|dot(tip)|^2 - g*(m1*crank.z/2 + m2*c2.z + m3*c3.z)
-    forces { t1: u }
-    minimize integral(u^2)
-    finally { t1 == 2.5, dot(t1) == 0 }
-    horizon 1 [s]
-";
+/// A four-bar linkage that is driven at its crank; the loop, and the start of the crank that closes it.
+fn four_bar(goals: &str) -> TextScene {
+    scene(&format!(
+        "{SIZES}{RODS}{DRIVEN} start {{ t1: 1.2, t2: 0.35, t3: 1.5 }} {goals}"
+    ))
+}
 
 /// The optimum of a scene on that many intervals, which has to be certified.
 fn optimum(scene: &TextScene, intervals: usize) -> Solution {
@@ -77,9 +56,11 @@ fn assert_same(own: &Solution, its: &Solution, error: f64) {
 
 #[test]
 fn four_bar_is_driven_with_the_least_effort_of_its_crank() {
-    let looped = scene(&format!("{FOUR_BAR} finally {{ t1 == 2.5, dot(t1) == 0 }}"));
+    let looped = four_bar("finally { t1 == 2.5, dot(t1) == 0 }");
     let start = solved(simulate(&looped).horizon(0.1).run())["t1"][0];
-    let crank = scene(&format!("{CRANK} start {{ t1: {start:?} }}"));
+    let crank = scene(&format!(
+        "{SIZES}{CRANK}{DRIVEN} start {{ t1: {start:?} }} finally {{ t1 == 2.5, dot(t1) == 0 }}"
+    ));
     let (own, its) = (optimum(&looped, 6), optimum(&crank, 6));
     assert_same(&own, &its, 1e-8);
     let motion = own.motion.as_ref().expect("a motion");
@@ -91,8 +72,8 @@ fn four_bar_is_driven_with_the_least_effort_of_its_crank() {
 #[test]
 fn goals_that_joints_imply_change_nothing() {
     let goals = "finally { t1 == 2.5, dot(t1) == 0, dot(t2) == 0, dot(t3) == 0 }";
-    let once = scene(&format!("{FOUR_BAR} finally {{ t1 == 2.5, dot(t1) == 0 }}"));
-    let again = scene(&format!("{FOUR_BAR} {goals}"));
+    let once = four_bar("finally { t1 == 2.5, dot(t1) == 0 }");
+    let again = four_bar(goals);
     assert_same(&optimum(&again, 4), &optimum(&once, 4), 1e-8);
 }
 

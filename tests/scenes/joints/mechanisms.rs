@@ -1,6 +1,7 @@
 //! Links: closed loops, and stops that are struck.
 
 use super::{assert_close, both, last, scene, solved, tight};
+use crate::four_bar::{CRANK, RODS, SIZES};
 use hangtime::baselines::{FixedStep, Moreau};
 use hangtime::prelude::*;
 use hangtime::rk::Scheme;
@@ -46,48 +47,28 @@ fn point_on_a_rod_moves_as_its_angle_does() {
     }
 }
 
-/// A four-bar linkage: three links, a closed loop, a stop for the crank. The other links follow from the crank.
-const FOUR_BAR: &str = "
-    parameters { m1: kg = 1, m2: kg = 2, m3: kg = 1.5, a: m = 1, b: m = 2.2, c: m = 1.8, d: m = 2, g: m/s^2 = 9.81 }
-    coordinates { t1: rad, t2: rad, t3: rad }
-    let crank = (a*cos(t1), a*sin(t1))
-    let c2 = crank + (b*cos(t2), b*sin(t2))/2
-    let c3 = (d + c/2*cos(t3), c/2*sin(t3))
-    let links = m1*a^2/6*dot(t1)^2 + m2/2*|dot(c2)|^2 + m2*b^2/24*dot(t2)^2 + m3/2*|dot(c3)|^2 + m3*c^2/24*dot(t3)^2
-    lagrangian links - g*(m1*crank.z/2 + m2*c2.z + m3*c3.z)
-    joint loop: crank + (b*cos(t2), b*sin(t2)) == (d + c*cos(t3), c*sin(t3))
+/// A stop for the crank of a four-bar linkage, and the middle of its rocker.
+const SEEN: &str = "
     surface stop: t1 >= 0.2 [rad]
     impact stop: restitution 0.5
-    start { t1: 1.2, t2: 0.35, t3: 1.5, dot(t1): -1 }
     outputs { y3: m = c3.y, z3: m = c3.z }
     horizon 1.5 [s]
 ";
 
-/// The same by the angle of the crank: where two circles meet.
-const CRANK: &str = "
-    parameters { m1: kg = 1, m2: kg = 2, m3: kg = 1.5, a: m = 1, b: m = 2.2, c: m = 1.8, d: m = 2, g: m/s^2 = 9.81 }
-    coordinates { t1: rad }
-    let e = (a*cos(t1) - d, a*sin(t1))
-    let w = c^2 - |e|^2 - b^2
-    let s = sqrt(4*b^2*|e|^2 - w^2)
-    let u2 = ((w*e.y + s*e.z)/(2*b*|e|^2), (w*e.z - s*e.y)/(2*b*|e|^2))
-    let crank = (a*cos(t1), a*sin(t1))
-    let c2 = crank + u2*b/2
-    let tip = crank + u2*b
-    let c3 = (d/2, 0 [m]) + tip/2
-    let links = m1*a^2/6*dot(t1)^2 + m2/2*|dot(c2)|^2 + m2*b^2/24*|dot(u2)|^2 + m3/2*|dot(c3)|^2
-    lagrangian links + m3/24*|dot(tip)|^2 - g*(m1*crank.z/2 + m2*c2.z + m3*c3.z)
-    surface stop: t1 >= 0.2 [rad]
-    impact stop: restitution 0.5
-    start { t1: 1.2, dot(t1): -1 }
-    outputs { y3: m = c3.y, z3: m = c3.z }
-    horizon 1.5 [s]
-";
+/// Rods and a loop: the other links follow from the crank.
+fn four_bar() -> String {
+    format!("{SIZES}{RODS}{SEEN} start {{ t1: 1.2, t2: 0.35, t3: 1.5, dot(t1): -1 }}")
+}
+
+/// The same by the angle of the crank.
+fn crank() -> String {
+    format!("{SIZES}{CRANK}{SEEN} start {{ t1: 1.2, dot(t1): -1 }}")
+}
 
 #[test]
 fn four_bar_as_joint_is_its_closed_form_also_where_its_crank_strikes_a_stop() {
     // The start of the loop is completed; that of the closed form is what came out.
-    let looped = scene(FOUR_BAR);
+    let looped = scene(&four_bar());
     let start = solved(simulate(&looped).run());
     let begin = |name: &str| start[name][0];
     assert!(
@@ -96,7 +77,7 @@ fn four_bar_as_joint_is_its_closed_form_also_where_its_crank_strikes_a_stop() {
             .iter()
             .any(|note| note.starts_with("the start was completed"))
     );
-    let exact = simulate(&scene(CRANK))
+    let exact = simulate(&scene(&crank()))
         .start("t1", begin("t1"))
         .start("dot(t1)", begin("dot(t1)"))
         .method(EventDriven::default())
@@ -124,7 +105,7 @@ fn four_bar_as_joint_is_its_closed_form_also_where_its_crank_strikes_a_stop() {
 /// Elements of other schemes, and in the numerical time of time-freezing, hold joints alike.
 #[test]
 fn four_bar_moves_alike_by_all_elements() {
-    let looped = scene(FOUR_BAR);
+    let looped = scene(&four_bar());
     let exact = tight(&looped);
     let formulation = StepFormulation::TimeFreezing;
     let methods = [
@@ -156,7 +137,7 @@ fn four_bar_moves_alike_by_all_elements() {
 /// Fixed steps of order 4 and Moreau's time stepping of order 2 hold joints at the ends of their steps.
 #[test]
 fn fixed_steps_close_the_loop_after_each() {
-    let text = FOUR_BAR.replace("impact stop: restitution 0.5", "impact stop: inelastic");
+    let text = four_bar().replace("impact stop: restitution 0.5", "impact stop: inelastic");
     let looped = scene(&text.replace("horizon 1.5", "horizon 0.4"));
     let exact = tight(&looped);
     let fixed = |steps| {

@@ -78,7 +78,9 @@ pub(super) fn shortest(
         dear.status = Status::Uncertified;
         dear.stationarity = Stationarity::None;
     }
-    let (mut found, _) = again(model, problem, with_price(settings, SECOND), observer, dear)?;
+    // Where goals bound the time no price has to.
+    let price = if bounded { 0.0 } else { SECOND };
+    let (mut found, _) = again(model, problem, with_price(settings, price), observer, dear)?;
     if let Some(motion) = found.motion.as_mut().filter(|_| !bounded) {
         motion.notes.push(SHORTEST.to_owned());
     }

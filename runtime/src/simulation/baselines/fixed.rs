@@ -1,10 +1,8 @@
 //! The classical Runge-Kutta method with fixed steps, which notices switches only at the ends of steps.
 
-use hangtime_solver::clock::ThreadTime;
-
+use super::shared::{check, check_gaps, judged};
 use crate::Observer;
 use crate::model::Model;
-use crate::refusal;
 use crate::simulation::agreement;
 use crate::simulation::event::contact_mode;
 use crate::simulation::event::dop853::{Dop853, System};
@@ -13,7 +11,7 @@ use crate::simulation::event::impact::{LowestBounce, Undetermined};
 use crate::simulation::event::velocity_jump;
 use crate::simulation::impulse;
 use crate::simulation::joints::Closed;
-use crate::simulation::other_grid::{self, Judge, OtherGrid};
+use crate::simulation::other_grid::OtherGrid;
 use crate::simulation::watch::Watch;
 use crate::simulation::{
     Diagnosis, Event, EventKind, InitialValueProblem, InputError, Simulation, SimulationStatus,
@@ -70,45 +68,6 @@ impl Default for FixedStep {
     }
 }
 
-/// Checks the settings that the fixed-step methods share.
-pub(super) fn check(steps: usize, auxiliary_acceleration: f64) -> Result<(), InputError> {
-    let refuse = |what: &str, value: f64, unit: &str, bound: &str| {
-        Err(refusal::out_of_range(what, value, unit, bound))
-    };
-    if steps == 0 {
-        return refuse("number of steps", 0.0, "", "at least 1");
-    }
-    if auxiliary_acceleration <= 0.0 || !auxiliary_acceleration.is_finite() {
-        return refuse(
-            "auxiliary acceleration",
-            auxiliary_acceleration,
-            "m/s^2",
-            "above 0 and finite",
-        );
-    }
-    Ok(())
-}
-
-/// Refuses to go on where a gap at the state that `dynamics` has loaded is not a number: nothing can be closed there.
-pub(super) fn check_gaps(
-    dynamics: &Dynamics<'_>,
-    time: f64,
-    step: usize,
-) -> Result<(), SimulationStatus> {
-    let Some(contact) = (0..dynamics.contacts).find(|&i| !dynamics.gap(i).is_finite()) else {
-        return Ok(());
-    };
-    let name = dynamics.model.declaration().contacts[contact].name;
-    Err(SimulationStatus::NotFinite(Diagnosis {
-        time,
-        step,
-        contact: Some(contact),
-        message: format!(
-            "the gap of `{name}` is not a finite number; check roots, divisions and parameters of the scene"
-        ),
-    }))
-}
-
 impl Simulator for FixedStep {
     fn name(&self) -> &'static str {
         "fixed"
@@ -129,28 +88,16 @@ impl Simulator for FixedStep {
             "fixed steps",
             crate::simulation::joints::LOCATED,
         )?;
-        let clock = ThreadTime::try_now();
-        let mut watch = Watch::new(problem, observer);
         let others = OtherGrid::of_steps(self.steps, |steps| Self {
             steps,
             ..self.clone()
         });
-        let mut result = other_grid::estimated(
-            self,
-            others,
-            &Judge {
-                remedy: "take more steps",
-                locates: false,
-            },
-            (model, problem),
-            &mut watch,
-            |settings, watch| FixedRun::new(settings, model, problem).run(watch),
-        );
+        let run = |settings: &Self, watch: &mut Watch<'_>| {
+            FixedRun::new(settings, model, problem).run(watch)
+        };
+        let scene = (model, problem);
+        let mut result = judged((self, others), "take more steps", scene, observer, run);
         impulse::record(model, &mut result);
-        watch.finish(model, &mut result);
-        if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
-            result.seconds.total = elapsed.as_secs_f64();
-        }
         closed.finish(&mut result);
         Ok(result)
     }

@@ -5,6 +5,7 @@
 
 mod fixed;
 mod moreau;
+mod shared;
 mod smooth;
 
 pub use fixed::FixedStep;

@@ -1,15 +1,13 @@
 //! Moreau-Jean time stepping: impacts and contact forces as impulses over a fixed step, without events.
 
-use hangtime_solver::clock::ThreadTime;
-
-use super::fixed::check_gaps;
+use super::shared::{check, check_gaps, judged};
 use crate::Observer;
 use crate::contact::{Balance, Line, Touching};
 use crate::model::{Model, contact_point, friction_share, pair_size};
 use crate::simulation::event::contact_problem::ContactProblem;
 use crate::simulation::event::dynamics::{Dynamics, dot, largest, motion};
 use crate::simulation::joints::Closed;
-use crate::simulation::other_grid::{self, Judge, OtherGrid};
+use crate::simulation::other_grid::OtherGrid;
 use crate::simulation::watch::Watch;
 use crate::simulation::{
     ContactMode, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
@@ -95,37 +93,25 @@ impl Simulator for Moreau {
         problem: &InitialValueProblem,
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
-        super::fixed::check(self.steps, self.auxiliary_acceleration)?;
+        check(self.steps, self.auxiliary_acceleration)?;
         let closed = Closed::of(model, problem)?;
         let (model, problem) = closed.scene();
         InitialValueProblem::check_at_once(model, "Moreau's time stepping")?;
         let remedy = "simulate by finite elements or from event to event";
         InitialValueProblem::check_switches(model, "Moreau's time stepping", remedy)?;
-        let clock = ThreadTime::try_now();
-        let mut watch = Watch::new(problem, observer);
         let others = OtherGrid::of_steps(self.steps, |steps| Self {
             steps,
             ..self.clone()
         });
-        let mut result = other_grid::estimated(
-            self,
-            others,
-            &Judge {
-                remedy: "take more steps",
-                locates: false,
-            },
-            (model, problem),
-            &mut watch,
-            |settings, watch| TimeStepping::new(settings, model, problem).run(watch),
-        );
-        watch.finish(model, &mut result);
+        let run = |settings: &Self, watch: &mut Watch<'_>| {
+            TimeStepping::new(settings, model, problem).run(watch)
+        };
+        let scene = (model, problem);
+        let mut result = judged((self, others), "take more steps", scene, observer, run);
         result.notes.push(
             "time stepping locates no events; contact forces of the trajectory show where contact is"
                 .into(),
         );
-        if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
-            result.seconds.total = elapsed.as_secs_f64();
-        }
         closed.finish_without_events(&mut result);
         Ok(result)
     }

@@ -1,16 +1,14 @@
 //! The time-freezing system with smoothed step functions, integrated as an ordinary differential
 //! equation in numerical time.
 
-use hangtime_solver::clock::ThreadTime;
-
-use super::fixed::check_gaps;
+use super::shared::{check, check_gaps, judged};
 use crate::Observer;
 use crate::model::{Model, contact_point};
 use crate::refusal;
 use crate::simulation::event::dop853::{Dop853, System};
 use crate::simulation::event::dynamics::Dynamics;
 use crate::simulation::joints::{self, Closed};
-use crate::simulation::other_grid::{self, Judge, OtherGrid};
+use crate::simulation::other_grid::OtherGrid;
 use crate::simulation::watch::Watch;
 use crate::simulation::{
     ContactMode, ControlSignal, Diagnosis, Direction, InitialValueProblem, InputError, Simulation,
@@ -102,7 +100,7 @@ impl Simulator for Smooth {
         problem: &InitialValueProblem,
         observer: &mut Observer<'_>,
     ) -> Result<Simulation, InputError> {
-        super::fixed::check(self.max_steps, self.auxiliary_acceleration)?;
+        check(self.max_steps, self.auxiliary_acceleration)?;
         for (what, value, bound) in [
             ("width of the step functions", self.width, "above 0"),
             ("tolerance", self.tolerance, "in 1e-14..=1e-2"),
@@ -122,8 +120,6 @@ impl Simulator for Smooth {
         )?;
         InitialValueProblem::check_at_once(model, "smoothed steps")?;
         InitialValueProblem::check_resets(model, "smoothed steps", joints::LOCATED)?;
-        let clock = ThreadTime::try_now();
-        let mut watch = Watch::new(problem, observer);
         let other = OtherGrid {
             method: Self {
                 width: 2.0 * self.width,
@@ -132,21 +128,13 @@ impl Simulator for Smooth {
             },
             words: "twice the width and a looser tolerance",
         };
-        let mut result = other_grid::estimated(
-            self,
-            [other],
-            &Judge {
-                remedy: "narrow the step functions, and lower the tolerance",
-                locates: false,
-            },
+        let mut result = judged(
+            (self, [other]),
+            "narrow the step functions, and lower the tolerance",
             (model, problem),
-            &mut watch,
+            observer,
             |settings, watch| run(settings, (model, problem), watch),
         );
-        watch.finish(model, &mut result);
-        if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
-            result.seconds.total = elapsed.as_secs_f64();
-        }
         closed.finish_without_events(&mut result);
         Ok(result)
     }
