@@ -283,7 +283,7 @@ fn follow(driver: &mut Driver<'_>, program: &Transcription<'_>, x: &[f64]) -> Re
         .filter(|&i| followed.phases[i] != Phase::Free)
         .collect();
     impacts::project(driver, &close)?;
-    // Where that is, what holds a contact has another direction than where the program ends.
+    // The velocities are along the surface at the position before; it has another normal where that has been moved to.
     let now = &mut driver.now;
     now.evaluate_contacts(now.active.clone().iter().map(|held| held.contact));
     impact::hold(&now.contacts, &now.active, &mut now.state.v)?;
