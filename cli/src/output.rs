@@ -24,6 +24,8 @@ const NAME: [&str; 2] = [".hangtime-", ".part"];
 const RANDOM: usize = 12;
 /// Held by the run that a folder belongs to.
 const LOCK: &str = "lock";
+/// The lock before it is held.
+const UNNAMED: &str = "unnamed";
 /// The files to be.
 const NEW: &str = "new";
 /// The files that they replace.
@@ -157,9 +159,12 @@ impl Stage {
             .suffix(suffix)
             .rand_bytes(RANDOM)
             .tempdir_in(parent)?;
-        let lock = File::create_new(folder.path().join(LOCK))?;
-        // Without locks in a file system, nobody will take this folder for a leftover either.
+        // Held before it has its name: other runs never see it free. Without locks in a file system, nobody will take
+        // this folder for a leftover either.
+        let unnamed = folder.path().join(UNNAMED);
+        let lock = File::create_new(&unnamed)?;
         let _ = lock.lock();
+        fs::rename(unnamed, folder.path().join(LOCK))?;
         Ok(Self {
             _lock: lock,
             folder,
@@ -268,7 +273,11 @@ fn is_leftover(entry: &fs::DirEntry, own: &Stage) -> io::Result<bool> {
         return Ok(false);
     }
     // Not through links: a planted one must not lead anywhere.
-    let found = fs::symlink_metadata(entry.path())?;
+    let found = match fs::symlink_metadata(entry.path()) {
+        // Another run ended in between, and its folder went with it.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+        found => found?,
+    };
     if !found.is_dir() || !same_owner(&found, &fs::symlink_metadata(own.folder.path())?) {
         return Ok(false);
     }
@@ -324,7 +333,7 @@ mod tests {
 
     use tempfile::{TempDir, tempdir};
 
-    use super::{COMPLETE, LOCK, NEW, OutputDirectory};
+    use super::{COMPLETE, LOCK, NEW, OutputDirectory, Stage, is_leftover};
 
     fn files(texts: &[(&str, &str)]) -> Vec<(String, String)> {
         let texts = texts.iter();
@@ -358,6 +367,42 @@ mod tests {
             fs::write(folder.join(NEW).join(name), text).unwrap();
         }
         folder
+    }
+
+    #[test]
+    fn folder_that_went_while_another_run_looked_at_it_is_no_leftover() {
+        let scratch = tempdir().unwrap();
+        let own = Stage::make(scratch.path()).unwrap();
+        let other = Stage::make(scratch.path()).unwrap();
+        let seen: Vec<fs::DirEntry> = fs::read_dir(scratch.path())
+            .unwrap()
+            .map(Result::unwrap)
+            .collect();
+        assert_eq!(seen.len(), 2);
+        let leftovers = || {
+            seen.iter()
+                .filter(|entry| is_leftover(entry, &own).unwrap())
+        };
+        assert_eq!(leftovers().count(), 0);
+        drop(other);
+        assert_eq!(leftovers().count(), 0);
+    }
+
+    #[test]
+    fn runs_that_begin_and_end_in_one_directory_together_keep_theirs() {
+        let scratch = tempdir().unwrap();
+        let out = scratch.path();
+        std::thread::scope(|scope| {
+            for run in 0..4 {
+                scope.spawn(move || {
+                    for turn in 0..50 {
+                        let name = format!("{run}-{turn}");
+                        assert_eq!(write(out, &[(name.as_str(), "x")]), Ok(vec![false]));
+                    }
+                });
+            }
+        });
+        assert_eq!(names(out).len(), 200);
     }
 
     #[test]
