@@ -395,3 +395,53 @@ where
     cluster.struck.sort_unstable();
     Ok(cluster)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::linalg::lcp;
+    use crate::random_cases::same_in_every_run;
+    use proptest::prelude::*;
+
+    /// Velocities after impacts without restitution one after the other, the fastest approach first, of contacts with these couplings,
+    /// row-major with ones on the diagonal.
+    fn one_after_the_other(couplings: &[f64], mut velocities: Vec<f64>) -> Vec<f64> {
+        let n = velocities.len();
+        for _ in 0..20_000 {
+            let fastest = (0..n).min_by(|&i, &j| velocities[i].total_cmp(&velocities[j]));
+            let struck = fastest.expect("contacts");
+            let impulse = -velocities[struck];
+            if impulse <= 1e-14 {
+                break;
+            }
+            for (i, velocity) in velocities.iter_mut().enumerate() {
+                *velocity += couplings[i * n + struck] * impulse;
+            }
+        }
+        velocities
+    }
+
+    proptest! {
+        #![proptest_config(same_in_every_run())]
+        /// What [`lead_to_one_end`](super::lead_to_one_end) says, against Lemke's method for the impact at once.
+        #[test]
+        fn impacts_that_take_no_approach_from_others_end_as_at_once(
+            sizes in proptest::collection::vec(0.0..0.16_f64, 36),
+            before in proptest::collection::vec(-1.0..1.0_f64, 6),
+        ) {
+            let n = before.len();
+            let entry = |at: usize| if at % (n + 1) == 0 { 1.0 } else { -sizes[at] };
+            let couplings: Vec<f64> = (0..n * n).map(entry).collect();
+            let mut impulses = vec![0.0; n];
+            prop_assert!(lcp::solve(&couplings, &before, &mut impulses).is_ok());
+            let at_once = (0..n).map(|i| {
+                let row = couplings[i * n..][..n].iter().zip(&impulses);
+                before[i] + row.map(|(k, p)| k * p).sum::<f64>()
+            });
+            let in_turn = one_after_the_other(&couplings, before.clone());
+            for (at_once, in_turn) in at_once.zip(in_turn) {
+                // Row sums are above 0.2: what is left of approaches counts five times at most.
+                prop_assert!((at_once - in_turn).abs() < 1e-12, "{at_once} and {in_turn}");
+            }
+        }
+    }
+}

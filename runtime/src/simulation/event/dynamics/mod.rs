@@ -333,10 +333,10 @@ impl<'a> Dynamics<'a> {
     }
 
     fn acceleration_scale(&self, covector: &[f64], curvature: f64) -> f64 {
-        covector
-            .iter()
-            .enumerate()
-            .fold(curvature.abs(), |sum, (k, component)| {
+        let components = covector.iter().enumerate();
+        components.filter(|(_, component)| **component != 0.0).fold(
+            curvature.abs(),
+            |sum, (k, component)| {
                 let forces: f64 = self
                     .mode
                     .active
@@ -350,7 +350,8 @@ impl<'a> Dynamics<'a> {
                     })
                     .sum();
                 sum + component.abs() * (self.view.free_acceleration()[k].abs() + forces)
-            })
+            },
+        )
     }
 
     /// Takes note of the sizes of the functions of all contacts at a state, by which is measured what counts as zero.
@@ -421,7 +422,9 @@ impl<'a> Dynamics<'a> {
             switching.lowest[contact] = value;
             switching.highest[contact] = value;
         };
-        self.near.look(view.model, now, self.explicit_time, place);
+        let least_gap =
+            |contact: usize, low: &[f64], high: &[f64]| view.model.least_gap(contact, low, high);
+        self.near.look(least_gap, now, self.explicit_time, place);
     }
 
     /// Expects a motion that is smooth over a `moment`, where no step tells yet.

@@ -39,14 +39,19 @@ impl Near {
     pub(super) fn new(model: &dyn Model, surfaces: usize) -> Self {
         let contacts = model.declaration().contacts;
         let edges = contacts.iter().any(|known| !known.alternatives.is_empty());
+        Self::of((contacts.len(), surfaces), surfaces >= MANY && !edges)
+    }
+
+    /// That many contacts and surfaces, of which it is `told` or not which are far.
+    fn of((contacts, surfaces): (usize, usize), told: bool) -> Self {
         Self {
-            told: surfaces >= MANY && !edges,
+            told,
             surfaces,
             step: 0.0,
             low: Vec::new(),
             high: Vec::new(),
-            contacts: (0..contacts.len()).collect(),
-            far: vec![false; contacts.len()],
+            contacts: (0..contacts).collect(),
+            far: vec![false; contacts],
         }
     }
 
@@ -57,7 +62,8 @@ impl Near {
 
     /// Whether what is known does not hold at an input vector whose first `n` numbers are coordinates, and at the `time` in it.
     pub(super) fn is_left(&self, x: &[f64], n: usize, time: Option<f64>) -> bool {
-        if !self.told {
+        // Methods that expect no steps look at all.
+        if !self.told || self.step == 0.0 {
             return false;
         }
         let within = |(k, x): (usize, f64)| match (self.low.get(k), self.high.get(k)) {
@@ -91,10 +97,10 @@ impl Near {
     }
 
     /// Makes the box for some of the steps that are expected from the input vector `x` with accelerations `a`, and finds the contacts that
-    /// may close in it. Calls `place` with those that may not and their bounds, and with those of which that is news.
+    /// may close in it by their `least_gap` there. Calls `place` with those that may not and their bounds, and with those of which that is news.
     pub(super) fn look(
         &mut self,
-        model: &dyn Model,
+        least_gap: impl Fn(usize, &[f64], &[f64]) -> Option<f64>,
         (x, a): (&[f64], &[f64]),
         timed: bool,
         mut place: impl FnMut(usize, Option<f64>),
@@ -122,7 +128,7 @@ impl Near {
         let rounding = 64.0 * f64::EPSILON * largest(&x[..n]);
         for (contact, far) in self.far.iter_mut().enumerate() {
             let least =
-                (contact < self.surfaces).then(|| model.least_gap(contact, &self.low, &self.high));
+                (contact < self.surfaces).then(|| least_gap(contact, &self.low, &self.high));
             let bound = least.flatten().filter(|least| *least > rounding);
             if bound.is_none() {
                 self.contacts.push(contact);
@@ -142,4 +148,61 @@ fn way(v: f64, a: f64, time: f64) -> f64 {
 
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| most.max(value.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two points on a line, walls at 0 and 10 m for each, and the distance between them less 0.5 m.
+    fn least_gap(contact: usize, low: &[f64], high: &[f64]) -> Option<f64> {
+        match contact {
+            0 | 1 => Some(low[contact]),
+            2 | 3 => Some(10.0 - high[contact - 2]),
+            4 => Some(low[1] - high[0] - 0.5),
+            _ => None,
+        }
+    }
+
+    /// All contacts and one more, of which nothing is known, after a look from `(q, v)` with steps of 0.1 s.
+    fn look(near: &mut Near, x: &[f64; 4]) -> Vec<(usize, bool)> {
+        let mut placed = Vec::new();
+        near.expect_step(0.1);
+        near.look(least_gap, (x, &[0.0, 0.0]), false, |contact, bound| {
+            placed.push((contact, bound.is_some()));
+        });
+        placed
+    }
+
+    #[test]
+    fn contacts_that_steps_cannot_reach_are_far() {
+        let mut near = Near::of((6, 6), true);
+        // The first goes 1.2 m to either side at most, the other one rests.
+        let placed = look(&mut near, &[1.0, 4.0, 1.0, 0.0]);
+        assert_eq!(near.contacts(), [0, 5]);
+        assert_eq!(placed, [(1, true), (2, true), (3, true), (4, true)]);
+    }
+
+    #[test]
+    fn box_holds_until_the_motion_leaves_it_and_what_comes_near_is_news() {
+        let mut near = Near::of((6, 6), true);
+        look(&mut near, &[1.0, 4.0, 1.0, 0.0]);
+        assert!(!near.is_left(&[2.1, 4.0, 1.0, 0.0], 2, None));
+        assert!(near.is_left(&[2.3, 4.0, 1.0, 0.0], 2, None));
+        assert!(!near.is_left_within(&[2.0, 4.0, 1.0, 0.0], &[0.0, 0.0], false));
+        assert!(near.is_left_within(&[2.1, 4.0, 1.0, 0.0], &[0.0, 0.0], false));
+        let placed = look(&mut near, &[2.3, 4.0, 1.0, 0.0]);
+        assert_eq!(near.contacts(), [4, 5]);
+        assert_eq!(
+            placed,
+            [(0, true), (1, true), (2, true), (3, true), (4, false)]
+        );
+    }
+
+    #[test]
+    fn nothing_is_far_where_it_is_not_told() {
+        let near = Near::of((6, 6), false);
+        assert!(!near.is_left(&[1e9, 4.0, 1.0, 0.0], 2, None));
+        assert_eq!(near.contacts(), [0, 1, 2, 3, 4, 5]);
+    }
 }
