@@ -1,6 +1,6 @@
 //! What the dynamics remember of an evaluation: mode, switching functions, equations.
 
-use super::rows::Sparse;
+use super::sparse::Sparse;
 use crate::contact::{ContactState, Line};
 
 /// The contact mode.

@@ -10,6 +10,7 @@ pub(in crate::simulation) mod motion;
 mod near;
 pub(in crate::simulation) mod rows;
 mod scales;
+mod sparse;
 mod switch;
 pub(in crate::simulation) mod switching;
 

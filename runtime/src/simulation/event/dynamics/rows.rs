@@ -1,8 +1,9 @@
 //! The linear system of a contact mode for the contact accelerations: dense, or of many contacts by the couplings that do not vanish.
 
+use super::sparse::Sparse;
 use super::{Dynamics, dot};
 use crate::contact::Line;
-use crate::linalg::banded::{Banded, Entry, Unfactorized};
+use crate::linalg::banded::Unfactorized;
 use crate::linalg::small_system;
 
 /// Number of coordinates from which on rows are looked through for zeros. Chosen: below, looking takes as long as adding them.
@@ -77,21 +78,6 @@ fn couple(
         let direction = force_direction(dynamics, column, slipping);
         *coupling = support.iter().map(|&k| covector[k] * direction[k]).sum();
     }
-}
-
-/// The couplings of many rows that do not vanish.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Sparse {
-    /// Whether the last solution was by them.
-    holds: bool,
-    entries: Vec<Entry>,
-    /// Where the entries of each row begin.
-    starts: Vec<usize>,
-    factors: Banded,
-    /// For each coordinate the columns that move it.
-    columns: Vec<Vec<(usize, f64)>>,
-    sums: Vec<f64>,
-    touched: Vec<usize>,
 }
 
 /// Writes the couplings of the first `rows` rows that do not vanish: a contact is between two bodies, however many there are.
