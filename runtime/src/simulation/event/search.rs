@@ -109,6 +109,8 @@ pub(super) enum Outcome {
     Nothing,
     /// The earliest event.
     Event(Found),
+    /// Something acts that the stages of the step do not show: the step is too long.
+    Hidden,
     /// This function changes its sign through infinity, or by a jump.
     Pole(Found),
     /// The continuous extension is too far from the solution to find the zeros of this function: the step
