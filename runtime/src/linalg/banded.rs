@@ -166,8 +166,9 @@ impl Banded {
             if value == 0.0 {
                 continue;
             }
-            for row in k + 1..(k + self.lower + 1).min(n) {
-                x[row] -= self.entries[self.at(row, k)] * value;
+            let below = x[..(k + self.lower + 1).min(n)].iter_mut().enumerate();
+            for (row, x) in below.skip(k + 1) {
+                *x -= self.entries[self.at(row, k)] * value;
             }
         }
         for k in (0..n).rev() {
