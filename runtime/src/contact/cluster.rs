@@ -429,7 +429,7 @@ mod tests {
             before in proptest::collection::vec(-1.0..1.0_f64, 6),
         ) {
             let n = before.len();
-            let entry = |at: usize| if at % (n + 1) == 0 { 1.0 } else { -sizes[at] };
+            let entry = |at: usize| if at.is_multiple_of(n + 1) { 1.0 } else { -sizes[at] };
             let couplings: Vec<f64> = (0..n * n).map(entry).collect();
             let mut impulses = vec![0.0; n];
             prop_assert!(lcp::solve(&couplings, &before, &mut impulses).is_ok());
