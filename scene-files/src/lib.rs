@@ -32,6 +32,7 @@ mod inertia;
 mod model;
 mod places;
 mod program;
+mod ranges;
 mod report;
 mod run;
 mod scene;

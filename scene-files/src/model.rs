@@ -2,6 +2,7 @@
 
 use crate::again::Again;
 use crate::derivatives::TextDerivatives;
+use crate::ranges;
 use crate::scene::TextScene;
 use crate::scratch::Scratch;
 use crate::system::zeros;
@@ -105,6 +106,13 @@ impl Model for TextScene {
     fn gap(&self, contact: usize, x: &[f64]) -> f64 {
         self.contact_of(contact)
             .map_or(f64::NAN, |contact| self.value(contact.gap, x))
+    }
+
+    fn least_gap(&self, contact: usize, low: &[f64], high: &[f64]) -> Option<f64> {
+        let kernel = self.contact_of(contact)?.gap;
+        let kernel = &self.description().kernels[kernel];
+        let [least, _] = ranges::of(kernel, &self.parameters, (low, high));
+        (least > f64::NEG_INFINITY).then_some(least)
     }
 
     fn contact(&self, contact: usize, x: &[f64], point: &mut [f64]) {

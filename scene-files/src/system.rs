@@ -5,6 +5,8 @@
 //! ```text
 //! A = dy/dx = -K^-1 F_x          d2(lambda' y)/dx2 = -(mu' F)_xx - P' A - A' P
 //! ```
+//!
+//! What is zero is passed over, which changes no sum: the inertia of bodies that are not joined to each other is a band, or a diagonal.
 
 /// Position of a structural nonzero: row, column.
 pub(crate) type Position = (usize, usize);
@@ -16,6 +18,10 @@ pub(crate) struct Solution {
     pub(crate) factors: Vec<f64>,
     /// `rows[i]` is the row of the matrix that became row `i`.
     pub(crate) rows: Vec<usize>,
+    /// Where each row of the matrix has gone.
+    places: Vec<usize>,
+    /// Columns of each row from its first nonzero to behind its last one.
+    reach: Vec<[usize; 2]>,
     /// Multipliers, and then the solution.
     pub(crate) y: Vec<f64>,
     /// Derivatives of the solution, row-major.
@@ -44,40 +50,59 @@ impl Solution {
         self.factors.extend_from_slice(matrix);
         self.rows.clear();
         self.rows.extend(0..size);
-        let factors = &mut self.factors[..];
+        self.reach.clear();
+        self.reach
+            .extend(matrix.chunks_exact(size.max(1)).map(reach));
+        let (factors, reach) = (&mut self.factors[..], &mut self.reach[..]);
         for k in 0..size {
             let mut pivot = k;
             for i in k + 1..size {
-                if factors[i * size + k].abs() > factors[pivot * size + k].abs() {
+                if reach[i][0] <= k && factors[i * size + k].abs() > factors[pivot * size + k].abs()
+                {
                     pivot = i;
                 }
             }
             if pivot != k {
                 let (above, below) = factors.split_at_mut(pivot * size);
                 above[k * size..][..size].swap_with_slice(&mut below[..size]);
+                reach.swap(k, pivot);
             }
             self.rows.swap(k, pivot);
             let inverse = 1.0 / factors[k * size + k];
             let (above, below) = factors.split_at_mut((k + 1) * size);
             let eliminated = &above[k * size..];
-            for row in below.chunks_exact_mut(size) {
+            let end = reach[k][1].max(k + 1);
+            for (i, row) in below.chunks_exact_mut(size).enumerate() {
+                let own = &mut reach[k + 1 + i];
+                // One that is not finite makes all others so.
+                if own[0] > k && inverse.is_finite() {
+                    continue;
+                }
                 let factor = row[k] * inverse;
                 row[k] = factor;
                 if factor != 0.0 {
-                    subtract(&mut row[k + 1..], &eliminated[k + 1..], factor);
+                    subtract(&mut row[k + 1..end], &eliminated[k + 1..end], factor);
+                    own[0] = own[0].min(k);
+                    own[1] = own[1].max(end);
                 }
             }
+        }
+        zeros(&mut self.places, size);
+        for (place, &row) in self.rows.iter().enumerate() {
+            self.places[row] = place;
         }
     }
 
     /// Solution of `K x = b`.
     pub(crate) fn solve(&self, b: &[f64], x: &mut [f64]) {
-        let rows = self.factors.chunks_exact(x.len());
-        for (i, row) in rows.clone().enumerate() {
-            x[i] = b[self.rows[i]] - inner(&row[..i], &x[..i]);
+        let rows = self.factors.chunks_exact(x.len()).zip(&self.reach);
+        for (i, (row, &[first, _])) in rows.clone().enumerate() {
+            let first = first.min(i);
+            x[i] = b[self.rows[i]] - inner(&row[first..i], &x[first..i]);
         }
-        for (i, row) in rows.enumerate().rev() {
-            x[i] = (x[i] - inner(&row[i + 1..], &x[i + 1..])) / row[i];
+        for (i, (row, &[_, end])) in rows.enumerate().rev() {
+            let end = end.max(i + 1);
+            x[i] = (x[i] - inner(&row[i + 1..end], &x[i + 1..end])) / row[i];
         }
     }
 
@@ -108,21 +133,24 @@ impl Solution {
         zeros(&mut self.sensitivity, size * inputs);
         let a = &mut self.sensitivity[..];
         for (&(row, column), value) in pattern.iter().zip(values) {
-            let place = self.rows.iter().position(|&own| own == row);
-            a[place.unwrap_or_default() * inputs + column] = -value;
+            a[self.places[row] * inputs + column] = -value;
         }
         let rows = self.factors.chunks_exact(size);
         for (i, factors) in rows.clone().enumerate() {
             let (known, rest) = a.split_at_mut(i * inputs);
             for (row, &factor) in known.chunks_exact(inputs).zip(factors) {
-                subtract(&mut rest[..inputs], row, factor);
+                if factor != 0.0 {
+                    subtract(&mut rest[..inputs], row, factor);
+                }
             }
         }
         for (i, factors) in rows.enumerate().rev() {
             let (rest, known) = a.split_at_mut((i + 1) * inputs);
             let own = &mut rest[i * inputs..];
             for (row, &factor) in known.chunks_exact(inputs).zip(&factors[i + 1..]) {
-                subtract(own, row, factor);
+                if factor != 0.0 {
+                    subtract(own, row, factor);
+                }
             }
             let inverse = 1.0 / factors[i];
             for value in own {
@@ -166,6 +194,16 @@ impl Solution {
     }
 }
 
+/// From the first nonzero of a row to behind its last one.
+fn reach(row: &[f64]) -> [usize; 2] {
+    let first = row.iter().position(|entry| *entry != 0.0);
+    let last = row.iter().rposition(|entry| *entry != 0.0);
+    match (first, last) {
+        (Some(first), Some(last)) => [first, last + 1],
+        _ => [row.len(), 0],
+    }
+}
+
 fn inner(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -178,7 +216,7 @@ fn subtract(y: &mut [f64], x: &[f64], factor: f64) {
 }
 
 /// The vector with this length, of zeros.
-pub(crate) fn zeros(vector: &mut Vec<f64>, length: usize) {
+pub(crate) fn zeros<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
     vector.clear();
-    vector.resize(length, 0.0);
+    vector.resize(length, T::default());
 }

@@ -1,10 +1,16 @@
 //! What a law reads: contacts as a model gives them at one point, for positions, velocities and accelerations alike.
 
 use super::line::Line;
+use crate::linalg::banded::Entry;
 use crate::model::{
     Frame, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground,
     friction_coefficients, kinetic_coefficients, surfaces, tangent_point,
 };
+
+/// Number of coordinates from which on couplings are sums over those that do not vanish. Chosen: below, finding them takes as long.
+const LARGE: usize = 16;
+/// The same of lines.
+const MANY: usize = 6;
 
 /// Contacts at a point, as last evaluated, and the coefficients of their laws; owns the memory for them.
 ///
@@ -340,12 +346,72 @@ impl<'a> View<'a> {
 
     /// Couplings of `lines`, row-major: the Delassus matrix.
     pub(crate) fn couplings(&self, lines: &[Line]) -> Vec<f64> {
+        if self.n >= LARGE && lines.len() >= MANY {
+            let order = lines.len();
+            let mut matrix = vec![0.0; order * order];
+            for (row, column, value) in self.sparse_couplings(lines) {
+                matrix[row * order + column] = value;
+            }
+            return matrix;
+        }
         let pairs = lines
             .iter()
             .flat_map(|&row| lines.iter().map(move |&column| (row, column)));
         pairs
             .map(|(row, column)| self.coupling(row, column))
             .collect()
+    }
+
+    /// The couplings of `lines` that do not vanish, row by row: a contact is between two bodies, however many there are.
+    pub(crate) fn sparse_couplings(&self, lines: &[Line]) -> Vec<Entry> {
+        // What moves each coordinate: the column, its component, and whether it is of its friction.
+        let mut movers: Vec<Vec<(usize, f64, usize)>> = vec![Vec::new(); self.n];
+        let nonzero = |(_, value): &(usize, &f64)| **value != 0.0;
+        for (column, &line) in lines.iter().enumerate() {
+            let along = self.line_direction(line).iter().enumerate();
+            for (k, &d) in along.filter(nonzero) {
+                movers[k].push((column, d, 0));
+            }
+            if let Line::Normal { contact, slope } = line
+                && slope != 0.0
+            {
+                let along = self.slip_direction(contact).iter().enumerate();
+                for (k, &e) in along.filter(nonzero) {
+                    movers[k].push((column, e, 1));
+                }
+            }
+        }
+        let mut sums = vec![[0.0; 2]; lines.len()];
+        let mut met = vec![false; lines.len()];
+        let mut entries = Vec::new();
+        for (row, &line) in lines.iter().enumerate() {
+            if matches!(line, Line::Normal { contact, .. } if self.is_dry(contact)) {
+                let values = lines.iter().map(|&other| self.coupling(line, other));
+                let values = values.enumerate().filter(|(_, value)| *value != 0.0);
+                entries.extend(values.map(|(column, value)| (row, column, value)));
+                continue;
+            }
+            for (k, &component) in self.row(line).0.iter().enumerate().filter(nonzero) {
+                for &(column, d, part) in &movers[k] {
+                    sums[column][part] += component * d;
+                    met[column] = true;
+                }
+            }
+            for (column, &other) in lines.iter().enumerate() {
+                if !std::mem::take(&mut met[column]) {
+                    continue;
+                }
+                let [along, slip] = std::mem::take(&mut sums[column]);
+                let value = match other {
+                    Line::Normal { slope, .. } if slope != 0.0 => along + slope * slip,
+                    _ => along,
+                };
+                if value != 0.0 {
+                    entries.push((row, column, line.sense() * other.sense() * value));
+                }
+            }
+        }
+        entries
     }
 
     /// Adds a force of size `value` on `line` to an acceleration, or an impulse to a velocity.

@@ -10,6 +10,7 @@ pub(crate) use crate::contact::{Line, ModeError, dot};
 
 use super::contact_size::ContactSize;
 use crate::contact::{ActiveContact, View, sum_of_sizes, tangents};
+use crate::linalg::banded::{Banded, Unfactorized};
 use crate::linalg::dense;
 use crate::model::rounding::rounding_error_at_start;
 use crate::model::{Model, switching_terms};
@@ -17,6 +18,11 @@ use crate::model::{Model, switching_terms};
 /// Coupling of the force of a slipping contact to its own normal velocity below which no force holds the
 /// contact: the friction presses as much as the force lifts.
 const JAMMED: f64 = 1e-10;
+
+/// Number of lines from which on the band of their couplings is looked at, and share of the largest entry of a column up to which a pivot
+/// counts as zero, as in [`dense`].
+const MANY: usize = 32;
+const SINGULAR: f64 = 1e-14;
 
 /// Bound of dry friction below zero, as a share of its largest, that is no rounding error.
 const NEGATIVE: f64 = 1e-9;
@@ -39,6 +45,7 @@ pub(crate) struct Contacts<'a> {
     lines: Vec<Line>,
     matrix: Vec<f64>,
     pivots: Vec<usize>,
+    band: Banded,
     pub(super) shifted: Vec<f64>,
     /// Rates of the controls, empty where they are constant.
     pub(super) control_slopes: Vec<f64>,
@@ -73,6 +80,7 @@ impl<'a> Contacts<'a> {
             lines: Vec::new(),
             matrix: Vec::new(),
             pivots: Vec::new(),
+            band: Banded::default(),
             shifted: vec![0.0; declaration.inputs()],
             control_slopes: Vec::new(),
             evaluations: 0,
@@ -280,18 +288,29 @@ impl<'a> Contacts<'a> {
         }
         let mut lines = std::mem::take(&mut self.lines);
         self.lines(active, &mut lines);
-        self.matrix.clear();
-        for &row in &lines {
-            for &column in &lines {
-                let entry = self.coupling(row, column);
-                self.matrix.push(entry);
-            }
-        }
-        self.pivots.resize(lines.len(), 0);
         for (value, &line) in forces.iter_mut().zip(&lines) {
             *value = -self.free_line_acceleration(line);
         }
+        let outcome = self.solve_lines(&lines, forces);
         self.lines = lines;
+        outcome
+    }
+
+    /// Solves for forces on the lines; `forces` are the right-hand sides.
+    fn solve_lines(&mut self, lines: &[Line], forces: &mut [f64]) -> Result<(), ModeError> {
+        if lines.len() >= MANY {
+            let entries = self.view.sparse_couplings(lines);
+            match self.band.factorize(lines.len(), &entries, SINGULAR) {
+                Ok(()) => {
+                    self.band.solve(forces);
+                    return Ok(());
+                }
+                Err(Unfactorized::Singular) => return Err(ModeError::Dependent),
+                Err(Unfactorized::Wide) => {}
+            }
+        }
+        self.matrix = self.view.couplings(lines);
+        self.pivots.resize(lines.len(), 0);
         dense::factorize(&mut self.matrix, &mut self.pivots).map_err(|_| ModeError::Dependent)?;
         dense::solve(&self.matrix, &self.pivots, forces);
         Ok(())

@@ -150,6 +150,12 @@ pub trait Model: Send + Sync {
     /// Gap `g_i(q)` of one contact.
     fn gap(&self, contact: usize, x: &[f64]) -> f64;
 
+    /// A number that the gap of one contact is not below wherever `x` lies between `low` and `high`, up to rounding; none where it is
+    /// not known. Contacts that cannot close are left out of account as long as it is above zero, in scenes with many.
+    fn least_gap(&self, _contact: usize, _low: &[f64], _high: &[f64]) -> Option<f64> {
+        None
+    }
+
     /// Everything about one contact that needs no derivative of a force, length
     /// [`contact_point::length`]: see [`contact_point`] for the layout. Of dry friction gap, normal velocity, normal and
     /// direction are 0, and the curvature is `-r`, the given normal acceleration with the other sign.

@@ -3,6 +3,7 @@
 use super::{ElementError, FiniteElement, MAX_ITERATIONS};
 use crate::joints::JointError;
 use crate::linalg::dense;
+use crate::linalg::products::products;
 
 /// The end state, moved onto the joints, and then along the surfaces that are held.
 pub(super) fn finish(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
@@ -71,6 +72,9 @@ fn finish_stages(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
     Ok(())
 }
 
+/// Number of forces from which on products with their directions are sums over what does not vanish. Chosen: below, finding it takes as long.
+const MANY: usize = 16;
+
 /// Moves the end state onto `g = 0`, `v_n = 0`, and `v_t = 0` where a contact sticks, along the directions
 /// of the forces.
 fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
@@ -93,10 +97,25 @@ fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
                 matrix[i * forces + i] = 1.0;
                 continue;
             }
+            if forces >= MANY {
+                continue;
+            }
             for j in 0..forces {
                 let gradient = &constraints.gradients[i * n..(i + 1) * n];
                 let direction = &constraints.directions[j * n..(j + 1) * n];
                 matrix[i * forces + j] = gradient.iter().zip(direction).map(|(a, b)| a * b).sum();
+            }
+        }
+        if forces >= MANY {
+            let held = |row: &usize| !constraints.is_given(*row);
+            for row in (0..forces).filter(held) {
+                matrix[row * forces..(row + 1) * forces].fill(0.0);
+            }
+            let products = products(&constraints.gradients, &constraints.directions, n);
+            for (row, column, value) in products {
+                if held(&row) {
+                    matrix[row * forces + column] = value;
+                }
             }
         }
         dense::factorize(&mut matrix, &mut pivots).map_err(|_| ElementError::Singular)?;

@@ -48,6 +48,7 @@ pub(crate) use size::groups;
 use super::constraints::Constraints;
 use crate::contact::ActiveContact;
 use crate::joints::Joints;
+use crate::linalg::banded::{Banded, Entry};
 use crate::model::{ControlPiece, Frame, Model};
 use crate::rk::ButcherTableau;
 use crate::time_freezing::clock;
@@ -126,6 +127,10 @@ pub(crate) struct FiniteElement<'a> {
     by_v: Vec<f64>,
     matrix: Vec<f64>,
     pivots: Vec<usize>,
+    /// The factors of a large matrix, if it `is_banded`, and its entries.
+    band: Banded,
+    is_banded: bool,
+    entries: Vec<Entry>,
     residual: Vec<f64>,
     /// Whether `matrix` holds factors for the present mode.
     factorized: bool,
@@ -170,6 +175,9 @@ impl<'a> FiniteElement<'a> {
             by_v: vec![0.0; n * n],
             matrix: Vec::new(),
             pivots: Vec::new(),
+            band: Banded::default(),
+            is_banded: false,
+            entries: Vec::new(),
             residual: Vec::new(),
             factorized: false,
             has_previous: false,

@@ -3,6 +3,7 @@
 use super::{
     ElementError, FiniteElement, MAX_ITERATIONS, State, assembly, end, largest, numerical_time,
 };
+use crate::linalg::banded::Unfactorized;
 use crate::linalg::dense;
 use crate::model::ControlPiece;
 use crate::rk::ButcherTableau;
@@ -26,6 +27,10 @@ const SLOW: f64 = 0.05;
 /// The same of stages that share one, and the iterations after which these count as not converged.
 const SLOW_APART: f64 = 0.2;
 const ITERATIONS_APART: usize = 25;
+/// Unknowns of an element from which on its matrix is looked at for a band, and share of the largest entry of a column up to which a pivot
+/// counts as zero, as in [`dense`]. Chosen: below, factors take as long either way.
+const LARGE: usize = 160;
+const SINGULAR: f64 = 1e-14;
 /// Most times longer than the previous element that an element may be to be predicted from it.
 const MOST_GROWTH: f64 = 16.0;
 
@@ -164,12 +169,36 @@ fn factorize(element: &mut FiniteElement<'_>, apart: bool) -> Result<(), Element
         }
     } else {
         assembly::assemble(element);
-        dense::factorize(&mut element.matrix, &mut element.pivots)
-            .map_err(|_| ElementError::Singular)?;
+        if !factorize_band(element)? {
+            dense::factorize(&mut element.matrix, &mut element.pivots)
+                .map_err(|_| ElementError::Singular)?;
+        }
     }
     element.counts.factorizations += 1;
     (element.factorized, element.apart) = (true, apart);
     Ok(())
+}
+
+/// Factorizes the matrix of a large element by its band, if it has a narrow one.
+fn factorize_band(element: &mut FiniteElement<'_>) -> Result<bool, ElementError> {
+    let size = element.residual.len();
+    element.is_banded = false;
+    if size < LARGE {
+        return Ok(false);
+    }
+    element.entries.clear();
+    for (row, values) in element.matrix.chunks_exact(size).enumerate() {
+        let columns = values.iter().enumerate();
+        let kept = columns.filter(|(_, value)| **value != 0.0);
+        let kept = kept.map(|(column, value)| (row, column, *value));
+        element.entries.extend(kept);
+    }
+    match element.band.factorize(size, &element.entries, SINGULAR) {
+        Ok(()) => element.is_banded = true,
+        Err(Unfactorized::Singular) => return Err(ElementError::Singular),
+        Err(Unfactorized::Wide) => {}
+    }
+    Ok(element.is_banded)
 }
 
 /// Simplified Newton iterations: the factors, those of stages taken `apart` or of all, are kept as long as they contract well.
@@ -200,6 +229,7 @@ fn iterate(element: &mut FiniteElement<'_>, apart: bool) -> Result<(), ElementEr
         }
         match &element.decoupled {
             Some(decoupled) if apart => decoupled.solve(&mut element.residual, element.n),
+            _ if element.is_banded => element.band.solve(&mut element.residual),
             _ => dense::solve(&element.matrix, &element.pivots, &mut element.residual),
         }
         for (unknown, step) in element.unknowns.iter_mut().zip(&element.residual) {

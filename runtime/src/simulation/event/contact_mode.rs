@@ -8,7 +8,7 @@ use super::impact::Undetermined;
 use crate::contact::{
     Balance, ContactState, Decision, Direction, Line, Touching, Vanished, sliding,
 };
-use crate::model::{Switching, pair_size};
+use crate::model::{Switching, contact_point, pair_size};
 use crate::simulation::problem::negative_bound;
 
 /// Accelerations below this share of those they balance are compared by what follows a moment later: event
@@ -33,6 +33,9 @@ const LATER: f64 = 1e-3;
 /// Largest number of modes that are compared by what follows a moment later; of more undecided contacts each is decided
 /// by itself.
 const MOST_MODES: usize = 64;
+
+/// Share of their size up to which couplings may differ that are symmetric.
+const SYMMETRIC: f64 = 1e-9;
 
 /// Choices of a mode before the direction of sliding counts as undetermined; the second is the last in exact
 /// arithmetic.
@@ -81,7 +84,11 @@ pub(in crate::simulation) fn change(
         })
     };
     for _ in 0..ATTEMPTS {
-        select(dynamics, probe, t, y, resting, vanished, outlook)?;
+        // What follows a moment later depends on no gap of an open contact.
+        dynamics.leave_gaps(true);
+        let selected = select(dynamics, probe, t, y, resting, vanished, outlook);
+        dynamics.leave_gaps(false);
+        selected?;
         if !motion::project(dynamics, t, y) {
             return undetermined(
                 dynamics,
@@ -148,9 +155,14 @@ fn select(
             (outlook.moment, skipped),
         );
     };
+    let single = combinations.len() > 1 && has_one_motion(dynamics, resting);
     for &(share, multiple) in &MOMENTS[skipped..] {
         neutral = None;
         for combination in &combinations {
+            if neutral.is_some() && single {
+                // What is consistent up to zeros has the motion that what is more than that would have.
+                break;
+            }
             for (candidate, &state) in undecided.iter().zip(combination) {
                 mode[candidate.contact] = state;
             }
@@ -181,6 +193,27 @@ fn select(
         }
         None => Err(inconsistent(first.contact)),
     }
+}
+
+/// Whether all balances of the contacts have one motion, and independent ones one set of forces: none has friction, and their couplings are
+/// symmetric as those of forces along normals.
+fn has_one_motion(dynamics: &Dynamics<'_>, contacts: &[usize]) -> bool {
+    let rubs = |&i: &usize| dynamics.is_dry(i) || dynamics.has_friction(i);
+    if contacts.iter().any(rubs) {
+        return false;
+    }
+    let lines: Vec<Line> = contacts.iter().map(|&i| Line::normal(i)).collect();
+    let inverse_inertia = |&i: &usize| dynamics.point(i)[contact_point::INVERSE_INERTIA];
+    let inertia: Vec<f64> = contacts.iter().map(inverse_inertia).collect();
+    let order = lines.len();
+    let couplings = dynamics.couplings(&lines);
+    let entry = |i: usize, j: usize| couplings[i * order + j] * inertia[j];
+    (0..order).all(|i| {
+        (0..i).all(|j| {
+            let size = (entry(i, i) * entry(j, j)).abs().sqrt();
+            (entry(i, j) - entry(j, i)).abs() <= SYMMETRIC * size
+        })
+    })
 }
 
 fn inconsistent(contact: usize) -> Undetermined {

@@ -176,8 +176,9 @@ pub(super) fn closed_contacts(
     closing: Option<usize>,
 ) -> Vec<usize> {
     dynamics.load(t, y);
+    dynamics.stay_near();
     let mut closed = Vec::new();
-    for i in 0..dynamics.contacts {
+    for i in dynamics.near().to_vec() {
         if dynamics.pieces.is_idle(i) {
             continue;
         }

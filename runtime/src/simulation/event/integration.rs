@@ -323,6 +323,7 @@ impl<'a> Integration<'a> {
         }
         self.counts.steps += 1;
         self.dynamics.sample_from(&self.step.start_values);
+        self.dynamics.prepare_step(self.t, &self.y, h);
         self.method.step(&mut self.dynamics, self.t, &self.y, h);
         let n = self.dynamics.n;
         let free = self.dynamics.free_acceleration().to_vec();

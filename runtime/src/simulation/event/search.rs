@@ -164,7 +164,11 @@ impl EventSearch {
             let at = part as f64 / parts;
             method.interpolate(at, &mut self.state[..2 * dynamics.n]);
             dynamics.load(step.t + at * step.h, &self.state);
-            for i in 0..dynamics.surfaces {
+            for slot in 0..dynamics.near().len() {
+                let i = dynamics.near()[slot];
+                if dynamics.is_dry(i) {
+                    continue;
+                }
                 let open = dynamics.state(i).is_open() && !dynamics.pieces.is_idle(i);
                 if !open || self.glimpsed[i].is_some() {
                     continue;
@@ -347,7 +351,10 @@ impl EventSearch {
         h: f64,
     ) -> f64 {
         self.places.clear();
+        // Only one function is looked at, at the end.
+        dynamics.leave_gaps(true);
         method.step(dynamics, step.t, step.y, h);
+        dynamics.leave_gaps(false);
         if !motion::project(dynamics, step.t + h, method.end_mut()) {
             return f64::NAN;
         }

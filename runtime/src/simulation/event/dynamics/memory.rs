@@ -1,5 +1,6 @@
 //! What the dynamics remember of an evaluation: mode, switching functions, equations.
 
+use super::sparse::Sparse;
 use crate::contact::{ContactState, Line};
 
 /// The contact mode.
@@ -20,6 +21,8 @@ pub(in crate::simulation) struct SwitchingFunctions {
     pub(in crate::simulation) lowest: Vec<f64>,
     /// Largest of `values` since the first sample of a step.
     pub(in crate::simulation) highest: Vec<f64>,
+    /// Whether nobody looks at the gaps of open contacts, on which the motion does not depend.
+    pub(in crate::simulation) gaps_are_idle: bool,
     /// A contact one of whose functions could not be evaluated since the first sample of a step.
     pub(in crate::simulation) undefined: Option<usize>,
     /// Sizes of the terms that a switching function balances if it is a force,
@@ -39,6 +42,7 @@ impl SwitchingFunctions {
             values: zeros(),
             lowest: zeros(),
             highest: zeros(),
+            gaps_are_idle: false,
             undefined: None,
             force_scale: zeros(),
             force_floor: zeros(),
@@ -62,6 +66,8 @@ pub(super) struct Equations {
     pub(super) couplings: Vec<f64>,
     /// The same, taken apart where it is solved.
     pub(super) matrix: Vec<f64>,
+    /// The couplings of many rows.
+    pub(super) sparse: Sparse,
     /// Where a row has components.
     pub(super) support: Vec<usize>,
     pub(super) right: Vec<f64>,
@@ -79,6 +85,7 @@ impl Equations {
             columns: vec![0.0; contacts * n],
             couplings: Vec::new(),
             matrix: Vec::new(),
+            sparse: Sparse::default(),
             support: Vec::new(),
             right: vec![0.0; rows],
             r: vec![0.0; contacts],

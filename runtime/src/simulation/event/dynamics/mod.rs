@@ -7,8 +7,10 @@
 mod laws;
 mod memory;
 pub(in crate::simulation) mod motion;
+mod near;
 pub(in crate::simulation) mod rows;
 mod scales;
+mod sparse;
 mod switch;
 pub(in crate::simulation) mod switching;
 
@@ -17,6 +19,7 @@ use memory::Equations;
 pub(in crate::simulation) use memory::{Mode, SwitchingFunctions};
 pub(in crate::simulation) use switch::Switch;
 
+use near::Near;
 use std::ops::{Deref, DerefMut};
 
 pub(in crate::simulation) use crate::contact::dot;
@@ -24,7 +27,8 @@ use crate::contact::{ContactState, Direction, View, stuck};
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
-    ControlPiece, Model, contact_point, friction_share, pair_size, switching_terms, tangent_point,
+    ControlPiece, Model, contact_point, friction_share, pair_size, surfaces, switching_terms,
+    tangent_point,
 };
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
@@ -35,6 +39,9 @@ use scales::{ContactScale, Instant};
 /// Speed below which an explicit method does not follow the direction of a slide, as a multiple of that for finite elements: the slower
 /// a slide, the stiffer.
 const EXPLICIT: f64 = 10.0;
+
+/// Number of switching functions from which on gaps are left out where nobody looks at them. Chosen: fewer take no time.
+const MANY: usize = 16;
 
 /// Dynamics of a model with a set of active contacts `I`, of which `J` stick:
 ///
@@ -71,6 +78,8 @@ pub(in crate::simulation) struct Dynamics<'a> {
     equations: Equations,
     /// What counts as zero at each contact.
     scales: Vec<ContactScale>,
+    /// Which contacts may close.
+    near: Near,
     auxiliary_acceleration: f64,
     explicit_time: bool,
     /// Joints, if there are any.
@@ -117,6 +126,7 @@ impl<'a> Dynamics<'a> {
             orientation: 1.0,
             equations: Equations::new((n, contacts), rows),
             scales: vec![ContactScale::default(); contacts],
+            near: Near::new(model, surfaces(model)),
             auxiliary_acceleration,
             explicit_time: declaration.explicit_time,
             joints: Joints::of(model),
@@ -324,10 +334,10 @@ impl<'a> Dynamics<'a> {
     }
 
     fn acceleration_scale(&self, covector: &[f64], curvature: f64) -> f64 {
-        covector
-            .iter()
-            .enumerate()
-            .fold(curvature.abs(), |sum, (k, component)| {
+        let components = covector.iter().enumerate();
+        components.filter(|(_, component)| **component != 0.0).fold(
+            curvature.abs(),
+            |sum, (k, component)| {
                 let forces: f64 = self
                     .mode
                     .active
@@ -341,7 +351,8 @@ impl<'a> Dynamics<'a> {
                     })
                     .sum();
                 sum + component.abs() * (self.view.free_acceleration()[k].abs() + forces)
-            })
+            },
+        )
     }
 
     /// Takes note of the sizes of the functions of all contacts at a state, by which is measured what counts as zero.
@@ -349,8 +360,10 @@ impl<'a> Dynamics<'a> {
     pub(in crate::simulation) fn observe(&mut self, t: f64, y: &[f64], moment: f64) {
         self.load(t, y);
         self.view.evaluate_free_acceleration(&self.x);
+        self.stay_near();
         let n = self.n;
-        for i in 0..self.contacts {
+        for slot in 0..self.near.contacts().len() {
+            let i = self.near.contacts()[slot];
             self.evaluate_sides(i);
             let (view, rubs) = (&self.view, self.view.has_friction(i));
             let friction = rubs.then(|| (view.tangent_point(i), view.friction(i)));
@@ -373,6 +386,48 @@ impl<'a> Dynamics<'a> {
         }
     }
 
+    /// Contacts that may close, increasing; the others are far at the state loaded.
+    pub(in crate::simulation) fn near(&self) -> &[usize] {
+        self.near.contacts()
+    }
+
+    /// Time on which gaps depend, if they do.
+    fn time(&self) -> Option<f64> {
+        self.x.last().copied().filter(|_| self.explicit_time)
+    }
+
+    /// Finds out anew which contacts may close, if the state loaded is elsewhere than was expected.
+    pub(in crate::simulation) fn stay_near(&mut self) {
+        if self.near.is_left(&self.x, self.view.n, self.time()) {
+            self.look_around();
+        }
+    }
+
+    /// The same for a step of length `h` from a state.
+    pub(in crate::simulation) fn prepare_step(&mut self, t: f64, y: &[f64], h: f64) {
+        self.near.expect_step(h);
+        self.load(t, y);
+        let a = self.view.free_acceleration();
+        if self.near.is_left_within(&self.x, a, self.explicit_time) {
+            self.look_around();
+        }
+    }
+
+    /// Finds out which contacts may close within the next steps from the state loaded.
+    fn look_around(&mut self) {
+        let (view, switching) = (&self.view, &mut self.switching);
+        let now = (&self.x[..], view.free_acceleration());
+        let place = |contact: usize, bound: Option<f64>| {
+            let value = bound.unwrap_or_else(|| view.pieces.gap(view.model, contact, &self.x));
+            switching.values[contact] = value;
+            switching.lowest[contact] = value;
+            switching.highest[contact] = value;
+        };
+        let least_gap =
+            |contact: usize, low: &[f64], high: &[f64]| view.model.least_gap(contact, low, high);
+        self.near.look(least_gap, now, self.explicit_time, place);
+    }
+
     /// Expects a motion that is smooth over a `moment`, where no step tells yet.
     pub(in crate::simulation) fn expect_moment(&mut self, moment: f64) {
         for scale in &mut self.scales {
@@ -390,7 +445,7 @@ impl<'a> Dynamics<'a> {
     ) {
         self.observe(t, y, moment);
         let n = self.n;
-        for i in 0..self.contacts {
+        for &i in self.near.contacts() {
             let (pieces, model) = (&self.view.pieces, self.view.model);
             let a = self.view.free_acceleration();
             let x = &mut self.x;
@@ -488,6 +543,12 @@ impl<'a> Dynamics<'a> {
     /// Size of forces to which those of a contact are compared.
     pub(in crate::simulation) fn force_floor(&self, contact: usize) -> f64 {
         self.switching.force_floor[contact]
+    }
+
+    /// Leaves the gaps of open contacts out of evaluations, or takes them up again: the motion does not depend on them. Of few functions all
+    /// are evaluated.
+    pub(in crate::simulation) fn leave_gaps(&mut self, idle: bool) {
+        self.switching.gaps_are_idle = idle && self.functions() >= MANY;
     }
 
     /// Makes `values` the first sample of a step.

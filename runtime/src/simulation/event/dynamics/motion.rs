@@ -146,6 +146,7 @@ impl System for Dynamics<'_> {
         let n = self.n;
         self.load(t, y);
         self.evaluate_free_acceleration();
+        self.stay_near();
         dy[..n].copy_from_slice(&y[n..2 * n]);
         dy[n..2 * n].copy_from_slice(self.free_acceleration());
         dy[2 * n] = 1.0;

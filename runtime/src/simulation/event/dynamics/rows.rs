@@ -1,11 +1,17 @@
-//! The linear system of a contact mode for the contact accelerations.
+//! The linear system of a contact mode for the contact accelerations: dense, or of many contacts by the couplings that do not vanish.
 
+use super::sparse::Sparse;
 use super::{Dynamics, dot};
 use crate::contact::Line;
+use crate::linalg::banded::Unfactorized;
 use crate::linalg::small_system;
 
 /// Number of coordinates from which on rows are looked through for zeros. Chosen: below, looking takes as long as adding them.
 const LARGE: usize = 16;
+/// Number of rows from which on those couplings alone are kept that do not vanish, and share of the largest of a column up to which a pivot
+/// counts as zero, as in [`small_system`]. Chosen: fewer rows take as long either way.
+const MANY: usize = 32;
+const SINGULAR: f64 = 1e-12;
 
 /// The line that a row holds: the normals of active contacts, then the tangents of sticking ones.
 fn line(dynamics: &Dynamics<'_>, row: usize) -> Line {
@@ -74,9 +80,82 @@ fn couple(
     }
 }
 
+/// Writes the couplings of the first `rows` rows that do not vanish: a contact is between two bodies, however many there are.
+fn couple_sparsely(dynamics: &Dynamics<'_>, (rows, slipping): (usize, bool), sparse: &mut Sparse) {
+    sparse.entries.clear();
+    sparse.starts.clear();
+    sparse.columns.resize(dynamics.n, Vec::new());
+    sparse.columns.iter_mut().for_each(Vec::clear);
+    sparse.sums.clear();
+    sparse.sums.resize(rows, 0.0);
+    let nonzeros = |values: &[f64], of: &mut dyn FnMut(usize, f64)| {
+        for (k, &value) in values.iter().enumerate() {
+            if value != 0.0 {
+                of(k, value);
+            }
+        }
+    };
+    for column in 0..rows {
+        let direction = force_direction(dynamics, column, slipping);
+        nonzeros(direction, &mut |k, d| sparse.columns[k].push((column, d)));
+    }
+    let mut dense = Vec::new();
+    for row in 0..rows {
+        sparse.starts.push(sparse.entries.len());
+        if is_given(dynamics, row) {
+            dense.resize(rows, 0.0);
+            couple(dynamics, (row, slipping), &mut Vec::new(), &mut dense);
+            nonzeros(&dense, &mut |column, value| {
+                sparse.entries.push((row, column, value));
+            });
+            continue;
+        }
+        nonzeros(constraint(dynamics, row), &mut |k, c| {
+            for &(column, d) in &sparse.columns[k] {
+                if sparse.sums[column] == 0.0 {
+                    sparse.touched.push(column);
+                }
+                sparse.sums[column] += c * d;
+            }
+        });
+        sparse.touched.sort_unstable();
+        for column in sparse.touched.drain(..) {
+            // A sum may vanish on its way, and be met again.
+            let sum = std::mem::take(&mut sparse.sums[column]);
+            if sum != 0.0 {
+                sparse.entries.push((row, column, sum));
+            }
+        }
+    }
+    sparse.starts.push(sparse.entries.len());
+}
+
+/// Solves many rows by those of their couplings that do not vanish; none where they are not few.
+fn solve_sparsely(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<Option<f64>> {
+    let mut sparse = std::mem::take(&mut dynamics.equations.sparse);
+    sparse.holds = rows >= MANY;
+    let mut solved = None;
+    if sparse.holds {
+        couple_sparsely(dynamics, (rows, slipping), &mut sparse);
+        match sparse.factors.factorize(rows, &sparse.entries, SINGULAR) {
+            Ok(()) => {
+                sparse.factors.solve(&mut dynamics.equations.right[..rows]);
+                solved = Some(Some(sparse.factors.sign()));
+            }
+            Err(Unfactorized::Singular) => solved = Some(None),
+            Err(Unfactorized::Wide) => sparse.holds = false,
+        }
+    }
+    dynamics.equations.sparse = sparse;
+    solved
+}
+
 /// Solves for the unknowns of the first `rows` rows. Returns the sign of the determinant, `None` if they are
 /// dependent.
 pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
+    if let Some(solved) = solve_sparsely(dynamics, rows, slipping) {
+        return solved;
+    }
     let mut couplings = std::mem::take(&mut dynamics.equations.couplings);
     let mut support = std::mem::take(&mut dynamics.equations.support);
     couplings.resize(rows * rows, 0.0);
@@ -91,6 +170,10 @@ pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: boo
 /// Solves the rows of the last solution for other right-hand sides.
 fn solve_again(dynamics: &mut Dynamics<'_>, rows: usize) -> Option<f64> {
     let equations = &mut dynamics.equations;
+    if equations.sparse.holds {
+        equations.sparse.factors.solve(&mut equations.right[..rows]);
+        return Some(equations.sparse.factors.sign());
+    }
     equations.matrix.clone_from(&equations.couplings);
     small_system::solve(&mut equations.matrix, &mut equations.right[..rows])
 }
@@ -187,6 +270,14 @@ pub(super) fn row_scale(dynamics: &Dynamics<'_>, row: usize, rows: usize) -> f64
             dynamics.free_sliding_acceleration(held.contact())
         }
     };
+    let (sparse, forces) = (&dynamics.equations.sparse, &dynamics.equations.right);
+    if sparse.holds {
+        let own = &sparse.entries[sparse.starts[row]..sparse.starts[row + 1]];
+        let others = own.iter().filter(|(_, column, _)| *column != row);
+        return others.fold(free, |sum, &(_, column, coupling)| {
+            sum + (coupling * forces[column]).abs()
+        });
+    }
     let couplings = &dynamics.equations.couplings[row * rows..][..rows];
     let terms = couplings.iter().zip(&dynamics.equations.right).enumerate();
     terms

@@ -124,9 +124,15 @@ pub(in crate::simulation) fn switching_value(
 /// Writes the switching functions, once rows and contact accelerations are known, and the sizes of the
 /// terms of those that are forces.
 pub(super) fn evaluate_switches(dynamics: &mut Dynamics<'_>, rows: usize) {
-    for i in 0..dynamics.contacts {
-        if dynamics.mode.states[i].is_open() {
-            dynamics.switching.values[i] = dynamics.gap(i);
+    if !dynamics.switching.gaps_are_idle {
+        for &i in dynamics.near.contacts() {
+            if dynamics.mode.states[i].is_open() {
+                let gap = dynamics
+                    .view
+                    .pieces
+                    .gap(dynamics.view.model, i, &dynamics.x);
+                dynamics.switching.values[i] = gap;
+            }
         }
     }
     for slot in 0..dynamics.mode.active.len() {
