@@ -72,6 +72,7 @@ crate::model! {
         minimize integral(0.4*u^2/1[N^2])/1[s]
         finally { y == 0.5[m] }
         free { z in 0..=1, dot(y) in 1..=2 }
+        start { z: 0.4 [m], dot(y): 1.5 [m/s] }
     }
 }
 
