@@ -397,24 +397,30 @@ fn spatial(draw: &mut Draw) -> String {
         let pairs = places[0].iter().zip(other);
         pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>()
     };
-    if count == 2 && draw.chance(0.7) {
+    let held = if count == 2 && draw.chance(0.7) {
         let rod = "(x0 - x1)^2 + (y0 - y1)^2 + (z0 - z1)^2";
         text.line(&format!("joint rod: {rod} == {} [m^2]", apart(places[1])));
+        true
     } else if draw.chance(0.4) {
         let rope = "x0^2 + y0^2 + (z0 - 1.4 [m])^2";
         let square = apart([0.0, 0.0, 1.4]);
         text.line(&format!("joint rope: {rope} == {square} [m^2]"));
-    }
-    obstacles(draw, count, &mut text);
+        true
+    } else {
+        false
+    };
+    obstacles(draw, (count, held), &mut text);
     text.line(&format!("start {{ {} }}", start.join(", ")));
     text.line("horizon 1.2 [s]");
     text.0
 }
 
-/// The floor and the wall of balls in space.
-fn obstacles(draw: &mut Draw, count: usize, text: &mut Text) {
+/// The floor and the wall of balls in space. Those that joints hold have fewer ways to slide than a rough floor holds, which is no motion
+/// that is known: theirs is smooth.
+fn obstacles(draw: &mut Draw, (count, held): (usize, bool), text: &mut Text) {
     let law = law(draw);
     let friction = match draw.between(0.0, 3.0) as usize {
+        _ if held => None,
         0 => None,
         1 => Some(format!("{:.4}", draw.between(0.1, 0.8))),
         _ => {
