@@ -12,13 +12,14 @@ use super::draw::Draw;
 type Family = fn(&mut Draw) -> String;
 
 /// The families by their names.
-pub(crate) const FAMILIES: [(&str, Family); 6] = [
+pub(crate) const FAMILIES: [(&str, Family); 7] = [
     ("mixed", mixed),
     ("floors", floors),
     ("wheels", wheels),
     ("piles", piles),
     ("clearances", clearances),
     ("linkages", linkages),
+    ("spatial", spatial),
 ];
 
 /// The scene of a text.
@@ -358,4 +359,84 @@ fn linkages(draw: &mut Draw) -> String {
     text.line(&format!("start {{ {} }}", start.join(", ")));
     text.line("horizon 1 [s]");
     text.0
+}
+
+/// One or two balls in space, perhaps on a rod or on a rope to a pivot, over a floor that is tilted and mostly rough, and beside a wall.
+fn spatial(draw: &mut Draw) -> String {
+    let count = if draw.chance(0.4) { 2 } else { 1 };
+    let mut text = Text::default();
+    let names = (0..count).map(|k| format!("x{k}: m, y{k}: m, z{k}: m"));
+    let names = names.collect::<Vec<_>>().join(", ");
+    text.line(&format!("coordinates {{ {names} }}"));
+    let (mut energy, mut start, mut places) = (String::new(), Vec::new(), Vec::new());
+    let (tilt, heading) = (draw.between(0.0, 0.4), draw.between(0.0, 2.0 * PI));
+    for k in 0..count {
+        let mass = draw.between(0.5, 2.0);
+        let _ = write!(
+            energy,
+            " + {mass:.4} [kg]/2*(dot(x{k})^2 + dot(y{k})^2 + dot(z{k})^2) - {:.4} [N]*z{k} + {:.4} [N]*x{k} + {:.4} [N]*y{k}",
+            9.81 * mass * tilt.cos(),
+            9.81 * mass * tilt.sin() * heading.cos(),
+            9.81 * mass * tilt.sin() * heading.sin(),
+        );
+        let place = [
+            draw.between(0.2, 0.9) * k as f64,
+            draw.between(-0.6, 0.6),
+            draw.between(0.2, 0.8),
+        ];
+        let [x, y, z] = place;
+        start.push(format!("x{k}: {x}, y{k}: {y}, z{k}: {z}"));
+        for name in ["x", "y", "z"] {
+            start.push(format!("dot({name}{k}): {:.4}", draw.between(-2.0, 2.0)));
+        }
+        places.push(place);
+    }
+    text.line(&format!("lagrangian{}", energy.trim_start_matches(" +")));
+    // Joints have the lengths of the start.
+    let apart = |other: [f64; 3]| {
+        let pairs = places[0].iter().zip(other);
+        pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>()
+    };
+    let held = if count == 2 && draw.chance(0.7) {
+        let rod = "(x0 - x1)^2 + (y0 - y1)^2 + (z0 - z1)^2";
+        text.line(&format!("joint rod: {rod} == {} [m^2]", apart(places[1])));
+        true
+    } else if draw.chance(0.4) {
+        let rope = "x0^2 + y0^2 + (z0 - 1.4 [m])^2";
+        let square = apart([0.0, 0.0, 1.4]);
+        text.line(&format!("joint rope: {rope} == {square} [m^2]"));
+        true
+    } else {
+        false
+    };
+    obstacles(draw, (count, held), &mut text);
+    text.line(&format!("start {{ {} }}", start.join(", ")));
+    text.line("horizon 1.2 [s]");
+    text.0
+}
+
+/// The floor and the wall of balls in space. Those that joints hold have fewer ways to slide than a rough floor holds, which is no motion
+/// that is known: theirs is smooth.
+fn obstacles(draw: &mut Draw, (count, held): (usize, bool), text: &mut Text) {
+    let law = law(draw);
+    let friction = match draw.between(0.0, 3.0) as usize {
+        _ if held => None,
+        0 => None,
+        1 => Some(format!("{:.4}", draw.between(0.1, 0.8))),
+        _ => {
+            let rest = draw.between(0.2, 0.8);
+            let sliding = rest * draw.between(0.5, 0.95);
+            Some(format!("static {rest:.4}, kinetic {sliding:.4}"))
+        }
+    };
+    let wall = draw.between(1.0, 1.5);
+    for k in 0..count {
+        text.line(&format!("surface floor{k}: z{k} >= 0"));
+        let rubs = friction.as_ref().map_or(String::new(), |mu| {
+            format!(", friction {mu}, sliding (dot(x{k}), dot(y{k}))")
+        });
+        text.line(&format!("impact floor{k}: {law}{rubs}"));
+        text.line(&format!("surface wall{k}: x{k} <= {wall:.4} [m]"));
+        text.line(&format!("impact wall{k}: restitution 0.5"));
+    }
 }

@@ -292,6 +292,7 @@ pub(crate) struct Joint {
 }
 
 /// A surface with its law, or dry friction without a surface.
+#[derive(Clone)]
 pub(crate) struct Contact {
     pub(crate) name: Name,
     pub(crate) documentation: Documentation,
@@ -312,6 +313,8 @@ pub(crate) struct Contact {
     pub(crate) bound: Option<Sym>,
     /// Surfaces (indices of contacts) whose normal forces are added to that, each times a factor.
     pub(crate) loads: Vec<(u16, Sym)>,
+    /// Equations of joints, counted over all of them, whose forces are added to it in the same way.
+    pub(crate) joint_loads: Vec<(u16, Sym)>,
     /// Of a switch what it acts by: it is dry friction with the bound 1, against minus its function.
     pub(crate) switch: Option<Action>,
     /// Velocities (indices) that are set where the function of a switch that does nothing else comes to be positive, with what they are
@@ -320,6 +323,7 @@ pub(crate) struct Contact {
 }
 
 /// What a switch acts by, one force a coordinate in declared units.
+#[derive(Clone)]
 pub(crate) struct Action {
     pub(crate) force: Vec<Sym>,
     /// The same with each control as large as it is usually, so that what is measured by it has derivatives where a control is 0.
@@ -352,6 +356,7 @@ impl Contact {
             }),
             bound: Some(bound),
             loads: Vec::new(),
+            joint_loads: Vec::new(),
             switch: None,
             reset: Vec::new(),
         }
@@ -374,9 +379,13 @@ impl Contact {
         let force = |i: u16| Sym::variable(Variable::ContactForce(i));
         let loads = self.loads.iter();
         let loads: Sym = loads.map(|&(i, factor)| factor * force(i)).sum();
-        self.bound.map(|bound| match self.loads.is_empty() {
-            true => bound,
-            false => bound + loads,
+        let of_joint = |i: u16| Sym::variable(Variable::JointForce(i));
+        let joints = self.joint_loads.iter();
+        let joints: Sym = joints.map(|&(i, factor)| factor * of_joint(i)).sum();
+        let follows = !self.loads.is_empty() || !self.joint_loads.is_empty();
+        self.bound.map(|bound| match follows {
+            false => bound,
+            true => bound + loads + joints,
         })
     }
 }

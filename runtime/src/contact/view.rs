@@ -29,7 +29,7 @@ pub(crate) struct View<'a> {
     friction: Vec<f64>,
     /// The same of contacts that slide.
     kinetic: Vec<f64>,
-    /// What dry frictions follow of the forces of surfaces.
+    /// What dry frictions follow of the forces of contacts.
     loads: Loads,
     /// Acceleration without contact forces.
     acceleration: Vec<f64>,
@@ -226,6 +226,11 @@ impl<'a> View<'a> {
         contact >= self.surfaces
     }
 
+    /// Whether the bound of a dry friction follows forces of contacts.
+    pub(crate) fn follows(&self, contact: usize) -> bool {
+        !self.model.declaration().contacts[contact].loads.is_empty()
+    }
+
     /// How the motion meets the zeros of a switch, if the contact is one.
     pub(crate) fn switch_of(&self, contact: usize) -> Option<Switching> {
         self.model.declaration().contacts[contact].switch
@@ -328,10 +333,24 @@ impl<'a> View<'a> {
 
     /// Acceleration (or velocity) of line `row` for a unit force (or impulse) on line `column`.
     pub(crate) fn coupling(&self, row: Line, column: Line) -> f64 {
-        if let (Line::Normal { contact, .. }, Line::Normal { contact: other, .. }) = (row, column)
+        if let Line::Normal { contact, .. } = row
             && self.is_dry(contact)
         {
-            return self.loads.coupling(contact, other);
+            return match column {
+                Line::Normal {
+                    contact: other,
+                    slope,
+                } if slope != 0.0 => {
+                    let rubbing = slope * self.loads.rubbing(contact, other);
+                    self.loads.coupling(contact, other) + rubbing
+                }
+                Line::Normal { contact: other, .. } => self.loads.coupling(contact, other),
+                Line::Tangent {
+                    contact: other,
+                    sense,
+                } => sense * self.loads.rubbing(contact, other),
+                Line::Across { .. } => 0.0,
+            };
         }
         let (gradient, _) = self.row(row);
         let along = dot(gradient, self.line_direction(column));
@@ -433,7 +452,16 @@ impl<'a> View<'a> {
     /// large. Not above zero, friction jams the contact.
     pub(crate) fn gain(&self, contact: usize, ratio: f64) -> f64 {
         let own = Line::normal(contact);
-        self.coupling(own, own) + ratio * dot(self.normal(contact), self.slip_direction(contact))
+        self.coupling(own, own) + ratio * self.pull(contact)
+    }
+
+    /// What a unit of its own friction adds to the normal acceleration of a contact, `n' e`; of a bound that follows it, less what it adds
+    /// to that.
+    pub(crate) fn pull(&self, contact: usize) -> f64 {
+        if self.is_dry(contact) && self.follows(contact) {
+            return self.loads.rubbing(contact, contact);
+        }
+        dot(self.normal(contact), self.slip_direction(contact))
     }
 }
 

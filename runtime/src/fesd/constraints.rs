@@ -183,10 +183,30 @@ impl<'a> Constraints<'a> {
         }
         let mut factors = vec![0.0; followed.len()];
         self.model.loads(contact, x, &mut factors);
-        for (surface, factor) in followed.iter().zip(factors) {
-            let on = self.active.iter().position(|held| held.contact == *surface);
-            self.loads.extend(on.map(|on| (place, on, factor)));
+        let contacts = self.friction.len();
+        for (&other, factor) in followed.iter().zip(factors) {
+            let on = self
+                .active
+                .iter()
+                .position(|held| held.contact == other % contacts);
+            let Some(on) = on else { continue };
+            let (on, factor) = match other < contacts {
+                true => (on, factor),
+                false => self.rubbing(on, factor),
+            };
+            self.loads.push((place, on, factor));
         }
+    }
+
+    /// The unknown that the friction of an active contact is, or follows, and a factor of that friction as one of it.
+    fn rubbing(&self, place: usize, factor: f64) -> (usize, f64) {
+        let held = self.active[place];
+        if held.state.sticks() {
+            let before = self.active[..place].iter();
+            let stuck: usize = before.map(|held| held.state.stuck()).sum();
+            return (self.active.len() + stuck, factor);
+        }
+        (place, factor * self.slope(held))
     }
 
     /// Evaluates gaps, velocities, gradients and directions at the input vector `x`.

@@ -112,11 +112,31 @@ impl<'a> Contacts<'a> {
         }
     }
 
-    /// Whether the bound of a dry friction is not negative at the last evaluation.
+    /// Whether the bound of a dry friction that follows no force is not negative at the last evaluation.
     pub(crate) fn check_bounds(&self) -> Result<(), ModeError> {
-        let negative = |&i: &usize| -self.normal_acceleration(i) < -NEGATIVE * self.scales[i];
+        let negative = |&i: &usize| {
+            let given = -self.normal_acceleration(i);
+            given < -NEGATIVE * self.scales[i] && !self.follows(i)
+        };
         match (self.surfaces..self.scales.len()).find(negative) {
             Some(contact) => Err(ModeError::NegativeBound(contact)),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether bounds that follow forces are not negative, where the `active` contacts have these `forces`.
+    pub(crate) fn check_followed(
+        &self,
+        active: &[ActiveContact],
+        forces: &[f64],
+    ) -> Result<(), ModeError> {
+        let mut pairs = active.iter().zip(forces);
+        let negative = |&(held, &force): &(&ActiveContact, &f64)| {
+            let scale = self.scales[held.contact].max(force.abs());
+            force < -NEGATIVE * scale && self.is_dry(held.contact) && self.follows(held.contact)
+        };
+        match pairs.find(negative) {
+            Some((held, _)) => Err(ModeError::NegativeBound(held.contact)),
             None => Ok(()),
         }
     }
@@ -319,7 +339,7 @@ impl<'a> Contacts<'a> {
     /// Normal acceleration for a unit force of a contact with `s = slope r`; `n' d = 1` by the scaling of the
     /// contact direction.
     fn lift(&self, contact: usize, slope: f64) -> f64 {
-        1.0 + slope * dot(self.normal(contact), self.slip_direction(contact))
+        1.0 + slope * self.pull(contact)
     }
 
     /// Normal acceleration for a unit force of a contact that slides in the given sense.

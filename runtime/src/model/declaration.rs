@@ -123,8 +123,8 @@ pub struct ContactDeclaration {
     /// Whether this is dry friction without a surface: the contact always touches, its normal force is the declared
     /// bound, and its coefficient of friction is 1. Such contacts stand behind all others.
     pub dry: bool,
-    /// Of dry friction: surfaces (indices) whose normal forces raise its bound, each times what
-    /// [`Model::loads`](super::Model::loads) says.
+    /// Of dry friction: what its bound follows, each times what [`Model::loads`](super::Model::loads) says: normal forces of surfaces
+    /// (indices of contacts), and friction forces, counted behind the normal ones of all contacts. Forces of joints contain both.
     pub loads: &'static [usize],
     /// Of a switch of what acts, which is [`dry`](Self::dry): how the motion meets the zeros of its function.
     pub switch: Option<Switching>,

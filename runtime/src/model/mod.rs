@@ -194,8 +194,8 @@ pub trait Model: Send + Sync {
     /// [`FrictionDeclaration::across`], in its order.
     fn across_jacobian(&self, _contact: usize, _x: &[f64], _values: &mut [f64]) {}
 
-    /// What a unit of the normal acceleration `r` of each surface in [`ContactDeclaration::loads`] of a dry friction adds to its given
-    /// one: `r_dry = D f + sum_i load_i r_i`, which is the bound `f + sum_i c_i lambda_i`, `load_i = c_i D / D_i`.
+    /// What a unit of the normal or tangential acceleration `r` of each entry of [`ContactDeclaration::loads`] of a dry friction adds to
+    /// its given one: `r_dry = D f + sum_i load_i r_i`, which is the bound `f + sum_i c_i lambda_i`, `load_i = c_i D / D_i`.
     fn loads(&self, _contact: usize, _x: &[f64], _loads: &mut [f64]) {}
 
     /// The factor that the friction direction of one contact carries at `x`, by which friction changes with the sliding velocity

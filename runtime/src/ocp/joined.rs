@@ -5,11 +5,10 @@
 
 use super::problem::{Problem, has_free_start};
 use super::program::joint_rows::at_start;
-use super::settings::{Formulation, Settings};
 use super::solution::Solution;
 use crate::model::Model;
 use crate::refusal;
-use crate::simulation::{ClosedStart, ControlSignal, InputError, refuse_joints};
+use crate::simulation::{ClosedStart, ControlSignal, InputError};
 use nalgebra::{DMatrix, DVector};
 
 /// Newton steps of the free initial values.
@@ -30,22 +29,14 @@ pub(in crate::ocp) struct Joined {
 /// The problem with a start that fulfils the joints of its scene; none without joints.
 ///
 /// # Errors
-/// [`InputError`] where the start cannot be completed, a parameter that is found would be decided by it, or the formulation knows no joints.
+/// [`InputError`] where the start cannot be completed or a parameter that is found would be decided by it.
 pub(in crate::ocp) fn joined(
     model: &dyn Model,
     problem: &Problem,
-    settings: &Settings,
 ) -> Result<Option<Joined>, InputError> {
     let Some(declared) = model.declaration().joints else {
         return Ok(None);
     };
-    if matches!(settings.formulation, Formulation::TimeFreezing(_)) {
-        refuse_joints(
-            model,
-            "optimal control in the time-freezing formulation",
-            "solve in phases, the default",
-        )?;
-    }
     let mut start = problem.start();
     if has_free_start(model) {
         move_what_is_free(model, problem, &mut start);

@@ -64,7 +64,7 @@ pub fn program_sizes(
         Some(unknown) => (&*unknown.model, &unknown.problem),
         None => (model, problem),
     };
-    let known = joined(model, problem, settings)?;
+    let known = joined(model, problem)?;
     let (model, problem) = match &known {
         Some(known) => (&*known.model, &known.problem),
         None => (model, problem),

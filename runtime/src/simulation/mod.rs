@@ -52,7 +52,7 @@ pub use state::State;
 pub use trajectory::Trajectory;
 
 pub(crate) use event::{Ending, simulate_once, simulate_to};
-pub(crate) use joints::{Closed as ClosedStart, refuse as refuse_joints};
+pub(crate) use joints::Closed as ClosedStart;
 pub(crate) use quantity::{Quantity, number, per_second};
 
 use crate::Observer;

@@ -422,7 +422,7 @@ impl InitialValueProblem {
             {
                 "a bound that changes with velocities"
             } else if !contact.loads.is_empty() {
-                "a bound that follows forces of surfaces"
+                "a bound that follows forces of surfaces or joints"
             } else {
                 continue;
             };
@@ -432,30 +432,23 @@ impl InitialValueProblem {
         Ok(())
     }
 
-    /// Refuses more contacts that rest and slide with coefficients of their own than states are tried for, and such contacts beside
-    /// one in space, whose cones are solved without trying.
+    /// Refuses more contacts that rest and slide with coefficients of their own than states are tried for. Beside a contact in space
+    /// nothing is tried.
     fn check_breaking(model: &dyn Model) -> Result<(), InputError> {
         const MOST: usize = 6;
         let contacts = || {
             let contacts = model.declaration().contacts.iter();
             contacts.filter_map(|known| Some((known.name, known.friction?)))
         };
-        let breaking = || contacts().filter(|(_, friction)| friction.kinetic);
-        let spatial = contacts().find(|(_, friction)| friction.across.is_some());
-        let remedy = "give them one coefficient each, as in `friction mu`";
-        match (breaking().next(), breaking().nth(MOST), spatial) {
-            (Some((name, _)), _, Some((other, _))) => Err(refusal::unsupported(
-                format!(
-                    "`{name}`, with coefficients of its own at rest and in sliding, beside `{other}` in space,"
-                ),
-                remedy,
-            )),
-            (_, Some((name, _)), _) => Err(refusal::unsupported(
+        let mut breaking = contacts().filter(|(_, friction)| friction.kinetic);
+        let in_space = contacts().any(|(_, friction)| friction.across.is_some());
+        match breaking.nth(MOST) {
+            Some((name, _)) if !in_space => Err(refusal::unsupported(
                 format!(
                     "`{name}`, the contact number {} with coefficients of its own at rest and in sliding,",
                     MOST + 1
                 ),
-                remedy,
+                "give them one coefficient each, as in `friction mu`",
             )),
             _ => Ok(()),
         }

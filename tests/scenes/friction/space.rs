@@ -216,6 +216,165 @@ fn block_that_is_pushed_around_breaks_loose_where_the_push_leaves_the_cone() {
     }
 }
 
+/// A block on a floor that forces pull along it, with coefficients of its own at rest and in sliding.
+fn pulled(forces: &str, gravity: &str) -> String {
+    format!(
+        "parameters {{ m: kg = 0.7, g: m/s^2 = 9.81, c: N/s = 1.6, w: rad/s = 0.5, ca = 0.28, sa = 0.96 }}
+        coordinates {{ x: m, y: m, z: m }} controls {{ u: N, v: N }}
+        lagrangian m/2*(dot(x)^2 + dot(y)^2 + dot(z)^2)
+        forces {{ {forces}, z: -m*{gravity} }}
+        surface ground: z >= 0
+        impact ground: inelastic, friction static 0.45, kinetic 0.3, sliding (dot(x), dot(y))"
+    )
+}
+
+#[test]
+fn block_in_space_breaks_loose_at_the_friction_of_rest_and_slides_with_that_of_sliding() {
+    let text = pulled("x: c*t*ca, y: c*t*sa", "g") + "horizon 3 [s]";
+    // It breaks loose at c t = mu_s m g; then m v' = c t - mu_k m g along the pull.
+    let loose: f64 = 0.45 * 0.7 * 9.81 / 1.6;
+    let (passed, rate, held): (f64, f64, f64) = (3.0 - loose, 1.6 / 0.7, 0.15 * 9.81);
+    let way = rate * passed.powi(3) / 6.0 + held * passed * passed / 2.0;
+    let speed = rate * passed * passed / 2.0 + held * passed;
+    for motion in motions(&text) {
+        events(&motion, &[(EventKind::Slip, loose)], 1e-9);
+        let wanted = [
+            ("x", 0.28 * way),
+            ("y", 0.96 * way),
+            ("dot(x)", 0.28 * speed),
+            ("friction_force(ground)", 0.3 * 0.7 * 9.81),
+        ];
+        ends(&motion, &wanted, 1e-8);
+    }
+}
+
+#[test]
+fn plane_that_is_tilted_lets_go_at_the_angle_of_rest() {
+    let text = pulled("x: m*g*sin(w*t)*ca, y: m*g*sin(w*t)*sa", "g*cos(w*t)") + "horizon 1.5 [s]";
+    // tan(w t) = mu_s; then v' = g (sin(w t) - mu_k cos(w t)).
+    let (w, g) = (0.5, 9.81);
+    let loose = 0.45_f64.atan() / w;
+    let ((s, c), (s0, c0)) = ((1.5 * w).sin_cos(), (loose * w).sin_cos());
+    let passed = 1.5 - loose;
+    let speed = g / w * ((c0 - c) - 0.3 * (s - s0));
+    let way = g / w * (c0 * passed - (s - s0) / w + 0.3 * ((c - c0) / w + s0 * passed));
+    for motion in motions(&text) {
+        events(&motion, &[(EventKind::Slip, loose)], 1e-9);
+        let wanted = [
+            ("x", 0.28 * way),
+            ("y", 0.96 * way),
+            ("dot(y)", 0.96 * speed),
+        ];
+        ends(&motion, &wanted, 1e-8);
+    }
+}
+
+#[test]
+fn pull_between_both_frictions_keeps_a_slide_going_and_starts_none() {
+    let text = pulled("x: u, y: v", "g") + "horizon 4 [s]";
+    // mu_k m g = 2.06 N and mu_s m g = 3.09 N: 2.5 N start nothing, 4 N do, 2.5 N keep it going, and after 1 N ended it 2.5 N hold.
+    let sizes = [2.5, 4.0, 2.5, 1.0, 2.5];
+    let times = [0.0, 0.5, 1.0, 1.5, 3.5];
+    let controls = ControlSignal::PiecewiseConstant {
+        times: times.to_vec(),
+        values: sizes.iter().map(|f| vec![0.6 * f, -0.8 * f]).collect(),
+    };
+    let rate = |force: f64| force / 0.7 - 0.3 * 9.81;
+    let mut state = (0.0, 0.0);
+    let mut advance = |force: f64, time: f64| {
+        state = (
+            state.0 + state.1 * time + rate(force) * time * time / 2.0,
+            state.1 + rate(force) * time,
+        );
+        state
+    };
+    advance(4.0, 0.5);
+    let (_, speed) = advance(2.5, 0.5);
+    let stops = speed / -rate(1.0);
+    let (way, _) = advance(1.0, stops);
+    assert!(stops < 2.0);
+    let wanted = [(EventKind::Slip, 0.5), (EventKind::Stick, 1.5 + stops)];
+    for motion in motions_under(&text, None, &controls) {
+        events(&motion, &wanted, 1e-8);
+        let end = [
+            ("x", 0.6 * way),
+            ("y", -0.8 * way),
+            ("friction_force(ground)", 2.5),
+        ];
+        ends(&motion, &end, 1e-8);
+    }
+}
+
+#[test]
+fn slide_that_breaks_loose_across_its_pull_is_curved_as_its_integration_says() {
+    let text = pulled("x: 2 [N], y: c*t", "g") + "horizon 2.5 [s]";
+    let loose = (3.09015_f64 * 3.09015 - 4.0).sqrt() / 1.6;
+    // Runge's method from a little after, where the direction of the velocity is that of the pull up to that little.
+    let rate = |time: f64, [_, _, vx, vy]: [f64; 4]| {
+        let speed = f64::hypot(vx, vy);
+        let braking = 0.3 * 9.81 / speed;
+        [
+            vx,
+            vy,
+            2.0 / 0.7 - braking * vx,
+            1.6 * time / 0.7 - braking * vy,
+        ]
+    };
+    let little = 1e-5;
+    let pull = [2.0 / 0.7, 1.6 * loose / 0.7];
+    let share = 1.0 - 0.3 * 9.81 / f64::hypot(pull[0], pull[1]);
+    let mut state = [0.0, 0.0, pull[0] * share * little, pull[1] * share * little];
+    let steps = 40_000;
+    let begin = loose + little;
+    for step in 0..steps {
+        let (from, to) = (f64::from(step), f64::from(step + 1));
+        // Steps that grow evenly from the start.
+        let at = |k: f64| begin + (2.5 - begin) * (k / f64::from(steps)).powi(3);
+        let (time, h) = (at(from), at(to) - at(from));
+        let moved = |k: [f64; 4], share: f64| -> [f64; 4] {
+            std::array::from_fn(|i| state[i] + share * h * k[i])
+        };
+        let k1 = rate(time, state);
+        let k2 = rate(time + h / 2.0, moved(k1, 0.5));
+        let k3 = rate(time + h / 2.0, moved(k2, 0.5));
+        let k4 = rate(time + h, moved(k3, 1.0));
+        state = std::array::from_fn(|i| {
+            state[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i])
+        });
+    }
+    for motion in motions(&text) {
+        events(&motion, &[(EventKind::Slip, loose)], 1e-9);
+        // What the first 1e-5 s miss: their square in the velocity.
+        let wanted = [
+            ("x", state[0]),
+            ("y", state[1]),
+            ("dot(x)", state[2]),
+            ("dot(y)", state[3]),
+        ];
+        ends(&motion, &wanted, 1e-8);
+    }
+}
+
+#[test]
+fn impact_sticks_by_the_friction_of_rest_and_slips_by_that_of_sliding() {
+    let falls = |speed: f64| {
+        let start = format!(
+            "start {{ dot(z): -2, dot(x): {}, dot(y): {} }}",
+            0.28 * speed,
+            0.96 * speed
+        );
+        pulled("x: 0 [N], y: 0 [N]", "g") + &start + " horizon 0.01 [s]"
+    };
+    // An impact of 2 m/s stops up to 0.9 m/s; beyond, it takes 0.6 m/s.
+    for (speed, left) in [(0.85, 0.0), (0.95, 0.35)] {
+        for motion in motions(&falls(speed)) {
+            let after = &motion.events[0].v_after;
+            assert!((after[0] - 0.28 * left).abs() < 1e-12, "{after:?}");
+            assert!((after[1] - 0.96 * left).abs() < 1e-12, "{after:?}");
+        }
+    }
+}
+
 #[test]
 fn what_does_not_know_friction_in_space_says_so_with_what_to_write() {
     let text = stone("(dot(x), dot(y))", "inelastic", "dot(x): 1");

@@ -2,7 +2,6 @@
 
 use super::scene;
 use hangtime::baselines::Smooth;
-use hangtime::ocp::{Formulation, TimeFreezingSettings};
 use hangtime::prelude::*;
 use hangtime::simulation::{InitialValueProblem, Simulator, step_sizes};
 use hangtime_scene_files::of_text;
@@ -61,19 +60,6 @@ fn methods_that_do_not_hold_joints_say_so_by_name() {
         refused.contains("a gradient of `Scene` is not supported: joints complete its start"),
         "{refused}"
     );
-    let steered = scene(
-        "parameters { m: kg = 1 } coordinates { x: m, y: m } controls { u: N in -1..=1 }
-         lagrangian m/2*(dot(x)^2 + dot(y)^2) forces { x: u } joint line: y == 2*x
-         minimize time finally { x == 1 [m] } horizon 2 [s]",
-    );
-    let formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    let refused = solve(&steered)
-        .formulation(formulation)
-        .run()
-        .expect_err("optimal control by time-freezing")
-        .to_string();
-    let words = "joint `line` by optimal control in the time-freezing formulation is not supported";
-    assert!(refused.contains(words), "{refused}");
 }
 
 #[test]

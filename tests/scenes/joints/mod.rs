@@ -2,6 +2,7 @@
 
 mod answers;
 mod control;
+mod freezing;
 mod mechanisms;
 mod random;
 mod rolling;

@@ -104,6 +104,8 @@ pub(super) struct DryFriction {
     pub(super) bound: Sym,
     /// Surfaces whose normal forces are added to that, each times a factor.
     pub(super) loads: Vec<(u16, Sym)>,
+    /// The same of equations of joints.
+    pub(super) joint_loads: Vec<(u16, Sym)>,
     pub(super) sliding: Sym,
 }
 

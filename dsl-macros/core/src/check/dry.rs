@@ -42,14 +42,17 @@ pub(super) fn friction(
         return checker.poison(name);
     };
     let forces = graph::variables(&[bound]).into_iter();
-    let mut loads = Vec::new();
+    let (mut loads, mut joint_loads) = (Vec::new(), Vec::new());
     for force in forces {
-        if let Variable::ContactForce(i) = force {
-            let factor = graph::partial(&[bound], force)[0];
-            loads.push((i, simplify(friction::at_speed(factor, sliding))));
-        }
+        let (loads, i) = match force {
+            Variable::ContactForce(i) => (&mut loads, i),
+            Variable::JointForce(i) => (&mut joint_loads, i),
+            _ => continue,
+        };
+        let factor = graph::partial(&[bound], force)[0];
+        loads.push((i, simplify(friction::at_speed(factor, sliding))));
     }
-    let unloaded = |variable| matches!(variable, Variable::ContactForce(_)).then_some(Sym::ZERO);
+    let unloaded = |variable| is_force(variable).then_some(Sym::ZERO);
     let bound = graph::substitute(&[bound], unloaded)[0];
     checker.scope.dry.push(name.text.clone());
     checker.laws.dry.push(DryFriction {
@@ -57,9 +60,18 @@ pub(super) fn friction(
         name: name.clone(),
         bound: friction::at_speed(bound, sliding),
         loads,
+        joint_loads,
         sliding,
     });
     Ok(())
+}
+
+/// Whether a variable is a force that a bound may follow.
+fn is_force(variable: Variable) -> bool {
+    matches!(
+        variable,
+        Variable::ContactForce(_) | Variable::JointForce(_)
+    )
 }
 
 /// E07 and E10: the bound is linear in the forces that it follows, and not negative.
@@ -70,7 +82,6 @@ fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
     });
     checker.scope.role = Role::Motion;
     let bound = bound?;
-    let is_force = |variable| matches!(variable, Variable::ContactForce(_));
     for force in graph::variables(&[bound])
         .into_iter()
         .filter(|&v| is_force(v))
@@ -78,16 +89,16 @@ fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
         let factor = simplify(graph::partial(&[bound], force)[0]);
         if graph::depends_on(factor, is_force) {
             let message = format!(
-                "the bound of dry friction `{}` is no sum of forces of surfaces times what does not follow them; write one, as in \
-                 `bound mu*force(pad)`",
+                "the bound of dry friction `{}` is no sum of forces of surfaces and joints times what does not follow them; write one, as in \
+                 `bound mu*force(pad)`, with the sign by which the force of a joint is positive",
                 name.text
             );
             return Err(checker.diagnostics.report("E07", expr.place, message));
         }
-        if checker
-            .at_default(factor)
-            .is_some_and(|factor| factor < 0.0)
-        {
+        // That of a joint has the sign of how its sides are written.
+        let presses = matches!(force, Variable::ContactForce(_));
+        let factor = checker.at_default(factor);
+        if presses && factor.is_some_and(|factor| factor < 0.0) {
             let message = format!(
                 "the bound of dry friction `{}` falls where a surface is pressed, and may fall below 0; change the sign in front \
                  of `force`",
@@ -142,7 +153,36 @@ pub(super) fn append(
         contacts.push(Contact {
             unit: units.get(&dry.name.text).copied(),
             loads: dry.loads,
+            joint_loads: dry.joint_loads,
             ..Contact::dry(dry.name, dry.documentation, (dry.sliding, dry.bound))
         });
     }
+}
+
+/// E24: bounds that follow forces of joints, where contacts push along normals and one tangent, and nothing switches what acts.
+pub(super) fn followed(checker: &mut Checker<'_>, contacts: &[Contact]) {
+    let follows = |contact: &&Contact| !contact.joint_loads.is_empty();
+    let Some(following) = contacts.iter().find(follows) else {
+        return;
+    };
+    let others = contacts.iter().find_map(|contact| {
+        let in_space = contact.friction.as_ref().and_then(|law| law.across);
+        let what = match contact {
+            Contact {
+                switch: Some(_), ..
+            } => "a switch",
+            contact if !contact.held.is_empty() => "a contact with `holding`",
+            _ if in_space.is_some() => "friction in space",
+            _ => return None,
+        };
+        Some((contact.name.text.clone(), what))
+    });
+    let Some((other, what)) = others else { return };
+    let message = format!(
+        "the bound of dry friction `{}` follows the force of a joint, which is not known beside {what} (`{other}`); write what presses by \
+         positions, velocities and controls, or let a surface carry it, whose force a bound may follow",
+        following.name.text
+    );
+    let place = following.name.place();
+    checker.diagnostics.report("E24", place, message);
 }

@@ -149,16 +149,10 @@ pub(super) fn in_space(
     checker: &mut Checker<'_>,
 ) -> Checked<Friction> {
     let name = &surface.name.text;
-    let two = friction.at_rest.is_some();
-    if two || graph::depends_on(friction.coefficient, |variable| variable == SPEED) {
-        let what = if two {
-            "`static` and `kinetic`"
-        } else {
-            "`speed`"
-        };
+    if graph::depends_on(friction.coefficient, |variable| variable == SPEED) {
         let message = format!(
-            "friction of `{name}` has two sliding velocities, and its coefficient {what}; in space it is the same at rest and at every \
-             speed, as in `friction 0.3`"
+            "friction of `{name}` has two sliding velocities, and its coefficient `speed`; in space it is the same at every speed, as in \
+             `friction 0.3` or `friction static 0.4, kinetic 0.3`"
         );
         return Err(checker.diagnostics.report("E07", friction.place, message));
     }

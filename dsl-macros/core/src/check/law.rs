@@ -412,6 +412,7 @@ pub(super) fn contacts(
             friction,
             bound: None,
             loads: Vec::new(),
+            joint_loads: Vec::new(),
             switch: None,
             reset: Vec::new(),
         });

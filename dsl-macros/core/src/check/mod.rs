@@ -298,6 +298,7 @@ fn finish(
     resets::append(&mut checker, &mut contacts);
     joint::finish(&mut checker, &units.gaps, &contacts);
     joint::planned(&mut checker, &contacts);
+    dry::followed(&mut checker, &contacts);
     let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
     let mut optimal_control = optimal_control::optimal_control(&mut checker, units);
     let remembered = remembered::starts(&mut checker, optimal_control.as_mut(), &start);
@@ -399,7 +400,8 @@ fn dynamics(
     for contact in contacts {
         dynamics.push(contact.gap);
         dynamics.extend(contact.bound);
-        dynamics.extend(contact.loads.iter().map(|(_, factor)| *factor));
+        let loads = contact.loads.iter().chain(&contact.joint_loads);
+        dynamics.extend(loads.map(|(_, factor)| *factor));
         dynamics.extend(contact.along.iter().flatten());
         let friction = contact.friction.iter();
         dynamics.extend(friction.clone().map(|friction| friction.sliding));

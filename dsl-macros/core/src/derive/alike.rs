@@ -59,6 +59,7 @@ impl Renaming<'_> {
             direction: None,
         };
         ContactEquations {
+            followed: contact.followed.clone(),
             loads: self.formulas(&contact.loads, 0),
             rows: self.rows(&contact.rows, 2),
             curvature: self.formulas(&[contact.curvature], 0)[0],

@@ -143,11 +143,32 @@ impl Mechanism<'_> {
                 let inertia = self.inverse_inertia(&declared[surface], &contacts[surface])?;
                 let own = self.inverse_inertia(contact, &derived)?;
                 let load = simplify(factor * own * inertia.power(-2));
+                derived.followed.push(surface);
                 derived.loads.push(load);
             }
             contacts.push(derived);
         }
         Ok(contacts)
+    }
+
+    /// Adds to a dry friction what it follows of forces of friction, each with a factor.
+    pub(super) fn follow_frictions(
+        &self,
+        contacts: &mut [ContactEquations],
+        declared: &[Contact],
+        (following, factors): (usize, &[(u16, Sym)]),
+    ) -> Result<(), Failure> {
+        let own = self.inverse_inertia(&declared[following], &contacts[following])?;
+        for &(i, factor) in factors {
+            let other = usize::from(i);
+            let inertia = self.inverse_inertia(&declared[other], &contacts[other])?;
+            let friction = declared[other].friction.as_ref();
+            let share = friction.and_then(|law| law.share).unwrap_or(Sym::ONE);
+            let load = simplify(factor * own * share * inertia.power(-2));
+            contacts[following].followed.push(declared.len() + other);
+            contacts[following].loads.push(load);
+        }
+        Ok(())
     }
 
     /// The contact with the number `contacts.len()`, behind those that are derived.
@@ -349,6 +370,7 @@ impl Mechanism<'_> {
             direction,
             friction,
             across,
+            followed: Vec::new(),
             loads: Vec::new(),
             passes: false,
         })
@@ -514,6 +536,7 @@ impl Mechanism<'_> {
             direction: None,
             friction: Some(friction),
             across: None,
+            followed: Vec::new(),
             loads: Vec::new(),
             passes: false,
         }

@@ -17,7 +17,9 @@ pub(crate) struct ContactEquations {
     pub(crate) friction: Option<FrictionEquations>,
     /// In space the tangential side along the second sliding velocity.
     pub(crate) across: Option<FrictionEquations>,
-    /// Of dry friction: what a unit of the normal acceleration of each surface that it follows adds to the given one.
+    /// Of dry friction: contacts whose forces it follows, those of friction counted behind all normal ones.
+    pub(crate) followed: Vec<usize>,
+    /// What a unit of the acceleration by each of these forces adds to the given one.
     pub(crate) loads: Vec<Sym>,
     /// Of a switch: whether it does not change the rate of its function, which is only passed then.
     pub(crate) passes: bool,

@@ -241,7 +241,7 @@ fn replace_in(contact: &mut Contact, coordinates: usize, one: &impl Fn(Sym) -> S
     }
     let resets = contact.reset.iter_mut();
     resets.for_each(|(_, value)| *value = one(*value));
-    let loads = contact.loads.iter_mut();
+    let loads = contact.loads.iter_mut().chain(&mut contact.joint_loads);
     loads.for_each(|(_, factor)| *factor = one(*factor));
     if let Some(friction) = &mut contact.friction {
         friction.sliding = one(friction.sliding);

@@ -21,6 +21,7 @@ mod implicit;
 mod joint;
 mod joint_row;
 mod ldl;
+mod loaded;
 mod residual;
 mod shared;
 mod simplify;
@@ -139,7 +140,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
         moving,
         inputs: &inputs,
     };
-    let contacts = mechanism.contacts(&scene.contacts)?;
+    let contacts = loaded::contacts(&mechanism, &scene.contacts, (&inertia, &right))?;
     graph::begin(Stage::Motion);
     let shared = contacts.iter().any(ContactEquations::shares_inertia);
     let shared = shared.then(|| SharedInertia::new(&inertia, &inputs));

@@ -26,7 +26,7 @@ pub struct Contact {
     pub alternatives: Vec<usize>,
     /// Whether it is dry friction without a surface.
     pub dry: bool,
-    /// Of dry friction: the surfaces whose forces are added to its bound, and the kernel of what a unit of each adds to the given
+    /// Of dry friction: the contacts whose forces are added to its bound, those of friction counted behind all normal ones, and the kernel of what a unit of each adds to the given
     /// normal acceleration.
     pub loads: Option<(Vec<usize>, usize)>,
     /// Of a switch, which is a dry friction: whether its function is only passed, as it does not change the rate of that.
@@ -133,10 +133,9 @@ pub(super) fn contact(
         sequence: declared.sequence,
         alternatives: declared.alternatives.clone(),
         dry,
-        loads: (!declared.loads.is_empty()).then(|| {
-            let surfaces = declared.loads.iter().map(|&(i, _)| usize::from(i));
+        loads: (!contact.followed.is_empty()).then(|| {
             let kernel = builder.kernel(&format!("loads_{name}"), &contact.loads);
-            (surfaces.collect(), kernel)
+            (contact.followed.clone(), kernel)
         }),
         switch: declared.switch.as_ref().map(|_| contact.passes),
         reset: reset(builder, name, declared),

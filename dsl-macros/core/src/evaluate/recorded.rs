@@ -26,7 +26,7 @@ fn admit(role: Role, whole: &Expr, text: &str, diagnostics: &mut Diagnostics) ->
     let message = match (role, is_force) {
         (Role::Bound, _) if text == "force" => return Ok(()),
         (Role::Bound, _) => format!(
-            "the bound of a dry friction may follow normal forces of surfaces, as in `bound mu*r*force(pad)`, and not `{whole}`"
+            "the bound of a dry friction may follow normal forces of surfaces and forces of joints, as in `bound mu*r*force(pad)`, and not `{whole}`"
         ),
         (Role::Record | Role::Constraint, _)
         | (Role::Running | Role::End, true)
@@ -121,20 +121,18 @@ fn of_joint(
 ) -> Checked<Value> {
     let message = if text != "force" {
         format!("joint `{name}` has no `{text}`; what it carries is `force({name})`")
-    } else if role == Role::Bound {
-        format!(
-            "`{whole}` is the force of a joint, which has two signs and other joints' shares in it; write what presses by positions, \
-             velocities and controls, or let a surface carry it, whose force a bound may follow"
-        )
     } else if role == Role::End {
         format!(
             "`{whole}` acts over a time, by controls that have no value at the final instant; write `integral({whole}^2)` in `minimize`, or \
              a `constraint`"
         )
-    } else if !matches!(role, Role::Record | Role::Running | Role::Constraint) {
+    } else if !matches!(
+        role,
+        Role::Record | Role::Running | Role::Constraint | Role::Bound
+    ) {
         format!(
-            "`{whole}` is the force of a joint, which follows from the motion; it can be used in `outputs`, in integrals of `minimize` and in \
-             `constraint` only"
+            "`{whole}` is the force of a joint, which follows from the motion; it can be used in `outputs`, in integrals of `minimize`, in \
+             `constraint` and in bounds of dry friction only"
         )
     } else {
         let forces = rows.map(|row| Sym::variable(Variable::JointForce(row as u16)));
@@ -171,7 +169,7 @@ pub(super) fn of_contact(
     let joint = scope.joints.iter().find(|(name, _)| *name == surface.text);
     if let Some((name, rows)) = joint.cloned() {
         let force = of_joint(scope.role, whole, (text, &name), rows, diagnostics)?;
-        if scope.role != Role::Record {
+        if !matches!(scope.role, Role::Record | Role::Bound) {
             scope.planned.get_or_insert(whole.place);
         }
         return Ok(force);

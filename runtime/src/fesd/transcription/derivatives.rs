@@ -2,7 +2,9 @@
 
 use hangtime_solver::nlp::Pattern;
 
-use super::{EQUILIBRATION, SUMS, Transcription, conditions, corrections, provided, ramps, start};
+use super::{
+    EQUILIBRATION, SUMS, Transcription, conditions, corrections, joints, provided, ramps, start,
+};
 use crate::dcs;
 
 pub(super) fn set_patterns(transcription: &mut Transcription<'_>) {
@@ -26,8 +28,9 @@ pub(super) fn add_jacobian(
     x: &[f64],
     add: &mut dyn FnMut(usize, usize, f64),
 ) {
+    let replaced = transcription.joints.take_replaced();
     for e in 0..transcription.elements.len() {
-        add_element_jacobian(transcription, x, e, add);
+        add_element_jacobian(transcription, x, e, &mut replaced.others(add));
     }
     let time = transcription.dcs.layout.time();
     let count = transcription.intervals.len() as f64;
@@ -41,7 +44,9 @@ pub(super) fn add_jacobian(
         }
     }
     start::add_jacobian(transcription, x, add);
-    corrections::add_jacobian(transcription, x, add);
+    corrections::add_jacobian(transcription, x, &mut replaced.others(add));
+    transcription.joints.give_back(replaced);
+    joints::add_jacobian(transcription, x, add);
     ramps::add_jacobian(transcription, x, add);
     conditions::add_jacobian(transcription, x, add);
     provided::add_jacobian(transcription, x, add);
@@ -134,6 +139,7 @@ pub(super) fn add_hessian(
     multipliers: &[f64],
     add: &mut dyn FnMut(usize, usize, f64),
 ) {
+    let collocated = transcription.joints.without(multipliers);
     for e in 0..transcription.elements.len() {
         let length = transcription.elements[e].length;
         let nominal = 1.0 / transcription.task.elements as f64;
@@ -142,10 +148,11 @@ pub(super) fn add_hessian(
             length,
             2.0 * EQUILIBRATION * weight / (nominal * nominal),
         );
-        add_element_hessian(transcription, x, e, multipliers, add);
+        add_element_hessian(transcription, x, e, &collocated, add);
     }
     start::add_hessian(transcription, x, multipliers, add);
     corrections::add_hessian(transcription, x, multipliers, add);
+    joints::add_hessian(transcription, x, multipliers, add);
     ramps::add_hessian(transcription, multipliers, add);
     conditions::add_hessian(transcription, x, weight, multipliers, add);
     provided::add_hessian(transcription, x, multipliers, add);

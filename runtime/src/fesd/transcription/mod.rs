@@ -25,6 +25,7 @@ mod conditions;
 mod corrections;
 mod derivatives;
 mod guess;
+mod joints;
 mod known;
 mod laid_out;
 mod modes;
@@ -43,7 +44,9 @@ mod test_scenes;
 #[cfg(test)]
 mod tests;
 
-use numbered::{Beginning, Block, Correction, Element, Impact, Interval, Place, Provisions, Ramp};
+use numbered::{
+    Beginning, Block, Correction, Element, Impact, Interval, JointRows, Place, Provisions, Ramp,
+};
 
 pub(crate) use known::{KnownSides, known_sides};
 pub(crate) use program::transcribe;
@@ -90,6 +93,7 @@ pub(crate) struct Transcription<'a> {
     /// The controls of blocks, where they are linear between nodes.
     ramps: Vec<Ramp>,
     provisions: Provisions,
+    joints: JointRows,
     variables: usize,
     constraints: usize,
     /// Variable of the final time, if it is free.
@@ -153,6 +157,7 @@ impl<'a> Transcription<'a> {
             sites: Vec::new(),
             ramps: Vec::new(),
             provisions: Provisions::default(),
+            joints: JointRows::default(),
             variables: 0,
             constraints: 0,
             horizon: None,
@@ -268,6 +273,8 @@ impl<'a> Transcription<'a> {
             gap_rows,
             end,
         });
+        self.joints.first_at_start = self.constraints;
+        self.constraints += self.task.joints_at_start.len();
     }
 
     /// What the scene declares for optimal control, if it is asked for.

@@ -1,8 +1,8 @@
 //! Names of variables, rows and pairs: what, which element, when.
 
 use super::{
-    Element, Interval, Place, Provisions, SUMS, Transcription, conditions, corrections, ramps,
-    start,
+    Element, Interval, Place, Provisions, SUMS, Transcription, conditions, corrections, joints,
+    ramps, start,
 };
 
 /// Interval `k`, with its physical time if that is known before the solution.
@@ -190,6 +190,10 @@ pub(super) fn name_of_constraint(transcription: &Transcription<'_>, index: usize
     }
     if let Some(name) = name_of_provision(transcription, |own| own.1 == index) {
         return name;
+    }
+    if let Some((name, place)) = joints::named(transcription, index) {
+        let place = place.map(|(e, block)| block_name(transcription, e, block));
+        return format!("{name} at {}", place.as_deref().unwrap_or("the start"));
     }
     let before = |interval: &Interval| interval.rows <= index;
     let k = transcription

@@ -1,5 +1,6 @@
 //! Where the variables and rows of a program begin.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::sites::Row;
@@ -153,4 +154,78 @@ pub(super) struct Provisions {
     pub(super) sums: Vec<(usize, usize)>,
     /// First row of the path constraints on forces at the stages of each element, stage by stage; none in jumps.
     pub(super) path_rows: Vec<Option<usize>>,
+}
+
+/// Where rows of joints are evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum At {
+    Start,
+    Block { element: usize, block: usize },
+}
+
+/// A row of the program that is a row of `(g, w)`.
+#[derive(Debug, Clone)]
+pub(super) struct Use {
+    pub(super) row: usize,
+    /// Number in `(g, w)`.
+    pub(super) output: usize,
+    /// By which it is divided, so that it changes as the component that it decides.
+    pub(super) size: f64,
+}
+
+/// Rows of joints at one point.
+#[derive(Debug, Clone)]
+pub(super) struct JointSite {
+    pub(super) at: At,
+    pub(super) uses: Vec<Use>,
+}
+
+/// Of each constraint, whether a joint stands in the place of its row of collocation; empty without joints.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Replaced(pub(super) Vec<bool>);
+
+impl Replaced {
+    /// Adds entries of other rows only.
+    pub(super) fn others(
+        &self,
+        add: &mut dyn FnMut(usize, usize, f64),
+    ) -> impl FnMut(usize, usize, f64) {
+        move |row, column, value| {
+            if !self.0.get(row).copied().unwrap_or(false) {
+                add(row, column, value);
+            }
+        }
+    }
+}
+
+/// All rows of joints; none in a scene without.
+#[derive(Debug, Clone, Default)]
+pub(super) struct JointRows {
+    pub(super) sites: Vec<JointSite>,
+    pub(super) replaced: Replaced,
+    /// First row of those at a free start.
+    pub(super) first_at_start: usize,
+}
+
+impl JointRows {
+    /// Which rows are replaced, until they are given back.
+    pub(super) fn take_replaced(&mut self) -> Replaced {
+        std::mem::take(&mut self.replaced)
+    }
+
+    /// Gives back what was taken.
+    pub(super) fn give_back(&mut self, replaced: Replaced) {
+        self.replaced = replaced;
+    }
+
+    /// Multipliers with none for the rows that are replaced.
+    pub(super) fn without<'m>(&self, multipliers: &'m [f64]) -> Cow<'m, [f64]> {
+        let mut own = Cow::Borrowed(multipliers);
+        for (row, replaced) in self.replaced.0.iter().enumerate() {
+            if *replaced {
+                own.to_mut()[row] = 0.0;
+            }
+        }
+        own
+    }
 }

@@ -5,7 +5,7 @@ use hangtime_solver::nlp::NlpProblem;
 
 use super::{
     Controls, EQUILIBRATION, SHORTEST, SUMS, Task, Transcription, conditions, corrections,
-    derivatives, guess, modes, names, neighbours, provided, ramps, start,
+    derivatives, guess, joints, modes, names, neighbours, provided, ramps, start,
 };
 use crate::dcs::HeavisideSystem;
 use crate::rk::ButcherTableau;
@@ -26,6 +26,7 @@ pub(crate) fn transcribe<'a>(
     conditions::write_rows(&transcription, &guess, &mut rows);
     provided::guess_sums(&mut transcription, &rows);
     corrections::set_directions(&mut transcription, &guess);
+    joints::choose(&mut transcription, &guess);
     derivatives::set_patterns(&mut transcription);
     transcription
 }
@@ -179,6 +180,7 @@ impl NlpProblem for Transcription<'_> {
         }
         start::write_rows(self, x, c);
         corrections::write_rows(self, x, c);
+        joints::write_rows(self, x, c);
         ramps::write_rows(self, x, c);
         conditions::write_rows(self, x, c);
         provided::write_rows(self, x, c);

@@ -2,7 +2,7 @@
 
 use hangtime_solver::mpcc::Mpcc as _;
 
-use super::{SUMS, Transcription, corrections, provided, ramps, start};
+use super::{SUMS, Transcription, corrections, joints, provided, ramps, start};
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Numbers of contacts, and of those with friction.
@@ -89,6 +89,9 @@ fn of_variable(transcription: &Transcription<'_>, index: usize) -> Purpose {
 fn of_row(transcription: &Transcription<'_>, index: usize) -> Purpose {
     if provided::owns(transcription, |own| own.1 == index) {
         return Purpose::ForceTerm;
+    }
+    if joints::named(transcription, index).is_some() {
+        return Purpose::Joint;
     }
     match index.checked_sub(transcription.goal_rows) {
         Some(goal) if goal < transcription.goals().len() => return Purpose::Goal,

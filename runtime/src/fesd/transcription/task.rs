@@ -9,6 +9,8 @@ pub(crate) struct Task {
     pub(crate) start: State,
     /// Components of `(q, v)` that are free at the start, with their ranges.
     pub(crate) free_start: Vec<(usize, (f64, f64))>,
+    /// Rows of positions and velocities of joints, `(g, w)`, that a free start has to fulfil: those that do not follow from each other.
+    pub(crate) joints_at_start: Vec<usize>,
     /// Length \[s\], or a guess of it.
     pub(crate) horizon: f64,
     /// Bounds of the length \[s\], if it is free.
@@ -73,6 +75,7 @@ impl Task {
         Self {
             start: start.clone(),
             free_start: Vec::new(),
+            joints_at_start: Vec::new(),
             horizon: duration,
             horizon_bounds: None,
             controls: Controls::Fixed(u.to_vec()),

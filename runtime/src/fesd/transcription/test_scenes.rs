@@ -59,6 +59,41 @@ crate::model! {
 }
 
 crate::model! {
+    /// A bead on a wire that moves and bends, and beside a wall that throws it back and rubs on it.
+    pub(crate) HeldBead {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5, w: m/s = 0.2 }
+        coordinates { y: m, z: m }
+        controls { u: N }
+        lagrangian m/2*(dot(y)^2 + (2 + sin(k*y))*dot(z)^2) - m*g*z
+        forces { y: u*cos(k*y) }
+        joint wire: z + y*z/4[m] == sin(k*y)/k + w*t
+        surface wall: 1[m] - y - k*z^2/8 >= 0
+        impact wall: restitution 0.6, friction 0.2, sliding dot(z) - k*z/4*dot(y)
+        minimize integral(0.4*u^2/1[N^2])/1[s]
+        finally { y == 0.5[m] }
+        free { z in 0..=1, dot(y) in 1..=2 }
+        start { z: 0.4 [m], dot(y): 1.5 [m/s] }
+    }
+}
+
+crate::model! {
+    /// A blade that may only move along itself, which turns with the place, over a floor.
+    pub(crate) Blade {
+        parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5 }
+        coordinates { y: m, z: m }
+        controls { u: N }
+        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
+        forces { y: u*cos(k*y) }
+        joint edge: cos(k*y)*dot(z) == sin(k*y)*dot(y)
+        surface floor: z >= 0
+        impact floor: inelastic
+        minimize integral(0.4*u^2/1[N^2])/1[s]
+        finally { y == 0.5[m] }
+        free { dot(z) in -1..=1 }
+    }
+}
+
+crate::model! {
     /// The same without contacts.
     pub(crate) Wire {
         parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5, f: N = 3 }

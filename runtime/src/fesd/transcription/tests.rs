@@ -1,6 +1,6 @@
 //! Derivatives and sizes of the program.
 
-use super::test_scenes::{Bead, DryBead, EdgedBead, RoughBead, Wire};
+use super::test_scenes::{Bead, Blade, DryBead, EdgedBead, HeldBead, RoughBead, Wire};
 use super::*;
 use crate::model::Model;
 use crate::rk::Scheme;
@@ -55,6 +55,15 @@ fn worst_derivative(tableau: &ButcherTableau, bead: &dyn Model, unknown: Unknown
         };
         task.declared = true;
         task.free_start = free_start;
+        // A joint of velocities says nothing of positions; each scene has one kind.
+        if let Some(joints) = bead.declaration().joints {
+            let first = if joints.list[0].holonomic {
+                0
+            } else {
+                joints.rows()
+            };
+            task.joints_at_start = (first..2 * joints.rows()).collect();
+        }
     }
     let mut program = transcribe(dcs, tableau, task);
     // A point off every bound and symmetry.
@@ -79,7 +88,8 @@ fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
     let (bead, rough) = (Bead::default(), RoughBead::default());
     let (dry, wire) = (DryBead::default(), Wire::default());
     let (edged, bouncing) = (EdgedBead::default(), bouncing_edged_bead());
-    let beads: [&dyn Model; 6] = [&bead, &rough, &dry, &wire, &edged, &bouncing];
+    let (held, blade) = (HeldBead::default(), Blade::default());
+    let beads: [&dyn Model; 8] = [&bead, &rough, &dry, &wire, &edged, &bouncing, &held, &blade];
     for scheme in [Scheme::RadauIia, Scheme::GaussLegendre] {
         let tableau = ButcherTableau::new(scheme, 2).expect("two stages");
         let unknowns = [
@@ -89,6 +99,14 @@ fn derivatives_agree_with_differences_for_both_kinds_of_schemes() {
             Unknown::EverythingBetweenNodes,
         ];
         for (bead, unknown) in beads.into_iter().flat_map(|b| unknowns.map(|u| (b, u))) {
+            let ramps = matches!(
+                unknown,
+                Unknown::NothingUnderRamps | Unknown::EverythingBetweenNodes
+            );
+            if ramps && bead.declaration().joints.is_some() {
+                // Joints read no controls.
+                continue;
+            }
             // Central differences of functions of size 100 with steps of 6e-6.
             let worst = worst_derivative(&tableau, bead, unknown);
             assert!(worst < 1e-6, "{scheme:?}, {unknown:?}: {worst:e}");
@@ -130,4 +148,50 @@ fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
     assert_eq!(bouncing.0 - edged.0, 3 * (2 * 3 * (2 + 4 + 1) + 3 * 8));
     assert_eq!(bouncing.1 - edged.1, 3 * (2 * 3 * (1 + 2 + 1) + 3 * 8));
     assert_eq!(bouncing.2 - edged.2, 3 * (2 * 3 + 3 * 4));
+}
+
+#[test]
+fn joints_stand_in_the_place_of_rows_of_collocation() {
+    let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
+    let bead = HeldBead::default();
+    let start = State {
+        time: 0.3,
+        q: vec![0.2, 0.4],
+        v: vec![1.5, -0.7],
+    };
+    let task = Task::step(&start, &[0.8], 0.25, 3);
+    let system = TimeFreezingSystem::new(&bead, 50.0);
+    let mut program = transcribe(HeavisideSystem::new(system), &tableau, task);
+    let names: Vec<String> = (0..program.constraints())
+        .map(|row| program.constraint_name(row))
+        .collect();
+    // A position and a velocity at two stages of three elements.
+    let count = |start: &str| names.iter().filter(|name| name.starts_with(start)).count();
+    assert_eq!(count("joint `wire` at stage"), 6, "{names:?}");
+    assert_eq!(count("velocity of joint `wire` at stage"), 6);
+    // Of two coordinates, their velocities, the clock and the gap, two components are left to the scheme.
+    assert_eq!(count("collocation"), 6 * (6 - 2));
+    let mut x = vec![0.0; program.variables()];
+    program.initial_point(&mut x);
+    let mut values = vec![0.0; program.constraints()];
+    program.constraint_values(&x, &mut values);
+    // Rows change as the components that they decide: those are the equations themselves, over the entry of these.
+    for (row, name) in names.iter().enumerate() {
+        let Some(place) = name.strip_prefix("joint `wire` at ") else {
+            continue;
+        };
+        let at = |what: &str| {
+            let named = |i: &usize| program.variable_name(*i) == format!("{what} at {place}");
+            let found = (0..program.variables()).find(named).expect("a variable");
+            x[found]
+        };
+        let (y, z, t) = (at("y"), at("z"), at("clock"));
+        let equation = z + y * z / 4.0 - (1.5 * y).sin() / 1.5 - 0.2 * t;
+        let ratio = equation / values[row];
+        let (by_y, by_z) = (z / 4.0 - (1.5 * y).cos(), 1.0 + y / 4.0);
+        assert!(
+            ratio.abs() > 0.3 * by_y.abs().min(by_z) && ratio.abs() < 3.0 * by_y.abs().max(by_z),
+            "{name}: {ratio}"
+        );
+    }
 }

@@ -16,6 +16,7 @@ use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem, bounds};
+use crate::ocp::program::joint_rows::at_start;
 use crate::ocp::settings::{self, TimeFreezingSettings};
 use crate::ocp::tuning::candidates::SAMPLES;
 use crate::refusal;
@@ -235,6 +236,7 @@ fn task(
             v: start[n..].to_vec(),
         },
         free_start: ranges.filter(|(_, (from, to))| from < to).collect(),
+        joints_at_start: at_start(model, problem, &vec![1.0; start.len()], &start).kept,
         horizon: guess.horizon,
         horizon_bounds: match problem.horizon {
             Horizon::Fixed(_) => None,

@@ -13,13 +13,10 @@
 use super::kernel::Kernel;
 use super::sparse_program::Program;
 use super::units::{THOUSAND, nearest_power};
-use crate::model::held::{is_held, moving};
+use crate::joints::partition::{Jacobian, NOTHING, deciding, eliminate};
+use crate::model::held::is_held;
 use crate::model::{Given, JointsDeclaration, Model};
-use crate::ocp::motion::model_input::drive;
 use crate::ocp::problem::Problem;
-
-/// Share of the largest entry of a row below which what is left of it, less what others say, is rounding.
-const NOTHING: f64 = 1e-9;
 
 /// The components of `(q, v)` that joints decide in a part of a motion; none in a scene without joints.
 pub(in crate::ocp) struct Decided {
@@ -42,38 +39,16 @@ impl Decided {
         let n = units.len() / 2;
         decided.components.resize(2 * n, false);
         let jacobian = Jacobian::at(model, joints, &sample[..2 * n], time);
-        let mut matrix: Vec<Vec<f64>> = (0..jacobian.count)
-            .map(|row| {
-                let of_velocities = &jacobian.of(jacobian.count + row)[n..];
-                let scaled = of_velocities.iter().zip(&units[n..]);
-                scaled.map(|(entry, unit)| entry * unit).collect()
-            })
-            .collect();
-        for row in &mut matrix {
-            scale(row);
-        }
-        let kinds: Vec<bool> = joints.equations().map(|(own, _)| own.holonomic).collect();
-        let mut open: Vec<usize> = (0..jacobian.count)
-            .filter(|&row| model.joint_row_held(row))
-            .collect();
-        // Positions first, so that they have the best columns.
-        open.sort_by_key(|&row| !kinds[row]);
-        let mut free: Vec<usize> = (0..moving(model)).collect();
-        while let Some((place, column)) = largest_pivot(&matrix, &open, &free, &kinds) {
-            let row = open.remove(place);
-            free.retain(|&other| other != column);
-            let pivot = matrix[row].clone();
-            for &other in &open {
-                eliminate(&mut matrix[other], &pivot, column);
+        for pair in deciding(model, joints, &jacobian, &units[n..]) {
+            decided.components[n + pair.column] = true;
+            if pair.holonomic {
+                decided.components[pair.column] = true;
+                decided.rows.push(named(&jacobian, joints, pair.row, units));
             }
-            decided.components[n + column] = true;
-            if kinds[row] {
-                decided.components[column] = true;
-                decided.rows.push(jacobian.named(joints, row, units));
-            }
+            let of_velocity = jacobian.count + pair.row;
             decided
                 .rows
-                .push(jacobian.named(joints, jacobian.count + row, units));
+                .push(named(&jacobian, joints, of_velocity, units));
         }
         decided.rows.sort_by_key(|row| row.0);
         decided
@@ -107,121 +82,38 @@ fn add(
     }
 }
 
-/// The largest entry in the open rows of one kind, those of positions while there are any: its place among them and its column.
-fn largest_pivot(
-    matrix: &[Vec<f64>],
-    open: &[usize],
-    free: &[usize],
-    kinds: &[bool],
-) -> Option<(usize, usize)> {
-    let positions = open
-        .iter()
-        .any(|&row| kinds[row] && has_pivot(&matrix[row], free));
-    let mut best: Option<(usize, usize)> = None;
-    let mut most = NOTHING;
-    for (place, &row) in open.iter().enumerate() {
-        if positions && !kinds[row] {
-            continue;
-        }
-        for &column in free {
-            let size = matrix[row][column].abs();
-            if size > most {
-                (best, most) = (Some((place, column)), size);
-            }
-        }
-    }
-    best
-}
-
-fn has_pivot(row: &[f64], free: &[usize]) -> bool {
-    free.iter().any(|&column| row[column].abs() > NOTHING)
-}
-
-/// Divides a row by its largest entry.
-fn scale(row: &mut [f64]) {
-    let largest = row
-        .iter()
-        .fold(0.0_f64, |most, entry| most.max(entry.abs()));
-    if largest > 0.0 {
-        for entry in row {
-            *entry /= largest;
-        }
-    }
-}
-
-/// Takes the multiple of another row off that leaves nothing in a column.
-fn eliminate(row: &mut [f64], pivot: &[f64], column: usize) {
-    let factor = row[column] / pivot[column];
-    if factor != 0.0 {
-        for (entry, pivot) in row.iter_mut().zip(pivot) {
-            *entry -= factor * pivot;
-        }
-        row[column] = 0.0;
-    }
-}
-
-/// The derivatives of `(g, w)` by `(q, v)` at one point, row-major.
-struct Jacobian {
-    /// Number of equations.
-    count: usize,
-    columns: usize,
-    entries: Vec<f64>,
-}
-
-impl Jacobian {
-    fn at(model: &dyn Model, joints: JointsDeclaration, state: &[f64], time: f64) -> Self {
-        let (count, columns) = (joints.rows(), state.len());
-        let mut x = state.to_vec();
-        let controls = vec![0.0; model.declaration().controls.len()];
-        x.extend(drive(model, &controls, time));
-        let mut values = vec![0.0; joints.jacobian.entries.len()];
-        model.joints_jacobian(&x, &mut values);
-        let mut entries = vec![0.0; 2 * count * columns];
-        for (&(row, column), value) in joints.jacobian.entries.iter().zip(values) {
-            if (column as usize) < columns {
-                entries[row as usize * columns + column as usize] = value;
-            }
-        }
-        Self {
-            count,
-            columns,
-            entries,
-        }
-    }
-
-    fn of(&self, row: usize) -> &[f64] {
-        &self.entries[row * self.columns..(row + 1) * self.columns]
-    }
-
-    /// An output of the kernel with its name, and what it changes by where a component changes by its unit.
-    fn named(
-        &self,
-        joints: JointsDeclaration,
-        output: usize,
-        units: &[f64],
-    ) -> (usize, String, f64) {
-        let of_velocities = output >= self.count;
-        let name = joints.equations().nth(output % self.count);
-        let name = name.map_or(String::new(), |(joint, row)| joint.equation(row));
-        let name = if of_velocities {
-            format!("velocity of joint {name}")
-        } else {
-            format!("joint {name}")
-        };
-        // The rate of a joint by what its velocities are, whatever its positions do.
-        let first = if of_velocities { self.columns / 2 } else { 0 };
-        let terms = self.of(output)[first..].iter().zip(&units[first..]);
-        let size = terms.fold(0.0_f64, |most, (entry, unit)| {
-            most.max((entry * unit).abs())
-        });
-        (output, name, nearest_power(THOUSAND, size))
-    }
+/// An output of the kernel with its name, and what it changes by where a component changes by its unit.
+fn named(
+    jacobian: &Jacobian,
+    joints: JointsDeclaration,
+    output: usize,
+    units: &[f64],
+) -> (usize, String, f64) {
+    let of_velocities = output >= jacobian.count;
+    let name = joints.equations().nth(output % jacobian.count);
+    let name = name.map_or(String::new(), |(joint, row)| joint.equation(row));
+    let name = if of_velocities {
+        format!("velocity of joint {name}")
+    } else {
+        format!("joint {name}")
+    };
+    // The rate of a joint by what its velocities are, whatever its positions do.
+    let first = if of_velocities {
+        jacobian.columns / 2
+    } else {
+        0
+    };
+    let terms = jacobian.of(output)[first..].iter().zip(&units[first..]);
+    let size = terms.fold(0.0_f64, |most, (entry, unit)| {
+        most.max((entry * unit).abs())
+    });
+    (output, name, nearest_power(THOUSAND, size))
 }
 
 /// What joints say of a free start.
 pub(in crate::ocp) struct AtStart {
     /// Rows of `(g, w)` that do not follow from others, as outputs of the kernel.
-    kept: Vec<usize>,
+    pub(in crate::ocp) kept: Vec<usize>,
     /// A row that would decide a parameter, and that (coordinate behind those that move).
     pub(in crate::ocp) decides_parameter: Option<(usize, usize)>,
 }
@@ -320,10 +212,10 @@ pub(super) fn add_at_start(
     let guess: Vec<f64> = start.iter().map(|&i| program.guessed(i)).collect();
     let kept = at_start(model, problem, units, &guess).kept;
     let jacobian = Jacobian::at(model, joints, &guess, 0.0);
-    let named = kept
-        .iter()
-        .map(|&output| jacobian.named(joints, output, units));
-    let rows: Vec<(usize, String, f64)> = named.collect();
+    let rows = kept.iter();
+    let rows: Vec<(usize, String, f64)> = rows
+        .map(|&output| named(&jacobian, joints, output, units))
+        .collect();
     let (q, v) = start.split_at(start.len() / 2);
     add(program, &rows, [q, v, &[]], "at the start");
 }

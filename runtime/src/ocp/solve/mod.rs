@@ -59,7 +59,7 @@ fn solve_given(
     settings: &Settings,
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
-    match joined(model, problem, settings)? {
+    match joined(model, problem)? {
         Some(known) => {
             let solution = solve_joined(&*known.model, &known.problem, settings, observer)?;
             Ok(known.note(solution))

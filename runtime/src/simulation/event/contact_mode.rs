@@ -316,7 +316,8 @@ fn candidates(
         let normal = dynamics.free_normal_acceleration(i);
         // Where it vanishes and goes on falling, its force was about to change its sign.
         let released = vanished == Some(Switch::NormalForce(i));
-        if dynamics.is_dry(i) && (normal.0 > 0.0 || released) {
+        let negative = normal.0 > 0.0 && !dynamics.follows(i);
+        if dynamics.is_dry(i) && (negative || released) {
             let name = dynamics.model.declaration().contacts[i].name;
             return Err(negative_bound(name));
         }
@@ -346,6 +347,12 @@ fn candidates(
     }
     .solve(dynamics)?;
     for (slot, &i) in resting.iter().enumerate() {
+        // Its force is not negative, so that it moves against one that is given so.
+        let floor = BIACTIVE * accelerations[slot].0.1.max(dynamics.force_floor(i));
+        if dynamics.is_dry(i) && dynamics.follows(i) && balance.motions[slot] > floor {
+            let name = dynamics.model.declaration().contacts[i].name;
+            return Err(negative_bound(name));
+        }
         if dynamics.is_in_space(i) && rests[i] {
             let zero = BIACTIVE * dynamics.sliding_acceleration_scale(i);
             dynamics.align(i, Some(balance.heading(slot, zero)));

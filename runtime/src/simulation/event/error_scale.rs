@@ -40,6 +40,8 @@ pub(super) struct ErrorScale {
     free: Vec<f64>,
     /// By how much the last digit of positions and velocities changes the accelerations of each group, where it has been asked for.
     undecided: Vec<f64>,
+    /// Size of the accelerations of each group that joints take away, where it has been asked for.
+    held: Vec<f64>,
 }
 
 impl ErrorScale {
@@ -72,6 +74,7 @@ impl ErrorScale {
             end: vec![0.0; units.len()],
             free: vec![0.0; units.len()],
             undecided: vec![0.0; units.len()],
+            held: vec![0.0; units.len()],
         }
     }
 
@@ -102,6 +105,13 @@ impl ErrorScale {
             if size <= POLE * self.largest[group] {
                 self.undecided[group] = size;
             }
+        }
+    }
+
+    /// Takes note of the accelerations that joints take away: rounding leaves as much of them as of those that contacts balance.
+    pub(super) fn observe_held(&mut self, mass: &[f64], held: &[f64]) {
+        for group in 0..self.held.len() {
+            self.held[group] = self.size(group, mass, held);
         }
     }
 
@@ -146,7 +156,8 @@ impl ErrorScale {
         }
         let group = self.group[component % n];
         let speed = self.fastest[group].max(self.end[group]);
-        let rounding = h * f64::max(ROUNDING * self.free[group], self.undecided[group]);
+        let balanced = self.free[group].max(self.held[group]);
+        let rounding = h * f64::max(ROUNDING * balanced, self.undecided[group]);
         // Numbers below have no digits: those of a pulse that has hardly begun are an error of their own size.
         if component < n {
             f64::max(tolerance * (h * speed), h * rounding).max(f64::MIN_POSITIVE)

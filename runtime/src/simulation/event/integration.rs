@@ -338,14 +338,12 @@ impl<'a> Integration<'a> {
             let joined = self.dynamics.has_joints();
             let integrated = joined.then(|| self.method.end()[..2 * n].to_vec());
             if motion::project(&mut self.dynamics, self.t + h, self.method.end_mut()) {
-                // How far joints were from holding is an error of the step as well.
-                let moved = integrated.iter().flatten().zip(self.method.end());
-                let moved = moved
-                    .enumerate()
-                    .fold(0.0_f64, |most, (k, (before, after))| {
-                        most.max((after - before).abs() / scale.allowed(k, h, tolerance))
-                    });
-                error = error.max(moved);
+                if let Some(integrated) = integrated {
+                    let (scale, end) = (&mut self.step.error_scale, self.method.end());
+                    let (moved, at) = ((&integrated[..], end), (self.t, &self.y[..], h));
+                    let known = (error, tolerance);
+                    error = step_size::with_joints(&mut self.dynamics, scale, known, moved, at);
+                }
                 self.method.finish(&mut self.dynamics, self.t, h);
             } else {
                 error = f64::NAN;
@@ -368,9 +366,8 @@ impl<'a> Integration<'a> {
         if error > 1.0 || error.is_nan() {
             if self.step.rejected.hardly_falls((self.t, h), error) {
                 let now = (self.t, &self.y[..], self.method.slope());
-                let change = step_size::rounding(&mut self.dynamics, &mut self.dense, now);
-                let mass = self.dynamics.mass(self.t, &self.y);
-                self.step.error_scale.observe_rounding(mass, &change);
+                let scale = &mut self.step.error_scale;
+                step_size::observe_rounding(&mut self.dynamics, &mut self.dense, scale, now);
             }
             self.h = Dop853::smaller_size(h, error);
             if self.h <= SHORTEST * self.t.max(self.problem.horizon) {

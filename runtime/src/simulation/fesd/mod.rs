@@ -53,7 +53,7 @@ pub use settings::{Fesd, StepFormulation};
 pub use size::step_sizes;
 
 use super::hand_over::{self, Other};
-use super::joints::{self, Closed};
+use super::joints::Closed;
 use super::watch::Watch;
 use super::{
     InitialValueProblem, InputError, Simulation, SimulationStatus, Simulator, event, impulse,
@@ -92,9 +92,6 @@ impl Simulator for Fesd {
         let tableau = self.tableau()?;
         let closed = Closed::of(model, problem)?;
         let (model, problem) = closed.scene();
-        if self.formulation == StepFormulation::Complementarity {
-            joints::refuse(model, "complementarity problems", "use another formulation")?;
-        }
         if self.formulation == StepFormulation::Complementarity
             && let Some(name) = edge(model)
         {

@@ -114,6 +114,7 @@ impl<'a> Present<'a> {
         self.forces.resize(force_count(&self.active), 0.0);
         self.contacts
             .contact_forces(&self.active, &mut self.forces)?;
+        self.contacts.check_followed(&self.active, &self.forces)?;
         self.contacts
             .constrained_acceleration(&self.active, &self.forces, &mut self.acceleration);
         if !finite(&self.acceleration) || !finite(&self.forces) {

@@ -14,8 +14,9 @@ use super::{bounces, impacts, mode_change};
 use crate::contact::{ActiveContact, ContactState, find};
 use crate::contact::{impact, sharing};
 use crate::dcs::HeavisideSystem;
-use crate::fesd::finite_element::State;
+use crate::fesd::finite_element::{ElementError, State};
 use crate::fesd::transcription::{Task, Transcription, transcribe};
+use crate::joints::{JointError, Joints};
 use crate::simulation::EventKind;
 use crate::simulation::watch::Watch;
 use crate::time_freezing::TimeFreezingSystem;
@@ -282,6 +283,7 @@ fn follow(driver: &mut Driver<'_>, program: &Transcription<'_>, x: &[f64]) -> Re
         .contacts()
         .filter(|&i| followed.phases[i] != Phase::Free)
         .collect();
+    close_joints(driver)?;
     impacts::project(driver, &close)?;
     // The velocities are along the surface at the position before; it has another normal where that has been moved to.
     let now = &mut driver.now;
@@ -289,6 +291,25 @@ fn follow(driver: &mut Driver<'_>, program: &Transcription<'_>, x: &[f64]) -> Re
     impact::hold(&now.contacts, &now.active, &mut now.state.v)?;
     mode_change::settle(driver, &close)?;
     set_modes(driver, followed.open_from);
+    Ok(())
+}
+
+/// Moves the present state onto the joints, which a solved program fulfils up to its residual.
+fn close_joints(driver: &mut Driver<'_>) -> Result<(), Stop> {
+    let now = &mut driver.now;
+    let Some(mut joints) = Joints::of(driver.setup.model) else {
+        return Ok(());
+    };
+    now.write_input();
+    let (n, moment) = (now.state.q.len(), now.contacts.moment);
+    joints
+        .settle(&mut now.x, moment)
+        .map_err(|error| match error {
+            JointError::Singular => Stop::Element(ElementError::Singular),
+            JointError::NotClosed => Stop::Element(ElementError::NotFinite),
+        })?;
+    now.state.q.copy_from_slice(&now.x[..n]);
+    now.state.v.copy_from_slice(&now.x[n..2 * n]);
     Ok(())
 }
 

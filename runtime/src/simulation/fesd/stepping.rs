@@ -353,7 +353,7 @@ fn recover(
         let jammed = Stop::Mode(ModeError::Jammed);
         return Err(diagnosis::stopped(driver, step.number, &jammed));
     }
-    // The program knows no edges, no joints, no switches, and one coefficient of friction a contact.
+    // The program knows no edges, no switches, and one coefficient of friction a contact; motions with joints are left to the event-driven method.
     let mut declared = driver.setup.model.declaration().contacts.iter();
     let beyond = declared.any(|known| {
         let kinetic = known.friction.is_some_and(|friction| friction.kinetic);

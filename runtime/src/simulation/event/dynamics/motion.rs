@@ -2,7 +2,7 @@
 
 use super::{Dynamics, rows, switching};
 use crate::contact::{ContactState, Line, sharing, stuck};
-use crate::model::contact_point;
+use crate::model::{contact_point, joint_rows};
 use crate::simulation::event::dop853::System;
 
 /// Newton steps of one projection; the second already meets rounding error after a step that passed
@@ -88,6 +88,33 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
     rows::add_columns(dynamics, rows, false, &mut y[n..2 * n]);
     dynamics.load(t, y);
     true
+}
+
+/// Accelerations that the forces of joints take away at a state without contacts, each coordinate by its own inertia; none without joints.
+pub(in crate::simulation) fn held_by_joints(
+    dynamics: &mut Dynamics<'_>,
+    t: f64,
+    y: &[f64],
+) -> Option<Vec<f64>> {
+    let mut joints = dynamics.joints.take()?;
+    let n = dynamics.n;
+    dynamics.load(t, y);
+    let x = dynamics.input().to_vec();
+    joints.evaluate(&x);
+    let mut forces = vec![0.0; joint_rows(dynamics.model)];
+    dynamics.model.joint_forces(&x, &mut forces);
+    let mut held = vec![0.0; n];
+    for (&row, gradient) in joints.held().iter().zip(joints.gradients().chunks_exact(n)) {
+        for (held, g) in held.iter_mut().zip(gradient) {
+            *held += g * forces[row];
+        }
+    }
+    let mass = dynamics.mass(t, y);
+    for (k, held) in held.iter_mut().enumerate() {
+        *held /= mass[k * n + k];
+    }
+    dynamics.joints = Some(joints);
+    Some(held)
 }
 
 /// Moves the state onto the joints, in the metric of the mass matrix; `false` if it cannot.

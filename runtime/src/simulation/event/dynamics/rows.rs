@@ -56,10 +56,16 @@ fn couple(
     let active = &dynamics.mode.active;
     if is_given(dynamics, row) {
         for (column, coupling) in couplings.iter_mut().enumerate() {
-            let other = active.get(column);
-            *coupling = other.map_or(0.0, |&other| {
-                dynamics.coupling(Line::normal(active[row]), Line::normal(other))
-            });
+            let other = match active.get(column) {
+                Some(&contact) => {
+                    let frictions = dynamics.frictions(contact);
+                    let ratio = dynamics.mode.states[contact].force_ratio(frictions);
+                    let slope = if slipping { ratio } else { 0.0 };
+                    Line::Normal { contact, slope }
+                }
+                None => dynamics.mode.sticking[column - active.len()],
+            };
+            *coupling = dynamics.coupling(Line::normal(active[row]), other);
         }
         return;
     }

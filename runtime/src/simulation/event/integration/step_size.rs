@@ -3,10 +3,13 @@
 use super::outputs::Outputs;
 use super::{GLANCE, Integration};
 use crate::simulation::event::dop853::System;
-use crate::simulation::event::dynamics::Dynamics;
+use crate::simulation::event::dynamics::{Dynamics, motion};
+use crate::simulation::event::error_scale::ErrorScale;
 
 /// Power of the length of a step with which errors of steps fall much faster.
 const SLOWLY: i32 = 3;
+/// Share of the error that a step may have above which what joints are off counts.
+const TELLS: f64 = 0.1;
 
 /// What is limited.
 #[derive(Default)]
@@ -50,8 +53,42 @@ pub(super) fn change(
     accelerations.map(|(later, now)| later - now).collect()
 }
 
+/// Lets the measure of errors know what rounding leaves at the state `y` with the derivative `slope`.
+pub(super) fn observe_rounding(
+    dynamics: &mut Dynamics<'_>,
+    dense: &mut Outputs,
+    scale: &mut ErrorScale,
+    (t, y, slope): (f64, &[f64], &[f64]),
+) {
+    let change = rounding(dynamics, dense, (t, y, slope));
+    scale.observe_rounding(dynamics.mass(t, y), &change);
+}
+
+/// The larger one of the `error` of a step from `t` on and of how far joints were from holding at its end, which has been `moved` from the one
+/// to the other. Where that tells, rounding of the accelerations that joints take away is none of it: a mechanism that rests has no other motion.
+pub(super) fn with_joints(
+    dynamics: &mut Dynamics<'_>,
+    scale: &mut ErrorScale,
+    (error, tolerance): (f64, f64),
+    (before, after): (&[f64], &[f64]),
+    (t, y, h): (f64, &[f64], f64),
+) -> f64 {
+    let moved = |scale: &ErrorScale| {
+        let pairs = before.iter().zip(after).enumerate();
+        pairs.fold(0.0_f64, |most, (k, (before, after))| {
+            most.max((after - before).abs() / scale.allowed(k, h, tolerance))
+        })
+    };
+    if moved(scale) > error.max(TELLS)
+        && let Some(held) = motion::held_by_joints(dynamics, t, y)
+    {
+        scale.observe_held(dynamics.mass(t, y), &held);
+    }
+    error.max(moved(scale))
+}
+
 /// By how much the last digits of the state `y` change its accelerations, which are those of `slope`.
-pub(super) fn rounding(
+fn rounding(
     dynamics: &mut Dynamics<'_>,
     dense: &mut Outputs,
     (t, y, slope): (f64, &[f64], &[f64]),

@@ -10,6 +10,8 @@
 //! Newton's steps onto the joints, and `D` are directions of forces that hold them. Rows that follow from others
 //! ([`Model::joint_row_held`]) have no column.
 
+pub(crate) mod partition;
+
 use crate::linalg::dense;
 use crate::model::{Model, contact_point, joint_rows, tangent_point};
 
