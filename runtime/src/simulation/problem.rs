@@ -557,6 +557,14 @@ pub(crate) fn not_unique(name: &str) -> String {
     )
 }
 
+/// What is said where a motion slides along the zero of a switch that only its second rate feels.
+pub(crate) fn second_order(name: &str) -> String {
+    format!(
+        "the function of `{name}` and its rate vanish here and stay zero while something else moves (sliding of second order), which no \
+         method follows; write the motion with that function held at zero, or smooth the switch, as in tanh(c/width)"
+    )
+}
+
 /// What of the model has a value at the input `x` that is infinite or not a number.
 pub(in crate::simulation) fn not_finite_at(model: &dyn Model, x: &[f64]) -> Option<String> {
     let declaration = model.declaration();

@@ -1,6 +1,7 @@
 //! The run: steps, events, records.
 
 mod outputs;
+mod rest;
 mod step_size;
 
 use hangtime_solver::clock::ThreadTime;
@@ -25,7 +26,6 @@ use super::velocity_jump;
 use crate::model::Model;
 use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
-use crate::simulation::problem::vanishing_inertia;
 use crate::simulation::watch::Watch;
 use crate::simulation::{InitialValueProblem, Residuals, Simulation, SimulationStatus};
 
@@ -185,6 +185,9 @@ impl<'a> Integration<'a> {
                 .controls
                 .next_break(self.t)
                 .map_or(horizon, |next| next.min(horizon));
+            if self.rest(limit)? {
+                continue;
+            }
             let remaining = limit - self.t;
             let wanted = self.foreseen(self.h.min(longest).min(remaining));
             // A step that would leave a sliver behind takes it along.
@@ -208,17 +211,23 @@ impl<'a> Integration<'a> {
             self.result.counts.elements += 1;
             let until = event.map_or(h, |event| event.h);
             let switch = event.map(|event| self.dynamics.switch(event.function));
-            self.guard_progress(switch, until)?;
+            match self.guard_progress(switch, until) {
+                Err(_) if self.comes_to_rest() => continue,
+                progress => progress?,
+            }
             self.write_outputs(h, until);
             if event.is_some() || EventSearch::is_needed(&self.dynamics) {
                 self.audit_inside(h, until);
             }
             match event {
-                Some(event) => {
-                    if self.pass(event.h, switch, ending)? {
-                        break;
+                Some(event) => match self.pass(event.h, switch, ending) {
+                    Err(_) if self.comes_to_rest() => continue,
+                    over => {
+                        if over? {
+                            break;
+                        }
                     }
-                }
+                },
                 None => {
                     self.t = if lands { limit } else { self.t + h };
                     self.y.copy_from_slice(self.method.end());
@@ -674,22 +683,5 @@ impl<'a> Integration<'a> {
         self.dynamics
             .derivative(self.t, &self.y, &mut self.dense.slope);
         self.place().jamming()
-    }
-
-    fn step_failure(&mut self, error: f64) -> SimulationStatus {
-        if let Some(status) = self.jamming() {
-            return status;
-        }
-        self.dynamics.load(self.t, &self.y);
-        let start = self.problem.input(self.dynamics.model);
-        let here = self.dynamics.input();
-        if let Some(why) = vanishing_inertia(self.dynamics.model, &start, here) {
-            return self.place().without_inertia(why);
-        }
-        if error.is_finite() {
-            self.place().step_too_short(self.h, self.settings.tolerance)
-        } else {
-            self.place().not_finite(self.method.slope())
-        }
     }
 }

@@ -25,6 +25,7 @@ mod remarks;
 mod resets;
 mod search;
 mod settings;
+mod sides;
 mod tableau;
 pub(in crate::simulation) mod velocity_jump;
 

@@ -349,6 +349,7 @@ pub(super) fn beyond(error: ModeError) -> Stop {
         ModeError::Jammed
         | ModeError::Dependent
         | ModeError::NegativeBound(_)
-        | ModeError::NotUnique(_) => ElementError::Singular,
+        | ModeError::NotUnique(_)
+        | ModeError::SecondOrder(_) => ElementError::Singular,
     })
 }

@@ -42,6 +42,7 @@ mod mode_change;
 mod present;
 mod program;
 mod resets;
+mod rest;
 mod settings;
 mod size;
 mod stepping;

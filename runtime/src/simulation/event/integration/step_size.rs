@@ -1,8 +1,10 @@
 //! What tells how long steps may be, and how many there are: how accelerations change, and what rounding leaves of the errors of steps.
 
 use super::outputs::Outputs;
+use crate::simulation::SimulationStatus;
 use crate::simulation::event::dop853::System;
 use crate::simulation::event::dynamics::Dynamics;
+use crate::simulation::problem::vanishing_inertia;
 
 /// Power of the length of a step with which errors of steps fall much faster.
 const SLOWLY: i32 = 3;
@@ -70,4 +72,24 @@ pub(super) fn rounding(
         }
     }
     change
+}
+
+impl super::Integration<'_> {
+    /// The status where the step size falls to nothing, at an `error` of the last step.
+    pub(super) fn step_failure(&mut self, error: f64) -> SimulationStatus {
+        if let Some(status) = self.jamming() {
+            return status;
+        }
+        self.dynamics.load(self.t, &self.y);
+        let start = self.problem.input(self.dynamics.model);
+        let here = self.dynamics.input();
+        if let Some(why) = vanishing_inertia(self.dynamics.model, &start, here) {
+            return self.place().without_inertia(why);
+        }
+        if error.is_finite() {
+            self.place().step_too_short(self.h, self.settings.tolerance)
+        } else {
+            self.place().not_finite(self.method.slope())
+        }
+    }
 }
