@@ -81,6 +81,8 @@ fn load_that_may_stay_or_leave_is_said_to_do_either() {
         pushed("1.5*sign(x)"),
         pushed("0.3*step(x)"),
         pushed("-2*sign(x) + 0.5*sign(v)"),
+        // By the sign of what stays zero.
+        "states { x, on } rates { x: 3*sign(on) } horizon 2 [s]".to_owned(),
     ];
     for text in cases {
         for why in refusals(&text) {

@@ -6,7 +6,7 @@
 //! v' = a - sum_k sigma_k D_k e_k,   sigma_k = +-1:     sigma_k c_k(t + h) >= 0 for all k
 //! ```
 //!
-//! One choice that agrees is the motion, two are two motions. Where none agrees every side leads back, and the motion stays if it is at
+//! One choice that agrees is the motion, two are two motions; so is a function that does not leave zero whatever its side, which matters. Where none agrees every side leads back, and the motion stays if it is at
 //! rest under a mixture of the sides, `0 = a - sum_k sigma_k D_k e_k` with `|sigma_k| <= 1` and without velocity: an equilibrium of
 //! Filippov's inclusion. It stays for certain unless motions close to it turn round it in ever longer times: those
 //! have left it a finite time ago.
@@ -25,6 +25,8 @@ use crate::model::{Model, pair_size, switching_terms};
 pub(crate) const MOST: usize = 6;
 /// Multiples of the moment after which functions are looked at, until they have a sign.
 const MOMENTS: [f64; 5] = [1.0, 10.0, 1e2, 1e3, 1e4];
+/// Steps to each of them, so that also what four integrations do not move has a sign.
+const LOOKAHEAD: usize = 3;
 /// Rounding errors of a function up to which it has no sign.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Share of the terms of an acceleration up to which it is zero where a rest is looked for.
@@ -99,6 +101,12 @@ pub(crate) fn follows(
         let differ = (0..passed.len()).find(|&k| side(first, k) != side(second, k));
         return Ok(Follows::Several(passed[differ.unwrap_or(0)]));
     }
+    for (k, contact) in passed.iter().enumerate().filter(|(k, _)| never[*k]) {
+        // It vanishes from here on, and its sign is anything.
+        if jumps(view, at, &passed[k..=k])? {
+            return Ok(Follows::Several(*contact));
+        }
+    }
     if let [only] = found[..] {
         set_sides(view, passed, |k| side(only, k));
         let leaves = leaves_at_once(view, at)?;
@@ -139,7 +147,11 @@ fn signs_of_all(
                 passed,
                 |k| if choice >> k & 1 == 0 { 1.0 } else { -1.0 },
             );
-            let later = after(view, at, at.x, multiple * at.moment, false)?;
+            let h = multiple * at.moment / LOOKAHEAD as f64;
+            let mut later = at.x.to_vec();
+            for _ in 0..LOOKAHEAD {
+                later = after(view, at, &later, h, false)?;
+            }
             for (sign, &contact) in signs.iter_mut().zip(passed) {
                 if *sign == 0.0 {
                     *sign = sign_at(view, contact, &later);

@@ -552,8 +552,8 @@ pub(crate) fn negative_bound(name: &str) -> String {
 /// What is wrong where the motion is on the zero of a switch that it may leave to either side at any time.
 pub(crate) fn not_unique(name: &str) -> String {
     format!(
-        "the motion is not unique: it is where the function of `{name}` vanishes, and what acts pushes away from there on both sides; \
-         start to one side of it, or check the sign of what it switches"
+        "the motion is not unique: it is where the function of `{name}` vanishes, and may go on with either side of it, to which what acts \
+         pushes or from which nothing moves it; start to one side, or check the sign of what it switches"
     )
 }
 

@@ -5,14 +5,11 @@ use super::contact_problem::ContactProblem;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::impact::Undetermined;
-use super::sides::{rests_along, take_sides};
+use super::sides::{BIACTIVE, rests_along, take_sides};
 use crate::contact::{Balance, ContactState, Decision, Line, Touching, Vanished, sliding};
 use crate::model::pair_size;
 use crate::simulation::problem::negative_bound;
 
-/// Accelerations below this share of those they balance are compared by what follows a moment later: event
-/// times carry rounding error, and the force its rate times that.
-pub(super) const BIACTIVE: f64 = 1e-10;
 /// Shares of the step size after which undecided contacts are looked at, with the multiple of the force now
 /// that a force then must exceed: the earliest moment that shows more than rounding error belongs to the
 /// leading derivative. If none does, force or acceleration are constant, and what there is now counts.

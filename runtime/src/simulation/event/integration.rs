@@ -1,14 +1,13 @@
 //! The run: steps, events, records.
 
 mod outputs;
-mod rest;
 mod step_size;
 
 use hangtime_solver::clock::ThreadTime;
 
 use self::outputs::Outputs;
-use self::step_size::{Attempts, Rejected};
-use super::audit::Audit;
+use self::step_size::{Attempts, Rejected, StepEnds};
+use super::audit::{Audit, Checks};
 use super::contact_mode::{self, Outlook};
 use super::diagnosis::Place;
 use super::dop853::{Dop853, System};
@@ -20,6 +19,7 @@ use super::impact::{Impact, LowestBounce};
 use super::instant::Instant;
 use super::remarks::Remarks;
 use super::resets;
+use super::rest;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
@@ -39,8 +39,6 @@ const GLANCE: f64 = 1e-6;
 const SAME_INSTANT: f64 = 1e-14;
 /// Steps at the same instant, for each contact, before the contact mode counts as undetermined.
 const REPEATS: usize = 20;
-/// Where inside a step the signs of forces and gaps are measured.
-const AUDITED: [f64; 3] = [0.25, 0.5, 0.75];
 /// Steps that an event takes, which do not count against the limit on steps: events have their own.
 const STEPS_AN_EVENT: usize = 4;
 /// Steps at the same instant after which a contact mode is chosen by what follows later.
@@ -67,28 +65,6 @@ pub(super) struct Integration<'a> {
     checks: Checks<'a>,
     log: EventLog,
     result: Simulation,
-}
-
-/// What is known at the two ends of a step.
-struct StepEnds {
-    /// By which its error is measured.
-    error_scale: ErrorScale,
-    /// Values of the switching functions.
-    start_values: Vec<f64>,
-    end_values: Vec<f64>,
-    /// Residuals at the end of the last step, which count unless it turns out to contain an event.
-    at_end: Residuals,
-    /// Sign of the determinant of the equations of the mode.
-    orientation: f64,
-    rejected: Rejected,
-}
-
-/// What is looked at during the run, and said after it.
-struct Checks<'a> {
-    remarks: Remarks,
-    audit: Audit,
-    /// How fast what acts depends on time, where it does.
-    explicit_time: Option<ExplicitTime<'a>>,
 }
 
 impl<'a> Integration<'a> {
@@ -228,28 +204,72 @@ impl<'a> Integration<'a> {
                         }
                     }
                 },
-                None => {
-                    self.t = if lands { limit } else { self.t + h };
-                    self.y.copy_from_slice(self.method.end());
-                    self.method.advance();
-                    self.keep(self.step.at_end);
-                    let step = self.result.counts.elements;
-                    self.checks
-                        .audit
-                        .look(&self.dynamics, &self.step.end_values, self.t, step);
-                    std::mem::swap(&mut self.step.start_values, &mut self.step.end_values);
-                    self.record();
-                    self.observe();
-                    if lands && limit < horizon {
-                        self.dynamics.set_controls(&self.problem.controls, self.t);
-                        self.enter_mode(None, false)?;
-                    }
-                }
+                None => self.go_on(h, lands.then_some(limit))?,
             }
             let count = self.result.counts.elements;
             watch.reach(self.t, count, &mut self.result.trajectory)?;
         }
         self.strike_at_the_end(ending)
+    }
+
+    /// Goes to the end of a step of length `h` without an event, which may be a `limit` where the controls jump.
+    fn go_on(&mut self, h: f64, limit: Option<f64>) -> Result<(), SimulationStatus> {
+        self.t = limit.unwrap_or(self.t + h);
+        self.y.copy_from_slice(self.method.end());
+        self.method.advance();
+        self.keep(self.step.at_end);
+        let step = self.result.counts.elements;
+        let values = &self.step.end_values;
+        self.checks.audit.look(&self.dynamics, values, self.t, step);
+        std::mem::swap(&mut self.step.start_values, &mut self.step.end_values);
+        self.record();
+        self.observe();
+        self.take_up_controls(limit)
+    }
+
+    /// Takes up the controls after a `limit` of theirs before the horizon, and the mode that they make.
+    fn take_up_controls(&mut self, limit: Option<f64>) -> Result<(), SimulationStatus> {
+        if limit.is_some_and(|limit| limit < self.problem.horizon) {
+            self.dynamics.set_controls(&self.problem.controls, self.t);
+            self.enter_mode(None, false)?;
+        }
+        Ok(())
+    }
+
+    /// Rests until `limit`, where the controls may jump, or until what acts is balanced no more, if the motion does.
+    fn rest(&mut self, limit: f64) -> Result<bool, SimulationStatus> {
+        let now = (self.t, &self.y[..]);
+        let Some((lasts, over)) = rest::lasts(&mut self.dynamics, now, limit) else {
+            return Ok(false);
+        };
+        self.y[2 * self.dynamics.n] += lasts;
+        self.t = if over { self.t + lasts } else { limit };
+        self.result.counts.elements += 1;
+        if over {
+            self.enter_mode(None, false)?;
+        } else {
+            self.begin()?;
+            self.record();
+            self.take_up_controls(Some(limit))?;
+        }
+        Ok(true)
+    }
+
+    /// Whether the switches of the last moment have led to a rest, into which the motion is put.
+    fn comes_to_rest(&mut self) -> bool {
+        let now = (self.t, &self.y[..], self.method.slope());
+        let (events, horizon) = (&self.result.events, self.problem.horizon);
+        let Some(at_rest) = rest::nearest(&mut self.dynamics, events, now, horizon) else {
+            return false;
+        };
+        let before = self.y.clone();
+        self.y[..at_rest.len()].copy_from_slice(&at_rest);
+        if self.enter_mode(None, false).is_ok() && self.dynamics.rest.is_some() {
+            return true;
+        }
+        self.dynamics.rest = None;
+        self.y = before;
+        false
     }
 
     /// Goes to the event after `h`, where the switching function vanishes, and into the mode after it, unless the motion is over there.
@@ -419,27 +439,18 @@ impl<'a> Integration<'a> {
     }
 
     fn find_event(&mut self, h: f64) -> Outcome {
-        let outputs_due = self.dense.are_due(self.t, h);
-        let horizon = self.problem.horizon;
-        let search = EventSearch::is_needed(&self.dynamics)
-            || EventSearch::may_pass_posts(&self.dynamics, h, horizon);
-        if !search && !outputs_due {
-            return Outcome::Nothing;
-        }
-        self.method.extend(&mut self.dynamics, self.t, &self.y, h);
+        let (t, y) = (self.t, &self.y[..]);
+        let (start_values, end_values) = (&self.step.start_values, &self.step.end_values);
         let step = Step {
-            t: self.t,
+            t,
             h,
-            y: &self.y,
-            start_values: &self.step.start_values,
-            end_values: &self.step.end_values,
+            y,
+            start_values,
+            end_values,
         };
-        let (dynamics, method) = (&mut self.dynamics, &mut self.method);
-        self.search.glance(dynamics, method, step, horizon);
-        if !EventSearch::is_needed(dynamics) {
-            return Outcome::Nothing;
-        }
-        self.search.earliest(dynamics, method, step)
+        let due = self.dense.are_due(self.t, h);
+        let run = (&mut self.dynamics, &mut self.method);
+        self.search.outcome(run, step, (self.problem.horizon, due))
     }
 
     /// Makes the next try shorter than the step of length `h`, in which the events of `contact` cannot be found.
@@ -655,18 +666,12 @@ impl<'a> Integration<'a> {
     /// Looks at forces and gaps inside the first `until` of the step of length `h`, whose continuous extension is
     /// ready.
     fn audit_inside(&mut self, h: f64, until: f64) {
-        for share in AUDITED {
-            let time = self.t + share * until;
-            self.method
-                .interpolate(share * until / h, &mut self.dense.state);
-            if motion::project(&mut self.dynamics, time, &mut self.dense.state) {
-                self.dynamics
-                    .derivative(time, &self.dense.state, &mut self.dense.slope);
-                let step = self.result.counts.elements;
-                let values = &self.dynamics.switching.values;
-                self.checks.audit.look(&self.dynamics, values, time, step);
-            }
-        }
+        let (step, dense) = (self.result.counts.elements, &mut self.dense);
+        let run = (&mut self.dynamics, &self.method);
+        let memory = (&mut dense.state[..], &mut dense.slope[..]);
+        self.checks
+            .audit
+            .look_inside(run, memory, (self.t, h, until), step);
     }
 
     /// The present place, for what has to be said of it.
@@ -683,5 +688,16 @@ impl<'a> Integration<'a> {
         self.dynamics
             .derivative(self.t, &self.y, &mut self.dense.slope);
         self.place().jamming()
+    }
+
+    fn step_failure(&mut self, error: f64) -> SimulationStatus {
+        if let Some(status) = self.jamming() {
+            return status;
+        }
+        self.dynamics.load(self.t, &self.y);
+        let start = self.problem.input(self.dynamics.model);
+        let step = (self.h, self.settings.tolerance, error);
+        let slope = self.method.slope();
+        self.place().step_too_short(step, &start, slope)
     }
 }

@@ -23,6 +23,7 @@ mod integration;
 mod locate;
 mod remarks;
 mod resets;
+mod rest;
 mod search;
 mod settings;
 mod sides;

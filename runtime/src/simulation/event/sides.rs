@@ -1,12 +1,14 @@
 //! Which sides of switches act that are only passed, where their functions vanish.
 
-use super::contact_mode::BIACTIVE;
 use super::dynamics::{Dynamics, Switch};
 use crate::contact::Direction;
 use crate::contact::passing::{self, Follows, Place};
 use crate::model::{Switching, joint_rows, pair_size};
 use crate::simulation::problem::{not_unique, second_order};
 
+/// Accelerations below this share of those they balance are compared by what follows a moment later: event
+/// times carry rounding error, and the force its rate times that.
+pub(super) const BIACTIVE: f64 = 1e-10;
 /// Share of a smooth time after which a function is looked at that vanishes with its rate.
 const LATER: f64 = 1e-3;
 

@@ -3,10 +3,12 @@
 
 use super::driver::Driver;
 use super::mode_change;
-use super::stepping::BURST;
 use crate::contact::passing::{self, Place};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::switch::rates;
+
+/// Time of a burst of switches, as a share of the time reached and of the horizon.
+pub(super) const BURST: f64 = 1e-6;
 
 /// Whether the motion rests.
 pub(super) fn rests(driver: &Driver<'_>) -> bool {

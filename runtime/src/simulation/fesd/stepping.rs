@@ -5,6 +5,7 @@ use hangtime_solver::clock::ThreadTime;
 use super::diagnosis::{self, MAX_SWITCHES};
 use super::driver::Driver;
 use super::error_control::ErrorControl;
+use super::rest::BURST;
 use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
 use super::{bounces, impacts, location, mode_change, program, rest};
@@ -24,8 +25,6 @@ const MAX_ATTEMPTS: usize = 20_000;
 const ATTEMPTS_A_SWITCH: usize = 10;
 /// Elements that an event takes, which do not count against the limit on elements: events have their own.
 const ELEMENTS_AN_EVENT: usize = 4;
-/// Time of a burst of switches, as a share of the time reached and of the horizon.
-pub(super) const BURST: f64 = 1e-6;
 const SHORTEST_BURST: f64 = 1e-9;
 
 /// How a segment ended.

@@ -1,10 +1,10 @@
 //! What tells how long steps may be, and how many there are: how accelerations change, and what rounding leaves of the errors of steps.
 
 use super::outputs::Outputs;
-use crate::simulation::SimulationStatus;
+use crate::simulation::Residuals;
 use crate::simulation::event::dop853::System;
 use crate::simulation::event::dynamics::Dynamics;
-use crate::simulation::problem::vanishing_inertia;
+use crate::simulation::event::error_scale::ErrorScale;
 
 /// Power of the length of a step with which errors of steps fall much faster.
 const SLOWLY: i32 = 3;
@@ -33,6 +33,20 @@ impl Rejected {
             time == t && h < length && error > before * (h / length).powi(SLOWLY)
         })
     }
+}
+
+/// What is known at the two ends of a step.
+pub(super) struct StepEnds {
+    /// By which its error is measured.
+    pub(super) error_scale: ErrorScale,
+    /// Values of the switching functions.
+    pub(super) start_values: Vec<f64>,
+    pub(super) end_values: Vec<f64>,
+    /// Residuals at the end of the last step, which count unless it turns out to contain an event.
+    pub(super) at_end: Residuals,
+    /// Sign of the determinant of the equations of the mode.
+    pub(super) orientation: f64,
+    pub(super) rejected: Rejected,
 }
 
 /// By how much accelerations change within a `moment` after the state `y`, whose derivative is `slope`.
@@ -72,24 +86,4 @@ pub(super) fn rounding(
         }
     }
     change
-}
-
-impl super::Integration<'_> {
-    /// The status where the step size falls to nothing, at an `error` of the last step.
-    pub(super) fn step_failure(&mut self, error: f64) -> SimulationStatus {
-        if let Some(status) = self.jamming() {
-            return status;
-        }
-        self.dynamics.load(self.t, &self.y);
-        let start = self.problem.input(self.dynamics.model);
-        let here = self.dynamics.input();
-        if let Some(why) = vanishing_inertia(self.dynamics.model, &start, here) {
-            return self.place().without_inertia(why);
-        }
-        if error.is_finite() {
-            self.place().step_too_short(self.h, self.settings.tolerance)
-        } else {
-            self.place().not_finite(self.method.slope())
-        }
-    }
 }
