@@ -74,6 +74,19 @@ fn rest_ends_where_a_growing_pull_is_as_strong_as_the_relay() {
 }
 
 #[test]
+fn rest_that_twisting_has_led_to_ends_where_a_ramp_is_stronger() {
+    // The ramp begins within the rest, and is as strong as both relays 2.6/0.5 s later.
+    let ramp = "states { x: m, v: m/s } rates { x: v, v: (-2*sign(x) - 0.6*sign(v))*1 [m/s^2] + 0.5 [m/s^3]*max(0 [s], t - 6 [s]) }";
+    for (horizon, gone) in [(8.0, 0.0), (13.0, 13.0_f64 - 6.0 - 5.2)] {
+        let text = format!("{ramp} start {{ x: 0.5 }} horizon {horizon} [s]");
+        for motion in motions(&text) {
+            let wanted = [("x", 0.5 * gone.powi(3) / 6.0), ("v", 0.25 * gone * gone)];
+            ends(&motion, &wanted, 1e-7);
+        }
+    }
+}
+
+#[test]
 fn load_that_may_stay_or_leave_is_said_to_do_either() {
     let pushed = |how: &str| format!("states {{ x, v }} rates {{ x: v, v: {how} }} horizon 2 [s]");
     let cases = [
@@ -82,7 +95,7 @@ fn load_that_may_stay_or_leave_is_said_to_do_either() {
         pushed("0.3*step(x)"),
         pushed("-2*sign(x) + 0.5*sign(v)"),
         // By the sign of what stays zero.
-        "states { x, on } rates { x: 3*sign(on) } horizon 2 [s]".to_owned(),
+        "states { x, on } rates { x: 3*sign(on), on: 0 } horizon 2 [s]".to_owned(),
     ];
     for text in cases {
         for why in refusals(&text) {

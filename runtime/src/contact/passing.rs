@@ -103,7 +103,7 @@ pub(crate) fn follows(
     }
     for (k, contact) in passed.iter().enumerate().filter(|(k, _)| never[*k]) {
         // It vanishes from here on, and its sign is anything.
-        if jumps(view, at, &passed[k..=k])? {
+        if matters(view, at, passed, k)? {
             return Ok(Follows::Several(*contact));
         }
     }
@@ -258,6 +258,23 @@ fn jumps(view: &mut View<'_>, at: &Place<'_>, passed: &[usize]) -> Result<bool, 
     }))
 }
 
+/// Whether the motion depends on the side of the `k`-th of the `passed` switches, with the side 1 of the others.
+fn matters(
+    view: &mut View<'_>,
+    at: &Place<'_>,
+    passed: &[usize],
+    k: usize,
+) -> Result<bool, LcpError> {
+    set_sides(view, passed, |_| 1.0);
+    let one = acceleration(view, at, at.x, false)?;
+    let columns = columns(view, at);
+    let scale = sizes(view, &columns);
+    view.sides[passed[k]] = -1.0;
+    let other = acceleration(view, at, at.x, false)?;
+    let mut rows = one.iter().zip(&other).zip(&scale);
+    Ok(rows.any(|((one, other), scale)| (one - other).abs() > BALANCED * scale))
+}
+
 /// What the side 1 of each contact that touches takes from the acceleration, as last evaluated.
 fn columns(view: &View<'_>, at: &Place<'_>) -> Vec<Vec<f64>> {
     let column = |&i: &usize| {
@@ -350,21 +367,26 @@ fn mixture(view: &mut View<'_>, at: &Place<'_>, h: f64, share: f64) -> Option<Ve
         .then_some(parts)
 }
 
-/// How long the rest goes on, at most a time `longest` \[s\]; beyond its end by less than what can be told.
+/// How long the rest goes on with the same signs of all functions, at most a time `longest` \[s\]; beyond its end by less than what can be told.
 pub(crate) fn lasts(view: &mut View<'_>, at: &Place<'_>, longest: f64) -> f64 {
     if at.rates.iter().all(|rate| *rate == 0.0) {
         return longest;
     }
+    let begun = signs_after(view, at, 0.0);
+    let mut goes_on = |time: f64| {
+        mixture(view, at, time, HOLDS).is_some() && signs_after(view, at, time) == begun
+    };
     let mut before = 0.0;
     for look in 1..=LOOKS {
         let time = longest * look as f64 / LOOKS as f64;
-        if mixture(view, at, time, HOLDS).is_none() {
+        if !goes_on(time) {
             let (mut left, mut right) = (before, time);
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (left + right);
-                match mixture(view, at, middle, HOLDS) {
-                    Some(_) => left = middle,
-                    None => right = middle,
+                if goes_on(middle) {
+                    left = middle;
+                } else {
+                    right = middle;
                 }
             }
             return right;
@@ -372,6 +394,21 @@ pub(crate) fn lasts(view: &mut View<'_>, at: &Place<'_>, longest: f64) -> f64 {
         before = time;
     }
     longest
+}
+
+/// Signs of the functions after a time `h` at rest, 0 of those that vanish.
+fn signs_after(view: &mut View<'_>, at: &Place<'_>, h: f64) -> Vec<f64> {
+    let x = moved(at, at.x, &vec![0.0; 2 * view.n], h);
+    let sign = |&i: &usize| {
+        view.evaluate_tangent(i, &x);
+        let value = view.sliding_velocity(i);
+        if value.abs() > at.zeros[i] {
+            value.signum()
+        } else {
+            0.0
+        }
+    };
+    at.touching.iter().map(sign).collect()
 }
 
 /// The parts of the sides after a time `h` of the rest.

@@ -60,13 +60,16 @@ pub(crate) fn select(
     }
     let solved = sided(contacts, x, &touching, time)?;
     if contacts.rest.is_some() {
-        let state = ContactState::Held(None);
-        active.clear();
-        active.extend(
-            touching
-                .iter()
-                .map(|&contact| ActiveContact { contact, state }),
-        );
+        let held = |&contact: &usize| {
+            let slides = pair_size(contacts.sliding(contact)) > contacts.rest_speed(contact, time);
+            let state = if slides {
+                sliding(contacts, contact)
+            } else {
+                ContactState::Held(None)
+            };
+            ActiveContact { contact, state }
+        };
+        *active = touching.iter().map(held).collect();
         return Ok(());
     }
     let Sorted {

@@ -125,7 +125,11 @@ fn select(
         .map_err(|message| Undetermined { contact, message })?;
     if dynamics.rest.is_some() {
         for &contact in resting {
-            mode[contact] = ContactState::Held(None);
+            let slides = pair_size(dynamics.sliding(contact)) > dynamics.zero_speed(contact);
+            mode[contact] = match slides {
+                true => sliding(dynamics, contact),
+                false => ContactState::Held(None),
+            };
         }
         dynamics.set_mode(&mode);
         return Ok(());
