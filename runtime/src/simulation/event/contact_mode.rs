@@ -124,14 +124,7 @@ fn select(
     let candidates = candidates(dynamics, (t, y), resting, vanished, outlook.moment)
         .map_err(|message| Undetermined { contact, message })?;
     if dynamics.rest.is_some() {
-        for &contact in resting {
-            let slides = pair_size(dynamics.sliding(contact)) > dynamics.zero_speed(contact);
-            mode[contact] = match slides {
-                true => sliding(dynamics, contact),
-                false => ContactState::Held(None),
-            };
-        }
-        dynamics.set_mode(&mode);
+        enter_rest(dynamics, mode, resting);
         return Ok(());
     }
     for candidate in &candidates {
@@ -189,6 +182,18 @@ fn select(
         }
         None => Err(inconsistent(first.contact)),
     }
+}
+
+/// Holds the `resting` contacts whose functions vanish; the others act by their sides.
+fn enter_rest(dynamics: &mut Dynamics<'_>, mut mode: Vec<ContactState>, resting: &[usize]) {
+    for &contact in resting {
+        let slides = pair_size(dynamics.sliding(contact)) > dynamics.zero_speed(contact);
+        mode[contact] = match slides {
+            true => sliding(dynamics, contact),
+            false => ContactState::Held(None),
+        };
+    }
+    dynamics.set_mode(&mode);
 }
 
 fn inconsistent(contact: usize) -> Undetermined {
