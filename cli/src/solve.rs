@@ -211,8 +211,8 @@ fn tables(
 /// How far the re-simulation is from the plan: at the end, and in the objective where that is seen.
 fn resimulated(solution: &Solution) -> String {
     let end = format!(
-        "{:.1e} away from the plan at the end",
-        solution.resimulation_error
+        "{:.1e} away from the plan at the end, {:.1e} in velocities",
+        solution.resimulation_error, solution.resimulation_velocity_error
     );
     if solution.resimulated_objective.is_nan() {
         return end;

@@ -1,6 +1,7 @@
 //! Shipped scenes, examples and README: certified solutions, closed forms, and each other.
 
 mod agreement;
+mod air_drag;
 mod at_times;
 mod ball_on_slope;
 mod bike_on_two_wheels;
@@ -13,6 +14,7 @@ mod estimation;
 mod four_bar;
 mod friction;
 mod gradient;
+mod hidden;
 mod joints;
 mod largest;
 mod many_contacts;

@@ -545,3 +545,22 @@ fn switches_inside_of_each_other_by_functions_that_differ_by_a_number() {
         ends(&motion, &[("x", 3.0), ("w", 1.5)], 1e-12);
     }
 }
+
+#[test]
+fn drive_that_saturates_on_both_sides_leaves_saturation_exactly() {
+    // x' = u within the bounds of u = k (r - x): at the bound until |r - x| = most/k, then an exponential.
+    for (wanted, sign) in [(1.0, "<="), (-1.0, ">=")] {
+        let text = format!(
+            "parameters {{ k: 1/s = 2, r: m = {wanted}, most: m/s = 0.7 }} states {{ x: m }}
+            rates {{ x: clamp(k*(r - x), -most, most) }} horizon 2 [s]"
+        );
+        let leaves = (1.0 - 0.35) / 0.7;
+        let end = wanted * (1.0 - 0.35 * (-2.0 * (2.0 - leaves)).exp());
+        let bound = if sign == "<=" { "most" } else { "-most" };
+        let name = format!("k*(r - x) {sign} {bound}");
+        for motion in motions(&text) {
+            events(&motion, &[(EventKind::Switch, &name, leaves)], 1e-9);
+            ends(&motion, &[("x", end)], 1e-8);
+        }
+    }
+}

@@ -376,10 +376,11 @@ pub(crate) const PICTURE: [&str; 14] = [
 ];
 
 /// Functions with a kink or a jump, which dynamics must not have.
-pub(crate) const NONSMOOTH: [&str; 10] = [
+pub(crate) const NONSMOOTH: [&str; 11] = [
     "abs",
     "min",
     "max",
+    "clamp",
     "sign",
     "signum",
     "floor",
@@ -390,7 +391,7 @@ pub(crate) const NONSMOOTH: [&str; 10] = [
 ];
 
 /// Those of them that a surface may contain, as its pieces are smooth.
-pub(crate) const EDGES: [&str; 3] = ["abs", "min", "max"];
+pub(crate) const EDGES: [&str; 4] = ["abs", "min", "max", "clamp"];
 
 /// Those of them that jump, which forces and rates may contain besides.
 pub(crate) const JUMPS: [&str; 4] = ["sign", "signum", "step", "heaviside"];

@@ -3,11 +3,14 @@
 use super::contact_mode::Direction;
 use super::law::{self, Solutions};
 use super::line::Line;
+use super::mode_error::ModeError;
 use super::state::ContactState;
 use super::touching::Touching;
 use super::view::{View, dot};
-use crate::linalg::lcp::LcpError;
 use crate::model::pair_size;
+
+/// Two solutions are one if their changes of the velocity agree to this relative accuracy.
+const SAME: f64 = 1e-8;
 
 /// What accelerations say of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,18 +42,50 @@ pub(crate) struct Balance {
 }
 
 impl Balance {
-    /// A solution of the law for lines that move by `offsets`, where one is enough.
+    /// A solution of the law for lines that move by `offsets`. All are asked for only where friction may push a contact into the
+    /// ground: elsewhere they give one motion.
     ///
     /// # Errors
-    /// Where none is found.
+    /// Where none is found, or several with different motions.
     pub(crate) fn first(
         touching: Touching,
         view: &View<'_>,
         offsets: &[f64],
-    ) -> Result<Self, LcpError> {
+    ) -> Result<Self, ModeError> {
         let matrix = view.couplings(&touching.lines);
         let forces = law::first(&touching.problem(&matrix, offsets))?;
+        // Where sliding has a lower coefficient of its own, what may rest does.
+        if let Some((contact, _)) = touching.jams(view)
+            && !touching.breaks()
+            && let Some((found, solutions)) = Self::all(touching.clone(), view, offsets)
+            && found.has_others(view, offsets, &solutions)
+        {
+            return Err(ModeError::Several(contact));
+        }
         Ok(Self::with(touching, &matrix, offsets, forces))
+    }
+
+    /// Whether one of the solutions changes the velocity by something else than this one does.
+    pub(crate) fn has_others(
+        &self,
+        view: &View<'_>,
+        offsets: &[f64],
+        solutions: &Solutions,
+    ) -> bool {
+        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let change = |forces: &[f64]| {
+            let mut change = vec![0.0; view.n];
+            self.push(view, forces, &mut change);
+            change
+        };
+        let reference = change(&self.forces);
+        let tolerance = SAME * largest(&reference).max(largest(offsets));
+        let differs = |other: Vec<f64>| {
+            let other = change(&other);
+            let mut pairs = other.iter().zip(&reference);
+            pairs.any(|(a, b)| (a - b).abs() > tolerance)
+        };
+        solutions.others(&self.forces).any(differs)
     }
 
     /// The same with all solutions that are found; `None` without any.

@@ -7,6 +7,8 @@ use crate::linalg::lcp;
 pub(crate) enum ModeError {
     /// The complementarity problem of impulses or accelerations has no solution: jamming.
     Jammed,
+    /// It has several, with different motions, as friction may push this contact into the ground: Painleve's paradox.
+    Several(usize),
     /// The normals of the active contacts are dependent.
     Dependent,
     /// A model value is infinite or not a number.

@@ -15,10 +15,10 @@
 
 use super::balance::Balance;
 use super::line::Line;
+use super::mode_error::ModeError;
 use super::rest::Rest;
 use super::touching::Touching;
 use super::view::View;
-use crate::linalg::lcp::LcpError;
 use crate::model::{Model, pair_size, switching_terms};
 
 /// Most switches whose sides are tried in all ways.
@@ -79,7 +79,7 @@ pub(crate) fn follows(
     view: &mut View<'_>,
     at: &Place<'_>,
     passed: &[usize],
-) -> Result<Follows, LcpError> {
+) -> Result<Follows, ModeError> {
     let signs = signs_of_all(view, at, passed)?;
     let side = |choice: usize, k: usize| if choice >> k & 1 == 0 { 1.0 } else { -1.0 };
     let never: Vec<bool> = (0..passed.len())
@@ -135,7 +135,7 @@ fn signs_of_all(
     view: &mut View<'_>,
     at: &Place<'_>,
     passed: &[usize],
-) -> Result<Vec<Vec<f64>>, LcpError> {
+) -> Result<Vec<Vec<f64>>, ModeError> {
     let mut signs = vec![vec![0.0; passed.len()]; 1 << passed.len()];
     for multiple in MOMENTS {
         for (choice, signs) in signs.iter_mut().enumerate() {
@@ -185,7 +185,7 @@ fn acceleration(
     at: &Place<'_>,
     x: &[f64],
     fixed: bool,
-) -> Result<Vec<f64>, LcpError> {
+) -> Result<Vec<f64>, ModeError> {
     view.evaluate_free_acceleration(x);
     for &i in at.touching {
         view.evaluate_sides(i, x);
@@ -209,7 +209,7 @@ fn after(
     x: &[f64],
     h: f64,
     fixed: bool,
-) -> Result<Vec<f64>, LcpError> {
+) -> Result<Vec<f64>, ModeError> {
     let n = view.n;
     let mut sum = vec![0.0; 2 * n];
     let mut slope = vec![0.0; 2 * n];
@@ -237,7 +237,7 @@ fn moved(at: &Place<'_>, x: &[f64], slope: &[f64], h: f64) -> Vec<f64> {
 }
 
 /// Whether the acceleration with the sides of the view is none of a rest.
-fn leaves_at_once(view: &mut View<'_>, at: &Place<'_>) -> Result<bool, LcpError> {
+fn leaves_at_once(view: &mut View<'_>, at: &Place<'_>) -> Result<bool, ModeError> {
     let acceleration = acceleration(view, at, at.x, false)?;
     let columns = columns(view, at);
     let scale = sizes(view, &columns);
@@ -246,7 +246,7 @@ fn leaves_at_once(view: &mut View<'_>, at: &Place<'_>) -> Result<bool, LcpError>
 }
 
 /// Whether what acts jumps with the sides of the `passed` switches.
-fn jumps(view: &mut View<'_>, at: &Place<'_>, passed: &[usize]) -> Result<bool, LcpError> {
+fn jumps(view: &mut View<'_>, at: &Place<'_>, passed: &[usize]) -> Result<bool, ModeError> {
     acceleration(view, at, at.x, true)?;
     let columns = columns(view, at);
     let scale = sizes(view, &columns);
@@ -264,7 +264,7 @@ fn matters(
     at: &Place<'_>,
     passed: &[usize],
     k: usize,
-) -> Result<bool, LcpError> {
+) -> Result<bool, ModeError> {
     set_sides(view, passed, |_| 1.0);
     let one = acceleration(view, at, at.x, false)?;
     let columns = columns(view, at);
@@ -417,7 +417,11 @@ pub(crate) fn parts_after(view: &mut View<'_>, at: &Place<'_>, h: f64) -> Option
 }
 
 /// Whether a motion that begins beside the rest turns round it in ever longer times.
-fn turns_outwards(view: &mut View<'_>, at: &Place<'_>, passed: &[usize]) -> Result<bool, LcpError> {
+fn turns_outwards(
+    view: &mut View<'_>,
+    at: &Place<'_>,
+    passed: &[usize],
+) -> Result<bool, ModeError> {
     let switches: Vec<usize> = at.touching.to_vec();
     set_sides(view, &switches, |_| 1.0);
     let mut x = after(view, at, at.x, at.moment, true)?;
@@ -468,7 +472,7 @@ fn step_to_switch(
     switches: &[usize],
     x: &[f64],
     h: f64,
-) -> Result<ToSwitch, LcpError> {
+) -> Result<ToSwitch, ModeError> {
     let crossed = |view: &mut View<'_>, to: &[f64]| {
         switches.iter().copied().find(|&i| {
             view.evaluate_tangent(i, to);

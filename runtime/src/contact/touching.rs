@@ -65,6 +65,21 @@ impl Touching {
         self.cones.iter().any(|cone| cone.kinetic < cone.friction)
     }
 
+    /// A contact that friction may push into the ground as much as its force lifts it, or more, with the [gain](View::gain) of
+    /// its force: there may be no motion, or several (Painleve's paradox).
+    pub(crate) fn jams(&self, view: &View<'_>) -> Option<(usize, f64)> {
+        let mut contacts = self.contacts.iter().zip(&self.lines).enumerate();
+        contacts.find_map(|(slot, (&i, &line))| {
+            let mu = view.friction(i);
+            let gain = match (self.tangent(slot), line) {
+                (Some(_), _) => view.gain(i, mu).min(view.gain(i, -mu)),
+                (None, Line::Normal { slope, .. }) if slope != 0.0 => view.gain(i, slope),
+                (None, _) => return None,
+            };
+            (gain <= 0.0).then_some((i, gain))
+        })
+    }
+
     /// The problem of the law for lines that move by `offsets` without forces.
     pub(super) fn problem<'p>(&'p self, matrix: &'p [f64], offsets: &'p [f64]) -> Problem<'p> {
         Problem {
@@ -74,6 +89,16 @@ impl Touching {
             surfaces: self.surfaces,
         }
     }
+}
+
+/// Painleve's paradox in words: a contact whose [gain](View::gain) is zero or less.
+pub(crate) fn jammed(view: &View<'_>, contact: usize, gain: f64) -> String {
+    format!(
+        "friction {} of `{}` pushes it into the ground as much as its force lifts it, 1 - mu |n'e| = {gain:.1e} \
+         (Painleve); lower the friction or change the geometry",
+        view.friction(contact),
+        view.model.declaration().contacts[contact].name,
+    )
 }
 
 /// The law of a contact with friction whose normal is the line `normal`.

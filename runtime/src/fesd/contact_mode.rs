@@ -115,7 +115,7 @@ fn balance(contacts: &Contacts<'_>, touching: &[usize], time: f64) -> Result<Bal
     let free: Vec<f64> = free
         .map(|&line| contacts.free_line_acceleration(line))
         .collect();
-    Ok(Balance::first(touching, contacts, &free)?)
+    Balance::first(touching, contacts, &free)
 }
 
 /// The same with the sides of the switches that are passed now.

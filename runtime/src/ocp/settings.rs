@@ -244,7 +244,7 @@ pub struct Settings {
     /// relaxations, or discretizations of the time-freezing formulation; at least 1. Default: up to 16, fewer where
     /// several agree on the best; 1 with a previous motion; with time-freezing two, of which one is on a grid of
     /// about ten intervals and is carried to the one asked for, and up to four others one after the other until a motion is certified.
-    /// Where several are asked for in phases, what a single one ends at is among the candidates.
+    /// Where several are asked for in phases, what words and a single one end at is among the candidates.
     /// The best result is returned, with the distinct local optima; it does not depend
     /// on the number of threads.
     pub starts: Option<usize>,
@@ -350,12 +350,13 @@ impl Settings {
         !self.without.iter().any(|without| without == rule)
     }
 
-    /// Whether words are searched: not where it is said from how many starts on grids, or from which guess.
+    /// Whether words are searched: not where a single start is asked for, or a guess is given. Several starts on grids are
+    /// tried after them, and the better end counts.
     #[must_use]
     pub fn searches_words(&self) -> bool {
         self.search == SearchSpace::Words
             && self.formulation == Formulation::Phases
-            && self.starts.is_none()
+            && self.starts != Some(1)
             && self.guess == Guess::Straight
     }
 
@@ -382,7 +383,9 @@ impl Settings {
             }
         }
         rules::check(&self.without)?;
-        let on_words = self.searches_words() && self.controls == ControlShape::Constant;
+        let on_words = self.searches_words()
+            && self.starts.is_none()
+            && self.controls == ControlShape::Constant;
         if self.grid == ControlNodes::Aligned && !on_words {
             return Err(InputError::new(
                 "optimal control: intervals that are aligned with phases are of constant controls and found over words; \

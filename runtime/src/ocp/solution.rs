@@ -376,6 +376,9 @@ pub struct Solution {
     pub stationarity: Stationarity,
     /// Largest difference of a final coordinate between plan and re-simulation.
     pub resimulation_error: f64,
+    /// Largest difference of a final velocity between plan and re-simulation. Coordinates are what is judged; velocities are less
+    /// accurate by the rates of the motion.
+    pub resimulation_velocity_error: f64,
     /// That difference as one of a motion of the order of a metre and a radian: what is judged.
     pub(in crate::ocp) departure: f64,
     /// Whether it is a motion of a problem in which every longer one costs less.
@@ -493,6 +496,7 @@ impl Solution {
             gradient: None,
             stationarity: Stationarity::None,
             resimulation_error: f64::INFINITY,
+            resimulation_velocity_error: f64::INFINITY,
             departure: f64::INFINITY,
             resimulated_objective: f64::NAN,
             cost_departure: 0.0,
@@ -613,7 +617,7 @@ impl Solution {
             )),
             Status::Unconfirmed => {
                 let difference = match &self.disagreement {
-                    Some(event) => format!("has other contact events than the plan ({event})"),
+                    Some(event) => format!("does not agree with the plan ({event})"),
                     None if self.costs_otherwise() => format!(
                         "costs {} and the plan {}",
                         number(self.resimulated_objective),

@@ -16,6 +16,15 @@ pub use inertia::{
 #[cfg(feature = "oracle")]
 pub use num_dual;
 
+/// Squares below are of rest: the third power of their inverse root has no value in `f64`.
+const REST: f64 = 1e-200;
+
+/// `1/sqrt(x)`, and 0 at rest: part of derivatives of `|v| v`, in which what it is multiplied with vanishes faster.
+#[must_use]
+pub fn inverse_root(x: f64) -> f64 {
+    if x < REST { 0.0 } else { 1.0 / x.sqrt() }
+}
+
 /// Value of the derivative of this `order` of a function given by points: polynomials in the distance from the places where
 /// they begin to hold, constant first; the first of them holds in front of all places.
 #[must_use]

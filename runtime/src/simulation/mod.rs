@@ -5,6 +5,7 @@
 //! [`SimulationStatus`], not an error; an [`InputError`] means that the input was refused before the
 //! first step.
 
+mod accumulation;
 mod agreement;
 mod along;
 pub(crate) mod baselines;
@@ -14,6 +15,7 @@ mod explicit_time;
 mod fesd;
 mod gradient;
 mod hand_over;
+mod hidden_force;
 mod impulse;
 mod joints;
 mod one_sided;

@@ -145,7 +145,7 @@ impl<'o> Watch<'o> {
         if self.stride > 1 {
             result.notes.push(format!(
                 "the trajectory keeps one of {} points between events, to stay below {} points; raise `points` of \
-                 the problem for more",
+                 the problem in Rust for more",
                 self.stride, self.points
             ));
         }

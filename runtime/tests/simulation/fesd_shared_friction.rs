@@ -3,7 +3,7 @@
 //! and impacts that Newton's law lets gain energy.
 
 use crate::common::event::{accurate, sequence};
-use crate::common::laws::{Rod, Table, Wedge, rough_crate};
+use crate::common::laws::{Rod, Wedge, rough_crate};
 use crate::common::scenes::GRAVITY;
 use crate::common::{distance, last, root, start};
 use hangtime::model::Model;
@@ -28,38 +28,6 @@ fn controlled(stages: usize, tolerance: f64) -> Fesd {
 /// Equal elements, and elements of controlled length.
 fn both() -> [Fesd; 2] {
     [Fesd::default(), controlled(5, 1e-9)]
-}
-
-#[test]
-fn sliding_table_stops_on_both_feet_at_once() {
-    let (mu, height) = (0.5, 0.6);
-    let model = Table {
-        height,
-
-        mu,
-        ..Table::default()
-    };
-    let problem = start(&[0.0, height, 0.0], &[2.0, 0.0, 0.0], 1.0);
-    let expected = run(&accurate(), &model, &problem);
-    for simulator in both() {
-        let simulation = run(&simulator, &model, &problem);
-        assert_eq!(simulation.status, SimulationStatus::Solved);
-        assert_eq!(
-            sequence(&simulation),
-            [(EventKind::Stick, 0), (EventKind::Stick, 1)]
-        );
-        assert_eq!(sequence(&simulation), sequence(&expected));
-        // Parabolas, which the scheme reproduces: rounding error of 60 steps.
-        let stop = 2.0 / (mu * GRAVITY);
-        assert!((simulation.events[0].time - stop).abs() < 2e-14);
-        let (q, v) = last(&simulation.trajectory);
-        assert!((q[0] - stop).abs() < 2e-14, "{q:?}");
-        assert!(distance(v, &[0.0; 3]) < 1e-15, "{v:?}");
-        assert!(distance(q, last(&expected.trajectory).0) < 1e-13);
-        let forces = simulation.trajectory.contact_force.last().unwrap();
-        assert!((forces[0] + forces[1] - GRAVITY).abs() < 1e-12);
-        assert_eq!(simulation.counts.fallbacks, 0);
-    }
 }
 
 #[test]

@@ -9,5 +9,5 @@ mod differences;
 mod mechanisms;
 mod obstacles;
 mod ranges;
-mod support;
+pub(crate) mod support;
 mod texts;

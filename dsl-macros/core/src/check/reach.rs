@@ -119,6 +119,10 @@ impl Range {
             Function::Sin | Function::Cos => Self::new(-1.0, 1.0),
             Function::Asin => Self::new(-FRAC_PI_2, FRAC_PI_2),
             Function::Acos => Self::new(0.0, PI),
+            Function::Root => {
+                Self::new(self.least.max(0.0), self.most.max(0.0)).grown(Function::Root)
+            }
+            Function::InverseRoot => Self::new(0.0, f64::INFINITY),
             Function::Abs => self.size(),
             Function::Sign => Self::new(-1.0, 1.0),
             Function::Cosh => {

@@ -158,7 +158,7 @@ pub(super) fn smooth(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Chec
     }
     of_contacts(value, expr, checker)?;
     for sym in graph::reachable(&[value]) {
-        if let Node::Call(Function::Cbrt | Function::Ln, argument) = sym.node()
+        if let Node::Call(Function::Root | Function::Cbrt | Function::Ln, argument) = sym.node()
             && graph::depends_on(argument, is_velocity)
             && graph::substitute(&[argument], |variable| {
                 is_velocity(variable).then_some(Sym::ZERO)
@@ -168,7 +168,8 @@ pub(super) fn smooth(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Chec
             return Err(checker.diagnostics.report(
                 "E13",
                 expr.place,
-                "a root or logarithm of velocities is not differentiable at rest",
+                "a root, norm or logarithm of velocities is not differentiable at rest; square a norm, as in \
+                 `|dot(p)|^2`",
             ));
         }
     }

@@ -187,6 +187,9 @@ impl<'a> Writer<'a> {
                     profile.order(),
                     at(a)
                 ),
+                Operation::Call(Function::InverseRoot, a) => {
+                    format!("::hangtime::__private::inverse_root({})", at(a))
+                }
                 Operation::Call(function, a) => format!("__f64::{}({})", function.name(), at(a)),
                 Operation::Call2(function, a, b) => {
                     format!("__f64::{}({}, {})", function.name(), at(a), at(b))

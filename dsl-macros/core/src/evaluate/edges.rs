@@ -30,6 +30,7 @@ pub(super) fn admit(
     }
     let (wanted, fits) = match text {
         "abs" => ("1 argument", arguments == 1),
+        "clamp" => ("3 arguments", arguments == 3),
         _ => ("2 arguments or more", arguments >= 2),
     };
     if fits {
@@ -112,8 +113,12 @@ pub(super) fn refuse_sign(
     Err(diagnostics.report("E12", whole.place, message))
 }
 
-/// What `max`, `min` or `abs` of some parts is: in a surface or a condition a variable, the same one for the same parts.
+/// What `max`, `min`, `clamp` or `abs` of some parts is: in a surface or a condition a variable, the same one for the same parts.
 pub(super) fn call(scope: &mut Scope, text: &str, mut parts: Vec<Sym>) -> Value {
+    if let ("clamp", &[part, low, high]) = (text, &parts[..]) {
+        let below = call(scope, "min", vec![part, high]).components().to_vec();
+        return call(scope, "max", [&below[..], &[low]].concat());
+    }
     if scope.role != Role::Surface && !scope.takes_apart {
         return Value::Scalar(computed(text, &parts));
     }

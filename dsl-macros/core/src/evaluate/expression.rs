@@ -301,7 +301,12 @@ fn norm(
         Value::Scalar(part) => Err(edges::refuse_size(scope, inner, part, diagnostics)),
         Value::Vector(components) => {
             let square: Sym = components.iter().map(|component| component.square()).sum();
-            Ok(Value::Scalar(square.power(1)))
+            let is_velocity = |variable| matches!(variable, Variable::Velocity(_));
+            let may_rest = scope.may_switch() && graph::contains(square, is_velocity);
+            Ok(Value::Scalar(match may_rest {
+                true => square.call(graph::Function::Root),
+                false => square.power(1),
+            }))
         }
         Value::Matrix(_) => Err(diagnostics.report(
             "E02",

@@ -1,4 +1,4 @@
-//! `sign`, `step`, `if`, `max`, `min` and `|x|` in what acts: switches, which a variable stands for until it is known what they
+//! `sign`, `step`, `if`, `max`, `min`, `clamp` and `|x|` in what acts: switches, which a variable stands for until it is known what they
 //! act on.
 
 use super::kink::Switch;
@@ -30,6 +30,7 @@ pub(super) fn call(
 ) -> Checked<Value> {
     let wanted = match text {
         "max" | "min" => 2,
+        "clamp" => 3,
         words::IF => 4,
         _ => 1,
     };
@@ -56,6 +57,15 @@ pub(super) fn call(
             let apart = switch(scope, shown(whole), (a - b, true), diagnostics)?;
             let sign = if text == "min" { -1.0 } else { 1.0 };
             half(a + b + apart.scaled(sign))
+        }
+        ("clamp", &[part, low, high]) => {
+            let mut side = |sign: &str, bound: usize, apart: Sym| {
+                let shown = format!("{} {sign} {}", arguments[0], arguments[bound]);
+                switch(scope, (shown, whole.place), (apart, true), diagnostics)
+            };
+            let above = side(">=", 1, part - low)?;
+            let beyond = side("<=", 2, part - high)?;
+            half(low + high + above - beyond)
         }
         (words::IF, &[left, right, yes, no]) => {
             let shown = format!("{} >= {}", arguments[0], arguments[1]);
@@ -124,7 +134,8 @@ fn switch(
     let wrong = variables.iter().find_map(|variable| match variable {
         Variable::Switch(_) => Some((
             "E12",
-            "switches itself, so that it has no rate where it would vanish; switch by a smooth function",
+            "switches itself, so that it has no rate where it would vanish; write `clamp(x, low, high)` for what saturates on both \
+             sides, or switch by a smooth function",
         )),
         Variable::Control(_) => Some((
             "E07",

@@ -29,6 +29,10 @@ pub enum Function {
     Ln,
     /// Cube root.
     Cbrt,
+    /// Square root of the square of a velocity, in what acts: its product with the velocity has a derivative at rest.
+    Root,
+    /// `1/sqrt(x)`, and 0 at rest, where what it is multiplied with in a derivative of such a product vanishes faster.
+    InverseRoot,
     /// Absolute value: of what is recorded and drawn, and in what acts where it leaves no kink.
     Abs,
     /// Sign, the derivative of the absolute value.
@@ -66,6 +70,8 @@ impl Function {
             Self::Exp => "exp",
             Self::Ln => "ln",
             Self::Cbrt => "cbrt",
+            Self::Root => "sqrt",
+            Self::InverseRoot => "inverse_root",
             Self::Abs => "abs",
             Self::Sign => "signum",
             Self::Profile(profile) => profile.name(),
@@ -88,6 +94,8 @@ impl Function {
             Self::Exp => x.exp(),
             Self::Ln => x.ln(),
             Self::Cbrt => x.cbrt(),
+            Self::Root => x.sqrt(),
+            Self::InverseRoot => inverse_root(x),
             Self::Abs => x.abs(),
             Self::Sign => x.signum(),
             Self::Profile(profile) => profile.value(x),
@@ -102,9 +110,18 @@ impl Function {
             // At zero it is 1 from either side.
             Self::Sign => None,
             Self::Cos | Self::Cosh | Self::Abs => Some(1.0),
-            Self::Acos | Self::Exp | Self::Ln | Self::Profile(_) => None,
+            Self::Acos | Self::Exp | Self::Ln | Self::Root => None,
+            Self::InverseRoot | Self::Profile(_) => None,
         }
     }
+}
+
+/// Squares below are of rest: the third power of their inverse root, which second derivatives contain, has no value in `f64`.
+const REST: f64 = 1e-200;
+
+/// `1/sqrt(x)`, and 0 at rest.
+fn inverse_root(x: f64) -> f64 {
+    if x < REST { 0.0 } else { 1.0 / x.sqrt() }
 }
 
 /// Those that stand for themselves wherever they are written.

@@ -69,6 +69,8 @@ pub(super) fn derivative(function: Function, x: Sym) -> Sym {
         Function::Exp => own,
         Function::Ln => x.power(-2),
         Function::Cbrt => own.power(-4).scaled(1.0 / 3.0),
+        Function::Root => x.call(Function::InverseRoot).scaled(0.5),
+        Function::InverseRoot => own.power(6).scaled(-0.5),
         Function::Abs => x.call(Function::Sign),
         Function::Sign => Sym::ZERO,
         Function::Profile(profile) => x.call(Function::Profile(profile.derivative())),

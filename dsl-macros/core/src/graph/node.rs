@@ -158,11 +158,13 @@ impl Arena {
     fn splits_at_once(&self, node: &Node) -> bool {
         let is_split = |&(part, halves): &(Sym, i32)| match self.nodes.get(part.index()) {
             Some(Node::Sum(_)) => halves % 2 == 0,
-            Some(Node::Number(_) | Node::Product(_)) | None => false,
+            Some(Node::Number(_) | Node::Product(_) | Node::Call(Function::Root, _)) | None => {
+                false
+            }
             Some(_) => true,
         };
         match node {
-            Node::Sum(_) => false,
+            Node::Sum(_) | Node::Call(Function::Root, _) => false,
             Node::Product(factors) => factors.iter().all(is_split),
             _ => true,
         }

@@ -1,5 +1,6 @@
 //! Normal forms of sums and products. Everything that creates a node passes through here.
 
+use super::elementary::Function;
 use super::limits::{Fault, checked, note, spend, times};
 use super::node::{Node, Sym, intern};
 use std::rc::Rc;
@@ -173,6 +174,13 @@ fn open(factor: Sym, halves: i32, coefficient: &mut f64, opened: &mut Vec<(Sym, 
             }
             _ => opened.push((factor, halves)),
         },
+        // The square of a root is what it is the root of.
+        Node::Call(Function::Root, square) if halves >= 4 => {
+            open(square, 2 * (halves / 4), coefficient, opened);
+            if halves % 4 != 0 {
+                opened.push((factor, halves % 4));
+            }
+        }
         _ => opened.push((factor, halves)),
     }
 }

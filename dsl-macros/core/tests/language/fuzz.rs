@@ -53,7 +53,7 @@ impl Random {
     }
 }
 
-const WORDS: [&str; 74] = [
+const WORDS: [&str; 75] = [
     "rotation",
     "rotation_x",
     "transpose",
@@ -108,6 +108,7 @@ const WORDS: [&str; 74] = [
     "impulse",
     "friction_impulse",
     "max",
+    "clamp",
     "min",
     "picture",
     "point",

@@ -66,7 +66,8 @@ texts! {
     choice_without_else: beside "forces { x: k*i } rates { i: if x >= 1 [m] { u/tau } }" =>
         "`else` is missing, as what acts has a value on both sides; write `if c >= 0 { a } else { b }`";
     switch_by_a_switch: beside "forces { x: k*i } rates { i: u/tau*sign(|x| - 1 [m]) }" =>
-        "E12: what `sign(|x| - 1 [m])` switches by switches itself, so that it has no rate where it would vanish; switch by a \
+        "E12: what `sign(|x| - 1 [m])` switches by switches itself, so that it has no rate where it would vanish; write \
+         `clamp(x, low, high)` for what saturates on both sides, or switch by a \
          smooth function";
     switch_by_a_control: beside "forces { x: k*i } rates { i: u/tau*sign(u) }" =>
         "E07: what `sign(u)` switches by depends on a control, which may jump; switch by what moves, and let the control act in \

@@ -12,6 +12,12 @@ use crate::ocp::solution::Excess;
 /// margin.
 const DEPTH: f64 = 1e-4;
 
+/// Violation of a bound or a path constraint, relative to the largest value on its side along the motion, that no plan may have.
+const VIOLATED: f64 = 1e-4;
+
+/// Violation that counts for none, however small the values along the motion are, as a multiple of what is let pass where conditions are added.
+const LET_PASS: f64 = 1e3;
+
 /// Share of a phase after an opening, or before a closing, that counts as right there.
 const NEAR: f64 = 0.25;
 /// Share of the way from there to where the gap is least at which the contact has to part, or to come nearer.
@@ -144,32 +150,70 @@ fn gap_cut(
 
 /// The largest violation of the bounds of each coordinate and of each path constraint along the whole motion, where there is any.
 pub(in crate::ocp) fn excess(program: &Collocation, x: &[f64], limits: Limits) -> Vec<Excess> {
-    let declaration = program.model.declaration();
-    let motion = DenseMotion::new(program, x);
     let mut found = Vec::new();
-    let mut look = |[name, unit]: [&str; 2], value: &mut dyn FnMut(usize, f64) -> f64| {
-        let worst = worst(&motion, value);
-        found.extend(worst.map(|(amount, time)| Excess {
+    each_limit(program, x, limits, |motion, [name, unit], value| {
+        found.extend(worst(motion, value).map(|(amount, time)| Excess {
             name: name.to_owned(),
             amount,
             unit: unit.to_owned(),
             time,
         }));
-    };
+    });
+    found
+}
+
+/// The first of them by much more than what is let pass where conditions are added, in words: a place so narrow that the motion goes around
+/// each condition on it. Where bounds are asked for at nodes only they are left alone.
+pub(in crate::ocp) fn violated(program: &Collocation, x: &[f64], limits: Limits) -> Option<String> {
+    if limits.setting.places.bounds_at_nodes {
+        return None;
+    }
+    let mut found = None;
+    each_limit(program, x, limits, |motion, [name, unit], value| {
+        let Some((amount, time)) = worst(motion, value) else {
+            return;
+        };
+        let places = (0..motion.solved.len())
+            .flat_map(|phase| (0..=POINTS).map(move |i| (phase, i as f64 / POINTS as f64)));
+        let size = places.fold(0.0_f64, |most, (phase, theta)| {
+            most.max(value(phase, theta).abs())
+        });
+        let let_pass = LET_PASS * limits.bound;
+        if found.is_none() && amount > (VIOLATED * size).max(let_pass) {
+            found = Some(format!(
+                "`{name}` is violated by {amount:.1e} {unit} at {time:.6} s, between the places where it is imposed"
+            ));
+        }
+    });
+    found
+}
+
+/// Looks at the bounds of each coordinate and at each path constraint: name and unit, and what must not be below zero at a place of a phase.
+fn each_limit(
+    program: &Collocation,
+    x: &[f64],
+    limits: Limits,
+    mut look: impl FnMut(&DenseMotion, [&str; 2], &mut dyn FnMut(usize, f64) -> f64),
+) {
+    let declaration = program.model.declaration();
+    let motion = DenseMotion::new(program, x);
     for (k, coordinate) in declaration.coordinates.iter().enumerate() {
         let bounds = (limits.setting.bounds.0[k], limits.setting.bounds.1[k]);
         if bounds != (f64::NEG_INFINITY, f64::INFINITY) {
             let names = [coordinate.name, coordinate.unit];
-            look(names, &mut motion.inside(k, bounds));
+            look(&motion, names, &mut motion.inside(k, bounds));
         }
     }
     let constraints = declaration
         .optimal_control
         .map_or(&[][..], |d| d.constraints);
     for (k, constraint) in constraints.iter().enumerate() {
-        look([constraint.name, constraint.unit], &mut motion.path(k));
+        look(
+            &motion,
+            [constraint.name, constraint.unit],
+            &mut motion.path(k),
+        );
     }
-    found
 }
 
 /// By how much a value of a place in a phase is below 0, where it is so the most, and when that is; nothing where it never is.

@@ -9,7 +9,7 @@ use super::margins::margins;
 use super::objective::replayed;
 use super::refine_grid::{ROUNDS, refine, refine_all};
 use crate::model::Model;
-use crate::ocp::collocation::between_stages::excess;
+use crate::ocp::collocation::between_stages::{excess, violated};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
@@ -312,11 +312,16 @@ pub(in crate::ocp) fn confirm(
     let let_pass = setting.largest_distance(settings, trajectory);
     let plan = Some((sequence, let_pass));
     let replay = simulate(setting, trajectory, plan, settings.resimulation_tolerance)?;
-    let (distance, departure) = ends_apart(setting, trajectory, &replay);
+    let Apart {
+        distance,
+        velocity,
+        departure,
+    } = Apart::of(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
-        .or_else(|| forces::other_cost(setting, cost, &replay));
+        .or_else(|| forces::other_cost(setting, cost, &replay))
+        .or_else(|| violated(program, &solution.x, Limits::new(setting, settings)));
     let controls = &trajectory.controls;
     let again = replayed(setting.model, controls, &replay, cost)
         .filter(|_| replay.status == SimulationStatus::Solved);
@@ -341,6 +346,7 @@ pub(in crate::ocp) fn confirm(
         gradient: None,
         stationarity,
         resimulation_error: distance,
+        resimulation_velocity_error: velocity,
         departure,
         cost_departure,
         resimulated_objective: simulated,
@@ -374,17 +380,33 @@ pub(in crate::ocp) fn confirm(
     })
 }
 
-/// Distance between the ends of a plan and of its replay \[unit of the coordinates\], and the same by what is let pass; infinite without an
-/// end of the replay.
-fn ends_apart(setting: Setting, trajectory: &Trajectory, replay: &Simulation) -> (f64, f64) {
-    let n = setting.problem.q.len();
-    let planned = trajectory.at(trajectory.horizon, true);
-    match (&replay.status, replay.trajectory.q.last()) {
-        (SimulationStatus::Solved, Some(q)) => (
-            largest_difference(q, &planned[..n]),
-            setting.departure(trajectory, q, &planned[..n]),
-        ),
-        _ => (f64::INFINITY, f64::INFINITY),
+/// How far the ends of a plan and of its replay are apart; infinite without an end of the replay.
+struct Apart {
+    /// Of coordinates, in their units.
+    distance: f64,
+    /// Of velocities, in their units.
+    velocity: f64,
+    /// Of coordinates, by what is let pass.
+    departure: f64,
+}
+
+impl Apart {
+    fn of(setting: Setting, trajectory: &Trajectory, replay: &Simulation) -> Self {
+        let n = setting.problem.q.len();
+        let planned = trajectory.at(trajectory.horizon, true);
+        let (q, v) = (replay.trajectory.q.last(), replay.trajectory.v.last());
+        match (&replay.status, q, v) {
+            (SimulationStatus::Solved, Some(q), Some(v)) => Self {
+                distance: largest_difference(q, &planned[..n]),
+                velocity: largest_difference(v, &planned[n..2 * n]),
+                departure: setting.departure(trajectory, q, &planned[..n]),
+            },
+            _ => Self {
+                distance: f64::INFINITY,
+                velocity: f64::INFINITY,
+                departure: f64::INFINITY,
+            },
+        }
     }
 }
 

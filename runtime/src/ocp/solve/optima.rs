@@ -148,6 +148,25 @@ fn improvements(seen: &[Found]) -> Vec<Improvement> {
     found
 }
 
+/// Adds local optima that were found besides to those of a solution.
+pub(super) fn add_optima(solution: &mut Solution, others: Vec<Optimum>) {
+    let mut optima = std::mem::take(&mut solution.optima);
+    for other in others {
+        let same = |known: &&mut Optimum| {
+            let apart = (known.objective - other.objective).abs();
+            known.switches == other.switches && apart <= solution.tolerated(OPTIMUM)
+        };
+        match optima.iter_mut().find(same) {
+            Some(known) => {
+                known.starts.extend(other.starts);
+                known.sources.extend(other.sources);
+            }
+            None => optima.push(other),
+        }
+    }
+    solution.optima = in_order(optima);
+}
+
 /// The distinct local optima: the result, and then the others, the best first.
 fn optima(best: &Found, seen: Vec<Found>) -> Vec<Optimum> {
     let mut optima: Vec<Optimum> = Vec::new();
@@ -183,6 +202,11 @@ fn optima(best: &Found, seen: Vec<Found>) -> Vec<Optimum> {
             sources: vec![source],
         });
     }
+    in_order(optima)
+}
+
+/// The first optimum, and then the others, the best first; what they were found from without repetition.
+fn in_order(mut optima: Vec<Optimum>) -> Vec<Optimum> {
     for optimum in &mut optima {
         optimum.starts.sort_unstable();
         optimum.starts.dedup();

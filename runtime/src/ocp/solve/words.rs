@@ -6,7 +6,7 @@ use hangtime_solver::mpcc::Stationarity;
 
 use super::nested::{self, decided};
 use super::one_grid::tableaus;
-use super::optima::{Found, is_better, result, sort};
+use super::optima::{Found, add_optima, is_better, is_same, result, sort};
 use super::run::Task;
 use super::shared_observer::SharedObserver;
 use crate::model::Model;
@@ -75,7 +75,7 @@ pub(super) fn solve(
     };
     let best = best.filter(|best| best.solution.motion.is_some());
     if let Some(best) = &best
-        && (stopped || best.solution.status == Status::Solved || !settings.uses("grids"))
+        && (stopped || is_enough(&best.solution, settings))
     {
         return Ok(result(vec![best.clone()], seen, stopped));
     }
@@ -89,17 +89,22 @@ pub(super) fn solve(
         return Ok(with_work(other.solution, &seen));
     };
     let stopped = other.solution.status == Status::Interrupted;
-    let starts = other.solution.starts;
+    let (starts, optima) = (other.solution.starts, other.solution.optima.clone());
     seen.push(other.clone());
-    let found = if is_better(&other, &best) {
-        other
-    } else {
-        best
-    };
-    Ok(Solution {
+    let proves = other.solution.status == Status::Solved && best.solution.status != Status::Solved;
+    let better = is_better(&other, &best) || proves && is_same(&other.solution, &best.solution);
+    let found = if better { other } else { best };
+    let mut solution = Solution {
         starts,
         ..result(vec![found], seen, stopped)
-    })
+    };
+    add_optima(&mut solution, optima);
+    Ok(solution)
+}
+
+/// Whether what words led to needs no starts on grids: where none are asked for, as it is proved, or as the rule is left out.
+fn is_enough(solution: &Solution, settings: &Settings) -> bool {
+    settings.starts.is_none() && (solution.status == Status::Solved || !settings.uses("grids"))
 }
 
 /// The same with control intervals that are aligned with phases.

@@ -65,7 +65,7 @@ impl Audit {
                     contact: Some(contact),
                     message: format!(
                         "{} of `{name}` is {value:.1e} where it must not be negative: its event was missed; \
-                         lower the tolerance or `max_step`",
+                         lower the tolerance, or `max_step` in Rust",
                         switch.words()
                     ),
                 };

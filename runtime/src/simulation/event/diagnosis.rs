@@ -1,8 +1,8 @@
 //! Why a run ends before its horizon, in words.
 
-use super::contact_problem;
 use super::dynamics::{Dynamics, Switch};
 use super::impact::Undetermined;
+use crate::contact::touching::jammed;
 use crate::simulation::problem::{leaps, vanishing_inertia, zero_parameters};
 use crate::simulation::{Diagnosis, SimulationStatus};
 
@@ -121,7 +121,7 @@ impl Place<'_, '_> {
     pub(super) fn jamming(self) -> Option<SimulationStatus> {
         let (contact, gain) = self.dynamics.smallest_gain()?;
         (gain < JAMMING).then(|| {
-            let message = contact_problem::jammed(self.dynamics, contact, gain);
+            let message = jammed(self.dynamics, contact, gain);
             SimulationStatus::AmbiguousContact(self.diagnosis(Some(contact), message))
         })
     }

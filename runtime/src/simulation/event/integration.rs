@@ -1,5 +1,6 @@
 //! The run: steps, events, records.
 
+mod hidden;
 mod outputs;
 mod step_size;
 
@@ -26,8 +27,11 @@ use super::velocity_jump;
 use crate::model::Model;
 use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
+use crate::simulation::hidden_force::has_places;
 use crate::simulation::watch::Watch;
-use crate::simulation::{InitialValueProblem, Residuals, Simulation, SimulationStatus};
+use crate::simulation::{
+    InitialValueProblem, Residuals, Simulation, SimulationStatus, accumulation,
+};
 
 /// Steps shorter than this share of the time reached do not change it.
 const SHORTEST: f64 = 1e-15;
@@ -179,13 +183,17 @@ impl<'a> Integration<'a> {
                     let switch = self.dynamics.switch(found.function);
                     return Err(self.place().pole(switch, found.h));
                 }
+                Outcome::Hidden => {
+                    self.h = 0.5 * h;
+                    continue;
+                }
                 Outcome::Unresolved(function) => {
                     self.shorten(h, self.dynamics.switch(function).contact())?;
                     continue;
                 }
             };
-            self.result.counts.elements += 1;
             let until = event.map_or(h, |event| event.h);
+            self.result.counts.elements += 1;
             let switch = event.map(|event| self.dynamics.switch(event.function));
             match self.guard_progress(switch, until) {
                 Err(_) if self.comes_to_rest() => continue,
@@ -312,30 +320,6 @@ impl<'a> Integration<'a> {
         Ok(())
     }
 
-    /// Expects a first step by the free accelerations, to which those of the first contact mode are compared: beside what
-    /// would give the velocities in a glance, any of them would be small.
-    fn expect_step(&mut self, longest: f64) {
-        let n = self.dynamics.n;
-        self.dynamics.observe(self.t, &self.y, self.h);
-        let a = self.dynamics.free_acceleration().to_vec();
-        let mass = self.dynamics.mass(self.t, &self.y);
-        let scale = &self.step.error_scale;
-        let time = scale.time_at_start(mass, &self.y[n..2 * n], &a);
-        self.dynamics.expect_moment(time.min(longest));
-    }
-
-    /// A first step size: a share of the shortest time in which velocities or accelerations change.
-    fn first_step(&mut self, longest: f64) -> f64 {
-        let moment = GLANCE * longest;
-        let now = (self.t, &self.y[..], self.method.slope());
-        let change = step_size::change(&mut self.dynamics, &mut self.dense, now, moment);
-        let mass = self.dynamics.mass(self.t, &self.y);
-        let time = self.step.error_scale.shortest_time(mass, &change, moment);
-        let h = (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest);
-        self.dynamics.expect_moment(h);
-        h
-    }
-
     /// Tells the measures of errors and zeros of the present state, whose derivative is known.
     fn observe(&mut self) {
         let n = self.dynamics.n;
@@ -439,18 +423,30 @@ impl<'a> Integration<'a> {
     }
 
     fn find_event(&mut self, h: f64) -> Outcome {
-        let (t, y) = (self.t, &self.y[..]);
-        let (start_values, end_values) = (&self.step.start_values, &self.step.end_values);
+        let outputs_due = self.dense.are_due(self.t, h);
+        let horizon = self.problem.horizon;
+        let search = EventSearch::is_needed(&self.dynamics)
+            || EventSearch::may_pass_posts(&self.dynamics, h, horizon);
+        if !search && !outputs_due && !has_places(h, horizon) {
+            return Outcome::Nothing;
+        }
+        self.method.extend(&mut self.dynamics, self.t, &self.y, h);
+        if self.hides_a_force(h) {
+            return Outcome::Hidden;
+        }
         let step = Step {
-            t,
+            t: self.t,
             h,
-            y,
-            start_values,
-            end_values,
+            y: &self.y,
+            start_values: &self.step.start_values,
+            end_values: &self.step.end_values,
         };
-        let due = self.dense.are_due(self.t, h);
-        let run = (&mut self.dynamics, &mut self.method);
-        self.search.outcome(run, step, (self.problem.horizon, due))
+        let (dynamics, method) = (&mut self.dynamics, &mut self.method);
+        self.search.glance(dynamics, method, step, horizon);
+        if !EventSearch::is_needed(dynamics) {
+            return Outcome::Nothing;
+        }
+        self.search.earliest(dynamics, method, step)
     }
 
     /// Makes the next try shorter than the step of length `h`, in which the events of `contact` cannot be found.
@@ -562,6 +558,9 @@ impl<'a> Integration<'a> {
         let events = instant.events((&impact.struck, &set), at_start);
         self.result.events.extend(events);
         let last = self.result.events.last().map(|event| event.contact);
+        if let Some(status) = accumulation::of(&self.result.events, self.problem.horizon) {
+            return Err(status);
+        }
         self.log.tidy(&mut self.result.events);
         if self.events() > self.settings.max_events {
             return Err(self.place().too_many_events(self.events(), last));

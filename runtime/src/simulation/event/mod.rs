@@ -158,7 +158,7 @@ fn check(
             settings.output_times as f64,
             "",
             format!(
-                "at most {}; raise `points` of the problem for more",
+                "at most {}; raise `points` of the problem in Rust for more",
                 problem.points
             ),
         ));

@@ -109,6 +109,8 @@ pub(super) enum Outcome {
     Nothing,
     /// The earliest event.
     Event(Found),
+    /// Something acts that the stages of the step do not show: the step is too long.
+    Hidden,
     /// This function changes its sign through infinity, or by a jump.
     Pole(Found),
     /// The continuous extension is too far from the solution to find the zeros of this function: the step
@@ -141,25 +143,6 @@ impl EventSearch {
     pub(super) fn may_pass_posts(dynamics: &Dynamics<'_>, h: f64, horizon: f64) -> bool {
         let mut contacts = 0..dynamics.surfaces;
         h * PLACES > horizon && contacts.any(|i| dynamics.state(i).is_open())
-    }
-
-    /// The first event of a step in a run to `horizon`, whose continuous extension is ready then, or where outputs are due.
-    pub(super) fn outcome(
-        &mut self,
-        (dynamics, method): (&mut Dynamics<'_>, &mut Dop853),
-        step: Step<'_>,
-        (horizon, due): (f64, bool),
-    ) -> Outcome {
-        let wanted = Self::is_needed(dynamics) || Self::may_pass_posts(dynamics, step.h, horizon);
-        if !wanted && !due {
-            return Outcome::Nothing;
-        }
-        method.extend(dynamics, step.t, step.y, step.h);
-        self.glance(dynamics, method, step, horizon);
-        if !Self::is_needed(dynamics) {
-            return Outcome::Nothing;
-        }
-        self.earliest(dynamics, method, step)
     }
 
     /// Looks at the gaps of open contacts along the continuous extension of the step, which is ready, in a run to

@@ -7,9 +7,7 @@
 use super::detector::Detector;
 use super::switch::{Switch, SwitchKind, bisect, keep_first};
 use crate::fesd::finite_element::FiniteElement;
-
-/// Places in the whole horizon.
-const PLACES: f64 = 1000.0;
+use crate::simulation::hidden_force::PLACES;
 
 /// The first open contact that is closed at a place between samples `k - 1` and `k`, at both of which it is open.
 /// `horizon` is that of the run.

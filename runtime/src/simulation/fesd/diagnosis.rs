@@ -4,6 +4,7 @@ use super::bounces;
 use super::driver::Driver;
 use super::stop::Stop;
 use crate::contact::find;
+use crate::contact::touching::jammed;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
 use crate::simulation::problem::{
@@ -86,8 +87,16 @@ fn not_finite_ahead(driver: &Driver<'_>, end: f64) -> bool {
     let soon = (end - state.time).max(AHEAD * driver.setup.horizon);
     [0.0, soon].into_iter().any(|after| {
         let mut x = driver.now.input().to_vec();
-        let later = x[..n].iter_mut().zip(&state.q).zip(&state.v);
+        let (places, rest) = x.split_at_mut(n);
+        let later = places.iter_mut().zip(&state.q).zip(&state.v);
         later.for_each(|((x, q), v)| *x = q + after * v);
+        let later = rest.iter_mut().zip(&state.v).zip(&driver.now.acceleration);
+        later.for_each(|((x, v), a)| *x = v + after * a);
+        if model.declaration().explicit_time
+            && let Some(time) = rest.last_mut()
+        {
+            *time = state.time + after;
+        }
         not_finite_at(model, &x).is_some()
     })
 }
@@ -243,6 +252,19 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
         Stop::Mode(ModeError::Jammed) => {
             let (contact, why) = jamming(driver);
             SimulationStatus::AmbiguousContact(diagnosis(driver, step, contact, describe(&why)))
+        }
+        &Stop::Mode(ModeError::Several(contact)) => {
+            let view = &driver.now.contacts;
+            let gain = [1.0, -1.0].map(|sense| view.lift_in_slip(contact, sense));
+            let why = jammed(view, contact, gain[0].min(gain[1]));
+            let why =
+                format!("the law of contact has several solutions with different motions: {why}");
+            SimulationStatus::AmbiguousContact(diagnosis(
+                driver,
+                step,
+                Some(contact),
+                describe(&why),
+            ))
         }
         &Stop::Mode(ModeError::NegativeBound(contact)) => {
             let why = describe(&negative_bound(driver.setup.name(contact)));

@@ -347,6 +347,7 @@ pub(super) fn beyond(error: ModeError) -> Stop {
     Stop::Element(match error {
         ModeError::NotFinite => ElementError::NotFinite,
         ModeError::Jammed
+        | ModeError::Several(_)
         | ModeError::Dependent
         | ModeError::NegativeBound(_)
         | ModeError::NotUnique(_)

@@ -36,6 +36,7 @@ mod estimate;
 mod force_dips;
 mod friction_switch;
 mod gap_switch;
+mod hidden_force;
 mod impacts;
 mod location;
 mod mode_change;

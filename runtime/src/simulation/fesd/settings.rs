@@ -188,32 +188,34 @@ impl Fesd {
 
     /// The scheme, with all settings checked.
     pub(super) fn tableau(&self) -> Result<ButcherTableau, InputError> {
-        let refuse = |what: &str, value: f64, bound: String| {
-            Err(refusal::out_of_range(what, value, "", bound))
+        let refuse = |what: &str, value: f64, unit: &str, bound: String| {
+            Err(refusal::out_of_range(what, value, unit, bound))
         };
         let steps = self.steps.unwrap_or(1);
         for (what, value) in [("steps", steps), ("elements", self.elements)] {
             if value == 0 {
-                return refuse(what, 0.0, "at least 1".into());
+                return refuse(what, 0.0, "", "at least 1".into());
             }
         }
         if steps.saturating_mul(self.elements) > self.most_elements {
             return refuse(
                 "elements of all steps",
                 steps as f64 * self.elements as f64,
+                "",
                 format!("at most {}, or raise `most_elements`", self.most_elements),
             );
         }
         if let Some(tolerance) = self.tolerance
             && !(1e-14..=1e-1).contains(&tolerance)
         {
-            return refuse("tolerance", tolerance, "from 1e-14 to 0.1".into());
+            return refuse("tolerance", tolerance, "", "from 1e-14 to 0.1".into());
         }
         if !(self.auxiliary_acceleration.is_finite() && self.auxiliary_acceleration > 0.0) {
             return refuse(
                 "auxiliary acceleration",
                 self.auxiliary_acceleration,
-                "finite and above 0 (m/s^2)".into(),
+                "m/s^2",
+                "above 0 and finite".into(),
             );
         }
         if let Some(velocity) = self.rest_velocity
@@ -222,7 +224,8 @@ impl Fesd {
             return refuse(
                 "rest velocity",
                 velocity,
-                "at least 0 and finite (m/s)".into(),
+                "m/s",
+                "at least 0 and finite".into(),
             );
         }
         let stages = self.stage_count();
@@ -231,6 +234,7 @@ impl Fesd {
             None => refuse(
                 "stages",
                 stages as f64,
+                "",
                 format!("from 1 to {}", ButcherTableau::MAX_STAGES),
             ),
         }

@@ -8,15 +8,15 @@ use super::error_control::ErrorControl;
 use super::rest::BURST;
 use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
-use super::{bounces, impacts, location, mode_change, program, rest};
+use super::{bounces, hidden_force, impacts, location, mode_change, program, rest};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::model::{edge, joint_rows};
-use crate::simulation::agreement;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::MOMENT;
 use crate::simulation::watch::Watch;
 use crate::simulation::{ProblemSize, Seconds, Simulation, SimulationStatus};
+use crate::simulation::{accumulation, agreement};
 
 /// Attempts at a segment within a hundredth of the horizon: of them some are rejected, some lead to a switch.
 const MAX_ATTEMPTS: usize = 20_000;
@@ -295,6 +295,9 @@ fn attempt(
             if driver.now.state.time == time && driver.record.events.len() == events {
                 step.halve(&mut driver.control, end - time);
             }
+            if let Some(status) = accumulation::of(&driver.record.events, driver.setup.horizon) {
+                return Err(status);
+            }
             if bursts {
                 return Err(diagnosis::unsettled(driver, step.number, step.burst));
             }
@@ -412,7 +415,12 @@ fn segment(
         if driver.control.rejects(&mut driver.element, acceleration) {
             return Ok(Segment::Rejected);
         }
-        if let Some(switch) = location::violation(driver)? {
+        let found = location::violation(driver)?;
+        if hidden_force::acts(driver, found.map_or(1.0, |switch| switch.theta)) {
+            driver.control.shorten(length);
+            return Ok(Segment::Rejected);
+        }
+        if let Some(switch) = found {
             violation = Some((switch, count));
             break;
         }

@@ -4,6 +4,7 @@ pub(crate) mod assembled;
 pub(crate) mod event;
 pub(crate) mod gold;
 pub(crate) mod laws;
+pub(crate) mod located;
 #[path = "../../shared/root.rs"]
 mod root;
 pub(crate) mod scenes;

@@ -436,7 +436,9 @@ impl Walk<'_> {
                 argument.map(|_| Units::Scalar(Dimension::one()))
             }
             (words::IF, [left, right, yes, no]) => self.choice(function, [left, right], [yes, no]),
-            ("max" | "min", [first, others @ ..]) => self.extreme(function, first, others),
+            ("max" | "min" | "clamp", [first, others @ ..]) => {
+                self.extreme(function, first, others)
+            }
             (_, [argument]) if words::FUNCTIONS.contains(&text) => {
                 Ok(Units::Scalar(self.pure(argument, text)?))
             }

@@ -1,6 +1,7 @@
 //! What tells how long steps may be, and how many there are: how accelerations change, and what rounding leaves of the errors of steps.
 
 use super::outputs::Outputs;
+use super::{GLANCE, Integration};
 use crate::simulation::Residuals;
 use crate::simulation::event::dop853::System;
 use crate::simulation::event::dynamics::Dynamics;
@@ -86,4 +87,30 @@ pub(super) fn rounding(
         }
     }
     change
+}
+
+impl Integration<'_> {
+    /// Expects a first step by the free accelerations, to which those of the first contact mode are compared: beside what
+    /// would give the velocities in a glance, any of them would be small.
+    pub(super) fn expect_step(&mut self, longest: f64) {
+        let n = self.dynamics.n;
+        self.dynamics.observe(self.t, &self.y, self.h);
+        let a = self.dynamics.free_acceleration().to_vec();
+        let mass = self.dynamics.mass(self.t, &self.y);
+        let scale = &self.step.error_scale;
+        let time = scale.time_at_start(mass, &self.y[n..2 * n], &a);
+        self.dynamics.expect_moment(time.min(longest));
+    }
+
+    /// A first step size: a share of the shortest time in which velocities or accelerations change.
+    pub(super) fn first_step(&mut self, longest: f64) -> f64 {
+        let moment = GLANCE * longest;
+        let now = (self.t, &self.y[..], self.method.slope());
+        let change = change(&mut self.dynamics, &mut self.dense, now, moment);
+        let mass = self.dynamics.mass(self.t, &self.y);
+        let time = self.step.error_scale.shortest_time(mass, &change, moment);
+        let h = (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest);
+        self.dynamics.expect_moment(h);
+        h
+    }
 }
