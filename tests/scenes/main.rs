@@ -31,6 +31,7 @@ mod stability;
 mod starts;
 mod states;
 mod switched;
+mod switches_meet;
 mod teaching_models;
 mod textbook;
 mod when;

@@ -36,6 +36,44 @@ def bouc_wen():
     return solve_ivp(lambda t, y: rates(t, y, 0), (0, 20), [0.0, 0.3, 0.1], **TOLERANCE).y[:, -1]
 
 
+def bouc_wen_from_rest():
+    """x'' + 0.1 x' + x + 2 z = F, z' = v - 0.5 |v| z - 0.3 v |z|, from rest: F = sin(2 t), cos(2 t), and 1 from t = 1 on."""
+
+    def end(push, times):
+        y = [0.0, 0.0, 0.0]
+        for times in times:
+            rates = lambda t, y, after=times[0] > 0: [
+                y[1],
+                push(t, after) - 0.1 * y[1] - y[0] - 2 * y[2],
+                y[1] - 0.5 * abs(y[1]) * y[2] - 0.3 * y[1] * abs(y[2]),
+            ]
+            y = solve_ivp(rates, times, y, max_step=0.01, **TOLERANCE).y[:, -1]
+        return y
+
+    whole = [(0, 10)]
+    return (
+        end(lambda t, after: sin(2 * t), whole),
+        end(lambda t, after: cos(2 * t), whole),
+        end(lambda t, after: float(after), [(0, 1), (1, 10)]),
+    )
+
+
+def converter():
+    """A buck converter that switches off at 3 A and on at 4.8 V: its end, and the times of its switches."""
+    vin, ell, c, r = 12, 1e-3, 1e-4, 3
+    time, y, on, log = 0.0, np.zeros(2), 1, []
+    while True:
+        ends = (lambda t, y: y[0] - 3) if on else (lambda t, y: y[1] - 4.8)
+        ends.terminal, ends.direction = True, 1 if on else -1
+        rates = lambda t, y, on=on: [(vin * on - y[1]) / ell, (y[0] - y[1] / r) / c]
+        run = solve_ivp(rates, (time, 4e-3), y, events=ends, max_step=1e-5, **TOLERANCE)
+        time, y = run.t[-1], run.y[:, -1]
+        if run.status == 0:
+            return y, log
+        log.append(float(time))
+        on = 1 - on
+
+
 def voice_coil():
     """Two masses on a spring, the first one driven by a coil and rubbing (Kirches 2006): a voltage that turns round after 4 ms."""
     m1, m2, k, kf, rub, r, ell = 1.03, 0.56, 2.4e3, 12.0, 2.1, 2.0, 2e-3
@@ -93,5 +131,5 @@ def race_car():
 
 if __name__ == "__main__":
     np.set_printoptions(precision=13)
-    for scene in (bouc_wen, voice_coil, race_car):
+    for scene in (bouc_wen, bouc_wen_from_rest, converter, voice_coil, race_car):
         print(scene.__name__, scene())

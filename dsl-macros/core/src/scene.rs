@@ -328,6 +328,8 @@ pub(crate) struct Action {
     pub(crate) force: Vec<Sym>,
     /// The same with each control as large as it is usually, so that what is measured by it has derivatives where a control is 0.
     pub(crate) usual: Vec<Sym>,
+    /// Whether it vanishes with the function, as that of a kink does.
+    pub(crate) kink: bool,
 }
 
 impl Contact {

@@ -17,6 +17,8 @@ pub(crate) enum ModeError {
     NegativeBound(usize),
     /// Both sides of this switch push away from the zero of its function, on which the motion is.
     NotUnique(usize),
+    /// The motion stays where the function of this switch and its rate vanish, while something else moves.
+    SecondOrder(usize),
 }
 
 impl From<lcp::LcpError> for ModeError {

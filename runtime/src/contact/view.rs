@@ -1,6 +1,7 @@
 //! What a law reads: contacts as a model gives them at one point, for positions, velocities and accelerations alike.
 
 use super::line::Line;
+use super::rest::Rest;
 use crate::linalg::banded::Entry;
 use crate::model::{
     Frame, Loads, Model, Pieces, Space, Switching, contact_point, contains_ground,
@@ -25,6 +26,8 @@ pub(crate) struct View<'a> {
     pub(crate) pieces: Pieces,
     /// Which side of each switch that is only passed acts: the sign of minus its function, 0 for all others.
     pub(crate) sides: Vec<f64>,
+    /// The rest in which the motion is, where switches meet.
+    pub(crate) rest: Option<Rest>,
     /// Coefficients of friction, 0 for contacts without friction.
     friction: Vec<f64>,
     /// The same of contacts that slide.
@@ -52,6 +55,7 @@ impl<'a> View<'a> {
             surfaces: surfaces(model),
             pieces: Pieces::default(),
             sides: vec![0.0; contacts],
+            rest: None,
             friction: friction_coefficients(model),
             kinetic: kinetic_coefficients(model),
             loads: Loads::default(),

@@ -43,6 +43,7 @@ pub(crate) fn select(
     time: f64,
     active: &mut Vec<ActiveContact>,
 ) -> Result<(), ModeError> {
+    contacts.rest = None;
     contacts.evaluate(x, close.iter().copied());
     let touching: Vec<usize> = close
         .iter()
@@ -58,6 +59,19 @@ pub(crate) fn select(
         contacts.align(i, None);
     }
     let solved = sided(contacts, x, &touching, time)?;
+    if contacts.rest.is_some() {
+        let held = |&contact: &usize| {
+            let slides = pair_size(contacts.sliding(contact)) > contacts.rest_speed(contact, time);
+            let state = if slides {
+                sliding(contacts, contact)
+            } else {
+                ContactState::Held(None)
+            };
+            ActiveContact { contact, state }
+        };
+        *active = touching.iter().map(held).collect();
+        return Ok(());
+    }
     let Sorted {
         mut strict,
         mut undecided,
@@ -119,16 +133,32 @@ fn sided(
         .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
         .collect();
     let mut motion = contacts.free_acceleration().to_vec();
+    let mut chosen: Option<Vec<f64>> = None;
     for _ in 0..ROUNDS {
         let before = contacts.sides.clone();
         for &i in &passed {
             let scale = contacts.tangential_scale(i);
+            let rate = contacts.sliding_acceleration(i, &motion);
+            if rate.abs() > BIACTIVE * scale {
+                contacts.sides[i] = rate.signum();
+                continue;
+            }
             let (_, time_scale) = difference_step(contacts, x, (&motion, scale));
+            if switch::can_choose(contacts, &passed) {
+                if chosen.is_none() {
+                    switch::choose(contacts, x, (touching, &passed), (time_scale, time))?;
+                    chosen = Some(contacts.sides.clone());
+                }
+                break;
+            }
             let zero = BIACTIVE * scale;
             contacts.sides[i] = switch::side(contacts, i, x, (&motion, time_scale), zero);
         }
+        if let Some(chosen) = &chosen {
+            contacts.sides.clone_from(chosen);
+        }
         let solved = balance(contacts, touching, time)?;
-        if contacts.sides == before {
+        if contacts.sides == before || contacts.rest.is_some() {
             return Ok(solved);
         }
         motion.copy_from_slice(contacts.free_acceleration());

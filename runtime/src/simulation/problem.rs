@@ -545,8 +545,16 @@ pub(crate) fn negative_bound(name: &str) -> String {
 /// What is wrong where the motion is on the zero of a switch that it may leave to either side at any time.
 pub(crate) fn not_unique(name: &str) -> String {
     format!(
-        "the motion is not unique: it is where the function of `{name}` vanishes, and what acts pushes away from there on both sides; \
-         start to one side of it, or check the sign of what it switches"
+        "the motion is not unique: it is where the function of `{name}` vanishes, and may go on with either side of it, to which what acts \
+         pushes or from which nothing moves it; start to one side, or check the sign of what it switches"
+    )
+}
+
+/// What is said where a motion slides along the zero of a switch that only its second rate feels.
+pub(crate) fn second_order(name: &str) -> String {
+    format!(
+        "the function of `{name}` and its rate vanish here and stay zero while something else moves (sliding of second order), which no \
+         method follows; write the motion with that function held at zero, or smooth the switch, as in tanh(c/width)"
     )
 }
 

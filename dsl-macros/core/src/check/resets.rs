@@ -113,6 +113,7 @@ pub(super) fn append(checker: &mut Checker<'_>, contacts: &mut Vec<Contact>) {
             switch: Some(Action {
                 force: nothing(),
                 usual: nothing(),
+                kink: false,
             }),
             reset: reset.values,
             ..Contact::dry(reset.name, reset.documentation, (-reset.function, Sym::ONE))

@@ -57,6 +57,7 @@ pub(super) fn append(
         let action = Action {
             usual: graph::substitute(&action, |variable| usual(checker, variable)),
             force: action,
+            kink: switch.kink,
         };
         contacts.push(contact(switch, action));
     }

@@ -461,10 +461,11 @@ impl Mechanism<'_> {
     }
 
     /// A switch: the friction direction is `M^-1 a / D` for what it acts by, `a`, and the given normal acceleration `D`, about what
-    /// the switch changes the rate of its function by. Where it does not change that, the function is only passed, and `D` is 1.
+    /// the switch changes the rate of its function by. Where it does not change that, as a kink never does, the function is only passed,
+    /// and `D` is 1.
     fn switch(&self, action: &Action, friction: &Friction) -> ContactEquations {
         let slip = slip(friction.sliding, (self.momenta.len(), self.moving));
-        let passes = !self.couples(&slip.2, &action.force);
+        let passes = action.kink || !self.couples(&slip.2, &action.force);
         let scale = if passes {
             Sym::ONE
         } else {

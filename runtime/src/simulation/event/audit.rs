@@ -1,12 +1,18 @@
 //! Whether forces and gaps kept their sign, measured along a run after its events have been found.
 
-use super::dynamics::{Dynamics, Switch, switching};
+use super::dop853::{Dop853, System};
+use super::dynamics::{Dynamics, Switch, motion, switching};
+use super::remarks::Remarks;
+use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::{Diagnosis, SimulationStatus};
 
 /// A violation above this share of the size of a function, or this multiple of the tolerance, is no error of
 /// integration.
 const LARGEST_SHARE: f64 = 1e-9;
 const TOLERANCES: f64 = 100.0;
+
+/// Where inside a step the signs of forces and gaps are measured.
+const AUDITED: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// The largest violations seen.
 #[derive(Debug, Clone)]
@@ -16,6 +22,14 @@ pub(super) struct Audit {
     worst: Option<(f64, Diagnosis)>,
     /// Largest violation of a sign, in the unit of its function.
     pub(super) largest: f64,
+}
+
+/// What is looked at during the run, and said after it.
+pub(super) struct Checks<'a> {
+    pub(super) remarks: Remarks,
+    pub(super) audit: Audit,
+    /// How fast what acts depends on time, where it does.
+    pub(super) explicit_time: Option<ExplicitTime<'a>>,
 }
 
 impl Audit {
@@ -56,6 +70,25 @@ impl Audit {
                     ),
                 };
                 self.worst = Some((share, diagnosis));
+            }
+        }
+    }
+
+    /// Looks at forces and gaps inside the first `until` of a step of length `h` from `t` on, whose continuous extension is ready; the
+    /// memory is for a state and its derivative.
+    pub(super) fn look_inside(
+        &mut self,
+        (dynamics, method): (&mut Dynamics<'_>, &Dop853),
+        (state, slope): (&mut [f64], &mut [f64]),
+        (t, h, until): (f64, f64, f64),
+        step: usize,
+    ) {
+        for share in AUDITED {
+            let time = t + share * until;
+            method.interpolate(share * until / h, state);
+            if motion::project(dynamics, time, state) {
+                dynamics.derivative(time, state, slope);
+                self.look(dynamics, &dynamics.switching.values, time, step);
             }
         }
     }

@@ -5,15 +5,11 @@ use super::contact_problem::ContactProblem;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::impact::Undetermined;
-use crate::contact::{
-    Balance, ContactState, Decision, Direction, Line, Touching, Vanished, sliding,
-};
-use crate::model::{Switching, contact_point, pair_size};
+use super::sides::{BIACTIVE, rests_along, take_sides};
+use crate::contact::{Balance, ContactState, Decision, Line, Touching, Vanished, sliding};
+use crate::model::{contact_point, pair_size};
 use crate::simulation::problem::negative_bound;
 
-/// Accelerations below this share of those they balance are compared by what follows a moment later: event
-/// times carry rounding error, and the force its rate times that.
-const BIACTIVE: f64 = 1e-10;
 /// Shares of the step size after which undecided contacts are looked at, with the multiple of the force now
 /// that a force then must exceed: the earliest moment that shows more than rounding error belongs to the
 /// leading derivative. If none does, force or acceleration are constant, and what there is now counts.
@@ -28,14 +24,15 @@ const MOMENTS: [(f64, f64); 7] = [
 ];
 /// Forces and accelerations below this share of the terms they are sums of may be rounding error.
 const NOISE: f64 = 1e-13;
-/// Share of a smooth time after which a function is looked at that vanishes with its rate.
-const LATER: f64 = 1e-3;
 /// Largest number of modes that are compared by what follows a moment later; of more undecided contacts each is decided
 /// by itself.
 const MOST_MODES: usize = 64;
 
 /// Share of their size up to which couplings may differ that are symmetric.
 const SYMMETRIC: f64 = 1e-9;
+
+/// Most times that the sides of switches are chosen again, as what they change elsewhere is known.
+const ROUNDS: usize = 4;
 
 /// Choices of a mode before the direction of sliding counts as undetermined; the second is the last in exact
 /// arithmetic.
@@ -133,6 +130,10 @@ fn select(
     };
     let candidates = candidates(dynamics, (t, y), resting, vanished, outlook.moment)
         .map_err(|message| Undetermined { contact, message })?;
+    if dynamics.rest.is_some() {
+        enter_rest(dynamics, mode, resting);
+        return Ok(());
+    }
     for candidate in &candidates {
         mode[candidate.contact] = candidate.states[0];
     }
@@ -214,6 +215,18 @@ fn has_one_motion(dynamics: &Dynamics<'_>, contacts: &[usize]) -> bool {
             (entry(i, j) - entry(j, i)).abs() <= SYMMETRIC * size
         })
     })
+}
+
+/// Holds the `resting` contacts whose functions vanish; the others act by their sides.
+fn enter_rest(dynamics: &mut Dynamics<'_>, mut mode: Vec<ContactState>, resting: &[usize]) {
+    for &contact in resting {
+        let slides = pair_size(dynamics.sliding(contact)) > dynamics.zero_speed(contact);
+        mode[contact] = match slides {
+            true => sliding(dynamics, contact),
+            false => ContactState::Held(None),
+        };
+    }
+    dynamics.set_mode(&mode);
 }
 
 fn inconsistent(contact: usize) -> Undetermined {
@@ -309,6 +322,8 @@ fn candidates(
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
     dynamics.sides.fill(0.0);
+    dynamics.rest = None;
+    let mut passed = Vec::new();
     let (mut accelerations, mut rests) = (Vec::new(), vec![false; dynamics.contacts]);
     for &i in resting {
         dynamics.evaluate_sides(i);
@@ -326,26 +341,39 @@ fn candidates(
             tangential = dynamics.free_sliding_acceleration(i);
             rests[i] = rests_along(dynamics, i, vanished);
             if rests[i] && dynamics.passes(i) {
-                let side = side(dynamics, i, (t, y, moment), tangential.0, vanished);
-                (dynamics.sides[i], rests[i]) = (side.sign(), false);
+                passed.push(i);
+                rests[i] = false;
             }
         }
         accelerations.push((normal, tangential));
     }
-    switching::set_force_floors(dynamics, resting);
-    let touching = Touching::new(dynamics, resting, |i| rests[i]);
-    let slot = |contact: usize| resting.iter().position(|&i| i == contact).unwrap_or(0);
-    let offsets = touching.lines.iter().map(|&line| match line {
-        Line::Normal { contact, .. } => accelerations[slot(contact)].0.0,
-        Line::Tangent { contact, .. } => accelerations[slot(contact)].1.0,
-        Line::Across { .. } => dynamics.free_line_acceleration(line),
-    });
-    let balance = ContactProblem {
-        what: "balance of contact forces",
-        offsets: offsets.collect(),
-        touching,
+    let mut motion = dynamics.free_acceleration().to_vec();
+    let mut chosen = None;
+    let mut balance = None;
+    for _ in 0..ROUNDS {
+        let before = dynamics.sides.clone();
+        let now = (t, y, moment);
+        take_sides(
+            dynamics,
+            now,
+            (resting, &passed),
+            (&motion, vanished),
+            &mut chosen,
+        )?;
+        if balance.is_some() && dynamics.sides == before {
+            break;
+        }
+        let solved = balanced(dynamics, resting, &rests, &accelerations)?;
+        motion.copy_from_slice(dynamics.free_acceleration());
+        solved.push(dynamics, &solved.forces, &mut motion);
+        balance = Some(solved);
+        if passed.is_empty() || dynamics.rest.is_some() {
+            break;
+        }
     }
-    .solve(dynamics)?;
+    let Some(balance) = balance else {
+        return Ok(Vec::new());
+    };
     for (slot, &i) in resting.iter().enumerate() {
         // Its force is not negative, so that it moves against one that is given so.
         let floor = BIACTIVE * accelerations[slot].0.1.max(dynamics.force_floor(i));
@@ -370,53 +398,30 @@ fn candidates(
     Ok(candidates.collect())
 }
 
-/// Whether an evaluated contact with friction does not slide.
-fn rests_along(dynamics: &Dynamics<'_>, contact: usize, vanished: Option<Switch>) -> bool {
-    // In space a direction may vanish while the contact slides on across it.
-    let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == contact)
-        && !dynamics.is_in_space(contact);
-    stops || pair_size(dynamics.sliding(contact)) <= dynamics.zero_speed(contact)
-}
+/// The normal and the tangential acceleration of a contact without contact forces, each with the sum of the sizes of its terms.
+type Accelerations = ((f64, f64), (f64, f64));
 
-/// The side of a switch that is only passed, where its function vanishes: the other one of a side that has ended, else that of its
-/// rate, and where that vanishes too, of the function a little later. What a condition has set may have turned its rate, which comes first.
-fn side(
+/// Forces of the resting contacts with these free accelerations and their scales, of which some may stick.
+fn balanced(
     dynamics: &mut Dynamics<'_>,
-    contact: usize,
-    (t, y, moment): (f64, &[f64], f64),
-    rate: f64,
-    vanished: Option<Switch>,
-) -> Direction {
-    let ended = match vanished {
-        Some(Switch::SlidingVelocity(other, direction)) if other == contact => {
-            Some(direction.reversed())
-        }
-        _ => None,
-    };
-    let declared = &dynamics.model.declaration().contacts[contact];
-    let sets = declared.switch == Some(Switching::Resets);
-    match ended {
-        Some(direction) if !sets => return direction,
-        _ if rate.abs() > BIACTIVE * dynamics.sliding_acceleration_scale(contact) => {
-            return Direction::of(rate);
-        }
-        Some(direction) => return direction,
-        None => {}
+    resting: &[usize],
+    rests: &[bool],
+    accelerations: &[Accelerations],
+) -> Result<Balance, String> {
+    switching::set_force_floors(dynamics, resting);
+    let touching = Touching::new(dynamics, resting, |i| rests[i]);
+    let slot = |contact: usize| resting.iter().position(|&i| i == contact).unwrap_or(0);
+    let offsets = touching.lines.iter().map(|&line| match line {
+        Line::Normal { contact, .. } => accelerations[slot(contact)].0.0,
+        Line::Tangent { contact, .. } => accelerations[slot(contact)].1.0,
+        Line::Across { .. } => dynamics.free_line_acceleration(line),
+    });
+    ContactProblem {
+        what: "balance of contact forces",
+        offsets: offsets.collect(),
+        touching,
     }
-    let n = dynamics.n;
-    let moment = LATER * moment;
-    let a = dynamics.free_acceleration().to_vec();
-    let mut later = y.to_vec();
-    for k in 0..n {
-        later[k] += moment * y[n + k] + 0.5 * moment * moment * a[k];
-        later[n + k] += moment * a[k];
-    }
-    dynamics.load(t + moment, &later);
-    dynamics.evaluate_tangent(contact);
-    let direction = Direction::of(dynamics.sliding_velocity(contact));
-    dynamics.load(t, y);
-    dynamics.evaluate_sides(contact);
-    direction
+    .solve(dynamics)
 }
 
 /// The states of one contact that the solution leaves open; `zeros` are the normal and tangential

@@ -3,7 +3,7 @@
 use super::dynamics::{Dynamics, Switch};
 use super::impact::Undetermined;
 use crate::contact::touching::jammed;
-use crate::simulation::problem::{leaps, zero_parameters};
+use crate::simulation::problem::{leaps, vanishing_inertia, zero_parameters};
 use crate::simulation::{Diagnosis, SimulationStatus};
 
 /// Gain of a sliding contact below which steps that shrink to nothing approach a pole of its force.
@@ -48,8 +48,21 @@ impl Place<'_, '_> {
         SimulationStatus::StepFailed(self.diagnosis(Some(contact), message.into()))
     }
 
-    /// Steps shrink to `h` where nothing jams and all is finite.
-    pub(super) fn step_too_short(self, h: f64, tolerance: f64) -> SimulationStatus {
+    /// Steps shrink to `h` where nothing jams, with this `error` of the last one; `start` is the input vector there, and `slope` the
+    /// derivative of the state.
+    pub(super) fn step_too_short(
+        self,
+        (h, tolerance, error): (f64, f64, f64),
+        start: &[f64],
+        slope: &[f64],
+    ) -> SimulationStatus {
+        let here = self.dynamics.input();
+        if let Some(why) = vanishing_inertia(self.dynamics.model, start, here) {
+            return SimulationStatus::NotFinite(self.diagnosis(None, why));
+        }
+        if !error.is_finite() {
+            return self.not_finite(slope);
+        }
         let contact = self.dynamics.mode.active.first().copied();
         let message = format!(
             "steps of {h:.1e} s do not meet the tolerance {tolerance:e}; the motion is not smooth here, \
@@ -68,11 +81,6 @@ impl Place<'_, '_> {
             "the acceleration of `{name}` grows without bound; check divisions and poles of the scene"
         );
         SimulationStatus::NotFinite(self.diagnosis(None, message))
-    }
-
-    /// The inertia falls to nothing, as it is said.
-    pub(super) fn without_inertia(self, why: String) -> SimulationStatus {
-        SimulationStatus::NotFinite(self.diagnosis(None, why))
     }
 
     /// A switching function changes its sign through infinity, or a gap by a jump, after `h` more.

@@ -1,7 +1,7 @@
 //! The forces of a run at its last evaluation.
 
 use super::dynamics::Dynamics;
-use crate::model::contact_point;
+use crate::model::{contact_point, friction_share};
 use crate::simulation::Residuals;
 
 /// Forces of all contacts.
@@ -22,6 +22,13 @@ impl Forces {
     pub(super) fn measure(&mut self, dynamics: &Dynamics<'_>) -> Residuals {
         dynamics.forces(&mut self.normal);
         dynamics.friction_forces(&mut self.tangential);
+        if let Some(rest) = &dynamics.rest {
+            for (&i, part) in rest.contacts.iter().zip(&rest.parts) {
+                let force = part * dynamics.friction(i) * dynamics.normal_force(i);
+                self.tangential[i] =
+                    -dynamics.force(i, force) * friction_share(dynamics.model, i, dynamics.input());
+            }
+        }
         let mut residuals = Residuals::default();
         for &i in &dynamics.mode.active {
             let point = dynamics.point(i);

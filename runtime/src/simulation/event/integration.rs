@@ -7,8 +7,8 @@ mod step_size;
 use hangtime_solver::clock::ThreadTime;
 
 use self::outputs::Outputs;
-use self::step_size::{Attempts, Rejected};
-use super::audit::Audit;
+use self::step_size::{Attempts, Rejected, StepEnds};
+use super::audit::{Audit, Checks};
 use super::contact_mode::{self, Outlook};
 use super::diagnosis::Place;
 use super::dop853::{Dop853, System};
@@ -20,6 +20,7 @@ use super::impact::{Impact, LowestBounce};
 use super::instant::Instant;
 use super::remarks::Remarks;
 use super::resets;
+use super::rest;
 use super::search::{EventSearch, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
@@ -27,7 +28,6 @@ use crate::model::Model;
 use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::hidden_force::has_places;
-use crate::simulation::problem::vanishing_inertia;
 use crate::simulation::watch::Watch;
 use crate::simulation::{
     InitialValueProblem, Residuals, Simulation, SimulationStatus, accumulation,
@@ -43,8 +43,6 @@ const GLANCE: f64 = 1e-6;
 const SAME_INSTANT: f64 = 1e-14;
 /// Steps at the same instant, for each contact, before the contact mode counts as undetermined.
 const REPEATS: usize = 20;
-/// Where inside a step the signs of forces and gaps are measured.
-const AUDITED: [f64; 3] = [0.25, 0.5, 0.75];
 /// Steps that an event takes, which do not count against the limit on steps: events have their own.
 const STEPS_AN_EVENT: usize = 4;
 /// Steps at the same instant after which a contact mode is chosen by what follows later.
@@ -71,28 +69,6 @@ pub(super) struct Integration<'a> {
     checks: Checks<'a>,
     log: EventLog,
     result: Simulation,
-}
-
-/// What is known at the two ends of a step.
-struct StepEnds {
-    /// By which its error is measured.
-    error_scale: ErrorScale,
-    /// Values of the switching functions.
-    start_values: Vec<f64>,
-    end_values: Vec<f64>,
-    /// Residuals at the end of the last step, which count unless it turns out to contain an event.
-    at_end: Residuals,
-    /// Sign of the determinant of the equations of the mode.
-    orientation: f64,
-    rejected: Rejected,
-}
-
-/// What is looked at during the run, and said after it.
-struct Checks<'a> {
-    remarks: Remarks,
-    audit: Audit,
-    /// How fast what acts depends on time, where it does.
-    explicit_time: Option<ExplicitTime<'a>>,
 }
 
 impl<'a> Integration<'a> {
@@ -189,6 +165,9 @@ impl<'a> Integration<'a> {
                 .controls
                 .next_break(self.t)
                 .map_or(horizon, |next| next.min(horizon));
+            if self.rest(limit)? {
+                continue;
+            }
             let remaining = limit - self.t;
             let wanted = self.foreseen(self.h.min(longest).min(remaining));
             // A step that would leave a sliver behind takes it along.
@@ -216,39 +195,89 @@ impl<'a> Integration<'a> {
             let until = event.map_or(h, |event| event.h);
             self.result.counts.elements += 1;
             let switch = event.map(|event| self.dynamics.switch(event.function));
-            self.guard_progress(switch, until)?;
+            match self.guard_progress(switch, until) {
+                Err(_) if self.comes_to_rest() => continue,
+                progress => progress?,
+            }
             self.write_outputs(h, until);
             if event.is_some() || EventSearch::is_needed(&self.dynamics) {
                 self.audit_inside(h, until);
             }
             match event {
-                Some(event) => {
-                    if self.pass(event.h, switch, ending)? {
-                        break;
+                Some(event) => match self.pass(event.h, switch, ending) {
+                    Err(_) if self.comes_to_rest() => continue,
+                    over => {
+                        if over? {
+                            break;
+                        }
                     }
-                }
-                None => {
-                    self.t = if lands { limit } else { self.t + h };
-                    self.y.copy_from_slice(self.method.end());
-                    self.method.advance();
-                    self.keep(self.step.at_end);
-                    let step = self.result.counts.elements;
-                    self.checks
-                        .audit
-                        .look(&self.dynamics, &self.step.end_values, self.t, step);
-                    std::mem::swap(&mut self.step.start_values, &mut self.step.end_values);
-                    self.record();
-                    self.observe();
-                    if lands && limit < horizon {
-                        self.dynamics.set_controls(&self.problem.controls, self.t);
-                        self.enter_mode(None, false)?;
-                    }
-                }
+                },
+                None => self.go_on(h, lands.then_some(limit))?,
             }
             let count = self.result.counts.elements;
             watch.reach(self.t, count, &mut self.result.trajectory)?;
         }
         self.strike_at_the_end(ending)
+    }
+
+    /// Goes to the end of a step of length `h` without an event, which may be a `limit` where the controls jump.
+    fn go_on(&mut self, h: f64, limit: Option<f64>) -> Result<(), SimulationStatus> {
+        self.t = limit.unwrap_or(self.t + h);
+        self.y.copy_from_slice(self.method.end());
+        self.method.advance();
+        self.keep(self.step.at_end);
+        let step = self.result.counts.elements;
+        let values = &self.step.end_values;
+        self.checks.audit.look(&self.dynamics, values, self.t, step);
+        std::mem::swap(&mut self.step.start_values, &mut self.step.end_values);
+        self.record();
+        self.observe();
+        self.take_up_controls(limit)
+    }
+
+    /// Takes up the controls after a `limit` of theirs before the horizon, and the mode that they make.
+    fn take_up_controls(&mut self, limit: Option<f64>) -> Result<(), SimulationStatus> {
+        if limit.is_some_and(|limit| limit < self.problem.horizon) {
+            self.dynamics.set_controls(&self.problem.controls, self.t);
+            self.enter_mode(None, false)?;
+        }
+        Ok(())
+    }
+
+    /// Rests until `limit`, where the controls may jump, or until what acts is balanced no more, if the motion does.
+    fn rest(&mut self, limit: f64) -> Result<bool, SimulationStatus> {
+        let now = (self.t, &self.y[..]);
+        let Some((lasts, over)) = rest::lasts(&mut self.dynamics, now, limit) else {
+            return Ok(false);
+        };
+        self.y[2 * self.dynamics.n] += lasts;
+        self.t = if over { self.t + lasts } else { limit };
+        self.result.counts.elements += 1;
+        if over {
+            self.enter_mode(None, false)?;
+        } else {
+            self.begin()?;
+            self.record();
+            self.take_up_controls(Some(limit))?;
+        }
+        Ok(true)
+    }
+
+    /// Whether the switches of the last moment have led to a rest, into which the motion is put.
+    fn comes_to_rest(&mut self) -> bool {
+        let now = (self.t, &self.y[..], self.method.slope());
+        let (events, horizon) = (&self.result.events, self.problem.horizon);
+        let Some(at_rest) = rest::nearest(&mut self.dynamics, events, now, horizon) else {
+            return false;
+        };
+        let before = self.y.clone();
+        self.y[..at_rest.len()].copy_from_slice(&at_rest);
+        if self.enter_mode(None, false).is_ok() && self.dynamics.rest.is_some() {
+            return true;
+        }
+        self.dynamics.rest = None;
+        self.y = before;
+        false
     }
 
     /// Goes to the event after `h`, where the switching function vanishes, and into the mode after it, unless the motion is over there.
@@ -634,18 +663,12 @@ impl<'a> Integration<'a> {
     /// Looks at forces and gaps inside the first `until` of the step of length `h`, whose continuous extension is
     /// ready.
     fn audit_inside(&mut self, h: f64, until: f64) {
-        for share in AUDITED {
-            let time = self.t + share * until;
-            self.method
-                .interpolate(share * until / h, &mut self.dense.state);
-            if motion::project(&mut self.dynamics, time, &mut self.dense.state) {
-                self.dynamics
-                    .derivative(time, &self.dense.state, &mut self.dense.slope);
-                let step = self.result.counts.elements;
-                let values = &self.dynamics.switching.values;
-                self.checks.audit.look(&self.dynamics, values, time, step);
-            }
-        }
+        let (step, dense) = (self.result.counts.elements, &mut self.dense);
+        let run = (&mut self.dynamics, &self.method);
+        let memory = (&mut dense.state[..], &mut dense.slope[..]);
+        self.checks
+            .audit
+            .look_inside(run, memory, (self.t, h, until), step);
     }
 
     /// The present place, for what has to be said of it.
@@ -670,14 +693,8 @@ impl<'a> Integration<'a> {
         }
         self.dynamics.load(self.t, &self.y);
         let start = self.problem.input(self.dynamics.model);
-        let here = self.dynamics.input();
-        if let Some(why) = vanishing_inertia(self.dynamics.model, &start, here) {
-            return self.place().without_inertia(why);
-        }
-        if error.is_finite() {
-            self.place().step_too_short(self.h, self.settings.tolerance)
-        } else {
-            self.place().not_finite(self.method.slope())
-        }
+        let step = (self.h, self.settings.tolerance, error);
+        let slope = self.method.slope();
+        self.place().step_too_short(step, &start, slope)
     }
 }

@@ -23,8 +23,10 @@ mod integration;
 mod locate;
 mod remarks;
 mod resets;
+mod rest;
 mod search;
 mod settings;
+mod sides;
 mod tableau;
 pub(in crate::simulation) mod velocity_jump;
 

@@ -8,7 +8,8 @@ use crate::contact::touching::jammed;
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::ElementError;
 use crate::simulation::problem::{
-    leaps, negative_bound, not_finite_at, not_unique, vanishing_inertia, zero_parameters,
+    leaps, negative_bound, not_finite_at, not_unique, second_order, vanishing_inertia,
+    zero_parameters,
 };
 use crate::simulation::watch::interrupted;
 use crate::simulation::{Diagnosis, EventKind, SimulationStatus};
@@ -271,6 +272,10 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
         }
         &Stop::Mode(ModeError::NotUnique(contact)) => {
             let why = describe(&not_unique(driver.setup.name(contact)));
+            SimulationStatus::AmbiguousContact(diagnosis(driver, step, Some(contact), why))
+        }
+        &Stop::Mode(ModeError::SecondOrder(contact)) => {
+            let why = describe(&second_order(driver.setup.name(contact)));
             SimulationStatus::AmbiguousContact(diagnosis(driver, step, Some(contact), why))
         }
         Stop::Mode(ModeError::Dependent) => SimulationStatus::AmbiguousContact(diagnosis(

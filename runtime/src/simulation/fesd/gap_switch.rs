@@ -350,6 +350,7 @@ pub(super) fn beyond(error: ModeError) -> Stop {
         | ModeError::Several(_)
         | ModeError::Dependent
         | ModeError::NegativeBound(_)
-        | ModeError::NotUnique(_) => ElementError::Singular,
+        | ModeError::NotUnique(_)
+        | ModeError::SecondOrder(_) => ElementError::Singular,
     })
 }

@@ -43,6 +43,7 @@ mod mode_change;
 mod present;
 mod program;
 mod resets;
+mod rest;
 mod settings;
 mod size;
 mod stepping;

@@ -117,6 +117,9 @@ impl<'a> Present<'a> {
         self.contacts.check_followed(&self.active, &self.forces)?;
         self.contacts
             .constrained_acceleration(&self.active, &self.forces, &mut self.acceleration);
+        if self.contacts.rest.is_some() {
+            self.acceleration.fill(0.0);
+        }
         if !finite(&self.acceleration) || !finite(&self.forces) {
             return Err(ModeError::NotFinite);
         }
@@ -190,7 +193,10 @@ impl<'a> Present<'a> {
         if friction {
             row.fill(0.0);
             let frictions = self.contacts.frictions(&self.active, forces);
-            for (held, s) in self.active.iter().zip(frictions) {
+            for ((held, s), r) in self.active.iter().zip(frictions).zip(forces) {
+                let part = self.contacts.rest.as_ref();
+                let part = part.and_then(|rest| rest.part(held.contact));
+                let s = part.map_or(s, |part| -part * self.contacts.friction(held.contact) * r);
                 // In space it has a size, and a direction that the velocities tell.
                 let s = if self.contacts.is_in_space(held.contact) {
                     s.abs()

@@ -5,9 +5,10 @@ use hangtime_solver::clock::ThreadTime;
 use super::diagnosis::{self, MAX_SWITCHES};
 use super::driver::Driver;
 use super::error_control::ErrorControl;
+use super::rest::BURST;
 use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
-use super::{bounces, hidden_force, impacts, location, mode_change, program};
+use super::{bounces, hidden_force, impacts, location, mode_change, program, rest};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::model::{edge, joint_rows};
@@ -24,8 +25,6 @@ const MAX_ATTEMPTS: usize = 20_000;
 const ATTEMPTS_A_SWITCH: usize = 10;
 /// Elements that an event takes, which do not count against the limit on elements: events have their own.
 const ELEMENTS_AN_EVENT: usize = 4;
-/// Time of a burst of switches, as a share of the time reached and of the horizon.
-const BURST: f64 = 1e-6;
 const SHORTEST_BURST: f64 = 1e-9;
 
 /// How a segment ended.
@@ -237,8 +236,15 @@ fn advance(
         if driver.setup.settings.formulation == StepFormulation::Complementarity {
             program::solve_program(driver, piece_end, watch)
                 .map_err(|stop| diagnosis::stopped(driver, number, &stop))?;
-        } else {
-            attempt(driver, &mut step, piece_end, watch)?;
+        } else if rest::rests(driver) {
+            rest::rest(driver, piece_end)
+                .map_err(|error| diagnosis::stopped(driver, number, &Stop::Mode(error)))?;
+        } else if let Err(status) = attempt(driver, &mut step, piece_end, watch) {
+            match rest::comes_to_rest(driver) {
+                Ok(true) => {}
+                Ok(false) => return Err(status),
+                Err(error) => return Err(diagnosis::stopped(driver, number, &Stop::Mode(error))),
+            }
         }
     }
     driver.now.state.time = end;

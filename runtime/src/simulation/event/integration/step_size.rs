@@ -2,6 +2,7 @@
 
 use super::outputs::Outputs;
 use super::{GLANCE, Integration};
+use crate::simulation::Residuals;
 use crate::simulation::event::dop853::System;
 use crate::simulation::event::dynamics::{Dynamics, motion};
 use crate::simulation::event::error_scale::ErrorScale;
@@ -35,6 +36,20 @@ impl Rejected {
             time == t && h < length && error > before * (h / length).powi(SLOWLY)
         })
     }
+}
+
+/// What is known at the two ends of a step.
+pub(super) struct StepEnds {
+    /// By which its error is measured.
+    pub(super) error_scale: ErrorScale,
+    /// Values of the switching functions.
+    pub(super) start_values: Vec<f64>,
+    pub(super) end_values: Vec<f64>,
+    /// Residuals at the end of the last step, which count unless it turns out to contain an event.
+    pub(super) at_end: Residuals,
+    /// Sign of the determinant of the equations of the mode.
+    pub(super) orientation: f64,
+    pub(super) rejected: Rejected,
 }
 
 /// By how much accelerations change within a `moment` after the state `y`, whose derivative is `slope`.
