@@ -312,30 +312,25 @@ pub(in crate::ocp) fn confirm(
     let let_pass = setting.largest_distance(settings, trajectory);
     let plan = Some((sequence, let_pass));
     let replay = simulate(setting, trajectory, plan, settings.resimulation_tolerance)?;
-    let Apart {
-        distance,
-        velocity,
-        departure,
-    } = Apart::of(setting, trajectory, &replay);
+    let apart = Apart::of(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
+    let limits = Limits::new(setting, settings);
     let disagreement = compare(setting, settings, sequence, trajectory, &replay)
         .or_else(|| forces::violated(&forces))
         .or_else(|| forces::other_cost(setting, cost, &replay))
-        .or_else(|| violated(program, &solution.x, Limits::new(setting, settings)));
-    let controls = &trajectory.controls;
-    let again = replayed(setting.model, controls, &replay, cost)
+        .or_else(|| violated(program, &solution.x, limits));
+    let again = replayed(setting.model, &trajectory.controls, &replay, cost)
         .filter(|_| replay.status == SimulationStatus::Solved);
     let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
-    let stationarity = match margins.iter().all(|margin| margin.chosen) {
-        true => stationarity,
-        false => Stationarity::None,
-    };
+    let held_back = margins.iter().any(|margin| !margin.chosen);
+    let proved = Some(stationarity).filter(|_| !held_back);
+    let stationarity = proved.unwrap_or(Stationarity::None);
     // What is looked for only has to be near: a motion is refined where it may be the result.
     let costs_the_same = cost_departure <= 1.0 || runner.effort != Effort::Conclude;
-    let agrees = departure <= settings.largest_distance && disagreement.is_none() && costs_the_same;
+    let agrees =
+        apart.departure <= settings.largest_distance && disagreement.is_none() && costs_the_same;
     let status = status_of(runner, agrees, stationarity);
-    let limits = Limits::new(setting, settings);
     Ok(Solution {
         status,
         objective: cost,
@@ -345,9 +340,9 @@ pub(in crate::ocp) fn confirm(
         parameters: Vec::new(),
         gradient: None,
         stationarity,
-        resimulation_error: distance,
-        resimulation_velocity_error: velocity,
-        departure,
+        resimulation_error: apart.distance,
+        resimulation_velocity_error: apart.velocity,
+        departure: apart.departure,
         cost_departure,
         resimulated_objective: simulated,
         let_pass,

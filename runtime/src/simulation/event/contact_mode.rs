@@ -137,10 +137,8 @@ fn select(
     for candidate in &candidates {
         mode[candidate.contact] = candidate.states[0];
     }
-    let undecided: Vec<&Candidate> = candidates
-        .iter()
-        .filter(|candidate| candidate.states.len() > 1)
-        .collect();
+    let open = |candidate: &&Candidate| candidate.states.len() > 1;
+    let undecided: Vec<&Candidate> = candidates.iter().filter(open).collect();
     let Some(first) = undecided.first() else {
         enter(dynamics, &mode, t, y);
         return Ok(());
@@ -323,30 +321,11 @@ fn candidates(
     dynamics.evaluate_free_acceleration();
     dynamics.sides.fill(0.0);
     dynamics.rest = None;
-    let mut passed = Vec::new();
-    let (mut accelerations, mut rests) = (Vec::new(), vec![false; dynamics.contacts]);
-    for &i in resting {
-        dynamics.evaluate_sides(i);
-        dynamics.align(i, None);
-        let normal = dynamics.free_normal_acceleration(i);
-        // Where it vanishes and goes on falling, its force was about to change its sign.
-        let released = vanished == Some(Switch::NormalForce(i));
-        let negative = normal.0 > 0.0 && !dynamics.follows(i);
-        if dynamics.is_dry(i) && (negative || released) {
-            let name = dynamics.model.declaration().contacts[i].name;
-            return Err(negative_bound(name));
-        }
-        let mut tangential = (0.0, 0.0);
-        if dynamics.has_friction(i) {
-            tangential = dynamics.free_sliding_acceleration(i);
-            rests[i] = rests_along(dynamics, i, vanished);
-            if rests[i] && dynamics.passes(i) {
-                passed.push(i);
-                rests[i] = false;
-            }
-        }
-        accelerations.push((normal, tangential));
-    }
+    let Free {
+        accelerations,
+        rests,
+        passed,
+    } = Free::of(dynamics, resting, vanished)?;
     let mut motion = dynamics.free_acceleration().to_vec();
     let mut chosen = None;
     let mut balance = None;
@@ -400,6 +379,53 @@ fn candidates(
 
 /// The normal and the tangential acceleration of a contact without contact forces, each with the sum of the sizes of its terms.
 type Accelerations = ((f64, f64), (f64, f64));
+
+/// The resting contacts without contact forces.
+struct Free {
+    accelerations: Vec<Accelerations>,
+    /// Of all contacts, those that are at rest along their tangents and have a cone.
+    rests: Vec<bool>,
+    /// Switches at rest that are only passed.
+    passed: Vec<usize>,
+}
+
+impl Free {
+    fn of(
+        dynamics: &mut Dynamics<'_>,
+        resting: &[usize],
+        vanished: Option<Switch>,
+    ) -> Result<Self, String> {
+        let mut passed = Vec::new();
+        let (mut accelerations, mut rests) = (Vec::new(), vec![false; dynamics.contacts]);
+        for &i in resting {
+            dynamics.evaluate_sides(i);
+            dynamics.align(i, None);
+            let normal = dynamics.free_normal_acceleration(i);
+            // Where it vanishes and goes on falling, its force was about to change its sign.
+            let released = vanished == Some(Switch::NormalForce(i));
+            let negative = normal.0 > 0.0 && !dynamics.follows(i);
+            if dynamics.is_dry(i) && (negative || released) {
+                let name = dynamics.model.declaration().contacts[i].name;
+                return Err(negative_bound(name));
+            }
+            let mut tangential = (0.0, 0.0);
+            if dynamics.has_friction(i) {
+                tangential = dynamics.free_sliding_acceleration(i);
+                rests[i] = rests_along(dynamics, i, vanished);
+                if rests[i] && dynamics.passes(i) {
+                    passed.push(i);
+                    rests[i] = false;
+                }
+            }
+            accelerations.push((normal, tangential));
+        }
+        Ok(Self {
+            accelerations,
+            rests,
+            passed,
+        })
+    }
+}
 
 /// Forces of the resting contacts with these free accelerations and their scales, of which some may stick.
 fn balanced(

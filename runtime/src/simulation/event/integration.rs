@@ -21,7 +21,7 @@ use super::instant::Instant;
 use super::remarks::Remarks;
 use super::resets;
 use super::rest;
-use super::search::{EventSearch, Outcome, Step};
+use super::search::{EventSearch, Found, Outcome, Step};
 use super::settings::EventDriven;
 use super::velocity_jump;
 use crate::model::Model;
@@ -30,7 +30,7 @@ use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::hidden_force::has_places;
 use crate::simulation::watch::Watch;
 use crate::simulation::{
-    InitialValueProblem, Residuals, Simulation, SimulationStatus, accumulation,
+    Event, InitialValueProblem, Residuals, Simulation, SimulationStatus, accumulation,
 };
 
 /// Steps shorter than this share of the time reached do not change it.
@@ -155,9 +155,15 @@ impl<'a> Integration<'a> {
         self.dynamics.set_controls(&self.problem.controls, 0.0);
         self.dynamics.load(0.0, &self.y);
         self.dynamics.choose_pieces();
-        self.expect_step(longest);
+        let now = (self.t, &self.y[..], self.h);
+        step_size::expect(&mut self.dynamics, &self.step.error_scale, now, longest);
         self.enter_mode(None, true)?;
-        self.h = self.first_step(longest);
+        let (now, sizes) = (
+            (self.t, &self.y[..], self.method.slope()),
+            (GLANCE * longest, longest, self.settings.tolerance),
+        );
+        let (dynamics, dense) = (&mut self.dynamics, &mut self.dense);
+        self.h = step_size::first(dynamics, dense, &self.step.error_scale, now, sizes);
         self.observe();
         while self.t < horizon {
             let limit = self
@@ -176,21 +182,8 @@ impl<'a> Integration<'a> {
             if !self.try_step(h)? {
                 continue;
             }
-            let event = match self.find_event(h) {
-                Outcome::Nothing => None,
-                Outcome::Event(event) => Some(event),
-                Outcome::Pole(found) => {
-                    let switch = self.dynamics.switch(found.function);
-                    return Err(self.place().pole(switch, found.h));
-                }
-                Outcome::Hidden => {
-                    self.h = 0.5 * h;
-                    continue;
-                }
-                Outcome::Unresolved(function) => {
-                    self.shorten(h, self.dynamics.switch(function).contact())?;
-                    continue;
-                }
+            let Some(event) = self.searched(h)? else {
+                continue;
             };
             let until = event.map_or(h, |event| event.h);
             self.result.counts.elements += 1;
@@ -420,6 +413,23 @@ impl<'a> Integration<'a> {
         self.dense.write(run, trajectory, (self.t, h, until));
     }
 
+    /// The event of the step of length `h`, if there is one; none at all where the step has to be shorter.
+    fn searched(&mut self, h: f64) -> Result<Option<Option<Found>>, SimulationStatus> {
+        match self.find_event(h) {
+            Outcome::Nothing => return Ok(Some(None)),
+            Outcome::Event(event) => return Ok(Some(Some(event))),
+            Outcome::Pole(found) => {
+                let switch = self.dynamics.switch(found.function);
+                return Err(self.place().pole(switch, found.h));
+            }
+            Outcome::Hidden => self.h = 0.5 * h,
+            Outcome::Unresolved(function) => {
+                self.shorten(h, self.dynamics.switch(function).contact())?;
+            }
+        }
+        Ok(None)
+    }
+
     fn find_event(&mut self, h: f64) -> Outcome {
         let outputs_due = self.dense.are_due(self.t, h);
         let horizon = self.problem.horizon;
@@ -429,7 +439,8 @@ impl<'a> Integration<'a> {
             return Outcome::Nothing;
         }
         self.method.extend(&mut self.dynamics, self.t, &self.y, h);
-        if self.hides_a_force(h) {
+        let (scale, now) = (&self.step.error_scale, (self.t, h, horizon));
+        if hidden::acts(&mut self.dynamics, &self.method, scale, now) {
             return Outcome::Hidden;
         }
         let step = Step {
@@ -554,6 +565,11 @@ impl<'a> Integration<'a> {
             mode: &previously,
         };
         let events = instant.events((&impact.struck, &set), at_start);
+        self.list(events)
+    }
+
+    /// Lists events, unless there are too many.
+    fn list(&mut self, events: Vec<Event>) -> Result<(), SimulationStatus> {
         self.result.events.extend(events);
         let last = self.result.events.last().map(|event| event.contact);
         if let Some(status) = accumulation::of(&self.result.events, self.problem.horizon) {

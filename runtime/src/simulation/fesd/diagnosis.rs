@@ -249,41 +249,11 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
                 describe(&not_finite(driver)),
             ))
         }
-        Stop::Mode(ModeError::Jammed) => {
-            let (contact, why) = jamming(driver);
+        &Stop::Mode(error) => {
+            let (blamed, why) = undetermined(driver, error);
+            let contact = blamed.or(contact);
             SimulationStatus::AmbiguousContact(diagnosis(driver, step, contact, describe(&why)))
         }
-        &Stop::Mode(ModeError::Several(contact)) => {
-            let view = &driver.now.contacts;
-            let gain = [1.0, -1.0].map(|sense| view.lift_in_slip(contact, sense));
-            let why = jammed(view, contact, gain[0].min(gain[1]));
-            let why =
-                format!("the law of contact has several solutions with different motions: {why}");
-            SimulationStatus::AmbiguousContact(diagnosis(
-                driver,
-                step,
-                Some(contact),
-                describe(&why),
-            ))
-        }
-        &Stop::Mode(ModeError::NegativeBound(contact)) => {
-            let why = describe(&negative_bound(driver.setup.name(contact)));
-            SimulationStatus::AmbiguousContact(diagnosis(driver, step, Some(contact), why))
-        }
-        &Stop::Mode(ModeError::NotUnique(contact)) => {
-            let why = describe(&not_unique(driver.setup.name(contact)));
-            SimulationStatus::AmbiguousContact(diagnosis(driver, step, Some(contact), why))
-        }
-        &Stop::Mode(ModeError::SecondOrder(contact)) => {
-            let why = describe(&second_order(driver.setup.name(contact)));
-            SimulationStatus::AmbiguousContact(diagnosis(driver, step, Some(contact), why))
-        }
-        Stop::Mode(ModeError::Dependent) => SimulationStatus::AmbiguousContact(diagnosis(
-            driver,
-            step,
-            contact,
-            describe("the normals of the active contacts are dependent"),
-        )),
         Stop::Element(ElementError::Singular) => {
             failed("singular element matrix; the active contacts may be dependent")
         }
@@ -299,5 +269,27 @@ pub(super) fn stopped(driver: &Driver<'_>, step: usize, stop: &Stop) -> Simulati
         }),
         Stop::Unresolved => failed("a gap varies too fast for the elements; take more steps"),
         Stop::Location => failed("a switch could not be located; take more steps"),
+    }
+}
+
+/// Why no mode of the contacts could be determined, and the one to blame, if it is known.
+fn undetermined(driver: &Driver<'_>, error: ModeError) -> (Option<usize>, String) {
+    let name = |contact: usize| driver.setup.name(contact);
+    match error {
+        ModeError::Jammed | ModeError::NotFinite => jamming(driver),
+        ModeError::Several(contact) => {
+            let view = &driver.now.contacts;
+            let gain = [1.0, -1.0].map(|sense| view.lift_in_slip(contact, sense));
+            let why = jammed(view, contact, gain[0].min(gain[1]));
+            let several = "the law of contact has several solutions with different motions";
+            (Some(contact), format!("{several}: {why}"))
+        }
+        ModeError::NegativeBound(contact) => (Some(contact), negative_bound(name(contact))),
+        ModeError::NotUnique(contact) => (Some(contact), not_unique(name(contact))),
+        ModeError::SecondOrder(contact) => (Some(contact), second_order(name(contact))),
+        ModeError::Dependent => {
+            let why = "the normals of the active contacts are dependent";
+            (None, why.to_owned())
+        }
     }
 }

@@ -1,7 +1,6 @@
 //! What tells how long steps may be, and how many there are: how accelerations change, and what rounding leaves of the errors of steps.
 
 use super::outputs::Outputs;
-use super::{GLANCE, Integration};
 use crate::simulation::Residuals;
 use crate::simulation::event::dop853::System;
 use crate::simulation::event::dynamics::{Dynamics, motion};
@@ -53,7 +52,7 @@ pub(super) struct StepEnds {
 }
 
 /// By how much accelerations change within a `moment` after the state `y`, whose derivative is `slope`.
-pub(super) fn change(
+fn change(
     dynamics: &mut Dynamics<'_>,
     dense: &mut Outputs,
     (t, y, slope): (f64, &[f64], &[f64]),
@@ -125,28 +124,35 @@ fn rounding(
     change
 }
 
-impl Integration<'_> {
-    /// Expects a first step by the free accelerations, to which those of the first contact mode are compared: beside what
-    /// would give the velocities in a glance, any of them would be small.
-    pub(super) fn expect_step(&mut self, longest: f64) {
-        let n = self.dynamics.n;
-        self.dynamics.observe(self.t, &self.y, self.h);
-        let a = self.dynamics.free_acceleration().to_vec();
-        let mass = self.dynamics.mass(self.t, &self.y);
-        let scale = &self.step.error_scale;
-        let time = scale.time_at_start(mass, &self.y[n..2 * n], &a);
-        self.dynamics.expect_moment(time.min(longest));
-    }
+/// Expects a first step by the free accelerations, to which those of the first contact mode are compared: beside what
+/// would give the velocities in a glance `h`, any of them would be small.
+pub(super) fn expect(
+    dynamics: &mut Dynamics<'_>,
+    scale: &ErrorScale,
+    (t, y, h): (f64, &[f64], f64),
+    longest: f64,
+) {
+    let n = dynamics.n;
+    dynamics.observe(t, y, h);
+    let a = dynamics.free_acceleration().to_vec();
+    let mass = dynamics.mass(t, y);
+    let time = scale.time_at_start(mass, &y[n..2 * n], &a);
+    dynamics.expect_moment(time.min(longest));
+}
 
-    /// A first step size: a share of the shortest time in which velocities or accelerations change.
-    pub(super) fn first_step(&mut self, longest: f64) -> f64 {
-        let moment = GLANCE * longest;
-        let now = (self.t, &self.y[..], self.method.slope());
-        let change = change(&mut self.dynamics, &mut self.dense, now, moment);
-        let mass = self.dynamics.mass(self.t, &self.y);
-        let time = self.step.error_scale.shortest_time(mass, &change, moment);
-        let h = (self.settings.tolerance.powf(1.0 / 8.0) * time).min(longest);
-        self.dynamics.expect_moment(h);
-        h
-    }
+/// A first step size after the state `y` with the derivative `slope`: a share of the shortest time in which velocities or accelerations
+/// change, these within a `moment`.
+pub(super) fn first(
+    dynamics: &mut Dynamics<'_>,
+    dense: &mut Outputs,
+    scale: &ErrorScale,
+    (t, y, slope): (f64, &[f64], &[f64]),
+    (moment, longest, tolerance): (f64, f64, f64),
+) -> f64 {
+    let change = change(dynamics, dense, (t, y, slope), moment);
+    let mass = dynamics.mass(t, y);
+    let time = scale.shortest_time(mass, &change, moment);
+    let h = (tolerance.powf(1.0 / 8.0) * time).min(longest);
+    dynamics.expect_moment(h);
+    h
 }
