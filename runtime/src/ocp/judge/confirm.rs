@@ -23,7 +23,7 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::repair::certificate;
 use crate::ocp::search::replay::{read_replay, simulate};
-use crate::ocp::solution::{Solution, Status};
+use crate::ocp::solution::{Margin, Solution, Status};
 use crate::progress::BestMotion;
 use crate::rk::ButcherTableau;
 use crate::simulation::ContactMode;
@@ -323,9 +323,7 @@ pub(in crate::ocp) fn confirm(
         .filter(|_| replay.status == SimulationStatus::Solved);
     let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
-    let held_back = margins.iter().any(|margin| !margin.chosen);
-    let proved = Some(stationarity).filter(|_| !held_back);
-    let stationarity = proved.unwrap_or(Stationarity::None);
+    let stationarity = unless_held_back(stationarity, &margins);
     // What is looked for only has to be near: a motion is refined where it may be the result.
     let costs_the_same = cost_departure <= 1.0 || runner.effort != Effort::Conclude;
     let agrees =
@@ -402,6 +400,14 @@ impl Apart {
                 departure: f64::INFINITY,
             },
         }
+    }
+}
+
+/// What is proved of a sequence, but nothing where a distance that the method keeps by itself holds the plan back.
+fn unless_held_back(stationarity: Stationarity, margins: &[Margin]) -> Stationarity {
+    match margins.iter().all(|margin| margin.chosen) {
+        true => stationarity,
+        false => Stationarity::None,
     }
 }
 
