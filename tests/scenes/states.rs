@@ -554,7 +554,7 @@ fn drive_that_saturates_on_both_sides_leaves_saturation_exactly() {
             "parameters {{ k: 1/s = 2, r: m = {wanted}, most: m/s = 0.7 }} states {{ x: m }}
             rates {{ x: clamp(k*(r - x), -most, most) }} horizon 2 [s]"
         );
-        let leaves = (1.0 - 0.35) / 0.7;
+        let leaves: f64 = (1.0 - 0.35) / 0.7;
         let end = wanted * (1.0 - 0.35 * (-2.0 * (2.0 - leaves)).exp());
         let bound = if sign == "<=" { "most" } else { "-most" };
         let name = format!("k*(r - x) {sign} {bound}");

@@ -99,8 +99,10 @@ fn block_on_an_incline_stops_and_stays_as_certified() {
                 let energies = energies(&model, &simulation);
                 let lost = (energies[0] - energies[energies.len() - 1]) / mass;
                 assert!((lost - gold.dissipated).abs() < 1e-13, "{name}");
-                let residuals = &simulation.residuals;
-                assert!(residuals.primal < 1e-13 && residuals.dual < 1e-13, "{name}");
+                // Of forces as large as the mass.
+                let (residuals, rounding) = (&simulation.residuals, 1e-13 * mass);
+                let small = residuals.primal < rounding && residuals.dual < rounding;
+                assert!(small, "{name}: {residuals:?}");
             }
             if scale == 1.0 {
                 stops_by_time_steps(gold, &model, &problem);

@@ -105,7 +105,7 @@ fn needs_witness(error: f64, ratio: f64, promise: f64, s: f64) -> bool {
 
 /// Steps of the run that the one of twice [`Fesd::DEFAULT_STEPS`] is compared with: no step of the one ends with a step of the other, as
 /// what is known to the length of an element only, such as a release right after an impact, would end alike in both.
-const OTHER_STEPS: usize = 37;
+const OTHER_STEPS: usize = 61;
 
 /// Simulates on a grid that nobody has named, and on another one with fewer steps: where they differ by more than `promise` the status is
 /// another than solved.
