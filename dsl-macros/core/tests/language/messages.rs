@@ -470,11 +470,11 @@ texts! {
     bound_that_depends_on_a_control: cart "dry friction rail: bound u, sliding dot(y)" => "accepted";
     bound_that_follows_a_surface: beside "surface s: z >= 0 impact s: inelastic dry friction rail: bound 1 [N] + 0.3*force(s), sliding dot(y)" => "accepted";
     bound_of_a_square_of_a_force: beside "surface s: z >= 0 impact s: inelastic dry friction rail: bound force(s)^2/1 [N], sliding dot(y)" =>
-        "E07: the bound of dry friction `rail` is no sum of forces of surfaces times what does not follow them; write one, as in `bound mu*force(pad)`";
+        "E07: the bound of dry friction `rail` is no sum of forces of surfaces and joints times what does not follow them; write one, as in `bound mu*force(pad)`, with the sign by which the force of a joint is positive";
     bound_that_falls_with_a_force: beside "surface s: z >= 0 impact s: inelastic dry friction rail: bound 5 [N] - force(s), sliding dot(y)" =>
         "E10: the bound of dry friction `rail` falls where a surface is pressed, and may fall below 0; change the sign in front of `force`";
     bound_that_follows_an_impulse: beside "surface s: z >= 0 impact s: inelastic dry friction rail: bound impulse(s)/1 [s], sliding dot(y)" =>
-        "E24: the bound of a dry friction may follow normal forces of surfaces, as in `bound mu*r*force(pad)`, and not `impulse(s)`";
+        "E24: the bound of a dry friction may follow normal forces of surfaces and forces of joints, as in `bound mu*r*force(pad)`, and not `impulse(s)`";
     bound_below_zero: beside "dry friction rail: bound -m*g, sliding dot(y)" =>
         "E10: the bound of dry friction `rail` is -9.81 < 0: the force would drive the sliding instead of braking it; change its sign";
     bound_with_a_kink: beside "dry friction rail: bound |2 [N]*y/1 [m]|, sliding dot(y)" =>
