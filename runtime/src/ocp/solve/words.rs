@@ -79,6 +79,9 @@ pub(super) fn solve(
     {
         return Ok(result(vec![best.clone()], seen, stopped));
     }
+    if stopped {
+        return Ok(result(Vec::new(), seen, stopped));
+    }
     // What is not proved among words may be on grids.
     let other = Found {
         start: 0,

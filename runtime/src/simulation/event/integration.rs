@@ -435,12 +435,13 @@ impl<'a> Integration<'a> {
         let horizon = self.problem.horizon;
         let search = EventSearch::is_needed(&self.dynamics)
             || EventSearch::may_pass_posts(&self.dynamics, h, horizon);
-        if !search && !outputs_due && !has_places(h, horizon) {
+        let looks = self.settings.tolerance <= hidden::LOOSE && has_places(h, horizon);
+        if !search && !outputs_due && !looks {
             return Outcome::Nothing;
         }
         self.method.extend(&mut self.dynamics, self.t, &self.y, h);
         let (scale, now) = (&self.step.error_scale, (self.t, h, horizon));
-        if hidden::acts(&mut self.dynamics, &self.method, scale, now) {
+        if looks && hidden::acts(&mut self.dynamics, &self.method, scale, now) {
             return Outcome::Hidden;
         }
         let step = Step {

@@ -8,6 +8,9 @@ use crate::simulation::hidden_force::mean_change;
 /// Change of a velocity, as a share of what errors are measured by, above which it counts: a tenth of what a run promises.
 const COUNTS: f64 = 1e-7;
 
+/// Tolerance above which nobody looks: such a run is not as accurate as what would count.
+pub(super) const LOOSE: f64 = 1e-6;
+
 /// Whether something acts besides contacts in the step of length `h` from `t` on, in a run to the `horizon`, that its stages do not show. The
 /// continuous extension of the `method` is ready.
 pub(super) fn acts(
