@@ -441,8 +441,12 @@ impl<'a> Integration<'a> {
         }
         self.method.extend(&mut self.dynamics, self.t, &self.y, h);
         let (scale, now) = (&self.step.error_scale, (self.t, h, horizon));
-        if looks && hidden::acts(&mut self.dynamics, &self.method, scale, now) {
+        let tolerance = self.settings.tolerance;
+        if looks && hidden::acts(&mut self.dynamics, &self.method, scale, now, tolerance) {
             return Outcome::Hidden;
+        }
+        if !search && !outputs_due {
+            return Outcome::Nothing;
         }
         let step = Step {
             t: self.t,

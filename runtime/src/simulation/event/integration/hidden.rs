@@ -7,6 +7,8 @@ use crate::simulation::hidden_force::mean_change;
 
 /// Change of a velocity, as a share of what errors are measured by, above which it counts: a tenth of what a run promises.
 const COUNTS: f64 = 1e-7;
+/// The same as a multiple of the tolerance, beside which steps differ by themselves.
+const BESIDE_TOLERANCE: f64 = 100.0;
 
 /// Tolerance above which nobody looks: such a run is not as accurate as what would count.
 pub(super) const LOOSE: f64 = 1e-6;
@@ -18,6 +20,7 @@ pub(super) fn acts(
     method: &Dop853,
     scale: &ErrorScale,
     (t, h, horizon): (f64, f64, f64),
+    tolerance: f64,
 ) -> bool {
     let n = dynamics.n;
     let mut state = vec![0.0; 2 * n];
@@ -30,5 +33,5 @@ pub(super) fn acts(
     });
     let share = |(k, change): (usize, f64)| change * h / scale.allowed(n + k, h, 1.0);
     let shares = change.into_iter().flatten().enumerate().map(share);
-    shares.fold(0.0, f64::max) > COUNTS
+    shares.fold(0.0, f64::max) > COUNTS.max(BESIDE_TOLERANCE * tolerance)
 }
