@@ -14,7 +14,10 @@ use std::f64::consts::PI;
 
 /// Friction force of the first contact at the end.
 fn last_friction(trajectory: &Trajectory) -> f64 {
-    trajectory.friction_force.last().unwrap()[0]
+    trajectory
+        .friction_force
+        .last()
+        .expect("a trajectory has a start")[0]
 }
 
 fn jumps(times: &[f64], values: &[f64]) -> ControlSignal {
@@ -63,7 +66,8 @@ fn stops_by_time_steps(gold: &gold::BlockGold, model: &Ground, problem: &Initial
         steps: 3000,
         ..Moreau::default()
     };
-    let simulation = moreau.simulate(model, problem, &mut |_| true).unwrap();
+    let simulation = moreau.simulate(model, problem, &mut |_| true);
+    let simulation = simulation.expect("the problem is accepted");
     let trajectory = &simulation.trajectory;
     let [state, force] = block_errors(gold, model.mass, 1.0, (trajectory, 1e-2));
     assert!(state < 2e-2 && force < 1e-9, "{state:e} {force:e}");

@@ -38,7 +38,9 @@ fn solved(
     model: &dyn Model,
     problem: &InitialValueProblem,
 ) -> Simulation {
-    let simulation = simulator.simulate(model, problem, &mut |_| true).unwrap();
+    let simulation = simulator
+        .simulate(model, problem, &mut |_| true)
+        .expect("the problem is accepted");
     assert_eq!(simulation.status, SimulationStatus::Solved);
     simulation
 }
