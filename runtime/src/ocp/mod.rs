@@ -78,6 +78,7 @@ mod global;
 mod joined;
 mod judge;
 mod motion;
+mod parameters;
 mod previous;
 mod problem;
 mod program;
@@ -98,6 +99,7 @@ mod words;
 pub use global::time_freezing::TimeFreezing;
 pub use hangtime_solver::mpcc::Stationarity;
 pub use motion::control_grid::ControlShape;
+pub use parameters::{FoundParameter, OptimumGradient};
 pub use previous::Previous;
 pub use problem::{Horizon, Problem};
 pub use rules::{RULES, Rule, RulePart};
@@ -106,8 +108,8 @@ pub use settings::{
 };
 pub use size::program_sizes;
 pub use solution::{
-    Counts, Excess, FoundParameter, Improvement, Margin, Miss, Nearest, Optimum, OptimumGradient,
-    RelaxedReport, Solution, Source, Status, TimeFreezingReport,
+    Counts, Excess, Improvement, Margin, Miss, Nearest, Optimum, RelaxedReport, Solution, Source,
+    Status, TimeFreezingReport,
 };
 pub use solve::solve;
 pub use unknown::parameter_named;

@@ -5,13 +5,13 @@ use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp::Violation;
 use hangtime_solver::{mpcc, nlp};
 
+use super::parameters::{FoundParameter, OptimumGradient};
 use super::previous::Previous;
 use crate::model::{Model, Pieces, contact_point};
 use crate::ocp::motion::control_grid::{ControlShape, signal};
 use crate::refusal;
 use crate::simulation::{
-    ControlSignal, EventKind, InputError, ProblemSize, Residuals, SequenceRange, Simulation, State,
-    number,
+    ControlSignal, EventKind, InputError, ProblemSize, Residuals, Simulation, State, number,
 };
 
 /// Why a run ended.
@@ -203,84 +203,6 @@ pub struct Excess {
     pub unit: String,
     /// When \[s\].
     pub time: f64,
-}
-
-/// A free parameter that was found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct FoundParameter {
-    /// Its index among the parameters of the scene.
-    pub index: usize,
-    /// Its name.
-    pub name: &'static str,
-    /// Its value, in its unit.
-    pub value: f64,
-    /// That unit.
-    pub unit: &'static str,
-    /// The range that it was looked for in.
-    pub range: (f64, f64),
-}
-
-/// Distance from an end of its range, as a share of that, up to which a parameter ends there.
-const AT_BOUND: f64 = 1e-6;
-
-impl FoundParameter {
-    /// The end of its range that it lies at, `"lower"` or `"upper"`, if it does: the objective improves beyond it.
-    #[must_use]
-    pub fn at_bound(&self) -> Option<&'static str> {
-        let (lower, upper) = self.range;
-        let near = AT_BOUND * (upper - lower);
-        if self.value - lower <= near {
-            Some("lower")
-        } else if upper - self.value <= near {
-            Some("upper")
-        } else {
-            None
-        }
-    }
-}
-
-impl std::fmt::Display for FoundParameter {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let value = format!("{} {}", number(self.value), self.unit);
-        write!(f, "{} = {}", self.name, value.trim_end())?;
-        match self.at_bound() {
-            Some(end) => write!(f, ", at the {end} end of its range"),
-            None => Ok(()),
-        }
-    }
-}
-
-/// Derivatives of an optimum by given parameters, in their units, on its control grid and as long as its contact sequence stays.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct OptimumGradient {
-    /// Indices of the parameters.
-    pub parameters: Vec<usize>,
-    /// Their names.
-    pub names: Vec<&'static str>,
-    /// Derivatives of the objective, by the multipliers.
-    pub objective: Vec<f64>,
-    /// Derivatives of the final time \[s\]; none where the optimum leaves it open to first order.
-    pub final_time: Vec<Option<f64>>,
-    /// How far each may go, to first order, until other bounds and conditions of the plan hold, among them gaps, forces and lengths of
-    /// phases: until the contact sequence is another one, or the optimum has a kink.
-    pub ranges: Vec<SequenceRange>,
-}
-
-impl OptimumGradient {
-    /// The same by these parameters (indices), in their order.
-    pub(in crate::ocp) fn reorder(&mut self, order: &[usize]) {
-        let place = |index: &usize| self.parameters.iter().position(|known| known == index);
-        let places: Vec<usize> = order.iter().filter_map(place).collect();
-        *self = Self {
-            parameters: places.iter().map(|&k| self.parameters[k]).collect(),
-            names: places.iter().map(|&k| self.names[k]).collect(),
-            objective: places.iter().map(|&k| self.objective[k]).collect(),
-            final_time: places.iter().map(|&k| self.final_time[k]).collect(),
-            ranges: places.iter().map(|&k| self.ranges[k].clone()).collect(),
-        };
-    }
 }
 
 /// A condition that a motion does not meet.

@@ -4,9 +4,10 @@
 //! intervals like the final time does.
 
 use crate::model::{Given, Model, held};
+use crate::ocp::parameters::FoundParameter;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::{Formulation, Settings};
-use crate::ocp::solution::{FoundParameter, Solution};
+use crate::ocp::solution::Solution;
 use crate::refusal;
 use crate::simulation::InputError;
 

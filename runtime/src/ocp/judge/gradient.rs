@@ -3,9 +3,9 @@
 use hangtime_solver::nlp::{Moved, NlpProblem as _, RangeEnd, RangeLimit, moved};
 
 use crate::model::held::moving;
+use crate::ocp::parameters::OptimumGradient;
 use crate::ocp::program::sparse_program::Program;
 use crate::ocp::search::attempt::Local;
-use crate::ocp::solution::OptimumGradient;
 use crate::simulation::{SequenceLimit, SequenceRange};
 
 /// Derivatives by the parameters that stand behind the coordinates and are given; none where there are none.

@@ -510,7 +510,7 @@ impl<'a> Integration<'a> {
             moment: self.h,
             skipped: self.counts.repeats / PATIENCE,
         };
-        let vanished = self.pass_edge(vanished);
+        let vanished = self.dynamics.pass_edge(vanished);
         self.dynamics
             .observe_rounding(self.t, &self.y, self.h, at_start);
         let value = resets::function(&mut self.dynamics, (self.t, &self.y), vanished);
@@ -592,18 +592,6 @@ impl<'a> Integration<'a> {
         self.log.count(self.result.events.len())
     }
 
-    /// Lets the next piece of an edge act if it has come to be the largest: nothing else happens there.
-    fn pass_edge(&mut self, vanished: Option<Switch>) -> Option<Switch> {
-        match vanished {
-            Some(Switch::Gap(piece)) if self.dynamics.pieces.is_idle(piece) => {
-                let model = self.dynamics.model;
-                self.dynamics.pieces.let_act(model, piece);
-                None
-            }
-            other => other,
-        }
-    }
-
     /// Applies the impact law, and remembers what a user should know of it.
     fn impact(&mut self, vanished: Option<Switch>) -> Result<Impact, SimulationStatus> {
         let closing = match vanished {
@@ -663,22 +651,10 @@ impl<'a> Integration<'a> {
     }
 
     fn record(&mut self) {
-        let n = self.dynamics.n;
         self.dynamics.write_controls(self.t);
-        let trajectory = &mut self.result.trajectory;
-        trajectory.push(
-            self.t,
-            self.y[2 * n],
-            &self.y[..n],
-            &self.y[n..2 * n],
-            &self.dynamics.u,
-            &self.forces.normal,
-        );
-        if self.dynamics.laws.declares_friction {
-            trajectory
-                .friction_force
-                .push(self.forces.tangential.clone());
-        }
+        let (now, forces) = ((self.t, &self.y[..]), &self.forces);
+        let forces = (&forces.normal[..], &forces.tangential[..]);
+        outputs::record(&mut self.result.trajectory, &self.dynamics, now, forces);
     }
 
     /// Looks at forces and gaps inside the first `until` of the step of length `h`, whose continuous extension is

@@ -173,6 +173,18 @@ impl<'a> Dynamics<'a> {
         self.x[2 * n..2 * n + self.u.len()].copy_from_slice(&self.u);
     }
 
+    /// Lets the next piece of an edge act if it has come to be the largest: nothing else happens there. What has vanished is left otherwise.
+    pub(in crate::simulation) fn pass_edge(&mut self, vanished: Option<Switch>) -> Option<Switch> {
+        match vanished {
+            Some(Switch::Gap(piece)) if self.pieces.is_idle(piece) => {
+                let model = self.model;
+                self.pieces.let_act(model, piece);
+                None
+            }
+            other => other,
+        }
+    }
+
     /// Writes state and controls at `t` into the input vector that the model's kernels read.
     pub(in crate::simulation) fn load(&mut self, t: f64, y: &[f64]) {
         let n = self.n;

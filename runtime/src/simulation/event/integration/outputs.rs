@@ -44,7 +44,6 @@ impl Outputs {
         trajectory: &mut Trajectory,
         (t, h, until): (f64, f64, f64),
     ) {
-        let n = dynamics.n;
         while self.are_due(t, until) {
             let time = self.time(self.next);
             self.next += 1;
@@ -56,20 +55,29 @@ impl Outputs {
                 continue;
             }
             dynamics.derivative(time, &self.state, &mut self.slope);
-            let mut forces = vec![0.0; dynamics.contacts];
-            dynamics.forces(&mut forces);
-            trajectory.push(
-                time,
-                self.state[2 * n],
-                &self.state[..n],
-                &self.state[n..2 * n],
-                &dynamics.u,
-                &forces,
-            );
+            let (mut normal, mut tangential) = (vec![0.0; dynamics.contacts], Vec::new());
+            dynamics.forces(&mut normal);
             if dynamics.laws.declares_friction {
-                dynamics.friction_forces(&mut forces);
-                trajectory.friction_force.push(forces);
+                tangential.clone_from(&normal);
+                dynamics.friction_forces(&mut tangential);
             }
+            let now = (time, &self.state[..]);
+            record(trajectory, dynamics, now, (&normal, &tangential));
         }
+    }
+}
+
+/// Adds the state `y` at `t`, with the normal forces of the contacts and, where the scene declares friction, the tangential ones.
+pub(super) fn record(
+    trajectory: &mut Trajectory,
+    dynamics: &Dynamics<'_>,
+    (t, y): (f64, &[f64]),
+    (normal, tangential): (&[f64], &[f64]),
+) {
+    let n = dynamics.n;
+    let (q, v) = (&y[..n], &y[n..2 * n]);
+    trajectory.push(t, y[2 * n], q, v, &dynamics.u, normal);
+    if dynamics.laws.declares_friction {
+        trajectory.friction_force.push(tangential.to_vec());
     }
 }
