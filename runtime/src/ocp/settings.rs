@@ -104,7 +104,7 @@ pub enum Formulation {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SearchSpace {
     /// Over words, orders of contact modes with phases of free length; the best are put on the grid at last. Where none of them leads to a
-    /// motion, and where a number of [`starts`](Settings::starts) is asked for, it is looked for on grids.
+    /// proved motion, and where several [`starts`](Settings::starts) are asked for, it is looked for on grids after them.
     #[default]
     Words,
     /// On control grids, from coarse to fine: each switch in one of the intervals.

@@ -105,30 +105,38 @@ fn slider_crank_is_turned_back_from_a_wall_as_its_angle_is() {
     assert_same(&own, &its, 1e-8);
 }
 
-/// A wheel that rolls by a joint and runs into a wall: its spin goes through the impact as the joint has it.
-#[test]
-fn wheel_that_rolls_by_a_joint_comes_back_from_a_wall_as_its_angle_does() {
-    let common = "parameters { m: kg = 2, r: m = 0.3, j: kg*m^2 = 0.09 }
-         controls { u: N*m in -3..=3 }
-         forces { phi: u }
+/// A wheel that runs into a wall and has to come back to a `place` \[m\] in a time \[s\]: rolling by a joint, and by its angle alone.
+pub(super) fn wheel_against_a_wall(place: f64, time: f64) -> [TextScene; 2] {
+    let common = format!(
+        "parameters {{ m: kg = 2, r: m = 0.3, j: kg*m^2 = 0.09 }}
+         controls {{ u: N*m in -3..=3 }}
+         forces {{ phi: u }}
          impact wall: restitution 0.6
          minimize integral(u^2)
-         horizon 1.5 [s]";
+         horizon {time} [s]"
+    );
     let rolling = scene(&format!(
         "coordinates {{ x: m, phi: rad }} {common}
          lagrangian m/2*dot(x)^2 + j/2*dot(phi)^2
          joint roll: dot(x) == r*dot(phi)
          surface wall: x <= 1 [m]
          start {{ dot(x): 2, dot(phi): 2 [m/s]/r }}
-         finally {{ x == 0.5 [m], dot(x) == 0 }}"
+         finally {{ x == {place} [m], dot(x) == 0 }}"
     ));
     let angle = scene(&format!(
         "coordinates {{ phi: rad }} {common}
          lagrangian m/2*(r*dot(phi))^2 + j/2*dot(phi)^2
          surface wall: r*phi <= 1 [m]
          start {{ dot(phi): 2 [m/s]/r }}
-         finally {{ r*phi == 0.5 [m], dot(phi) == 0 }}"
+         finally {{ r*phi == {place} [m], dot(phi) == 0 }}"
     ));
+    [rolling, angle]
+}
+
+/// Its spin goes through the impact as the joint has it.
+#[test]
+fn wheel_that_rolls_by_a_joint_comes_back_from_a_wall_as_its_angle_does() {
+    let [rolling, angle] = wheel_against_a_wall(0.5, 1.5);
     let (own, its) = (optimum(&rolling, 5), optimum(&angle, 5));
     assert_eq!(its.planned_events.len(), 1);
     // Accelerations are constant on intervals: the scheme is exact.

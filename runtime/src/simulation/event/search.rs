@@ -6,6 +6,7 @@ use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::locate::{self, Sample};
 use crate::model::contact_point;
 use crate::simulation::along::LEAPS;
+use crate::simulation::hidden_force::PLACES;
 
 /// Crossings of one switching function on the continuous extension that true steps may refute before the step
 /// counts as too long.
@@ -17,9 +18,6 @@ const SHALLOW: f64 = 1e-4;
 const ROUNDING: f64 = 1e-3;
 /// Halvings of a step on the way back to where the true solution is positive.
 const HALVINGS: usize = 40;
-/// Places in the whole horizon at which gaps are looked at: what is thinner than they are apart in time, such as a post, is
-/// not seen.
-const PLACES: f64 = 1000.0;
 /// Secant steps before bisection.
 const SECANTS: usize = 12;
 /// Secant steps and bisections together; 64 bisections use up all digits.
