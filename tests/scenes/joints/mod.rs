@@ -5,7 +5,6 @@ mod control;
 mod freezing;
 mod mechanisms;
 mod random;
-mod rolling;
 
 use hangtime::prelude::*;
 use hangtime_scene_files::{TextScene, of_text};
