@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::Range;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::{Arc, Mutex};
 
@@ -11,7 +12,7 @@ use clap::{Args, CommandFactory as _};
 use hangtime::Progress;
 use hangtime::estimation::Estimate;
 use hangtime::ocp::{Previous, Solution};
-use hangtime::simulation::{Gradient, Simulation};
+use hangtime::simulation::{EventKind, Gradient, Simulation};
 
 use crate::arguments::{
     Arguments, ExplainArguments, LimitArguments, SimulateArguments, SolveArguments,
@@ -23,11 +24,12 @@ use crate::files::ResultFiles;
 use crate::fit;
 use crate::json::{Columns, part, quantities};
 use crate::numbers::ROWS;
-use crate::scene_file::{EXTENSION, entry, is_path, read_text};
-use crate::settings::{ChosenScene, find};
+use crate::sampling::{Side, State, extreme, largest_joint_force};
+use crate::scene_file::{EXTENSION, entry, read_text};
+use crate::settings::{ChosenScene, file_of, find};
 use crate::task::{FitTask, OptimumTask, SimulationTask, optimum_facts, simulation_facts};
 use crate::thumbnail::thumbnail;
-use crate::{PublishedData, Scene};
+use crate::{PublishedData, Quantity, Scene};
 
 /// Why something was refused: what the command line prints on its standard error stream, without the last line end.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -126,8 +128,8 @@ impl HostScene {
     }
 
     pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<Self, BadInput> {
-        if is_path(name) {
-            return Self::derive(name, read_text(name)?);
+        if let Some(file) = file_of(scenes, name) {
+            return Self::derive(&file, read_text(&file)?);
         }
         if let Some(text) = scenes
             .iter()
@@ -499,6 +501,32 @@ impl HostRun {
             Work::Planned(_, solution) => solution.motion.as_ref(),
             Work::Fitted(_, estimate) => estimate.experiments.first().map(|known| &known.motion),
         }
+    }
+
+    /// The value of a quantity at the end of the motion.
+    pub(crate) fn last(&self, quantity: Quantity) -> Option<f64> {
+        let trajectory = &self.motion()?.trajectory;
+        let last = trajectory.time.len().checked_sub(1)?;
+        State::of(self.chosen().model.as_ref(), trajectory, last).value(quantity)
+    }
+
+    /// Its largest or its smallest value along the motion.
+    pub(crate) fn extreme(&self, quantity: Quantity, side: Side) -> Option<f64> {
+        let model = self.chosen().model.as_ref();
+        extreme(model, &self.motion()?.trajectory, quantity, side)
+    }
+
+    /// When an event of a kind happens at a contact for the `count`-th time, from 1 \[s\].
+    pub(crate) fn event_time(&self, kind: EventKind, contact: usize, count: usize) -> Option<f64> {
+        let events = self.motion()?.events.iter();
+        let mut events = events.filter(|event| event.kind == kind && event.contact == contact);
+        events.nth(count.checked_sub(1)?).map(|event| event.time)
+    }
+
+    /// The largest force of a joint along the motion, by its equations among those of all joints.
+    pub(crate) fn joint_force(&self, rows: &Range<usize>) -> Option<f64> {
+        let model = self.chosen().model.as_ref();
+        largest_joint_force(model, &self.motion()?.trajectory, rows)
     }
 
     /// A small picture of the motion as SVG, for lists of scenes; `None` where nothing moved.

@@ -121,4 +121,4 @@ pub use scene::{
 #[cfg(feature = "terminal")]
 pub use shell::CommandSettings;
 #[cfg(feature = "terminal")]
-pub use sweep::{SweepPlan, SweepWork};
+pub use sweep::{SweepPlan, SweepTable, SweepWork};

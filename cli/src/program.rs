@@ -1,8 +1,8 @@
 //! `hangtime nlp`: a program from a `.nl` file, as text, as JSON, and as a `.sol` file.
 
 use std::fmt::Write as _;
-use std::fs::{self, File};
-use std::io::{self, Read as _};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use hangtime::mpcc::Mpcc as _;
@@ -12,6 +12,7 @@ use hangtime::simulation::ProblemSize;
 
 use crate::arguments::NlpArguments;
 use crate::bounds::Bounds;
+use crate::cells::regular_bytes;
 use crate::ending::Ending;
 use crate::failure::{BadInput, one_line};
 use crate::json::ProgramDocument;
@@ -125,16 +126,7 @@ impl Target {
 
 /// The bytes of a file, as many as are allowed.
 pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?
-        .take(MOST_BYTES + 1)
-        .read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(io::Error::other(format!(
-            "it is longer than {MOST_BYTES} bytes"
-        )));
-    }
-    Ok(bytes)
+    regular_bytes(path, MOST_BYTES)
 }
 
 /// The program of these bytes of the file `path`, with the names in the files beside it.

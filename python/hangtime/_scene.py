@@ -281,7 +281,8 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Scene:
             text = file.read()
     except (OSError, ValueError) as error:
         raise Mistake(f"error: {path}: {error}; give a scene file that can be read") from None
-    return Scene(("text", os.path.splitext(path)[0], text))
+    # Files that it names are looked for beside it, wherever the working folder is by then.
+    return Scene(("text", os.path.splitext(os.path.abspath(path))[0], text))
 
 
 def scene(text: str, name: str = "scene") -> Scene:

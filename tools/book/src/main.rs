@@ -24,6 +24,10 @@ const AS_COMMAND_LINE: &str = "--as-command-line";
 /// The first argument by which it writes the pictures of the list of scenes.
 const PICTURES: &str = "--pictures";
 
+/// How it is called.
+const USAGE: &str = "hangtime-book [FOLDER] writes the book, by default to out/book; hangtime-book --pictures [NAME ...] writes the pictures of \
+     the list of scenes";
+
 fn main() -> ExitCode {
     let mut arguments = env::args_os();
     let program = arguments.next().unwrap_or_default();
@@ -38,6 +42,13 @@ fn main() -> ExitCode {
             .run([program].into_iter().chain(arguments));
     }
     let done = match folder {
+        Some(first) if ["-h", "--help"].map(OsString::from).contains(&first) => {
+            Ok(USAGE.to_owned())
+        }
+        // No folder is called like an option.
+        Some(first) if first.to_string_lossy().starts_with('-') && first != PICTURES => Err(
+            Error::other(format!("`{}` is no option; {USAGE}", first.display())),
+        ),
         Some(first) if first == PICTURES => {
             let names: Vec<String> = arguments
                 .filter_map(|name| name.into_string().ok())
