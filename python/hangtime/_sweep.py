@@ -17,6 +17,7 @@ import numpy as np
 
 from . import _core
 from ._core import Mistake
+from ._mistakes import NoSuchName, WrongType
 from ._result import _pyplot
 from ._scene import Scene, Value, _checked, _text, _words
 
@@ -60,7 +61,7 @@ class Sweep(Sequence[Dict[str, str]]):
             names = [heading.split(" [")[0] for heading in self.columns]
             place = names.index(key) if key in names else -1
             if place < 0:
-                raise Mistake(f"error: no column `{key}`; there are: {', '.join(names)}")
+                raise NoSuchName(f"error: no column `{key}`; there are: {', '.join(names)}")
             cells = [row[place] for row in self._rows[1:]]
             if key in _TEXTS:
                 return np.array(cells, dtype=str)
@@ -71,7 +72,7 @@ class Sweep(Sequence[Dict[str, str]]):
         if isinstance(key, slice):
             return [self[k] for k in range(*key.indices(len(self)))]
         if not isinstance(key, (int, np.integer)):
-            raise Mistake(f"error: {type(key).__name__} is no column and no row; columns are: {', '.join(self.columns)}")
+            raise WrongType(f"error: {type(key).__name__} is no column and no row; columns are: {', '.join(self.columns)}")
         if not -len(self) <= key < len(self):
             raise IndexError(f"row {key} of {len(self)}")
         return dict(zip(self.columns, self._rows[1:][key]))
@@ -226,11 +227,11 @@ def sweep(
     file beside it until all are known.
     """
     if not isinstance(scene, Scene):
-        raise Mistake(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
+        raise WrongType(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
     if not isinstance(what, str) or what not in ("simulate", "solve"):
         raise Mistake(f"error: what = {what!r}: give 'simulate' or 'solve'")
     if not isinstance(over, Mapping):
-        raise Mistake(f"error: `over` is {type(over).__name__}: give a dict of values by parameter")
+        raise WrongType(f"error: `over` is {type(over).__name__}: give a dict of values by parameter")
     if isinstance(record, str) or not all(isinstance(name, str) for name in record):
         raise Mistake("error: `record`: give a list of names")
     spec = (
@@ -248,7 +249,7 @@ def sweep(
     try:
         missing = len(lines) < len(plan)
         if missing and executor is not None and not callable(getattr(executor, "submit", None)):
-            raise Mistake(f"error: `executor` is {type(executor).__name__}: give one of concurrent.futures, or None")
+            raise WrongType(f"error: `executor` is {type(executor).__name__}: give one of concurrent.futures, or None")
         if missing and executor is None:
             own = _own_workers()
         for row in _computed(own if executor is None else executor, spec, plan, len(lines)):
@@ -279,7 +280,7 @@ def _axis(name: Any, values: Any) -> str:
     if not isinstance(name, str):
         raise Mistake(f"error: `over`: {name!r} is no name of a parameter")
     if isinstance(values, str) or not isinstance(values, Iterable):
-        raise Mistake(f"error: `over`: the values of `{name}` are {type(values).__name__}: give a list or an array")
+        raise WrongType(f"error: `over`: the values of `{name}` are {type(values).__name__}: give a list or an array")
     return _checked(f"{name}={','.join(_text(name, value) for value in values)}")
 
 

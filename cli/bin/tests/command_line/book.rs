@@ -129,6 +129,49 @@ fn scenes_commands_and_links_of_the_book_are_as_it_says() {
     assert_eq!(dead, [""; 0]);
 }
 
+/// README as a chapter.
+fn readme() -> Chapter {
+    Chapter {
+        file: "README.md".to_owned(),
+        title: "hangtime".to_owned(),
+        text: fs::read_to_string(root().join("README.md")).unwrap(),
+    }
+}
+
+#[test]
+fn readme_is_short_and_its_scenes_commands_and_links_are_as_it_says() {
+    let readme = readme();
+    assert!(readme.text.lines().count() <= 100);
+    let (wrong, _) = follow(&readme);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+    let steps = readme.steps();
+    assert!(steps.iter().any(|step| matches!(step, Step::Excerpt(_))));
+    // What it shows of a command is what the command prints, digit for digit.
+    let scratch = Scratch::new("readme");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let mut runs = 0;
+    for step in steps {
+        match step {
+            Step::Scene(scene) => fs::write(scratch.0.join(&scene.file), &scene.text).unwrap(),
+            Step::Run(command) => {
+                let (_, printed) = run(&scratch.0, &command.arguments);
+                let mut lines = printed.lines();
+                let shown = command.shown.iter().filter(|line| *line != "...");
+                for line in shown {
+                    assert!(lines.any(|other| other == line), "{line}\n{printed}");
+                }
+                runs += 1;
+            }
+            Step::Data(_) | Step::Excerpt(_) => {}
+        }
+    }
+    assert!(runs > 0);
+    let targets = readme.text.split("](").skip(1);
+    let targets = targets.map(|rest| rest.split(')').next().unwrap());
+    let lost = targets.filter(|target| !root().join(target).exists());
+    assert_eq!(lost.collect::<Vec<_>>(), [""; 0]);
+}
+
 #[test]
 fn every_chapter_is_a_page_that_needs_no_network() {
     let book = book();
