@@ -21,6 +21,7 @@ mod drawing;
 mod ending;
 mod explain;
 mod failure;
+mod job;
 mod json;
 mod kept;
 mod markup;
@@ -83,6 +84,8 @@ mod progress;
 #[cfg(feature = "terminal")]
 mod reproduce;
 #[cfg(feature = "terminal")]
+mod run;
+#[cfg(feature = "terminal")]
 mod shell;
 #[cfg(feature = "terminal")]
 mod simulate;
@@ -104,9 +107,11 @@ pub use calls::Calls;
 #[cfg(feature = "terminal")]
 pub use command_line::CommandLine;
 #[cfg(feature = "terminal")]
-pub use host::{HostRun, HostScene, Refusal, options};
+pub use host::{HostScene, Refusal, options};
 #[cfg(feature = "terminal")]
 pub use host_program::{HostProgram, program_options};
+#[cfg(feature = "terminal")]
+pub use job::Run as HostRun;
 pub use json::Columns;
 #[cfg(feature = "terminal")]
 pub use play::{PlayChapter, PlayPage};

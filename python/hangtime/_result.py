@@ -375,7 +375,8 @@ class Run:
     def svg(self) -> str:
         """A picture of the motion, or of its quantities over time where the scene has no picture."""
         pictures = {name: text for name, text in self.files.items() if name.endswith(".svg")}
-        chosen = [name for name in pictures if not name.endswith("-time.svg")] or list(pictures)
+        others = ("-time.svg", "-search.svg", "-measured.svg", "-residuals.svg")
+        chosen = [name for name in pictures if not name.endswith(others)] or list(pictures)
         if not chosen:
             raise Mistake(f"error: no motion to draw: {self.status}")
         return pictures[chosen[0]]

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use crate::arguments::{SimulateArguments, SolveArguments};
 use crate::failure::BadInput;
-use crate::host::{HostRun, HostScene, Refusal};
+use crate::host::{HostScene, Refusal};
+use crate::job::Run;
 use crate::settings::ChosenScene;
 
 use super::axis::{Axis, MOST_POINTS};
@@ -208,9 +209,9 @@ impl SweepPlan {
     fn row(
         &self,
         number: usize,
-        before: Option<&HostRun>,
+        before: Option<&Run>,
         goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> (String, Option<HostRun>) {
+    ) -> (String, Option<Run>) {
         let values = self.values(number);
         let mut words = self.words.clone();
         for (axis, value) in self.axes.iter().zip(&values) {
@@ -246,9 +247,9 @@ impl SweepPlan {
     fn run(
         &self,
         words: &[String],
-        before: Option<&HostRun>,
+        before: Option<&Run>,
         goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> Result<HostRun, Refusal> {
+    ) -> Result<Run, Refusal> {
         if !self.solve {
             return self.scene.simulate(words, &mut |_| goes_on());
         }

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::Quantity;
 use crate::failure::{BadInput, did_you_mean};
-use crate::host::HostRun;
+use crate::job::Run;
 use crate::quantity;
 use crate::sampling::Side;
 use crate::settings::ChosenScene;
@@ -188,7 +188,7 @@ impl Record {
     }
 
     /// The cell of a run: digits as they stand in its document; empty where there is none.
-    pub(super) fn cell(&self, run: &HostRun, document: &Value) -> String {
+    pub(super) fn cell(&self, run: &Run, document: &Value) -> String {
         let number = |value: Option<f64>| {
             let value = value.filter(|value| value.is_finite());
             value.map_or_else(String::new, |value| text(&Value::from(value)))
