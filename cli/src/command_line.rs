@@ -8,14 +8,14 @@ use std::process::ExitCode;
 use clap::{CommandFactory as _, FromArgMatches as _};
 
 use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
-use crate::chart::Listed;
 use crate::failure::{BadInput, visible};
+use crate::lab::chart::{self, Listed};
+use crate::lab::reproduce;
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, printed, refuse};
 use crate::scene_file::is_path;
 use crate::{CommandSettings, ControlScene, HardOptimum, HardScene, OpeningRide, PlayPage, Scene};
 use crate::{
-    ampl, authoring, chart, explain, list, play, profile, program, reproduce, run, scene, shell,
-    sweep, watch,
+    ampl, authoring, explain, list, play, profile, program, run, scene, shell, sweep, watch,
 };
 
 /// The command line over a list of scenes.

@@ -50,8 +50,6 @@ mod authoring;
 #[cfg(feature = "terminal")]
 mod bounds;
 #[cfg(feature = "terminal")]
-mod chart;
-#[cfg(feature = "terminal")]
 mod command_line;
 #[cfg(feature = "terminal")]
 mod figure;
@@ -63,6 +61,8 @@ mod fit;
 mod host;
 #[cfg(feature = "terminal")]
 mod host_program;
+#[cfg(feature = "terminal")]
+mod lab;
 #[cfg(feature = "terminal")]
 mod list;
 #[cfg(feature = "terminal")]
@@ -81,8 +81,6 @@ mod program;
 mod program_options;
 #[cfg(feature = "terminal")]
 mod progress;
-#[cfg(feature = "terminal")]
-mod reproduce;
 #[cfg(feature = "terminal")]
 mod run;
 #[cfg(feature = "terminal")]
