@@ -78,6 +78,8 @@ mod profile;
 #[cfg(feature = "terminal")]
 mod program;
 #[cfg(feature = "terminal")]
+mod program_file;
+#[cfg(feature = "terminal")]
 mod program_options;
 #[cfg(feature = "terminal")]
 mod progress;
