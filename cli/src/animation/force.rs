@@ -10,7 +10,7 @@ use hangtime::model::{Model, contact_point, tangent_point};
 use serde::Serialize;
 
 use super::touch::{Outline, Touch};
-use crate::drawing::{Drawing, GroundLine, Placed};
+use crate::drawing::{Drawing, GroundLine, Placed, ranges};
 use crate::sampling::State;
 
 /// Step of the central differences of a place, relative to the size of the coordinate.
@@ -142,13 +142,13 @@ impl<'a> Parts<'a> {
             radius: 0.0,
         });
         let outlines = bodies.chain(lines).collect();
-        let extent = super::frame(&placed.extent(&drawing.bodies));
+        let [[left, right], [bottom, top]] = ranges(&placed.extent(&drawing.bodies));
         Self {
             drawing,
             placed,
             beside,
             outlines,
-            extent: (extent[1] - extent[0]).hypot(extent[3] - extent[2]),
+            extent: (right - left).hypot(top - bottom),
         }
     }
 
