@@ -66,7 +66,7 @@ pub(crate) fn check(block: &Block, results: &Results, expectation: &Expectation)
                         prepared,
                         expectation,
                         result: Of::Run(&method, runs),
-                        theirs: theirs.as_ref(),
+                        theirs: theirs.as_deref(),
                     }),
                 };
                 let (why, found) = unmet.err()?;

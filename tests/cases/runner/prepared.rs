@@ -36,7 +36,7 @@ pub(crate) fn output(id: Id) -> String {
 }
 
 /// Numbers for what hangs on the motion, more of them than anything reads.
-const UNKNOWN: [f64; 4096] = [f64::NAN; 4096];
+static UNKNOWN: [f64; 4096] = [f64::NAN; 4096];
 
 /// Share of a parameter by which it is moved: its fourth power is rounding, and rounding over it small.
 const DISTANCE: f64 = 1e-3;

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 pub(crate) enum Results {
     /// The scene is refused: its mistakes, and the report on them.
     Refused(Vec<TextMistake>, String),
-    Simulated(Prepared, BTreeMap<Method, Runs>, Option<Theirs>),
+    Simulated(Prepared, BTreeMap<Method, Runs>, Option<Box<Theirs>>),
     Solved(Prepared, Result<Box<Solution>, String>),
 }
 
@@ -92,7 +92,7 @@ fn theirs(
     block: &Block,
     own: &Prepared,
     runs: &BTreeMap<Method, Runs>,
-) -> Result<Option<Theirs>, String> {
+) -> Result<Option<Box<Theirs>>, String> {
     let Some(prepared) = Prepared::theirs(block, own)? else {
         return Ok(None);
     };
@@ -125,7 +125,7 @@ fn theirs(
     }
     let whole = begun(None)?;
     match whole.status.is_solved() {
-        true => Ok(Some(Theirs { whole, until })),
+        true => Ok(Some(Box::new(Theirs { whole, until }))),
         false => Err(format!("what it is compared with: {}", whole.status)),
     }
 }
@@ -204,10 +204,10 @@ fn unit_of_start(declaration: &hangtime::model::Declaration, name: &str) -> Stri
         .and_then(|rest| rest.strip_suffix(')'));
     let of = inner.unwrap_or(name);
     let known = declaration.coordinates.iter().chain(declaration.states);
-    let unit = known
+    let mut unit = known
         .filter(|known| known.name == of)
         .map(|known| known.unit);
-    match (unit.last().unwrap_or_default(), inner) {
+    match (unit.next_back().unwrap_or_default(), inner) {
         ("", _) => String::new(),
         (unit, Some(_)) => format!("{unit}/s"),
         (unit, None) => unit.to_owned(),

@@ -79,7 +79,8 @@ fn one(item: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Vec<Setting>, Stri
     if let Some(text) = behind(item, "tolerance") {
         return Ok(vec![Setting::Tolerance(number(text)?)]);
     }
-    let counts: [(&str, fn(usize) -> Setting); 3] = [
+    type Counted = fn(usize) -> Setting;
+    let counts: [(&str, Counted); 3] = [
         ("steps", Setting::Steps),
         ("intervals", Setting::Intervals),
         ("starts", Setting::Starts),
