@@ -1,6 +1,6 @@
 //! Links: closed loops, and stops that are struck.
 
-use super::{assert_close, both, last, scene, solved, tight};
+use super::{assert_close, last, scene, solved, tight};
 use crate::four_bar::{RODS, SIZES};
 use hangtime::baselines::{FixedStep, Moreau};
 use hangtime::prelude::*;

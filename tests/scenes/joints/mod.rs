@@ -31,15 +31,6 @@ fn solved(run: Result<Simulation, InputError>) -> Simulation {
     run
 }
 
-/// Both methods that hold joints, the finite elements at a tolerance that an estimate confirms.
-fn both(scene: &TextScene) -> [Simulation; 2] {
-    let elements = simulate(scene)
-        .method(Fesd::default())
-        .tolerance(1e-10)
-        .run();
-    [solved(elements), tight(scene)]
-}
-
 /// A value at the end of a run.
 fn last(run: &Simulation, name: &str) -> f64 {
     run[name].last().copied().unwrap_or(f64::NAN)
