@@ -3,10 +3,7 @@
 use std::fmt::Write as _;
 
 use hangtime::model::{ContactDeclaration, Declaration, Model};
-use hangtime::simulation::{
-    ContactMode, Counts, Diagnosis, Direction, Event, ProblemSize, Residuals, Seconds, Simulation,
-    Trajectory,
-};
+use hangtime::simulation::{ContactMode, Diagnosis, Direction, Event, Simulation, Trajectory};
 use serde::{Serialize, Serializer};
 
 use super::columns::{finite_instants, kept_instants, quantities};
@@ -318,68 +315,4 @@ pub(super) struct FinalEntry<'a> {
     /// States of first order. Only for scenes that declare states.
     #[serde(skip_serializing_if = "<[f64]>::is_empty")]
     states: &'a [f64],
-}
-
-/// Residuals.
-#[derive(Serialize)]
-#[serde(remote = "Residuals")]
-pub(super) struct ResidualsEntry {
-    /// Largest violation of an equation or a bound, scaled.
-    primal: f64,
-    /// Largest violation of the conditions on multipliers or forces, scaled.
-    dual: f64,
-    /// Largest product of the two sides of a pair, scaled.
-    complementarity: f64,
-}
-
-/// The size of a system or a program.
-#[derive(Serialize)]
-#[serde(remote = "ProblemSize")]
-pub(crate) struct SizeEntry {
-    /// Variables.
-    variables: usize,
-    /// Equations.
-    equalities: usize,
-    /// Inequalities.
-    inequalities: usize,
-    /// Complementarity pairs.
-    complementarities: usize,
-    /// Entries of the Jacobian that are not zero by structure.
-    jacobian_nonzeros: usize,
-    /// Entries of the lower triangle of the Hessian that are not zero by structure.
-    hessian_nonzeros: usize,
-}
-
-/// Counts.
-#[derive(Serialize)]
-#[serde(remote = "Counts")]
-pub(super) struct IterationsEntry {
-    /// Iterations of the interior point method.
-    interior_point: usize,
-    /// Iterations of crossovers, with the sides of all pairs fixed.
-    crossover: usize,
-    /// Iterations of Newton's method in steps.
-    newton: usize,
-    /// Factorizations.
-    factorizations: usize,
-    /// Evaluations of the model.
-    evaluations: usize,
-    /// Finite elements, or steps, that were accepted.
-    elements: usize,
-    /// Steps that were solved as a complementarity problem.
-    fallbacks: usize,
-}
-
-/// CPU times \[s\].
-#[derive(Serialize)]
-#[serde(remote = "Seconds")]
-pub(super) struct SecondsEntry {
-    /// All.
-    total: f64,
-    /// Of evaluations.
-    evaluate: f64,
-    /// Of factorizations.
-    factorize: f64,
-    /// Of solutions with factors.
-    solve: f64,
 }

@@ -8,8 +8,8 @@ use super::columns::kept_instants;
 use super::gradient::GradientEntry;
 use super::joints::JointsEntry;
 use super::parts::{
-    DiagnosisEntry, EventEntry, FinalEntry, InitialEntry, IterationsEntry, ParameterValues,
-    QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
+    DiagnosisEntry, EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, SCHEMA,
+    TrajectoryEntry, to_line,
 };
 use crate::ending::Ending;
 use crate::method::MethodSettings;
@@ -46,16 +46,12 @@ pub(crate) struct Document<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     error_estimate: Option<f64>,
     /// How well the equations of the steps hold.
-    #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
     /// Size of the largest system or program.
-    #[serde(with = "SizeEntry")]
     size: ProblemSize,
     /// What the run took, counted.
-    #[serde(with = "IterationsEntry")]
     iterations: Counts,
     /// CPU time \[s\].
-    #[serde(with = "SecondsEntry")]
     seconds: Seconds,
     /// What one might want to know about this run, in sentences.
     notes: Vec<String>,
