@@ -110,7 +110,6 @@ pub use command_line::CommandLine;
 pub use host::{HostScene, Refusal, options};
 #[cfg(feature = "terminal")]
 pub use host_program::{HostProgram, program_options};
-#[cfg(feature = "terminal")]
 pub use job::Run as HostRun;
 pub use json::Columns;
 #[cfg(feature = "terminal")]
