@@ -182,10 +182,10 @@ pub(crate) struct EstimateDocument<'a> {
     /// What happened, in the order of time.
     events: Vec<EventEntry<'a>>,
     /// The instants of the motion, at most as many as `--rows` allows.
-    trajectory: TrajectoryEntry<'a>,
+    trajectory: TrajectoryEntry,
     /// The last of them.
     #[serde(rename = "final")]
-    last: Option<FinalEntry<'a>>,
+    last: Option<FinalEntry>,
     /// The misfit.
     objective: f64,
     /// How many numbers were measured.

@@ -38,10 +38,10 @@ pub(crate) struct Document<'a> {
     /// What happened, in the order of time.
     events: Vec<EventEntry<'a>>,
     /// The instants of the motion, at most as many as `--rows` allows.
-    trajectory: TrajectoryEntry<'a>,
+    trajectory: TrajectoryEntry,
     /// The last of them.
     #[serde(rename = "final")]
-    last: Option<FinalEntry<'a>>,
+    last: Option<FinalEntry>,
     /// Estimated largest error, relative to the largest values of each unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     error_estimate: Option<f64>,

@@ -242,10 +242,10 @@ pub(crate) struct SolutionDocument<'a> {
     /// What happened, in the order of time.
     events: Vec<EventEntry<'a>>,
     /// The instants of the motion, at most as many as `--rows` allows.
-    trajectory: TrajectoryEntry<'a>,
+    trajectory: TrajectoryEntry,
     /// The last of them.
     #[serde(rename = "final")]
-    last: Option<FinalEntry<'a>>,
+    last: Option<FinalEntry>,
     /// What was to be least.
     objective: f64,
     /// The certificate: `S`, `B` or `none`.
