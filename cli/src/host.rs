@@ -359,7 +359,8 @@ mod tests {
         let fall = json["events"][0]["time"].as_f64().unwrap();
         assert!((fall - (2.0 / 9.81_f64).sqrt()).abs() < 1e-9);
         let files = run.files();
-        assert!(files.iter().any(|(name, _)| name == "ball.html"));
+        // As the command names them.
+        assert!(files.iter().any(|(name, _)| name == "ball-event.html"));
     }
 
     #[test]

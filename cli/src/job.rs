@@ -27,6 +27,8 @@ use crate::table::counted;
 use crate::task::{
     FitTask, OptimumTask, SimulationTask, fit_facts, optimum_facts, simulation_facts,
 };
+#[cfg(feature = "terminal")]
+use crate::{PublishedData, files::ResultFiles, fit, simulate, solve, thumbnail::thumbnail};
 
 /// What is to be computed.
 enum Task {
@@ -381,5 +383,70 @@ impl Run {
             Work::Planned(task, solution) => optimum_facts(&task.method, solution, &self.ending),
             Work::Fitted(_, estimate) => fit_facts(estimate, &self.ending),
         }
+    }
+}
+
+/// What leaves the program by files and for people.
+#[cfg(feature = "terminal")]
+impl Run {
+    /// The result for people.
+    pub(crate) fn tables(&self) -> String {
+        match &self.work {
+            Work::Simulated(task, simulation, gradient) => {
+                simulate::tables(task, simulation, gradient.as_ref(), &self.ending)
+            }
+            Work::Planned(task, solution) => {
+                solve::tables(&task.chosen, &task.method, solution, &self.ending)
+            }
+            Work::Fitted(task, estimate) => fit::tables(&task.chosen, estimate, &self.ending),
+        }
+    }
+
+    /// The files that the command writes with `--out`, as (name, content): data, figures, and a page that plays the
+    /// motion. Without a motion only the JSON document.
+    #[must_use]
+    pub fn files(&self) -> Vec<(String, String)> {
+        self.files_with(&self.json())
+    }
+
+    /// The same with a document that is known.
+    pub(crate) fn files_with(&self, json: &str) -> Vec<(String, String)> {
+        let (chosen, stem) = (self.chosen(), &self.stem);
+        let Some(simulation) = self.motion() else {
+            return vec![(format!("{stem}.json"), json.to_owned())];
+        };
+        let (mut charts, mut further) = (Vec::new(), Vec::new());
+        let title = match &self.work {
+            Work::Simulated(task, ..) => task.method.settings.name().to_owned(),
+            Work::Planned(_, solution) => {
+                charts = solve::improvements(stem, chosen, solution);
+                "optimal".to_owned()
+            }
+            Work::Fitted(_, estimate) => {
+                further = fit::further(stem, estimate);
+                fit::title(estimate)
+            }
+        };
+        ResultFiles {
+            stem: stem.clone(),
+            title: format!("{}, {title}", chosen.scene.name),
+            chosen,
+            simulation,
+            json,
+            published: &PublishedData::default(),
+            rows: self.rows(),
+            index: None,
+            facts: self.facts(),
+            charts,
+            further,
+        }
+        .contents()
+    }
+
+    /// A small picture of the motion as SVG, for lists of scenes; `None` where nothing moved.
+    #[must_use]
+    pub fn thumbnail(&self) -> Option<String> {
+        let model = self.chosen().model.as_ref();
+        thumbnail(self.drawing().as_ref(), model, self.motion()?)
     }
 }

@@ -10,7 +10,7 @@ use hangtime::model::{Model, contact_point, tangent_point};
 use serde::Serialize;
 
 use super::touch::{Outline, Touch};
-use crate::drawing::{Drawing, GroundLine, Placed};
+use crate::drawing::{Drawing, GroundLine, Placed, ranges};
 use crate::sampling::State;
 
 /// Step of the central differences of a place, relative to the size of the coordinate.
@@ -80,17 +80,17 @@ pub(super) fn arrows(
             return None;
         }
         let torque = turns(contact).then(|| parts.torque(load)).flatten();
-        torque.or_else(|| {
-            places
-                .iter()
-                .find_map(|place| Some((place, parts.force(place, load)?)))
-                .map(|(place, force)| Arrow {
-                    on: place.on,
-                    at: place.touch.at,
-                    force,
-                    torque: 0.0,
-                })
-        })
+        let at_a_place = || {
+            let mut places = places.iter();
+            let found = places.find_map(|place| Some((place, parts.force(place, load)?)));
+            found.map(|(place, force)| Arrow {
+                on: place.on,
+                at: place.touch.at,
+                force,
+                torque: 0.0,
+            })
+        };
+        torque.or_else(at_a_place).or_else(|| parts.along(load))
     });
     let finite = |arrow: &Arrow| {
         let numbers = arrow.force.iter().chain(&arrow.at).chain([&arrow.torque]);
@@ -142,13 +142,13 @@ impl<'a> Parts<'a> {
             radius: 0.0,
         });
         let outlines = bodies.chain(lines).collect();
-        let extent = super::frame(&placed.extent(&drawing.bodies));
+        let [[left, right], [bottom, top]] = ranges(&placed.extent(&drawing.bodies));
         Self {
             drawing,
             placed,
             beside,
             outlines,
-            extent: (extent[1] - extent[0]).hypot(extent[3] - extent[2]),
+            extent: (right - left).hypot(top - bottom),
         }
     }
 
@@ -268,6 +268,50 @@ impl<'a> Parts<'a> {
         both(&moves, &load)
     }
 
+    /// The force on a part that moves freely, where no place is drawn that could carry it: its line follows from its moment, and it begins
+    /// where that passes the corner that it is closest to.
+    fn along(&self, [normal, tangential]: &[Vec<f64>; 2]) -> Option<Arrow> {
+        let load: Vec<f64> = normal.iter().zip(tangential).map(|(n, t)| n + t).collect();
+        (0..self.outlines.len()).find_map(|on| {
+            let (place, _) = self.pose(&self.placed, on);
+            let motion = self.motion(on, place);
+            // What of each column is no turn of the part.
+            let square: f64 = motion.iter().map(|[.., turn]| turn * turn).sum();
+            let share = |column: &dyn Fn(usize) -> f64| -> f64 {
+                let products = motion.iter().enumerate();
+                products.map(|(k, m)| m[2] * column(k)).sum::<f64>() / square
+            };
+            let [y, z] = [0, 1].map(|axis| share(&|k| motion[k][axis]));
+            let of_load = share(&|k| load[k]);
+            let moves = motion.iter().map(|m| [m[0] - y * m[2], m[1] - z * m[2]]);
+            let moves: Vec<[f64; 2]> = moves.collect();
+            let rest = load.iter().zip(&motion).map(|(q, m)| q - of_load * m[2]);
+            let is_free = square > 0.0 && gram(&moves).is_some();
+            let rest: Vec<f64> = rest.collect();
+            let force = is_free.then(|| both(&moves, &rest)).flatten()?;
+            let size = force[0].hypot(force[1]);
+            let (u, v) = (force[0] / size, force[1] / size);
+            let arm = (of_load - y * force[0] - z * force[1]) / size;
+            let seen = |corner: &[f64; 2]| {
+                let (y, z) = (corner[0] - place[0], corner[1] - place[1]);
+                ((y * v - z * u - arm).abs(), y * u + z * v)
+            };
+            let corners = self.outlines[on].corners.iter().map(seen);
+            // Of corners as close as each other the one where it enters.
+            let far = |(beside, along): &(f64, f64)| beside + CARRIED * along;
+            let (_, along) = corners.min_by(|a, b| far(a).total_cmp(&far(b)))?;
+            (size > 0.0).then_some(Arrow {
+                on,
+                at: [
+                    place[0] + arm * v + along * u,
+                    place[1] - arm * u + along * v,
+                ],
+                force,
+                torque: 0.0,
+            })
+        })
+    }
+
     /// The torque that has this generalized force: on the first part that turns so, or turns so as seen from another one.
     fn torque(&self, [normal, tangential]: &[Vec<f64>; 2]) -> Option<Arrow> {
         let load: Vec<f64> = normal.iter().zip(tangential).map(|(n, t)| n + t).collect();
@@ -319,27 +363,27 @@ fn carried(rates: &[f64], load: &[f64]) -> Option<f64> {
     is_carried(left, load).then_some(factor)
 }
 
+/// The entries of `J J'` of a place that moves in more than one direction.
+fn gram(moves: &[[f64; 2]]) -> Option<[f64; 3]> {
+    let sum = |i: usize, j: usize| -> f64 { moves.iter().map(|m| m[i] * m[j]).sum() };
+    let [a, b, c] = [sum(0, 0), sum(0, 1), sum(1, 1)];
+    (a * c - b * b > ONE_DIRECTION * (a + c) * (a + c)).then_some([a, b, c])
+}
+
 /// The force whose work along the motions of a place is that of a generalized force, if there is one: `J' F = Q`. A place that moves along
 /// one line alone has one along that line.
 fn both(moves: &[[f64; 2]], load: &[f64]) -> Option<[f64; 2]> {
-    let sum = |f: &dyn Fn(&[f64; 2], f64) -> f64| -> f64 {
-        moves.iter().zip(load).map(|(m, q)| f(m, *q)).sum()
-    };
-    let [a, b, c] = [
-        sum(&|m, _| m[0] * m[0]),
-        sum(&|m, _| m[0] * m[1]),
-        sum(&|m, _| m[1] * m[1]),
-    ];
-    let [y, z] = [sum(&|m, q| m[0] * q), sum(&|m, q| m[1] * q)];
-    let determinant = a * c - b * b;
-    let trace = a + c;
-    let force = if determinant > ONE_DIRECTION * trace * trace {
-        [(c * y - b * z) / determinant, (a * z - b * y) / determinant]
-    } else if trace > 0.0 {
+    let product = |axis: usize| -> f64 { moves.iter().zip(load).map(|(m, q)| m[axis] * q).sum() };
+    let [y, z] = [product(0), product(1)];
+    let trace: f64 = moves.iter().flatten().map(|m| m * m).sum();
+    let force = match gram(moves) {
+        Some([a, b, c]) => {
+            let determinant = a * c - b * b;
+            [(c * y - b * z) / determinant, (a * z - b * y) / determinant]
+        }
         // `J J'` has this one eigenvalue.
-        [y / trace, z / trace]
-    } else {
-        [0.0; 2]
+        None if trace > 0.0 => [y / trace, z / trace],
+        None => [0.0; 2],
     };
     let left = moves.iter().zip(load);
     let left = left.map(|(m, q)| q - m[0] * force[0] - m[1] * force[1]);
@@ -437,7 +481,7 @@ mod tests {
             let foot = (x + l/2*cos(phi), z - l/2*sin(phi)) let top = (x - l/2*cos(phi), z + l/2*sin(phi)) \
             lagrangian 3[kg]/2*|dot((x, z))|^2 + 1[kg m^2]/2*dot(phi)^2 - 30[N]*z \
             surface floor: foot.z >= 0 surface wall: top.x >= 0 impact floor, wall: inelastic \
-            picture { link foot to top, curve ground: (w, 0) over w in 0..=3 [m] } start { z: 1 }";
+            picture { link foot to top, curve ground: (w, 0) over w in 0..=3 [m] } start { x: 1, z: 1 }";
         let phi = 0.6_f64;
         let q = [phi.cos(), phi.sin(), phi];
         let floor = arrow(text, &q, 17.0, 0);
@@ -479,6 +523,19 @@ mod tests {
         // The face is upright: it pushes the tip back.
         assert_eq!(arrow.on, 0);
         assert_close(arrow.force, [-8.0, 0.0]);
+    }
+
+    #[test]
+    fn force_beside_all_corners_of_a_free_body_is_on_its_line() {
+        // The floor is struck by a point inside of the board, 0.3 m from its middle.
+        let text = "coordinates { y: m, z: m, a: rad } let tip = (y + 0.3[m]*cos(a), z + 0.3[m]*sin(a)) \
+            lagrangian 1[kg]/2*|dot((y, z))|^2 + 1[kg m^2]/2*dot(a)^2 \
+            surface floor: tip.z >= 0 impact floor: inelastic start { z: 1 } \
+            picture { rectangle board at (y, z) size (1[m], 0.2[m]) angle a }";
+        let arrow = arrow(text, &[0.5, 0.0, 0.0], 7.0, 0);
+        assert_close(arrow.force, [0.0, 7.0]);
+        // Below: it enters the board there.
+        assert_close(arrow.at, [0.8, -0.1]);
     }
 
     #[test]

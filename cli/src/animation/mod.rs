@@ -9,7 +9,7 @@ use hangtime::simulation::{Event, Simulation};
 use serde::Serialize;
 
 use self::force::Arrow;
-use crate::drawing::{Body, Drawing, GroundLine, Placed};
+use crate::drawing::{Body, Drawing, GroundLine, Placed, ranges};
 use crate::json::to_line;
 use crate::markup::embedded;
 use crate::quantity;
@@ -346,17 +346,12 @@ fn jumps(time: &[f64]) -> Vec<(usize, usize)> {
 
 /// Left, right, bottom and top of what is shown.
 fn frame(points: &[[f64; 2]]) -> [f64; 4] {
-    let ranges = [0, 1].map(|axis| {
-        let values = points.iter().map(|point| point[axis]);
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        })
-    });
+    let ranges = ranges(points);
     let extent = ranges
         .iter()
-        .map(|(low, high)| high - low)
+        .map(|[low, high]| high - low)
         .fold(0.0, f64::max);
     let margin = if extent > 0.0 { MARGIN * extent } else { 1.0 };
-    let [(left, right), (bottom, top)] = ranges;
+    let [[left, right], [bottom, top]] = ranges;
     [left - margin, right + margin, bottom - margin, top + margin]
 }

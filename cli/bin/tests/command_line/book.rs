@@ -6,7 +6,7 @@ use std::process::Command;
 use std::thread;
 
 use hangtime_book::{
-    Book, Chapter, Kind, PAGE, Page, Run, SceneText, Step, dead_links, fields_of_documents,
+    Asked, Book, Chapter, Kind, PAGE, Page, Run, SceneText, Step, dead_links, fields_of_documents,
     fragment, mathml, words_of_results,
 };
 use serde_json::json;
@@ -170,6 +170,25 @@ fn readme_is_short_and_its_scenes_commands_and_links_are_as_it_says() {
     let targets = targets.map(|rest| rest.split(')').next().unwrap());
     let lost = targets.filter(|target| !root().join(target).exists());
     assert_eq!(lost.collect::<Vec<_>>(), [""; 0]);
+}
+
+#[test]
+fn builder_that_is_asked_for_help_or_in_vain_writes_nothing() {
+    let asked = |words: &[&str]| {
+        let words: Vec<_> = words.iter().map(Into::into).collect();
+        Asked::read(&words)
+    };
+    for help in ["-h", "--help"] {
+        assert_eq!(asked(&[help]), Ok(Asked::Help));
+    }
+    for wrong in ["--out", "-o", "--picture"] {
+        let refusal = asked(&[wrong, "x"]).unwrap_err();
+        assert!(refusal.starts_with(&format!("`{wrong}` is no option; hangtime-book")));
+    }
+    assert_eq!(asked(&["x"]), Ok(Asked::Book("x".into())));
+    assert_eq!(asked(&[]), Ok(Asked::Book("out/book".into())));
+    let pictures = Asked::Pictures(vec!["hop".to_owned()]);
+    assert_eq!(asked(&["--pictures", "hop"]), Ok(pictures));
 }
 
 #[test]
