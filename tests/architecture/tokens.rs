@@ -1,5 +1,7 @@
 //! Rust source as tokens, without comments and numbers.
 
+use proc_macro2::{Delimiter, TokenStream, TokenTree};
+
 /// What the rules need of a source text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Token {
@@ -21,120 +23,40 @@ impl Token {
     }
 }
 
-fn begins_word(c: char) -> bool {
-    c.is_alphabetic() || c == '_'
-}
-
-fn continues_word(c: char) -> bool {
-    c.is_alphanumeric() || c == '_'
-}
-
-/// The tokens of a source text that compiles.
+/// The tokens of a source text that compiles; documentation is an attribute.
 pub(crate) fn tokens(source: &str) -> Vec<Token> {
-    let source: Vec<char> = source.chars().collect();
-    let at = |k: usize| source.get(k).copied().unwrap_or('\n');
+    let stream: TokenStream = source.parse().expect("a source text that compiles");
     let mut tokens = Vec::new();
-    let mut k = 0;
-    while k < source.len() {
-        match at(k) {
-            '/' if at(k + 1) == '/' => {
-                while k < source.len() && at(k) != '\n' {
-                    k += 1;
-                }
-            }
-            '/' if at(k + 1) == '*' => k = after_comment(&source, k),
-            '"' => {
-                let end = after_string(&source, k);
-                tokens.push(Token::Text(source[k + 1..end - 1].iter().collect()));
-                k = end;
-            }
-            // `'a'` and `'\n'` are characters, `'a` is a lifetime
-            '\'' if at(k + 1) == '\\' => {
-                k += 3;
-                while at(k) != '\'' {
-                    k += 1;
-                }
-                k += 1;
-            }
-            '\'' if at(k + 2) == '\'' => k += 3,
-            c if begins_word(c) => {
-                if let Some(end) = after_raw_string(&source, k) {
-                    tokens.push(Token::Text(String::new()));
-                    k = end;
-                    continue;
-                }
-                let from = if c == 'r' && at(k + 1) == '#' {
-                    k + 2
-                } else {
-                    k
-                };
-                k = from;
-                while continues_word(at(k)) {
-                    k += 1;
-                }
-                tokens.push(Token::Word(source[from..k].iter().collect()));
-            }
-            c if c.is_ascii_digit() => {
-                while continues_word(at(k)) {
-                    k += 1;
-                }
-            }
-            c => {
-                if !c.is_whitespace() {
-                    tokens.push(Token::Mark(c));
-                }
-                k += 1;
-            }
-        }
-    }
+    flatten(stream, &mut tokens);
     tokens
 }
 
-/// Block comments nest.
-fn after_comment(source: &[char], start: usize) -> usize {
-    let mut depth = 0;
-    let mut k = start;
-    while k + 1 < source.len() {
-        match (source[k], source[k + 1]) {
-            ('/', '*') => (depth, k) = (depth + 1, k + 2),
-            ('*', '/') => (depth, k) = (depth - 1, k + 2),
-            _ => k += 1,
-        }
-        if depth == 0 {
-            return k;
-        }
-    }
-    source.len()
-}
-
-fn after_string(source: &[char], start: usize) -> usize {
-    let mut k = start + 1;
-    while k < source.len() && source[k] != '"' {
-        k += if source[k] == '\\' { 2 } else { 1 };
-    }
-    k + 1
-}
-
-/// The end of `r"..."`, `r#"..."#` and of their byte and C forms that begin at `start`.
-fn after_raw_string(source: &[char], start: usize) -> Option<usize> {
-    let mut k = start;
-    if matches!(source[k], 'b' | 'c') {
-        k += 1;
-    }
-    if source.get(k) != Some(&'r') {
-        return None;
-    }
-    let hashes = source[k + 1..].iter().take_while(|&&c| c == '#').count();
-    k += 1 + hashes;
-    if source.get(k) != Some(&'"') {
-        return None;
-    }
-    loop {
-        k += 1;
-        let closes = *source.get(k)? == '"'
-            && source[k + 1..].iter().take_while(|&&c| c == '#').count() >= hashes;
-        if closes {
-            return Some(k + 1 + hashes);
+fn flatten(stream: TokenStream, tokens: &mut Vec<Token>) {
+    for tree in stream {
+        match tree {
+            TokenTree::Ident(word) => {
+                let word = word.to_string();
+                let word = word.strip_prefix("r#").unwrap_or(&word);
+                tokens.push(Token::Word(word.to_owned()));
+            }
+            TokenTree::Punct(mark) => tokens.push(Token::Mark(mark.as_char())),
+            TokenTree::Literal(literal) => {
+                let text = literal.to_string();
+                if text.ends_with('"') || text.ends_with('#') {
+                    tokens.push(Token::Text(text.trim_matches('"').to_owned()));
+                }
+            }
+            TokenTree::Group(group) => {
+                let (open, close) = match group.delimiter() {
+                    Delimiter::Parenthesis => ('(', ')'),
+                    Delimiter::Bracket => ('[', ']'),
+                    Delimiter::Brace => ('{', '}'),
+                    Delimiter::None => (' ', ' '),
+                };
+                tokens.push(Token::Mark(open));
+                flatten(group.stream(), tokens);
+                tokens.push(Token::Mark(close));
+            }
         }
     }
 }
