@@ -28,7 +28,6 @@ impl FitTask {
         arguments: &SolveArguments,
     ) -> Result<Self, BadInput> {
         refuse_others(arguments)?;
-        chosen.without_compiler();
         let mut settings = Settings::default();
         settings.starts = arguments.starts;
         settings.given_parameters.clone_from(&chosen.given);

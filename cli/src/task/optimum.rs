@@ -50,9 +50,6 @@ impl OptimumTask {
                 .gradient
                 .push(found.map_err(|error| chosen.refuse(&error))?);
         }
-        if !settings.gradient.is_empty() {
-            chosen.without_compiler();
-        }
         let mut problem = Problem::of(
             chosen.model.as_ref(),
             arguments.intervals.unwrap_or(INTERVALS),

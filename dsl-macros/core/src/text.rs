@@ -423,8 +423,10 @@ mod tests {
         assert!(!text.contains('#'), "{text}");
         let [first, again] = [declared, &text]
             .map(|text| crate::describe_text(text, "ball").expect("no mistakes").0);
-        assert_eq!((first.kernels, first.name), (again.kernels, again.name));
-        assert_eq!(again.documentation, "");
+        let [first_declared, declared] = [&first, &again].map(|scene| scene.structure.declaration);
+        assert_eq!(first.kernels, again.kernels);
+        assert_eq!(first_declared.name, declared.name);
+        assert_eq!(declared.documentation, "");
     }
 
     #[test]

@@ -18,8 +18,8 @@ use std::fmt::Write;
 const LONGEST: usize = 4000;
 
 const BOUND: &str =
-    "D: ::hangtime::__private::num_dual::DualNum<Primitive = __f64> + ::core::marker::Copy";
-const DUAL: &str = "::hangtime::__private::num_dual::Dual";
+    "D: ::hangtime::scene::num_dual::DualNum<Primitive = __f64> + ::core::marker::Copy";
+const DUAL: &str = "::hangtime::scene::num_dual::Dual";
 
 /// Source of the helper functions and of the methods; `None` if they would grow too long.
 pub(super) fn write(declared: &Scene, checked: &CheckedScene) -> Option<(String, String)> {

@@ -120,7 +120,8 @@ impl Function {
 const REST: f64 = 1e-200;
 
 /// `1/sqrt(x)`, and 0 at rest.
-fn inverse_root(x: f64) -> f64 {
+#[must_use]
+pub fn inverse_root(x: f64) -> f64 {
     if x < REST { 0.0 } else { 1.0 / x.sqrt() }
 }
 

@@ -1,0 +1,94 @@
+//! A text derived once more, for what has to know about some of its parameters.
+
+use super::text::{Shared, TextScene};
+use super::thread::on_a_thread;
+use super::{Scene, data::Structure};
+use hangtime_dsl::description::Description;
+use hangtime_dsl::{describe_differentiated, describe_held};
+use std::sync::{Arc, Mutex};
+
+/// What parameters are in a scene that is derived once more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Again {
+    /// What they were.
+    Same,
+    /// Functions have derivatives by them.
+    Differentiated,
+    /// They are coordinates without motion.
+    Held,
+}
+
+/// All that was derived once more, and by which parameters (indices).
+#[derive(Debug)]
+pub(super) struct Known(Mutex<Vec<(Again, Vec<usize>, Arc<Shared>)>>);
+
+impl Known {
+    /// Nothing yet.
+    pub(super) const fn new() -> Self {
+        Self(Mutex::new(Vec::new()))
+    }
+
+    fn find(&self, again: Again, parameters: &[usize]) -> Option<Arc<Shared>> {
+        let known = self.0.lock().ok()?;
+        let mut known = known.iter();
+        let (_, _, shared) = known.find(|(kind, of, _)| *kind == again && of == parameters)?;
+        Some(Arc::clone(shared))
+    }
+
+    fn keep(&self, again: Again, parameters: &[usize], shared: &Arc<Shared>) {
+        if let Ok(mut known) = self.0.lock() {
+            known.push((again, parameters.to_vec(), Arc::clone(shared)));
+        }
+    }
+}
+
+/// The scene at its present values, derived once more from its text with those parameters (indices) unless that was done before.
+///
+/// # Errors
+/// The first mistake, or that it is too large.
+pub(super) fn derived(
+    scene: &impl Scene,
+    again: Again,
+    parameters: &[usize],
+) -> Result<TextScene, String> {
+    let declared = scene.declared();
+    let structure = declared.structure;
+    let shared = match declared.known.find(again, parameters) {
+        Some(shared) => shared,
+        None => {
+            let description = description(structure, &declared.text, (again, parameters))?;
+            let derived = TextScene::new(description, &declared.text, String::new());
+            let shared = derived.map_err(|_| TOO_LARGE.to_owned())?.shared;
+            declared.known.keep(again, parameters, &shared);
+            shared
+        }
+    };
+    let numbers = structure.declaration.parameters.len() + structure.joint_rows();
+    let numbers = (0..numbers).map(|index| scene.number(index)).collect();
+    Ok(TextScene::at(shared, numbers, scene.experiment()))
+}
+
+/// What is derived from a text with those parameters; an error is the first mistake.
+fn description(
+    scene: &Structure,
+    text: &str,
+    (again, parameters): (Again, &[usize]),
+) -> Result<Description, String> {
+    let known = parameters.iter();
+    let names: Vec<&str> = known
+        .filter_map(|&index| Some(scene.declaration.parameters.get(index)?.name))
+        .collect();
+    let derived = on_a_thread(scene.declaration.name, |stem| match again {
+        Again::Same | Again::Differentiated => describe_differentiated(text, stem, &names),
+        Again::Held => describe_held(text, stem, &names),
+    });
+    let derived = derived.map_err(|error| format!("no thread for a derivation: {error}"))?;
+    let (description, _) = derived.map_err(|mistakes| {
+        let first = mistakes.into_iter().find(|mistake| !mistake.warning);
+        first.map_or_else(String::new, |mistake| mistake.message)
+    })?;
+    Ok(description)
+}
+
+/// Why a scene with unknown parameters is refused.
+const TOO_LARGE: &str = "a function derived with parameters as unknowns has too many values; split the mechanism into smaller scenes";
