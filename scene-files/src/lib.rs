@@ -32,12 +32,8 @@ pub use hangtime_dsl::TextMistake;
 
 use hangtime::scene::{self, TooLarge};
 use std::fmt;
-use std::fs::{self, File};
-use std::io::Read as _;
+use std::io;
 use std::path::Path;
-
-/// Most bytes that are read of a file; a longer one is refused by the language.
-const LONGEST: u64 = 1 << 17;
 
 /// As [`scene::on_a_thread`], for the text of a file.
 fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
@@ -107,25 +103,19 @@ pub fn format_text(file: &str, text: &str) -> Result<String, SceneError> {
     })
 }
 
-/// Reads the text of a scene file, whatever stands in it; of a text that is too long for a scene, not all.
+/// Reads the text of a scene file, whatever stands in it.
 ///
 /// # Errors
-/// The file cannot be read, or is no text.
+/// The file cannot be read, is too long for a scene, or is no text.
 pub fn read_text(file: &Path) -> Result<String, SceneError> {
     let shown = file.display();
     let unreadable = |why: String| SceneError::Unreadable(format!("scene file `{shown}`: {why}"));
-    // Reading from a pipe might never end.
-    if fs::metadata(file).is_ok_and(|found| !found.is_file()) {
-        return Err(unreadable(
-            "this is no file; give the path of one".to_owned(),
-        ));
-    }
-    let mut bytes = Vec::new();
-    File::open(file)
-        .and_then(|opened| opened.take(LONGEST).read_to_end(&mut bytes))
-        .map_err(|error| {
-            unreadable(format!("{error}; give the path of a file that can be read"))
-        })?;
+    let bytes = hangtime_dsl::read_whole(file, hangtime_dsl::LONGEST).map_err(|error| {
+        unreadable(match error.kind() {
+            io::ErrorKind::InvalidInput => error.to_string(),
+            _ => format!("{error}; give the path of a file that can be read"),
+        })
+    })?;
     String::from_utf8(bytes).map_err(|error| {
         let place = error.utf8_error().valid_up_to();
         unreadable(format!(

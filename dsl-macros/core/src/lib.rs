@@ -29,6 +29,7 @@ mod parse;
 mod scene;
 mod tape;
 mod text;
+mod whole;
 mod words;
 
 #[cfg(test)]
@@ -38,7 +39,8 @@ mod testing;
 
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes, page_name};
-pub use text::TextMistake;
+pub use text::{LONGEST, TextMistake};
+pub use whole::read_whole;
 pub use words::{is_word, words};
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
@@ -371,7 +373,7 @@ fn too_large(scene: &scene::CheckedScene) -> String {
 }
 
 const DERIVED_CONSTANT: &str = "a constant in the derivatives of the declaration has no finite value in double \
-    precision, or is too small for it; choose units in which the numbers are closer to 1";
+    precision; choose units in which the numbers are closer to 1";
 
 /// Where the Lagrangian begins; mistakes that belong to all that is derived are shown there.
 fn lagrangian(declared: &ast::Scene) -> Place {

@@ -20,7 +20,7 @@ mod system;
 mod text;
 mod thread;
 
-pub use hangtime_dsl::description::{inverse_root, piecewise};
+pub use hangtime_dsl::description::{inverse_root, piecewise, root};
 #[cfg(feature = "oracle")]
 pub use num_dual;
 pub use program::TooLarge;

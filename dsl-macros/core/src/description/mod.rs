@@ -16,7 +16,7 @@ mod renamed;
 mod sensitivity;
 mod shown;
 
-pub use crate::graph::{Function, Function2, Profile, inverse_root, piecewise};
+pub use crate::graph::{Function, Function2, Profile, inverse_root, piecewise, root};
 pub use builder::{Inertia, Places, System, Vectors};
 pub use contact::{Contact, Friction, Rows, SolvedRows, Solver};
 pub(crate) use declared::documentation_text;

@@ -216,8 +216,8 @@ impl<'a> Writer<'a> {
                 profile.order(),
                 at(a)
             ),
-            Operation::Call(Function::InverseRoot, a) => {
-                format!("::hangtime::scene::inverse_root({})", at(a))
+            Operation::Call(function @ (Function::Root | Function::InverseRoot), a) => {
+                format!("::hangtime::scene::{}({})", function.name(), at(a))
             }
             Operation::Call(function, a) => format!("__f64::{}({})", function.name(), at(a)),
             Operation::Call2(function, a, b) => {

@@ -189,8 +189,8 @@ impl Oracle<'_> {
         }
         Some(match &expr.kind {
             Kind::Number { value, unit, .. } => {
-                let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
-                Parts::one(body.bind(&format!("D::from({})", literal(value * scale))))
+                let value = unit.as_ref().map_or(*value, |unit| unit.unit.in_si(*value));
+                Parts::one(body.bind(&format!("D::from({})", literal(value))))
             }
             // Dual numbers of other programs know no points.
             Kind::Profile { .. } => return None,

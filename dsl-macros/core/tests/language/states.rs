@@ -82,7 +82,7 @@ texts! {
          both functions vanish the motion is not determined by that; write a sum of terms with one switch each, or switches by \
          functions that differ by a number, as in `if x >= 2 { a } else if x >= 1 { b } else { c }`";
     square_of_a_switch: beside "forces { x: k*i } rates { i: u/tau*sign(x)^2 }" =>
-        "E12: what acts is no linear function of `sign(x)`; write `if c { a } else { b }` with what acts on both sides";
+        "accepted";
     switch_in_an_energy: messages "lagrangian m/2*dot(x)^2 - 1 [N]*|x| rates { i: (u - i)/tau }" =>
         "E12: `|x|` of a number has a kink at 0, which energies and laws must not have; write what acts in `forces`, which may switch, \
          or declare a `surface`, which may contain it, where the motion strikes";
