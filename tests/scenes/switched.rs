@@ -52,6 +52,34 @@ fn compare(scene: &TextScene, ends: &[(&str, f64)], events: &[(EventKind, f64)])
 use EventKind::{Slide, Switch, When};
 
 #[test]
+fn branches_have_values_where_they_do_not_act() {
+    // An orifice both ways, into which one unit flows a second: with w the root of |x|, t = 2 (1 - ln 2) from w = 1 to 0, and
+    // 2 ln 2 - 1 from there to 1/2.
+    for flow in [
+        "if x >= 0 { sqrt(x) } else { -sqrt(-x) }",
+        "sign(x)*sqrt(|x|)",
+    ] {
+        let text = format!(
+            "states {{ x }} rates {{ x: (1 - ({flow}))*1[1/s] }} start {{ x: -1 }} horizon 1 [s]"
+        );
+        let scene = of_text("orifice.hang", &text).expect("no mistakes");
+        let turn = 2.0 * (1.0 - std::f64::consts::LN_2);
+        compare(&scene, &[("x", 0.25)], &[(Switch, turn)]);
+    }
+}
+
+#[test]
+fn choices_follow_parameters_in_either_order() {
+    let text = "parameters { t1: s = 0.5, t2: s = 1.25 } states { x }
+        rates { x: (if t >= t2 { 3 } else if t >= t1 { 2 } else { 1 })*1[1/s] } horizon 2 [s]";
+    let mut scene = of_text("choices.hang", text).expect("no mistakes");
+    compare(&scene, &[("x", 4.25)], &[(Switch, 0.5), (Switch, 1.25)]);
+    scene.set_parameter(0, 1.5);
+    scene.set_parameter(1, 1.0);
+    compare(&scene, &[("x", 4.0)], &[(Switch, 1.0), (Switch, 1.5)]);
+}
+
+#[test]
 fn jump_of_a_rate_is_crossed() {
     compare(&gallery!("crossing"), &[("x", 3.0)], &[(Switch, 1.0)]);
 }

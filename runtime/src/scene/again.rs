@@ -1,46 +1,12 @@
 //! A text derived once more, for what has to know about some of its parameters.
 
+use super::data::Structure;
+use super::declared::{Again, Derived, Scene};
 use super::text::{Shared, TextScene};
 use super::thread::on_a_thread;
-use super::{Scene, data::Structure};
 use hangtime_dsl::description::Description;
 use hangtime_dsl::{describe_differentiated, describe_held};
-use std::sync::{Arc, Mutex};
-
-/// What parameters are in a scene that is derived once more.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Again {
-    /// What they were.
-    Same,
-    /// Functions have derivatives by them.
-    Differentiated,
-    /// They are coordinates without motion.
-    Held,
-}
-
-/// All that was derived once more, and by which parameters (indices).
-#[derive(Debug)]
-pub(super) struct Known(Mutex<Vec<(Again, Vec<usize>, Arc<Shared>)>>);
-
-impl Known {
-    /// Nothing yet.
-    pub(super) const fn new() -> Self {
-        Self(Mutex::new(Vec::new()))
-    }
-
-    fn find(&self, again: Again, parameters: &[usize]) -> Option<Arc<Shared>> {
-        let known = self.0.lock().ok()?;
-        let mut known = known.iter();
-        let (_, _, shared) = known.find(|(kind, of, _)| *kind == again && of == parameters)?;
-        Some(Arc::clone(shared))
-    }
-
-    fn keep(&self, again: Again, parameters: &[usize], shared: &Arc<Shared>) {
-        if let Ok(mut known) = self.0.lock() {
-            known.push((again, parameters.to_vec(), Arc::clone(shared)));
-        }
-    }
-}
+use std::sync::Arc;
 
 /// The scene at its present values, derived once more from its text with those parameters (indices) unless that was done before.
 ///
@@ -53,13 +19,19 @@ pub(super) fn derived(
 ) -> Result<TextScene, String> {
     let declared = scene.declared();
     let structure = declared.structure;
-    let shared = match declared.known.find(again, parameters) {
+    let known = match again {
+        Again::Same => scene.shared(),
+        _ => None,
+    };
+    let known = known.or_else(|| declared.find(again, parameters));
+    let shared = match known.and_then(|known| known.downcast::<Shared>().ok()) {
         Some(shared) => shared,
         None => {
             let description = description(structure, &declared.text, (again, parameters))?;
             let derived = TextScene::new(description, &declared.text, String::new());
             let shared = derived.map_err(|_| TOO_LARGE.to_owned())?.shared;
-            declared.known.keep(again, parameters, &shared);
+            let kept: Derived = Arc::<Shared>::clone(&shared);
+            declared.keep(again, parameters, kept);
             shared
         }
     };

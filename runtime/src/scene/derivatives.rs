@@ -1,9 +1,10 @@
 //! Derivatives of a scene by its parameters.
 
-use super::again::{self, Again};
+use super::again;
 use super::data::{OptimalControl, Structure};
+use super::declared::{Again, Scene};
 use super::places::{self, scatter};
-use super::{Scene, TextScene};
+use super::text::TextScene;
 use crate::model::{Model, ParameterDerivatives, SparsityPattern, contact_point};
 use hangtime_dsl::declaration::OptimalControlDeclaration;
 use hangtime_dsl::description::{Derivative, Kernels, Sensitivity};

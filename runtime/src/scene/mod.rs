@@ -7,6 +7,7 @@
 //! scene carries.
 
 mod again;
+mod declared;
 mod derivatives;
 mod inertia;
 mod model;
@@ -20,6 +21,7 @@ mod system;
 mod text;
 mod thread;
 
+pub use declared::{Declared, Scene};
 pub use hangtime_dsl::description::{inverse_root, piecewise, root};
 #[cfg(feature = "oracle")]
 pub use num_dual;
@@ -54,71 +56,4 @@ pub mod variants {
     pub use hangtime_dsl::declaration::Switching::{Passes, Resets, Slides};
     pub use hangtime_dsl::description::MotionDerivatives::{Kernels, Solved};
     pub use hangtime_dsl::description::Solver::{Inertia, System};
-}
-
-use again::Known;
-use data::Structure;
-use std::borrow::Cow;
-
-/// A scene whose functions are kernels: what [`model!`](crate::model!) implements.
-pub trait Scene: Clone + Send + Sync + 'static {
-    /// What it declares, and of which kernels it consists.
-    fn declared(&self) -> &Declared;
-
-    /// A number that kernels read besides their inputs: a parameter, in its unit, and behind those for each equation of a joint
-    /// whether it is held, 1 or 0. Not a number where there is none.
-    fn number(&self, index: usize) -> f64;
-
-    /// Sets one of the [numbers](Self::number).
-    fn set_number(&mut self, index: usize, value: f64);
-
-    /// Evaluates a kernel at an input vector `x`, with multipliers or unknowns `y`.
-    fn evaluate(&self, kernel: usize, x: &[f64], y: &[f64], out: &mut [f64]);
-
-    /// Bounds of the first value of a kernel where its inputs lie between `low` and `high`; none where they are not known.
-    fn range(&self, _kernel: usize, _low: &[f64], _high: &[f64]) -> Option<[f64; 2]> {
-        None
-    }
-
-    /// The experiment whose start it has, if it is in one.
-    fn experiment(&self) -> Option<usize> {
-        None
-    }
-
-    /// The same scene from its text.
-    ///
-    /// # Errors
-    /// The first mistake, or that it is too large.
-    fn text_scene(&self) -> Result<TextScene, String> {
-        again::derived(self, again::Again::Same, &[])
-    }
-}
-
-/// A scene as it was declared.
-#[derive(Debug)]
-pub struct Declared {
-    structure: &'static Structure,
-    text: Cow<'static, str>,
-    /// Derived once more, in all ways that were asked for.
-    known: Known,
-}
-
-impl Declared {
-    /// What follows from a text.
-    #[must_use]
-    pub const fn new(structure: &'static Structure, text: &'static str) -> Self {
-        Self {
-            structure,
-            text: Cow::Borrowed(text),
-            known: Known::new(),
-        }
-    }
-
-    fn of_text(structure: Structure, text: &str) -> Self {
-        Self {
-            structure: Box::leak(Box::new(structure)),
-            text: Cow::Owned(text.to_owned()),
-            known: Known::new(),
-        }
-    }
 }

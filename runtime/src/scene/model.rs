@@ -1,11 +1,11 @@
 //! What solvers ask of a scene: the one model of all that the language derived.
 
-use super::again::{self, Again};
+use super::again;
 use super::data::{Contact, Friction, OptimalControl, Structure};
+use super::declared::{Again, Scene};
 use super::derivatives::Derivatives;
 use super::solved::{View, lend};
 use super::variants::{Kernels, Solved};
-use super::{Scene, TextScene};
 use crate::model::{
     ContactDeclaration, Declaration, Epigraph, Experiment, FrictionDeclaration, Held, Model,
     ParameterDerivatives, Picture, SparsityPattern, VariableDeclaration, contact_point,
@@ -457,8 +457,8 @@ impl<S: Scene> Model for S {
     }
 
     fn in_experiment(&self, experiment: usize) -> Option<Box<dyn Model>> {
-        let scene = self.text_scene().ok()?;
-        Some(Box::new(TextScene::in_experiment(scene, experiment)))
+        let scene = again::derived(self, Again::Same, &[]).ok()?;
+        Some(Box::new(scene.in_start_of(experiment)))
     }
 
     fn with_held(&self, parameters: &[usize]) -> Option<Result<Box<dyn Model>, String>> {

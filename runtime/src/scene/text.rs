@@ -1,7 +1,8 @@
 //! A scene whose functions are evaluated without a compiler.
 
+use super::declared::{Declared, Derived, Scene};
 use super::program::{Program, TooLarge};
-use super::{Declared, Scene, ranges, run};
+use super::{ranges, run};
 use hangtime_dsl::description::Description;
 use std::sync::Arc;
 
@@ -64,7 +65,7 @@ impl TextScene {
     }
 
     /// The same scene in an experiment.
-    pub(super) fn in_experiment(self, experiment: usize) -> Self {
+    pub(super) fn in_start_of(self, experiment: usize) -> Self {
         Self {
             experiment: Some(experiment),
             ..self
@@ -119,7 +120,8 @@ impl Scene for TextScene {
         self.experiment
     }
 
-    fn text_scene(&self) -> Result<TextScene, String> {
-        Ok(self.clone())
+    fn shared(&self) -> Option<Derived> {
+        let shared: Derived = Arc::<Shared>::clone(&self.shared);
+        Some(shared)
     }
 }
