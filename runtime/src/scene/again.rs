@@ -17,8 +17,7 @@ pub(super) fn derived(
     again: Again,
     parameters: &[usize],
 ) -> Result<TextScene, String> {
-    let declared = scene.declared();
-    let structure = declared.structure;
+    let (declared, structure) = (scene.declared(), scene.structure());
     let known = match again {
         Again::Same => scene.shared(),
         _ => None,

@@ -7,7 +7,10 @@ use std::sync::{Arc, Mutex};
 
 /// A scene whose functions are kernels: what [`model!`](crate::model!) implements.
 pub trait Scene: Clone + Send + Sync + 'static {
-    /// What it declares, and of which kernels it consists.
+    /// What it declares, and of which kernels it consists. Of a compiled scene it is a constant, so that kernels are called by their names.
+    fn structure(&self) -> &'static Structure;
+
+    /// The same with the text that it follows from.
     fn declared(&self) -> &Declared;
 
     /// A number that kernels read besides their inputs: a parameter, in its unit, and behind those for each equation of a joint

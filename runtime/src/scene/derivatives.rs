@@ -19,12 +19,12 @@ impl Derivatives {
     /// Derives `scene` once more, unless that was done before; none if that is not possible.
     pub(super) fn of(scene: &impl Scene, parameters: &[usize]) -> Option<Self> {
         let scene = again::derived(scene, Again::Differentiated, parameters).ok()?;
-        let sensitivity = scene.declared().structure.sensitivity?;
+        let sensitivity = scene.structure().sensitivity?;
         Some(Self { scene, sensitivity })
     }
 
     fn structure(&self) -> &'static Structure {
-        self.scene.declared().structure
+        self.scene.structure()
     }
 
     fn columns(&self) -> usize {

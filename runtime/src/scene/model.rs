@@ -1,7 +1,7 @@
 //! What solvers ask of a scene: the one model of all that the language derived.
 
 use super::again;
-use super::data::{Contact, Friction, OptimalControl, Structure};
+use super::data::{Contact, Friction, OptimalControl};
 use super::declared::{Again, Scene};
 use super::derivatives::Derivatives;
 use super::solved::{View, lend};
@@ -12,15 +12,10 @@ use crate::model::{
 };
 use hangtime_dsl::description;
 
-/// What a scene is made of.
-fn structure(scene: &impl Scene) -> &'static Structure {
-    scene.declared().structure
-}
-
 /// Does what needs linear algebra on the kernels of a scene.
 fn with<T>(scene: &impl Scene, work: impl FnOnce(View<'_>) -> T) -> T {
     work(View {
-        structure: structure(scene),
+        structure: scene.structure(),
         evaluate: &|kernel, x, y, out| scene.evaluate(kernel, x, y, out),
     })
 }
@@ -43,7 +38,7 @@ fn contact_of(
     scene: &impl Scene,
     contact: usize,
 ) -> Option<(&'static ContactDeclaration, &'static Contact)> {
-    let structure = structure(scene);
+    let structure = scene.structure();
     let declared = structure.declaration.contacts.get(contact)?;
     Some((declared, structure.contacts.get(contact)?))
 }
@@ -62,7 +57,7 @@ fn functions(
     scene: &impl Scene,
     of: fn(&OptimalControl) -> Option<description::Kernels>,
 ) -> Option<description::Kernels> {
-    structure(scene).optimal_control.as_ref().and_then(of)
+    scene.structure().optimal_control.as_ref().and_then(of)
 }
 
 /// What is known at a point, in formulas and behind them a direction. Gives the inverse inertia along the normal if it follows from that.
@@ -111,24 +106,24 @@ fn hessian(
 
 impl<S: Scene> Model for S {
     fn declaration(&self) -> &'static Declaration {
-        &structure(self).declaration
+        &self.structure().declaration
     }
 
     fn parameter(&self, index: usize) -> f64 {
-        match structure(self).declaration.parameters.get(index) {
+        match self.structure().declaration.parameters.get(index) {
             Some(_) => self.number(index),
             None => f64::NAN,
         }
     }
 
     fn set_parameter(&mut self, index: usize, value: f64) {
-        if index < structure(self).declaration.parameters.len() {
+        if index < self.structure().declaration.parameters.len() {
             self.set_number(index, value);
         }
     }
 
     fn start(&self, q: &mut [f64], v: &mut [f64]) {
-        let structure = structure(self);
+        let structure = self.structure();
         let own = self
             .experiment()
             .and_then(|known| *structure.starts.get(known)?);
@@ -136,16 +131,16 @@ impl<S: Scene> Model for S {
     }
 
     fn horizon(&self) -> Option<f64> {
-        let kernel = structure(self).given.horizon?;
+        let kernel = self.structure().given.horizon?;
         Some(value(self, kernel, &[]))
     }
 
     fn bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        bounds(self, structure(self).given.bounds, lower, upper);
+        bounds(self, self.structure().given.bounds, lower, upper);
     }
 
     fn free_acceleration(&self, x: &[f64], a: &mut [f64]) {
-        let motion = &structure(self).motion;
+        let motion = &self.structure().motion;
         match (motion.acceleration, motion.derivatives) {
             (Some(kernel), _) => self.evaluate(kernel, x, &[], a),
             (None, Solved(system)) => with(self, |view| {
@@ -160,7 +155,7 @@ impl<S: Scene> Model for S {
     }
 
     fn free_jacobian(&self, x: &[f64], values: &mut [f64]) {
-        match structure(self).motion.derivatives {
+        match self.structure().motion.derivatives {
             Kernels(kernel, _) => self.evaluate(kernel, x, &[], values),
             Solved(system) => with(self, |view| {
                 lend(|work| {
@@ -173,7 +168,7 @@ impl<S: Scene> Model for S {
     }
 
     fn free_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
-        match structure(self).motion.derivatives {
+        match self.structure().motion.derivatives {
             Kernels(_, kernel) => self.evaluate(kernel, x, multipliers, values),
             Solved(system) => with(self, |view| {
                 let pattern = view.structure.declaration.free_hessian;
@@ -183,11 +178,11 @@ impl<S: Scene> Model for S {
     }
 
     fn mass_matrix(&self, x: &[f64], m: &mut [f64]) {
-        self.evaluate(structure(self).motion.mass_matrix, x, &[], m);
+        self.evaluate(self.structure().motion.mass_matrix, x, &[], m);
     }
 
     fn energy(&self, x: &[f64], energy: &mut [f64]) {
-        self.evaluate(structure(self).motion.energy, x, &[], energy);
+        self.evaluate(self.structure().motion.energy, x, &[], energy);
     }
 
     fn gap(&self, contact: usize, x: &[f64]) -> f64 {
@@ -205,7 +200,7 @@ impl<S: Scene> Model for S {
             return out.fill(f64::NAN);
         };
         let solved = point(self, (known.point, &known.rows), x, out);
-        let structure = structure(self);
+        let structure = self.structure();
         if let Some(inverse_inertia) = solved {
             // Of dry friction it is a formula.
             if !declared.dry {
@@ -303,36 +298,36 @@ impl<S: Scene> Model for S {
     }
 
     fn hold_joint_row(&mut self, row: usize, held: bool) {
-        let first = structure(self).declaration.parameters.len();
+        let first = self.structure().declaration.parameters.len();
         self.set_number(first + row, if held { 1.0 } else { 0.0 });
     }
 
     fn joint_row_held(&self, row: usize) -> bool {
-        let first = structure(self).declaration.parameters.len();
+        let first = self.structure().declaration.parameters.len();
         // One that there is not is not a number.
         self.number(first + row) != 0.0
     }
 
     fn joints(&self, x: &[f64], values: &mut [f64]) {
-        if let Some(joints) = &structure(self).joints {
+        if let Some(joints) = &self.structure().joints {
             self.evaluate(joints.values, x, &[], values);
         }
     }
 
     fn joints_jacobian(&self, x: &[f64], values: &mut [f64]) {
-        if let Some(joints) = &structure(self).joints {
+        if let Some(joints) = &self.structure().joints {
             self.evaluate(joints.jacobian, x, &[], values);
         }
     }
 
     fn joints_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
-        if let Some(joints) = &structure(self).joints {
+        if let Some(joints) = &self.structure().joints {
             self.evaluate(joints.hessian, x, multipliers, values);
         }
     }
 
     fn joint_forces(&self, x: &[f64], forces: &mut [f64]) {
-        let structure = structure(self);
+        let structure = self.structure();
         let kernel = structure.joints.and_then(|joints| joints.forces);
         match (kernel, structure.motion.derivatives) {
             (Some(kernel), _) => self.evaluate(kernel, x, &[], forces),
@@ -406,29 +401,29 @@ impl<S: Scene> Model for S {
     }
 
     fn free_start_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        let task = structure(self).optimal_control;
+        let task = self.structure().optimal_control;
         if let Some(kernels) = task.and_then(|task| task.free_start_bounds) {
             bounds(self, kernels, lower, upper);
         }
     }
 
     fn outputs(&self) -> &'static [VariableDeclaration] {
-        let outputs = structure(self).outputs;
+        let outputs = self.structure().outputs;
         outputs.map_or(&[], |outputs| outputs.quantities)
     }
 
     fn output_values(&self, x: &[f64], contacts: &[f64], values: &mut [f64]) {
-        if let Some(outputs) = structure(self).outputs {
+        if let Some(outputs) = self.structure().outputs {
             self.evaluate(outputs.kernel, x, contacts, values);
         }
     }
 
     fn picture(&self) -> Option<Picture> {
-        structure(self).picture.map(|(picture, _)| picture)
+        self.structure().picture.map(|(picture, _)| picture)
     }
 
     fn picture_values(&self, x: &[f64], along: f64, values: &mut [f64]) {
-        if let Some((_, kernel)) = structure(self).picture {
+        if let Some((_, kernel)) = self.structure().picture {
             self.evaluate(kernel, x, &[along], values);
         }
     }
@@ -442,18 +437,18 @@ impl<S: Scene> Model for S {
     }
 
     fn free_parameters(&self) -> &'static [usize] {
-        let free = structure(self).free_parameters;
+        let free = self.structure().free_parameters;
         free.map_or(&[], |free| free.parameters)
     }
 
     fn free_parameter_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        if let Some(free) = structure(self).free_parameters {
+        if let Some(free) = self.structure().free_parameters {
             bounds(self, free.bounds, lower, upper);
         }
     }
 
     fn experiments(&self) -> &'static [Experiment] {
-        structure(self).experiments
+        self.structure().experiments
     }
 
     fn in_experiment(&self, experiment: usize) -> Option<Box<dyn Model>> {
@@ -473,31 +468,31 @@ impl<S: Scene> Model for S {
     }
 
     fn remembered(&self) -> &'static [usize] {
-        structure(self).remembered
+        self.structure().remembered
     }
 
     fn epigraphs(&self) -> &'static [Epigraph] {
-        structure(self).epigraphs
+        self.structure().epigraphs
     }
 
     fn held(&self) -> Option<Held> {
-        structure(self).held.map(|held| held.declared)
+        self.structure().held.map(|held| held.declared)
     }
 
     fn given_values(&self, x: &[f64], values: &mut [f64]) {
-        if let Some((kernel, _, _)) = structure(self).held.and_then(|held| held.given) {
+        if let Some((kernel, _, _)) = self.structure().held.and_then(|held| held.given) {
             self.evaluate(kernel, x, &[], values);
         }
     }
 
     fn given_jacobian(&self, x: &[f64], values: &mut [f64]) {
-        if let Some((_, kernel, _)) = structure(self).held.and_then(|held| held.given) {
+        if let Some((_, kernel, _)) = self.structure().held.and_then(|held| held.given) {
             self.evaluate(kernel, x, &[], values);
         }
     }
 
     fn given_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
-        if let Some((_, _, kernel)) = structure(self).held.and_then(|held| held.given) {
+        if let Some((_, _, kernel)) = self.structure().held.and_then(|held| held.given) {
             self.evaluate(kernel, x, multipliers, values);
         }
     }

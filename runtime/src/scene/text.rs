@@ -1,5 +1,6 @@
 //! A scene whose functions are evaluated without a compiler.
 
+use super::data::Structure;
 use super::declared::{Declared, Derived, Scene};
 use super::program::{Program, TooLarge};
 use super::{ranges, run};
@@ -89,6 +90,10 @@ impl TextScene {
 }
 
 impl Scene for TextScene {
+    fn structure(&self) -> &'static Structure {
+        self.shared.declared.structure
+    }
+
     fn declared(&self) -> &Declared {
         &self.shared.declared
     }

@@ -73,6 +73,7 @@ fn numbers(scene: &CheckedScene, derived: &Description, text: &str, code: &mut S
         code,
         "static __SCENE: ::hangtime::scene::Declared = ::hangtime::scene::Declared::new(&__STRUCTURE, {text:?});
         #[automatically_derived] impl ::hangtime::scene::Scene for {name} {{
+            fn structure(&self) -> &'static ::hangtime::scene::data::Structure {{ &__STRUCTURE }}
             fn declared(&self) -> &::hangtime::scene::Declared {{ &__SCENE }}
             fn number(&self, __index: __usize) -> __f64 {{ match __index {{ {read} _ => __f64::NAN }} }}
             fn set_number(&mut self, __index: __usize, __value: __f64) {{ match __index {{ {write} _ => {{}} }} }}

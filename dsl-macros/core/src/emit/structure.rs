@@ -80,6 +80,7 @@ pub(super) fn tokens(scene: &CheckedScene, derived: &Description) -> TokenStream
 pub(crate) fn stub(visibility: &TokenStream, name: &Name, parameters: &[Name]) -> TokenStream {
     let name = name.rust_ident();
     let methods = [
+        quote!(structure(&self) -> &'static ::hangtime::scene::data::Structure),
         quote!(declared(&self) -> &::hangtime::scene::Declared),
         quote!(number(&self, _: ::core::primitive::usize) -> ::core::primitive::f64),
         quote!(set_number(&mut self, _: ::core::primitive::usize, _: ::core::primitive::f64)),
