@@ -24,7 +24,7 @@ pub(crate) struct FitTask {
 impl FitTask {
     /// Refuses arguments that do not fit the scene, and reads the measurements.
     pub(crate) fn new(
-        mut chosen: ChosenScene,
+        chosen: ChosenScene,
         arguments: &SolveArguments,
     ) -> Result<Self, BadInput> {
         refuse_others(arguments)?;

@@ -33,7 +33,7 @@ pub(crate) struct OptimumTask {
 impl OptimumTask {
     /// Refuses arguments that do not fit the scene.
     pub(crate) fn new(
-        mut chosen: ChosenScene,
+        chosen: ChosenScene,
         arguments: &SolveArguments,
     ) -> Result<Self, BadInput> {
         if chosen.model.declaration().optimal_control.is_none() {

@@ -21,7 +21,7 @@ mod system;
 mod text;
 mod thread;
 
-pub use declared::{Declared, Scene};
+pub use declared::{Declared, Derived, Scene};
 pub use hangtime_dsl::description::{inverse_root, piecewise, root};
 #[cfg(feature = "oracle")]
 pub use num_dual;
