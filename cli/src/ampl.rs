@@ -8,14 +8,16 @@ use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use hangtime::mpcc::Mpcc as _;
 use hangtime::nl::{self, Program, Solution};
 use hangtime::nlp::IterationInfo;
+use hangtime::simulation::ProblemSize;
 
-use crate::arguments::{LimitArguments, MEMORY_LIMIT};
+use crate::arguments::LimitArguments;
 use crate::bounds::Bounds;
 use crate::failure::{BadInput, one_line};
 use crate::output::OutputDirectory;
-use crate::program::{open, read, summary};
+use crate::program_file::{open, read, summary};
 use crate::program_options::{self, OPTIONS, wrong};
 use crate::report::Report;
 
@@ -114,10 +116,7 @@ fn answer(path: &Path, bytes: &[u8], words: &[OsString]) -> Result<(String, Stri
     let wishes = wishes(words)?;
     let mut program = open(path, bytes).map_err(|error| error.to_string())?;
     let name: &'static str = Box::leak(path.display().to_string().into_boxed_str());
-    let limits = LimitArguments {
-        time_limit: None,
-        memory_limit: MEMORY_LIMIT,
-    };
+    let limits = LimitArguments::default();
     let bounds = Bounds::watch(name, &limits);
     let mut log = Log::new(wishes.print_level);
     let mut options = wishes.solve;
@@ -137,7 +136,8 @@ fn answer(path: &Path, bytes: &[u8], words: &[OsString]) -> Result<(String, Stri
 /// The lines after the log.
 fn ended(name: &str, program: &Program, solution: &Solution) -> String {
     let mut text = String::from("\n");
-    text += &summary(name, program, solution);
+    let size = ProblemSize::of(program, program.complementarities().len());
+    text += &summary(name, size, solution, solution.status.name());
     if let Some(diagnosis) = solution.diagnosis() {
         let _ = writeln!(text, "diagnosis     {}", one_line(&diagnosis));
     }

@@ -404,7 +404,8 @@ pub(crate) struct SweepArguments {
     /// What is done at every point.
     #[arg(long, value_enum, default_value_t, conflicts_with = "join")]
     pub(crate) what: SweepTask,
-    /// Numbers to record: objective, final_time, events, final.NAME and final.dot(NAME) of a coordinate, ...
+    /// Numbers to record: objective, final_time, events, final.NAME and final.dot(NAME) of a coordinate, output.NAME at the end,
+    /// max(NAME) and min(NAME) along the motion, force(NAME) for the largest force of a contact or joint, time(EVENT CONTACT N).
     #[arg(
         long,
         value_name = "NAME,..",

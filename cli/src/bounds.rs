@@ -84,7 +84,7 @@ impl Bounds {
 }
 
 /// The signal that asked every run of the program to end, if one did.
-fn asked_from_outside() -> Option<Stop> {
+pub(crate) fn asked_from_outside() -> Option<Stop> {
     if INTERRUPTED.load(Ordering::Relaxed) {
         return Some(Stop::Interrupt);
     }
@@ -99,7 +99,7 @@ impl Drop for Bounds {
 }
 
 /// The first Ctrl-C asks the run to end, the second one ends the program.
-fn listen() {
+pub(crate) fn listen() {
     static LISTENING: OnceLock<()> = OnceLock::new();
     LISTENING.get_or_init(|| {
         // Where the system refuses a handler, Ctrl-C ends the program as it does everywhere else.

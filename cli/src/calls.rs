@@ -4,28 +4,21 @@
 //! for number.
 
 use clap::Parser as _;
-use hangtime::Progress;
 use hangtime::model::Model;
 use hangtime::ocp::Previous;
-use hangtime::simulation::Simulation;
 use hangtime_scene_files::{SceneError, TextMistake};
 use serde::{Deserialize, Serialize};
 use serde_json::value::RawValue;
 
 use crate::Scene;
 use crate::animation::motion;
-use crate::arguments::{Arguments, Command, SolveArguments};
-use crate::drawing::Drawing;
-use crate::ending::Ending;
+use crate::arguments::{Arguments, Command};
 use crate::explain;
 use crate::failure::{BadInput, did_you_mean};
+use crate::job::{Job, Run};
 use crate::json::to_line;
 use crate::scene_file::{EXTENSION, entry};
 use crate::settings::ChosenScene;
-use crate::table::counted;
-use crate::task::{
-    FitTask, OptimumTask, SimulationTask, fit_facts, optimum_facts, simulation_facts,
-};
 
 /// Progress is told this often [s].
 const PATIENCE: f64 = 0.1;
@@ -275,26 +268,19 @@ impl Calls {
         match arguments.command {
             Some(Command::Simulate(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
-                let task = SimulationTask::new(chosen, &arguments)?;
-                Ok(simulated(&task, progress)?)
+                Ok(done(Job::simulate(chosen, &arguments)?, false, progress)?.0)
             }
             Some(Command::Solve(arguments)) => {
                 let chosen = ChosenScene::new(scene, &arguments.scene.settings)?;
-                if !chosen.model.experiments().is_empty() {
-                    return Ok(fitted(
-                        &mut FitTask::new(chosen, &arguments)?,
-                        &arguments,
-                        progress,
-                    )?);
-                }
-                let mut task = OptimumTask::new(chosen, &arguments)?;
+                let mut job = Job::solve(chosen, &arguments)?;
                 let warm = self.warm(scene, request.warm);
                 if let Some(plan) = warm {
-                    task.start_from(plan);
+                    job.start_from(plan);
                 }
-                let warm = warm.is_some();
-                let (answer, plan) = solved(&mut task, warm, progress)?;
-                self.plan = plan.map(|plan| (scene, plan));
+                let (answer, run) = done(job, warm.is_some(), progress)?;
+                if !run.is_estimate() {
+                    self.plan = run.previous().map(|plan| (scene, plan.clone()));
+                }
                 Ok(answer)
             }
             Some(Command::Explain(arguments)) => {
@@ -369,114 +355,32 @@ fn refusal(text: &str, error: SceneError) -> Answer {
     }
 }
 
-fn simulated(
-    task: &SimulationTask,
-    progress: &mut (dyn FnMut(Option<f64>, &str) + Send),
-) -> Result<Answer, BadInput> {
-    let horizon = task.problem.horizon;
-    let mut next = PATIENCE;
-    let simulation = task.run(&mut |now| {
-        if now.seconds >= next {
-            next = now.seconds + PATIENCE;
-            let done = format!("{:.3} s of {horizon:.3} s of the motion", now.time);
-            progress(Some(now.time / horizon), &done);
-        }
-        true
-    })?;
-    let gradient = task.gradient(&simulation)?;
-    let ending = Ending::of_whole(&simulation);
-    Ok(Answer::Done {
-        result: raw(task.json(&simulation, gradient.as_ref(), &ending)),
-        facts: simulation_facts(&task.method, &simulation, &ending),
-        motion: drawn(&task.chosen, Some(&simulation)),
-        warm: false,
-    })
-}
-
-/// An optimum, and the plan that the next one may start from.
-fn solved(
-    task: &mut OptimumTask,
+/// Runs a job and tells how far it is; what it came to.
+fn done(
+    job: Job,
     warm: bool,
     progress: &mut (dyn FnMut(Option<f64>, &str) + Send),
-) -> Result<(Answer, Option<Previous>), BadInput> {
+) -> Result<(Answer, Run), BadInput> {
     let mut next = PATIENCE;
-    let mut best = None;
-    let contacts = !task.chosen.model.declaration().contacts.is_empty();
-    let solution = task.run(&mut |now| {
-        best = now.best.or(best);
-        if now.seconds >= next {
+    let mut told = job.teller();
+    let run = job.run(&mut |now| {
+        if let Some((share, doing)) = told(now, now.seconds >= next) {
             next = now.seconds + PATIENCE;
-            progress(None, &told(now, best, contacts));
+            progress(share, &doing);
         }
-        true
+        None
     })?;
-    let ending = Ending::of(&solution);
+    let model = run.chosen().model.as_ref();
     let answer = Answer::Done {
-        result: raw(task.json(&solution, &ending)),
-        facts: optimum_facts(&task.method, &solution, &ending),
-        motion: drawn(&task.chosen, solution.motion.as_ref()),
+        result: raw(run.json()),
+        facts: run.facts(),
+        motion: run
+            .motion()
+            .and_then(|simulation| motion(run.drawing().as_ref(), model, simulation))
+            .map(raw),
         warm,
     };
-    Ok((answer, solution.previous))
-}
-
-/// An estimate, with the motion of its first experiment.
-fn fitted(
-    task: &mut FitTask,
-    arguments: &SolveArguments,
-    progress: &mut (dyn FnMut(Option<f64>, &str) + Send),
-) -> Result<Answer, BadInput> {
-    let mut next = PATIENCE;
-    let estimate = task.run(&mut |now| {
-        if now.seconds >= next {
-            next = now.seconds + PATIENCE;
-            progress(
-                None,
-                &format!(
-                    "comparing motions with what was measured, {:.0} s",
-                    now.seconds
-                ),
-            );
-        }
-        true
-    })?;
-    let ending = Ending::of_estimate(&estimate, None, &arguments.limits);
-    let first = estimate.experiments.first();
-    Ok(Answer::Done {
-        result: raw(task.json(&estimate, &ending)),
-        facts: fit_facts(&estimate, &ending),
-        motion: drawn(&task.chosen, first.map(|known| &known.motion)),
-        warm: false,
-    })
-}
-
-/// What a solve does, in words of its problem: what it looks for, how many motions it has computed, and the best of them.
-fn told(now: &Progress, best: Option<f64>, contacts: bool) -> String {
-    let doing = match (now.step, contacts) {
-        ("start", _) => "getting ready",
-        ("random motions", _) => "trying random motions",
-        ("reachable states", _) => "looking how far the controls reach",
-        ("collocation", true) => "computing when the contacts of one order happen",
-        ("collocation", false) => "computing the motion",
-        (_, true) => "looking for which contacts happen",
-        (_, false) => "looking for a motion",
-    };
-    let best = match (now.motion, best) {
-        (Some(motion), _) => format!("best so far {motion}"),
-        (None, Some(best)) => format!("best objective so far {best:.6}"),
-        (None, None) => "no motion to the goals yet".to_owned(),
-    };
-    format!(
-        "{doing}: {best}, {} tried, {:.0} s",
-        counted(now.programs, "motion"),
-        now.seconds
-    )
-}
-
-fn drawn(chosen: &ChosenScene, simulation: Option<&Simulation>) -> Option<Box<RawValue>> {
-    let model = chosen.model.as_ref();
-    let drawing = Drawing::of(model, chosen.scene.name);
-    motion(drawing.as_ref(), model, simulation?).map(raw)
+    Ok((answer, run))
 }
 
 /// A document as a part of another one, digit for digit.

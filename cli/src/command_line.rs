@@ -8,14 +8,14 @@ use std::process::ExitCode;
 use clap::{CommandFactory as _, FromArgMatches as _};
 
 use crate::arguments::{Arguments, Command, ListArguments, ReproduceArguments};
-use crate::chart::Listed;
 use crate::failure::{BadInput, visible};
+use crate::lab::chart::{self, Listed};
+use crate::lab::reproduce;
 use crate::report::{BAD_INPUT, NOT_CONVERGED, Report, complain, printed, refuse};
 use crate::scene_file::is_path;
 use crate::{CommandSettings, ControlScene, HardOptimum, HardScene, OpeningRide, PlayPage, Scene};
 use crate::{
-    ampl, authoring, chart, explain, list, play, profile, program, reproduce, scene, shell,
-    simulate, solve, sweep, watch,
+    ampl, authoring, explain, list, play, profile, program, run, scene, shell, sweep, watch,
 };
 
 /// The command line over a list of scenes.
@@ -236,8 +236,8 @@ impl CommandLine {
         let scenes = self.scenes;
         match command {
             Some(Command::List(arguments)) => list::run(scenes, &arguments),
-            Some(Command::Simulate(arguments)) => simulate::run(scenes, &arguments),
-            Some(Command::Solve(arguments)) => solve::run(scenes, &arguments),
+            Some(Command::Simulate(arguments)) => run::simulation(scenes, &arguments),
+            Some(Command::Solve(arguments)) => run::solution(scenes, &arguments),
             Some(Command::Nlp(arguments)) => program::run(&arguments),
             Some(Command::Sweep(arguments)) => sweep::run(scenes, &arguments),
             Some(Command::Chart(arguments)) => chart::run(&self.charted(), &arguments),

@@ -291,6 +291,16 @@ fn one_body(model: &dyn Model) -> Option<Picture> {
     })
 }
 
+/// The smallest and the largest value on each axis.
+pub(crate) fn ranges(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
+    [0, 1].map(|axis| {
+        let values = points.iter().map(|point| point[axis]);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        })
+    })
+}
+
 fn disc(radius: f64) -> Vec<[f64; 2]> {
     let corner = |i: usize| {
         let (sine, cosine) = (std::f64::consts::TAU * i as f64 / ROUND as f64).sin_cos();

@@ -176,6 +176,16 @@ impl Ending {
         }
     }
 
+    /// The line about the simulation `name`, with the time that it reached, if it did not end with a solution.
+    pub(crate) fn line_of(&self, name: &str, simulation: &Simulation) -> Option<String> {
+        let time = simulation.status.diagnosis()?.time;
+        let said = self.diagnosis.as_deref().unwrap_or_default();
+        let status = self.status;
+        Some(one_line(&format!(
+            "{name}: {status} at t = {time} s: {said}"
+        )))
+    }
+
     /// The line about the run `name` on the standard error stream, if it did not end with a solution.
     pub(crate) fn line(&self, name: &str) -> Option<String> {
         let diagnosis = self.diagnosis.as_ref()?;

@@ -1,73 +1,32 @@
-//! `hangtime solve` of a scene that compares with measurements: its estimate, as tables, as JSON, and as files.
+//! An estimate as tables, and its measurements beside the motions.
 
 use std::fmt::Write as _;
 
 use hangtime::estimation::{Estimate, EstimatedParameter, FittedExperiment};
 
-use crate::PublishedData;
-use crate::arguments::SolveArguments;
-use crate::bounds::Bounds;
 use crate::ending::Ending;
-use crate::failure::BadInput;
 use crate::figure::{COLOURS, Panel, Series, over_time};
-use crate::files::ResultFiles;
-use crate::output::OutputDirectory;
-use crate::progress::SolveProgress;
-use crate::report::Report;
 use crate::settings::ChosenScene;
 use crate::simulate::digits;
 use crate::spreadsheet::csv_text;
 use crate::table::{counted, headed, seconds, table};
-use crate::task::{FIT_METHOD, FitTask, fit_facts};
+use crate::task::FIT_METHOD;
 
 /// Standard deviations between which about 95 of 100 residuals lie.
 const BAND: f64 = 2.0;
 
-pub(crate) fn run(chosen: ChosenScene, arguments: &SolveArguments) -> Result<Report, BadInput> {
-    let mut task = FitTask::new(chosen, arguments)?;
-    let name = task.chosen.scene.name;
-    let out = arguments.result.out.as_deref();
-    let bounds = Bounds::watch(name, &arguments.limits);
-    let directory = out.map(OutputDirectory::open).transpose()?;
-    let mut display = SolveProgress::new(name);
-    let estimate = task.run(&mut |progress| display.report(progress, bounds.asked()))?;
-    drop(display);
-    let ending = Ending::of_estimate(&estimate, bounds.asked(), &arguments.limits);
-    drop(bounds);
-    let json = task.json(&estimate, &ending);
-    let mut report = Report::default();
-    report.diagnoses.extend(ending.line(name));
-    let mut written = String::new();
-    if let Some(directory) = directory {
-        let files = files(
-            &task.chosen,
-            &estimate,
-            (&json, &ending),
-            arguments.result.rows(),
-        );
-        written = report.deliver(directory, &files);
-    }
-    report.text = if arguments.result.json {
-        json
-    } else {
-        tables(&task.chosen, &estimate, &ending) + &written
-    };
-    Ok(report)
+/// What the motion is beside which its measurements are shown.
+pub(crate) fn title(estimate: &Estimate) -> String {
+    let first = estimate.experiments.first();
+    format!(
+        "fitted to {}",
+        first.map_or("", |first| first.declared.name)
+    )
 }
 
-/// All files of an estimate: those of the motion of its first experiment, and the measurements beside the motions.
-pub(crate) fn files(
-    chosen: &ChosenScene,
-    estimate: &Estimate,
-    (json, ending): (&str, &Ending),
-    rows: usize,
-) -> Vec<(String, String)> {
-    let stem = format!("{}-fitted", chosen.scene.name);
-    let Some(first) = estimate.experiments.first() else {
-        return vec![(format!("{stem}.json"), json.to_owned())];
-    };
+/// Pictures and tables of the measurements beside the motions, as (name, content).
+pub(crate) fn further(stem: &str, estimate: &Estimate) -> Vec<(String, String)> {
     let experiments = &estimate.experiments;
-    let title = format!("{}, fitted to {}", chosen.scene.name, first.declared.name);
     let compared = over_time(
         "measured (dots) and computed (lines)",
         &panels(experiments, compared),
@@ -84,20 +43,7 @@ pub(crate) fn files(
         let name = format!("{stem}-residuals-{}.csv", fitted.declared.name);
         further.push((name, residuals_csv(fitted)));
     }
-    ResultFiles {
-        stem,
-        title,
-        chosen,
-        simulation: &first.motion,
-        json,
-        published: &PublishedData::default(),
-        rows,
-        index: None,
-        facts: fit_facts(estimate, ending),
-        charts: Vec::new(),
-        further,
-    }
-    .contents()
+    further
 }
 
 /// A panel for every quantity of every experiment.
@@ -191,7 +137,7 @@ fn residuals_csv(fitted: &FittedExperiment) -> String {
 }
 
 /// The result for people.
-fn tables(chosen: &ChosenScene, estimate: &Estimate, ending: &Ending) -> String {
+pub(crate) fn tables(chosen: &ChosenScene, estimate: &Estimate, ending: &Ending) -> String {
     let mut text = format!("{}: {}\n\n", chosen.scene.name, chosen.scene.title);
     let _ = writeln!(text, "parameters    {}", chosen.parameters().join(", "));
     let _ = writeln!(

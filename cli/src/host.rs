@@ -9,25 +9,15 @@ use std::sync::{Arc, Mutex};
 
 use clap::{Args, CommandFactory as _};
 use hangtime::Progress;
-use hangtime::estimation::Estimate;
-use hangtime::ocp::{Previous, Solution};
-use hangtime::simulation::{Gradient, Simulation};
+use hangtime::ocp::Previous;
 
-use crate::arguments::{
-    Arguments, ExplainArguments, LimitArguments, SimulateArguments, SolveArguments,
-};
-use crate::drawing::Drawing;
-use crate::ending::{Ending, Stop};
+use crate::Scene;
+use crate::arguments::{Arguments, ExplainArguments, SimulateArguments, SolveArguments};
+use crate::ending::Stop;
 use crate::failure::BadInput;
-use crate::files::ResultFiles;
-use crate::fit;
-use crate::json::{Columns, part, quantities};
-use crate::numbers::ROWS;
-use crate::scene_file::{EXTENSION, entry, is_path, read_text};
-use crate::settings::{ChosenScene, find};
-use crate::task::{FitTask, OptimumTask, SimulationTask, optimum_facts, simulation_facts};
-use crate::thumbnail::thumbnail;
-use crate::{PublishedData, Scene};
+use crate::job::{Job, Run as HostRun};
+use crate::scene_file::{EXTENSION, entry, read_text};
+use crate::settings::{ChosenScene, file_of, find};
 
 /// Why something was refused: what the command line prints on its standard error stream, without the last line end.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -126,8 +116,8 @@ impl HostScene {
     }
 
     pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<Self, BadInput> {
-        if is_path(name) {
-            return Self::derive(name, read_text(name)?);
+        if let Some(file) = file_of(scenes, name) {
+            return Self::derive(&file, read_text(&file)?);
         }
         if let Some(text) = scenes
             .iter()
@@ -251,15 +241,7 @@ impl HostScene {
         let (mut arguments, settings) = self.simulated.read(self, "simulate", words)?;
         arguments.scene.settings.extend(settings);
         let chosen = self.chosen(&arguments.scene.settings)?;
-        let task = SimulationTask::new(chosen, &arguments)?;
-        let mut bound = Bound::new(&arguments.limits);
-        let simulation = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
-        let gradient = task.gradient(&simulation)?;
-        let ending = Ending::of_simulation(&simulation, bound.stop, &arguments.limits);
-        Ok(HostRun {
-            work: Work::Simulated(task, Box::new(simulation), gradient),
-            ending,
-        })
+        Ok(hosted(Job::simulate(chosen, &arguments)?, observer)?)
     }
 
     /// Solves its problem of optimal control, likewise.
@@ -303,24 +285,11 @@ impl HostScene {
         let (mut arguments, settings) = self.solved.read(self, "solve", words)?;
         arguments.scene.settings.extend(settings);
         let chosen = self.chosen(&arguments.scene.settings)?;
-        if !chosen.model.experiments().is_empty() {
-            return Ok(fitted(
-                FitTask::new(chosen, &arguments)?,
-                &arguments,
-                observer,
-            )?);
-        }
-        let mut task = OptimumTask::new(chosen, &arguments)?;
+        let mut job = Job::solve(chosen, &arguments)?;
         if let Some(previous) = previous {
-            task.start_from(previous);
+            job.start_from(previous);
         }
-        let mut bound = Bound::new(&arguments.limits);
-        let solution = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
-        let ending = Ending::of_bounded(&solution, bound.stop, &arguments.limits);
-        Ok(HostRun {
-            work: Work::Planned(task, Box::new(solution)),
-            ending,
-        })
+        Ok(hosted(job, observer)?)
     }
 
     /// The words behind the scene, read as the command reads them.
@@ -350,28 +319,18 @@ pub fn options(command: &str) -> Vec<String> {
         .collect()
 }
 
-/// What ends a run before its own end.
-struct Bound {
-    time_limit: Option<f64>,
-    stop: Option<Stop>,
-}
-
-impl Bound {
-    fn new(limits: &LimitArguments) -> Self {
-        Self {
-            time_limit: limits.time_limit,
-            stop: None,
-        }
-    }
-
-    fn goes_on(&mut self, now: &Progress, observer: &mut dyn FnMut(&Progress) -> bool) -> bool {
-        if self.time_limit.is_some_and(|limit| now.seconds >= limit) {
-            self.stop.get_or_insert(Stop::Time);
-        } else if !observer(now) {
-            self.stop.get_or_insert(Stop::Interrupt);
-        }
-        self.stop.is_none()
-    }
+/// Runs a job in the hands of a host, until its limit on time and as long as the host answers true.
+fn hosted(
+    job: Job,
+    observer: &mut (dyn FnMut(&Progress) -> bool + Send),
+) -> Result<HostRun, BadInput> {
+    let limit = job.limits().time_limit;
+    guarded(|| {
+        job.run(&mut |now| match limit {
+            Some(limit) if now.seconds >= limit => Some(Stop::Time),
+            _ => (!observer(now)).then_some(Stop::Interrupt),
+        })
+    })
 }
 
 /// A mistake in this program must not end the host.
@@ -381,186 +340,6 @@ pub(crate) fn guarded<T>(work: impl FnOnce() -> Result<T, BadInput>) -> Result<T
             "internal_error: a mistake in this program, at the place above; please report it",
         ))
     })
-}
-
-/// The estimate of a scene that compares with measurements.
-fn fitted(
-    mut task: FitTask,
-    arguments: &SolveArguments,
-    observer: &mut (dyn FnMut(&Progress) -> bool + Send),
-) -> Result<HostRun, BadInput> {
-    let mut bound = Bound::new(&arguments.limits);
-    let estimate = guarded(|| task.run(&mut |now| bound.goes_on(now, observer)))?;
-    let ending = Ending::of_estimate(&estimate, bound.stop, &arguments.limits);
-    Ok(HostRun {
-        work: Work::Fitted(task, Box::new(estimate)),
-        ending,
-    })
-}
-
-enum Work {
-    Simulated(SimulationTask, Box<Simulation>, Option<Gradient>),
-    Planned(OptimumTask, Box<Solution>),
-    Fitted(FitTask, Box<Estimate>),
-}
-
-/// A run that has ended.
-pub struct HostRun {
-    work: Work,
-    ending: Ending,
-}
-
-impl fmt::Debug for HostRun {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("HostRun")
-            .field("ending", &self.ending)
-            .finish_non_exhaustive()
-    }
-}
-
-impl HostRun {
-    /// Name of the status.
-    #[must_use]
-    pub fn status(&self) -> &'static str {
-        self.ending.status
-    }
-
-    /// Why it did not end with a solution, in one line.
-    #[must_use]
-    pub fn diagnosis(&self) -> Option<&str> {
-        self.ending.diagnosis.as_deref()
-    }
-
-    /// Whether parameters were estimated.
-    #[must_use]
-    pub fn is_estimate(&self) -> bool {
-        matches!(self.work, Work::Fitted(..))
-    }
-
-    /// Whether there is a motion; a simulation always has one.
-    #[must_use]
-    pub fn has_motion(&self) -> bool {
-        self.motion().is_some()
-    }
-
-    /// Whether the run ended with a solution.
-    #[must_use]
-    pub fn is_solved(&self) -> bool {
-        match &self.work {
-            Work::Simulated(_, simulation, _) => simulation.status.is_solved(),
-            Work::Planned(_, solution) => solution.status.is_solved(),
-            Work::Fitted(_, estimate) => estimate.status.is_solved(),
-        }
-    }
-
-    /// Whether another solve can start from it: whether it is a solve that found a motion.
-    #[must_use]
-    pub fn is_start(&self) -> bool {
-        self.previous().is_some()
-    }
-
-    fn previous(&self) -> Option<&Previous> {
-        match &self.work {
-            Work::Simulated(..) | Work::Fitted(..) => None,
-            Work::Planned(_, solution) => solution.previous.as_ref(),
-        }
-    }
-
-    /// A part of the trajectory by its name in the document, such as `q`, at the instants that the document has: numbers row after
-    /// row. `None` where there is no such part, or no motion.
-    #[must_use]
-    pub fn part(&self, name: &str) -> Option<Columns> {
-        let motion = self.motion()?;
-        let (model, rows) = match &self.work {
-            Work::Simulated(task, ..) => (&task.chosen.model, task.rows()),
-            Work::Planned(task, _) => (&task.chosen.model, task.rows()),
-            Work::Fitted(task, _) => (&task.chosen.model, task.rows()),
-        };
-        part(model.as_ref(), &motion.trajectory, rows, name)
-    }
-
-    /// Name and unit of every column of a part; a number has an empty unit.
-    #[must_use]
-    pub fn quantities(&self, part: &str) -> Vec<(String, String)> {
-        quantities(self.chosen().model.as_ref(), part)
-    }
-
-    fn chosen(&self) -> &ChosenScene {
-        match &self.work {
-            Work::Simulated(task, ..) => &task.chosen,
-            Work::Planned(task, _) => &task.chosen,
-            Work::Fitted(task, _) => &task.chosen,
-        }
-    }
-
-    fn motion(&self) -> Option<&Simulation> {
-        match &self.work {
-            Work::Simulated(_, simulation, _) => Some(simulation),
-            Work::Planned(_, solution) => solution.motion.as_ref(),
-            Work::Fitted(_, estimate) => estimate.experiments.first().map(|known| &known.motion),
-        }
-    }
-
-    /// A small picture of the motion as SVG, for lists of scenes; `None` where nothing moved.
-    #[must_use]
-    pub fn thumbnail(&self) -> Option<String> {
-        let chosen = self.chosen();
-        let model = chosen.model.as_ref();
-        let drawing = Drawing::of(model, chosen.scene.name);
-        thumbnail(drawing.as_ref(), model, self.motion()?)
-    }
-
-    /// What the command prints with `--json`, in one line.
-    #[must_use]
-    pub fn json(&self) -> String {
-        match &self.work {
-            Work::Simulated(task, simulation, gradient) => {
-                task.json(simulation, gradient.as_ref(), &self.ending)
-            }
-            Work::Planned(task, solution) => task.json(solution, &self.ending),
-            Work::Fitted(task, estimate) => task.json(estimate, &self.ending),
-        }
-    }
-
-    /// The files that the command writes with `--out`, as (name, content): data, figures, and a page that plays the
-    /// motion. Without a motion only the JSON document.
-    #[must_use]
-    pub fn files(&self) -> Vec<(String, String)> {
-        let json = self.json();
-        let (chosen, title, facts) = match &self.work {
-            Work::Simulated(task, simulation, _) => (
-                &task.chosen,
-                task.method.settings.name().to_owned(),
-                simulation_facts(&task.method, simulation, &self.ending),
-            ),
-            Work::Planned(task, solution) => (
-                &task.chosen,
-                "optimal".to_owned(),
-                optimum_facts(&task.method, solution, &self.ending),
-            ),
-            Work::Fitted(task, estimate) => {
-                return fit::files(&task.chosen, estimate, (&json, &self.ending), ROWS);
-            }
-        };
-        let stem = chosen.scene.name.to_owned();
-        let Some(simulation) = self.motion() else {
-            return vec![(format!("{stem}.json"), json)];
-        };
-        ResultFiles {
-            title: format!("{stem}, {title}"),
-            stem,
-            chosen,
-            simulation,
-            json: &json,
-            published: &PublishedData::default(),
-            rows: ROWS,
-            index: None,
-            facts,
-            charts: Vec::new(),
-            further: Vec::new(),
-        }
-        .contents()
-    }
 }
 
 #[cfg(test)]
@@ -580,7 +359,8 @@ mod tests {
         let fall = json["events"][0]["time"].as_f64().unwrap();
         assert!((fall - (2.0 / 9.81_f64).sqrt()).abs() < 1e-9);
         let files = run.files();
-        assert!(files.iter().any(|(name, _)| name == "ball.html"));
+        // As the command names them.
+        assert!(files.iter().any(|(name, _)| name == "ball-event.html"));
     }
 
     #[test]

@@ -3,19 +3,19 @@
 use std::fmt;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use hangtime::mpcc::Mpcc as _;
 use hangtime::nl::{self, Program, Solution};
-use hangtime::nlp::Interrupt;
+use hangtime::nlp::{Interrupt, IterationInfo};
 use hangtime::simulation::ProblemSize;
 
-use crate::arguments::{LimitArguments, MEMORY_LIMIT};
+use crate::arguments::LimitArguments;
 use crate::ending::{Ending, Stop};
 use crate::failure::BadInput;
 use crate::host::{Refusal, guarded};
 use crate::json::ProgramDocument;
-use crate::program::{open, read};
+use crate::program_file::{open, read, summary};
 use crate::program_options::{self, OPTIONS};
 
 /// A program from a file that was solved.
@@ -55,38 +55,64 @@ impl HostProgram {
         stop: &Arc<AtomicBool>,
         observer: &mut (dyn FnMut(&str) -> bool + Send),
     ) -> Result<Self, Refusal> {
-        let refused = |what: String| BadInput::new(format!("{path}: {what}"));
         let mut chosen = nl::Options::default();
         chosen.warm = false;
         for (name, value) in options {
             program_options::set(&mut chosen, name, value, &[]).map_err(BadInput::new)?;
         }
         chosen.interrupt = Interrupt::by(Arc::clone(stop));
-        let bytes = read(Path::new(path))
-            .map_err(|error| refused(format!("{error}; give a .nl file that can be read")))?;
-        let mut is_asked = false;
-        let (program, solution) = guarded(|| {
-            let mut program =
-                open(Path::new(path), &bytes).map_err(|error| refused(error.to_string()))?;
-            let solution = nl::solve_with(&mut program, &chosen, &mut |info| {
-                is_asked |= !observer(&info.to_string());
-                !is_asked
-            });
-            let solution = solution.map_err(|error| refused(error.to_string()))?;
-            Ok((program, solution))
-        })?;
-        let limits = LimitArguments {
-            time_limit: None,
-            memory_limit: MEMORY_LIMIT,
+        let limits = LimitArguments::default();
+        let is_asked = AtomicBool::new(false);
+        let mut told = |info: &IterationInfo| {
+            is_asked.fetch_or(!observer(&info.to_string()), Ordering::Relaxed);
         };
+        let asked = || {
+            let asked = is_asked.load(Ordering::Relaxed) || stop.load(Ordering::Relaxed);
+            asked.then_some(Stop::Interrupt)
+        };
+        let path = Path::new(path);
+        Ok(guarded(|| {
+            Self::run(path, &chosen, &limits, &mut told, &asked)
+        })?)
+    }
+
+    /// Solves the program of a file, which tells its iterations and goes on while there is no reason to stop.
+    pub(crate) fn run(
+        path: &Path,
+        options: &nl::Options,
+        limits: &LimitArguments,
+        told: &mut (dyn FnMut(&IterationInfo) + Send),
+        asked: &(dyn Fn() -> Option<Stop> + Sync),
+    ) -> Result<Self, BadInput> {
+        let name = path.display().to_string();
+        let refused = |what: String| BadInput::new(format!("{name}: {what}"));
+        let bytes = read(path)
+            .map_err(|error| refused(format!("{error}; give a .nl file that can be read")))?;
+        let mut program = open(path, &bytes).map_err(|error| refused(error.to_string()))?;
+        drop(bytes);
+        let size = ProblemSize::of(&program, program.complementarities().len());
+        let solution = nl::solve_with(&mut program, options, &mut |info| {
+            told(info);
+            asked().is_none()
+        })
+        .map_err(|error| refused(error.to_string()))?;
         Ok(Self {
-            name: path.to_owned(),
-            size: ProblemSize::of(&program, program.complementarities().len()),
-            // nothing but the host interrupts
-            ending: Ending::of_program(&solution, Some(Stop::Interrupt), &limits),
+            ending: Ending::of_program(&solution, asked(), limits),
+            name,
+            size,
             program,
             solution,
         })
+    }
+
+    /// The line about it on the standard error stream, if it did not end with a solution.
+    pub(crate) fn line(&self) -> Option<String> {
+        self.ending.line(&self.name)
+    }
+
+    /// The result for people.
+    pub(crate) fn summary(&self) -> String {
+        summary(&self.name, self.size, &self.solution, self.ending.status)
     }
 
     /// Name of the status.

@@ -21,6 +21,7 @@ mod drawing;
 mod ending;
 mod explain;
 mod failure;
+mod job;
 mod json;
 mod kept;
 mod markup;
@@ -49,8 +50,6 @@ mod authoring;
 #[cfg(feature = "terminal")]
 mod bounds;
 #[cfg(feature = "terminal")]
-mod chart;
-#[cfg(feature = "terminal")]
 mod command_line;
 #[cfg(feature = "terminal")]
 mod figure;
@@ -62,6 +61,8 @@ mod fit;
 mod host;
 #[cfg(feature = "terminal")]
 mod host_program;
+#[cfg(feature = "terminal")]
+mod lab;
 #[cfg(feature = "terminal")]
 mod list;
 #[cfg(feature = "terminal")]
@@ -77,11 +78,13 @@ mod profile;
 #[cfg(feature = "terminal")]
 mod program;
 #[cfg(feature = "terminal")]
+mod program_file;
+#[cfg(feature = "terminal")]
 mod program_options;
 #[cfg(feature = "terminal")]
 mod progress;
 #[cfg(feature = "terminal")]
-mod reproduce;
+mod run;
 #[cfg(feature = "terminal")]
 mod shell;
 #[cfg(feature = "terminal")]
@@ -104,9 +107,10 @@ pub use calls::Calls;
 #[cfg(feature = "terminal")]
 pub use command_line::CommandLine;
 #[cfg(feature = "terminal")]
-pub use host::{HostRun, HostScene, Refusal, options};
+pub use host::{HostScene, Refusal, options};
 #[cfg(feature = "terminal")]
 pub use host_program::{HostProgram, program_options};
+pub use job::Run as HostRun;
 pub use json::Columns;
 #[cfg(feature = "terminal")]
 pub use play::{PlayChapter, PlayPage};
@@ -121,4 +125,4 @@ pub use scene::{
 #[cfg(feature = "terminal")]
 pub use shell::CommandSettings;
 #[cfg(feature = "terminal")]
-pub use sweep::{SweepPlan, SweepWork};
+pub use sweep::{SweepPlan, SweepTable, SweepWork};

@@ -1,7 +1,5 @@
 //! Measured motions from tables: a line a time, names and units in the first one.
 
-use std::fs::File;
-use std::io::Read as _;
 use std::path::Path;
 
 use hangtime::estimation::Measurements;
@@ -9,7 +7,7 @@ use hangtime::model::{Experiment, VariableDeclaration};
 use hangtime::simulation::ControlSignal;
 use hangtime_units::Unit;
 
-use crate::cells::{cells, number_of, short};
+use crate::cells::{cells, number_of, regular_text, short};
 use crate::failure::{BadInput, did_you_mean};
 use crate::table::counted;
 
@@ -34,23 +32,12 @@ pub(crate) fn read(
         let file = file.display();
         BadInput::new(format!("measured `{}`, {file}: {what}", experiment.name))
     };
-    let mut text = String::new();
-    // What is no file, such as a pipe, does not tell its length.
-    let read = File::open(&file).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
-    match read {
-        Ok(_) if text.len() as u64 <= LARGEST => {}
-        Ok(_) => {
-            return Err(refuse(
-                "more than 64 MB; keep every second, third, ... line",
-            ));
-        }
-        Err(error) => {
-            return Err(refuse(&format!(
-                "{error}; give a table with a column of times and one for each quantity, or write it between the \
-                 quotation marks, on lines of its own"
-            )));
-        }
-    }
+    let text = regular_text(&file, LARGEST).map_err(|error| {
+        refuse(&format!(
+            "{error}; give a table with a column of times and one for each quantity, or write it between the \
+             quotation marks, on lines of its own"
+        ))
+    })?;
     table(&text, experiment, controls).map_err(|what| refuse(&what))
 }
 

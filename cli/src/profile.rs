@@ -1,11 +1,9 @@
 //! `hangtime profile`: a table of measured points as a statement of the language.
 
 use std::fmt::Write as _;
-use std::fs::File;
-use std::io::Read as _;
 
 use crate::arguments::ProfileArguments;
-use crate::cells::{cells, number_of, short};
+use crate::cells::{cells, number_of, regular_text, short};
 use crate::failure::BadInput;
 use crate::report::Report;
 use crate::table::counted;
@@ -26,18 +24,14 @@ const SCENE: &str = "coordinates { position_ } lagrangian dot(position_)^2/2";
 pub(crate) fn run(arguments: &ProfileArguments) -> Result<Report, BadInput> {
     let file = &arguments.file;
     let refuse = |what: &str| Err(BadInput::new(format!("{}: {what}", file.display())));
-    let mut text = String::new();
-    // what is no file, such as a pipe, does not tell its length
-    let read = File::open(file).and_then(|file| file.take(LARGEST + 1).read_to_string(&mut text));
-    match read {
-        Ok(_) if text.len() as u64 <= LARGEST => {}
-        Ok(_) => return refuse("more than 4 MB; a profile has at most 5000 points, keep fewer"),
+    let text = match regular_text(file, LARGEST) {
+        Ok(text) => text,
         Err(error) => {
             return refuse(&format!(
-                "{error}; give a table of two columns, a point a line"
+                "{error}; give a table of two columns, a point a line, at most {MOST} of them"
             ));
         }
-    }
+    };
     let stem = file.file_stem().and_then(|stem| stem.to_str());
     match table(&text).and_then(|table| table.statement(&name(stem.unwrap_or_default(), "track"))) {
         Ok(statement) => Ok(Report::of(statement)),

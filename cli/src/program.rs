@@ -1,27 +1,18 @@
 //! `hangtime nlp`: a program from a `.nl` file, as text, as JSON, and as a `.sol` file.
 
-use std::fmt::Write as _;
-use std::fs::{self, File};
-use std::io::{self, Read as _};
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use hangtime::mpcc::Mpcc as _;
-use hangtime::mpcc::Stationarity;
-use hangtime::nl::{self, Options, Program, Solution};
-use hangtime::simulation::ProblemSize;
+use hangtime::nl::Options;
+use hangtime::nlp::IterationInfo;
 
 use crate::arguments::NlpArguments;
 use crate::bounds::Bounds;
-use crate::ending::Ending;
-use crate::failure::{BadInput, one_line};
-use crate::json::ProgramDocument;
+use crate::failure::BadInput;
+use crate::host_program::HostProgram;
 use crate::output::OutputDirectory;
 use crate::progress::SolveProgress;
 use crate::report::Report;
-use crate::table::{counted, residual_line, seconds};
-
-/// Most bytes of a file: its program takes about ten times as much memory.
-const MOST_BYTES: u64 = 500_000_000;
 
 pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
     let path = &arguments.file;
@@ -36,33 +27,24 @@ pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
     }
     let target = arguments.sol.as_deref().map(Target::open).transpose()?;
     let bounds = Bounds::watch(name, &arguments.limits);
-    let refused = |what: String| BadInput::new(format!("{shown}: {what}"));
-    let bytes = read(path)
-        .map_err(|error| refused(format!("{error}; give a .nl file that can be read")))?;
-    let mut program = open(path, &bytes).map_err(|error| refused(error.to_string()))?;
-    drop(bytes);
-    let size = ProblemSize::of(&program, program.complementarities().len());
     let mut display = SolveProgress::new(name);
     let mut options = Options::default();
     options.warm = false;
     options.interrupt = bounds.interrupt();
-    let solution = nl::solve_with(&mut program, &options, &mut |info| {
-        display.iteration(info, bounds.asked())
-    })
-    .map_err(|error| refused(error.to_string()))?;
+    let told = &mut |info: &IterationInfo| display.iteration(info);
+    let solved = HostProgram::run(path, &options, &arguments.limits, told, &|| bounds.asked())?;
     drop(display);
-    let ending = Ending::of_program(&solution, bounds.asked(), &arguments.limits);
     drop(bounds);
     let mut report = Report::default();
-    report.diagnoses.extend(ending.line(name));
+    report.diagnoses.extend(solved.line());
     let mut written = String::new();
     if let Some(target) = target {
-        written = target.deliver(&mut report, solution.file_text(&program));
+        written = target.deliver(&mut report, solved.sol());
     }
     report.text = if arguments.json {
-        ProgramDocument::new(name, size, &solution, &ending).text()
+        solved.json()
     } else {
-        summary_of(name, size, &solution, ending.status) + &written
+        solved.summary() + &written
     };
     Ok(report)
 }
@@ -121,81 +103,4 @@ impl Target {
             },
         }
     }
-}
-
-/// The bytes of a file, as many as are allowed.
-pub(crate) fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?
-        .take(MOST_BYTES + 1)
-        .read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > MOST_BYTES {
-        return Err(io::Error::other(format!(
-            "it is longer than {MOST_BYTES} bytes"
-        )));
-    }
-    Ok(bytes)
-}
-
-/// The program of these bytes of the file `path`, with the names in the files beside it.
-pub(crate) fn open(path: &Path, bytes: &[u8]) -> Result<Program, nl::ReadError> {
-    let names = |extension| names(&path.with_extension(extension));
-    Program::read_named(bytes, names("col"), names("row"))
-}
-
-/// The lines of a file with names, if there is one.
-fn names(path: &Path) -> Vec<String> {
-    let text = read(path).unwrap_or_default();
-    let text = String::from_utf8_lossy(&text);
-    text.lines().map(|line| line.trim().to_owned()).collect()
-}
-
-/// The result for people.
-pub(crate) fn summary(name: &str, program: &Program, solution: &Solution) -> String {
-    let size = ProblemSize::of(program, program.complementarities().len());
-    summary_of(name, size, solution, solution.status.name())
-}
-
-/// The result for people, with the status of a run that may have been asked to end.
-fn summary_of(name: &str, size: ProblemSize, solution: &Solution, status: &str) -> String {
-    let mut text = format!("{}\n\n", one_line(name));
-    let _ = writeln!(
-        text,
-        "size          {}, {}, {}, {}",
-        counted(size.variables, "variable"),
-        counted(size.equalities, "equation"),
-        counted(size.inequalities, "inequality row"),
-        counted(size.complementarities, "pair"),
-    );
-    let _ = writeln!(text, "status        {status}");
-    let _ = writeln!(text, "objective     {:.10e}", solution.objective);
-    let meaning = match (solution.stationarity, size.complementarities) {
-        (Stationarity::S, 0) => "the optimality conditions hold",
-        (Stationarity::S, _) => "strongly stationary",
-        (Stationarity::B, _) => "no choice of vanishing sides has a descent direction",
-        _ => "nothing is proved about the point",
-    };
-    let _ = writeln!(
-        text,
-        "stationarity  {}: {meaning}",
-        solution.stationarity.name()
-    );
-    if let Some(second_order) = solution.second_order {
-        let _ = writeln!(
-            text,
-            "second order  {}: {}",
-            second_order.name(),
-            second_order.meaning()
-        );
-    }
-    let _ = writeln!(text, "residuals     {}", residual_line(solution.residuals));
-    let _ = writeln!(
-        text,
-        "counts        {}, {} of them in crossovers, {}",
-        counted(solution.work.iterations, "interior point iteration"),
-        solution.work.crossover_iterations,
-        counted(solution.work.factorizations, "factorization"),
-    );
-    let _ = writeln!(text, "CPU time      {}", seconds(solution.work.seconds));
-    text
 }

@@ -93,12 +93,8 @@ impl SolveProgress {
 }
 
 impl SolveProgress {
-    /// Shows an iteration of a program from a file; `false` once there is a reason to stop.
-    pub(crate) fn iteration(
-        &mut self,
-        info: &hangtime::nlp::IterationInfo,
-        stop: Option<Stop>,
-    ) -> bool {
+    /// Shows an iteration of a program from a file.
+    pub(crate) fn iteration(&mut self, info: &hangtime::nlp::IterationInfo) {
         let now = Instant::now();
         if now >= self.next {
             self.next = now + PATIENCE;
@@ -111,7 +107,6 @@ impl SolveProgress {
                 info.complementarity,
             ));
         }
-        stop.is_none()
     }
 }
 

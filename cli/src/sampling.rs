@@ -177,11 +177,76 @@ pub(crate) fn dense(model: &dyn Model, trajectory: &Trajectory) -> Vec<State> {
     states
 }
 
+/// Which end of the values of a quantity is looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// The smallest one.
+    Smallest,
+    /// The largest one.
+    Largest,
+}
+
+/// The largest or the smallest value of a quantity along a motion, on both sides of its jumps: the best of many states, and what is better
+/// right beside that, by golden sections.
+pub(crate) fn extreme(
+    model: &dyn Model,
+    trajectory: &Trajectory,
+    quantity: Quantity,
+    side: Side,
+) -> Option<f64> {
+    /// Sections after which an interval is shorter by 1e-9; a smooth extreme is known to rounding then.
+    const SECTIONS: usize = 43;
+    let ratio = (5.0_f64.sqrt() - 1.0) / 2.0;
+    let sign = match side {
+        Side::Smallest => -1.0,
+        Side::Largest => 1.0,
+    };
+    let states = dense(model, trajectory);
+    let value = |state: &State| Some(sign * state.value(quantity)?).filter(|x| x.is_finite());
+    let known = states.iter().enumerate();
+    let known = known.filter_map(|(k, state)| Some((k, value(state)?)));
+    let (place, mut best) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let [mut from, mut to] =
+        [place.saturating_sub(1), (place + 1).min(states.len() - 1)].map(|k| states[k].time);
+    let at = |t: f64| state_at(model, trajectory, t).and_then(|state| value(&state));
+    for _ in 0..SECTIONS {
+        let [early, late] = [to - ratio * (to - from), from + ratio * (to - from)];
+        let (Some(a), Some(b)) = (at(early), at(late)) else {
+            break;
+        };
+        best = best.max(a).max(b);
+        if a > b {
+            to = late;
+        } else {
+            from = early;
+        }
+    }
+    Some(sign * best)
+}
+
+/// The largest force of a joint along a motion: of its equations `rows` among those of all joints, the root of the sum of the squares.
+pub(crate) fn largest_joint_force(
+    model: &dyn Model,
+    trajectory: &Trajectory,
+    rows: &std::ops::Range<usize>,
+) -> Option<f64> {
+    let size = |k: usize| {
+        let mut x = [&trajectory.q[k][..], &trajectory.v[k], &trajectory.u[k]].concat();
+        x.push(trajectory.time[k]);
+        let rubs = trajectory.friction_force.get(k).map_or(&[][..], |row| row);
+        let forces = joint_forces(model, &x, &trajectory.contact_force[k], rubs);
+        let squares = forces.get(rows.clone())?.iter().map(|force| force * force);
+        Some(squares.sum::<f64>().sqrt())
+    };
+    (0..trajectory.time.len()).filter_map(size).reduce(f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use hangtime::simulation::Trajectory;
 
-    use super::{dense, state_at};
+    use super::{Side, dense, extreme, state_at};
+    use crate::Quantity;
     use crate::testing::Slide;
 
     /// A ball thrown up at 3 m/s that stops on the ground at t = 1 s; the jump is kept twice.
@@ -206,6 +271,28 @@ mod tests {
             assert!((state.q[0] - (3.0 * t - 3.0 * t * t)).abs() < 1e-14, "{t}");
             assert!((state.v[0] - (3.0 - 6.0 * t)).abs() < 1e-14, "{t}");
         }
+    }
+
+    #[test]
+    fn extremes_are_found_between_instants_and_on_both_sides_of_a_jump() {
+        let of = |quantity, side| extreme(&Slide::default(), &thrown(), quantity, side).unwrap();
+        // The top of 3 t - 3 t^2 at t = 1/2, here with an instant right there; the speed before the impact.
+        assert!((of(Quantity::Coordinate(0), Side::Largest) - 0.75).abs() < 1e-14);
+        assert_eq!(of(Quantity::Velocity(0), Side::Smallest), -3.0);
+        // A cubic whose top is between two instants.
+        let mut trajectory = Trajectory::default();
+        trajectory.push(0.0, 0.0, &[0.0], &[1.0], &[], &[]);
+        trajectory.push(1.0, 1.0, &[0.0], &[-0.5], &[], &[]);
+        // q = s (1 - s) ((1 - s) + s/2) has its slope 1 - 3 s + 3 s^2/2 vanish at s = 1 - 1/sqrt(3).
+        let s = 1.0 - 1.0 / 3.0_f64.sqrt();
+        let top = s * (1.0 - s) * (1.0 - s / 2.0);
+        let found = extreme(
+            &Slide::default(),
+            &trajectory,
+            Quantity::Coordinate(0),
+            Side::Largest,
+        );
+        assert!((found.unwrap() - top).abs() < 1e-14);
     }
 
     #[test]

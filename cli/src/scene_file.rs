@@ -27,6 +27,13 @@ pub(crate) fn read(file: &str) -> Result<TextScene, BadInput> {
     Ok(scene)
 }
 
+/// The warnings about the text of a scene, a sentence each, as they stand in the report.
+pub(crate) fn warned(scene: &Scene) -> impl Iterator<Item = String> {
+    let report = scene.text.map_or("", |text| text.warnings());
+    let first = report.lines().filter(|line| line.starts_with("warning"));
+    first.map(|line| line.trim_end().to_owned())
+}
+
 /// Reads the text of a scene file, whatever stands in it.
 pub(crate) fn read_text(file: &str) -> Result<String, BadInput> {
     if !is_path(file) {

@@ -1,5 +1,7 @@
 //! `SCENE` and `--set NAME=VALUE[UNIT]`: from words to a model.
 
+use std::path::Path;
+
 use crate::Scene;
 use hangtime::model::Model;
 use hangtime::simulation::InputError;
@@ -157,10 +159,20 @@ impl ChosenScene {
     }
 }
 
-/// The scene called `name`, or that of the file with this path.
-pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<&'static Scene, BadInput> {
+/// The file of a scene that is no scene of the list: the path itself, or that of the file beside it which has the ending of scene files.
+pub(crate) fn file_of(scenes: &[Scene], name: &str) -> Option<String> {
     if is_path(name) {
-        return load(name);
+        return Some(name.to_owned());
+    }
+    let beside = format!("{name}.{EXTENSION}");
+    let known = scenes.iter().any(|scene| scene.name == name);
+    (!known && Path::new(&beside).is_file()).then_some(beside)
+}
+
+/// The scene called `name`, or that of the file with this path, which may be given without its ending.
+pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<&'static Scene, BadInput> {
+    if let Some(file) = file_of(scenes, name) {
+        return load(&file);
     }
     let named = scenes.iter().find(|scene| scene.name == name);
     let known = named.ok_or_else(|| {

@@ -1,107 +1,16 @@
-//! `hangtime simulate`: one simulation, as tables, as JSON, and as files.
+//! A simulation as tables.
 
 use std::fmt::Write as _;
 
-use crate::{PublishedData, Scene};
 use hangtime::model::{Declaration, Model};
 use hangtime::simulation::{Event, Gradient, SequenceRange, Side, Simulation};
 
-use crate::arguments::{Method, SimulateArguments};
-use crate::bounds::Bounds;
 use crate::ending::Ending;
-use crate::failure::{BadInput, one_line};
-use crate::files::ResultFiles;
-use crate::method::{ChosenMethod, name_of};
-use crate::output::OutputDirectory;
-use crate::progress::Progress;
-use crate::report::{Report, refuse_rows_of_nothing};
-use crate::settings::ChosenScene;
 use crate::table::{counted, described, headed, number, per_second, residual_line, seconds, table};
-use crate::task::{SimulationTask, simulation_facts};
+use crate::task::SimulationTask;
 
 /// Most events that are printed.
 const MOST_EVENTS: usize = 1_000;
-
-pub(crate) fn run(
-    scenes: &'static [Scene],
-    arguments: &SimulateArguments,
-) -> Result<Report, BadInput> {
-    refuse_rows_of_nothing(&arguments.result)?;
-    let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
-    let task = SimulationTask::new(chosen, arguments)?;
-    let (chosen, method, horizon) = (&task.chosen, &task.method, task.problem.horizon);
-    let out = arguments.result.out.as_deref();
-    let directory = out.map(OutputDirectory::open).transpose()?;
-    let bounds = Bounds::watch(chosen.scene.name, &arguments.limits);
-    let mut progress = Progress::new(chosen.scene.name, horizon);
-    let simulation = task.run(&mut |now| {
-        progress.reach(now.time);
-        bounds.asked().is_none()
-    })?;
-    drop(progress);
-    let ending = Ending::of_simulation(&simulation, bounds.asked(), &arguments.limits);
-    drop(bounds);
-    let gradient = task.gradient(&simulation)?;
-    let json = task.json(&simulation, gradient.as_ref(), &ending);
-    let mut report = Report::default();
-    report
-        .diagnoses
-        .extend(diagnosis_line(chosen, &simulation, &ending));
-    let mut written = String::new();
-    if let Some(directory) = directory {
-        let files = ResultFiles {
-            stem: stem(chosen, arguments.method.method.unwrap_or_default()),
-            title: format!("{}, {}", chosen.scene.name, method.settings.name()),
-            chosen,
-            simulation: &simulation,
-            json: &json,
-            published: &PublishedData::default(),
-            rows: arguments.result.rows(),
-            index: None,
-            facts: simulation_facts(method, &simulation, &ending),
-            charts: Vec::new(),
-            further: Vec::new(),
-        };
-        written = report.deliver(directory, &files.contents());
-    }
-    report.text = if arguments.result.json {
-        json
-    } else {
-        let mut text = tables(chosen, horizon, method, &simulation, &ending);
-        if let Some(gradient) = &gradient {
-            text += &gradient_table(chosen.model.as_ref(), &simulation, gradient);
-        }
-        text + &written
-    };
-    Ok(report)
-}
-
-/// Name of the files, without extension: results of different methods stand side by side.
-fn stem(chosen: &ChosenScene, method: Method) -> String {
-    let scene = chosen.scene.name;
-    if method == Method::default() {
-        scene.to_owned()
-    } else {
-        format!("{scene}-{}", name_of(method))
-    }
-}
-
-/// Why a simulation stopped early, in one line, if it did.
-pub(crate) fn diagnosis_line(
-    chosen: &ChosenScene,
-    simulation: &Simulation,
-    ending: &Ending,
-) -> Option<String> {
-    let time = simulation.status.diagnosis()?.time;
-    let text = format!(
-        "{}: {} at t = {} s: {}",
-        chosen.scene.name,
-        ending.status,
-        time,
-        ending.diagnosis.as_deref().unwrap_or_default()
-    );
-    Some(one_line(&text))
-}
 
 /// A number for people: ten decimals, or an exponent where they would fill the line.
 pub(crate) fn digits(value: f64) -> String {
@@ -116,13 +25,13 @@ pub(crate) fn digits(value: f64) -> String {
 }
 
 /// The result for people.
-fn tables(
-    chosen: &ChosenScene,
-    horizon: f64,
-    method: &ChosenMethod,
+pub(crate) fn tables(
+    task: &SimulationTask,
     simulation: &Simulation,
+    gradient: Option<&Gradient>,
     ending: &Ending,
 ) -> String {
+    let (chosen, method, horizon) = (&task.chosen, &task.method, task.problem.horizon);
     let declaration = chosen.model.declaration();
     let mut text = format!("{}: {}\n\n", chosen.scene.name, chosen.scene.title);
     let parameters = chosen.parameters();
@@ -170,6 +79,9 @@ fn tables(
         text += "\n";
     }
     text += &work(simulation);
+    if let Some(gradient) = gradient {
+        text += &gradient_table(chosen.model.as_ref(), simulation, gradient);
+    }
     text
 }
 

@@ -1,4 +1,4 @@
-//! `hangtime solve`: the optimal control problem of a scene, as tables, as JSON, and as files.
+//! A plan as tables, and the chart of its search.
 
 use std::fmt::Write as _;
 
@@ -8,83 +8,24 @@ use hangtime::ocp::{ControlShape, Solution, Source};
 use hangtime::simulation::{EventKind, Trajectory};
 
 use crate::anytime::{self, Search};
-use crate::arguments::{ControlsName, GridName, SolveArguments, SolveFormulation};
-use crate::bounds::Bounds;
 use crate::ending::Ending;
-use crate::failure::BadInput;
 use crate::figure::Look;
-use crate::files::ResultFiles;
-use crate::fit;
 use crate::json::{SolverSettings, struck_after_the_end};
-use crate::method::name_of;
-use crate::output::OutputDirectory;
 use crate::page::Figure;
-use crate::progress::SolveProgress;
 use crate::quantity;
-use crate::report::{Report, refuse_rows_of_nothing};
 use crate::sampling::State;
 use crate::settings::ChosenScene;
 use crate::simulate::{digits, ranges};
 use crate::table::{counted, headed, residual_line, seconds, table};
-use crate::task::{OptimumTask, certificate, optimum_facts};
-use crate::{Measure, PublishedData, Quantity, Scene};
-
-pub(crate) fn run(
-    scenes: &'static [Scene],
-    arguments: &SolveArguments,
-) -> Result<Report, BadInput> {
-    refuse_rows_of_nothing(&arguments.result)?;
-    let chosen = ChosenScene::from_arguments(scenes, &arguments.scene)?;
-    if !chosen.model.experiments().is_empty() {
-        return fit::run(chosen, arguments);
-    }
-    let mut task = OptimumTask::new(chosen, arguments)?;
-    let name = task.chosen.scene.name;
-    let out = arguments.result.out.as_deref();
-    let bounds = Bounds::watch(name, &arguments.limits);
-    let directory = out.map(OutputDirectory::open).transpose()?;
-    let mut display = SolveProgress::new(name);
-    let solution = task.run(&mut |progress| display.report(progress, bounds.asked()))?;
-    drop(display);
-    let ending = Ending::of_bounded(&solution, bounds.asked(), &arguments.limits);
-    drop(bounds);
-    let (chosen, method) = (&task.chosen, &task.method);
-    let json = task.json(&solution, &ending);
-    let mut report = Report::default();
-    report.diagnoses.extend(ending.line(chosen.scene.name));
-    let mut written = String::new();
-    if let Some(directory) = directory {
-        let stem = stem(chosen, arguments);
-        let charts = improvements(&stem, chosen, &solution);
-        let files = match &solution.motion {
-            None => vec![(format!("{stem}.json"), json.clone())],
-            Some(simulation) => ResultFiles {
-                stem,
-                title: format!("{}, optimal", chosen.scene.name),
-                chosen,
-                simulation,
-                json: &json,
-                published: &PublishedData::default(),
-                rows: arguments.result.rows(),
-                index: None,
-                facts: optimum_facts(method, &solution, &ending),
-                charts,
-                further: Vec::new(),
-            }
-            .contents(),
-        };
-        written = report.deliver(directory, &files);
-    }
-    report.text = if arguments.result.json {
-        json
-    } else {
-        tables(chosen, method, &solution, &ending) + &written
-    };
-    Ok(report)
-}
+use crate::task::certificate;
+use crate::{Measure, Quantity};
 
 /// How the best motion became better over the CPU time of the search, if it did: a chart, as (name, chart).
-fn improvements(stem: &str, chosen: &ChosenScene, solution: &Solution) -> Vec<(String, Figure)> {
+pub(crate) fn improvements(
+    stem: &str,
+    chosen: &ChosenScene,
+    solution: &Solution,
+) -> Vec<(String, Figure)> {
     if solution.improvements.len() < 2 {
         return Vec::new();
     }
@@ -92,21 +33,6 @@ fn improvements(stem: &str, chosen: &ChosenScene, solution: &Solution) -> Vec<(S
     let title = format!("{}: best objective over CPU time", chosen.scene.name);
     let chart = anytime::figure(&title, &[search], solution.objective);
     vec![(format!("{stem}-search.svg"), chart)]
-}
-
-/// Name of the files, without extension: results of different methods stand side by side.
-fn stem(chosen: &ChosenScene, arguments: &SolveArguments) -> String {
-    let mut stem = format!("{}-optimal", chosen.scene.name);
-    if arguments.formulation != SolveFormulation::default() {
-        stem = format!("{stem}-{}", name_of(arguments.formulation));
-    }
-    if arguments.controls != ControlsName::default() {
-        stem = format!("{stem}-{}", name_of(arguments.controls));
-    }
-    if arguments.grid != GridName::default() {
-        stem = format!("{stem}-{}", name_of(arguments.grid));
-    }
-    stem
 }
 
 /// Derivatives of the optimum.
@@ -136,7 +62,7 @@ fn gradient(declaration: &Declaration, solution: &Solution) -> String {
 }
 
 /// The result for people.
-fn tables(
+pub(crate) fn tables(
     chosen: &ChosenScene,
     method: &SolverSettings,
     solution: &Solution,

@@ -8,10 +8,11 @@
 >>> answer = ht.nlp("program.nl")
 
 Numbers are those of the command line, bit for bit. Bad input is one exception, :class:`Mistake`, that prints like the
-command line.
+command line; it is a ``KeyError``, ``FileNotFoundError`` or ``TypeError`` as well where that is what it is.
 """
 
 from ._core import Mistake, __version__
+from ._mistakes import NoSuchFile, NoSuchName, WrongType
 from ._program import Program, nlp
 from ._result import Estimate, Event, Gradient, Run, Solution
 from ._scene import Scene, load, scene, scenes
@@ -22,11 +23,14 @@ __all__ = [
     "Event",
     "Gradient",
     "Mistake",
+    "NoSuchFile",
+    "NoSuchName",
     "Program",
     "Run",
     "Scene",
     "Solution",
     "Sweep",
+    "WrongType",
     "__version__",
     "load",
     "nlp",

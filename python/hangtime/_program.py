@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _core
 from ._core import Mistake
+from ._mistakes import NoSuchName, WrongType
 from ._scene import _checked, _telling, _text
 
 
@@ -100,7 +101,7 @@ class Program:
     def __getitem__(self, name: str) -> float:
         if not isinstance(name, str) or name not in self.variables:
             some = ", ".join(self.variables[:20]) + (", ..." if len(self.variables) > 20 else "")
-            raise Mistake(f"error: no variable {name!r}; there are: {some}")
+            raise NoSuchName(f"error: no variable {name!r}; there are: {some}")
         return float(self.x[self.variables.index(name)])
 
     def __repr__(self) -> str:
@@ -129,7 +130,7 @@ def nlp(
     try:
         path = os.fspath(path)
     except TypeError:
-        raise Mistake(f"error: a path is needed, not {type(path).__name__}") from None
+        raise WrongType(f"error: a path is needed, not {type(path).__name__}") from None
     if not isinstance(path, str):
         raise Mistake(f"error: `{path!r}`: give the name of a .nl file as a text")
     pairs = [(name, _option(name, value)) for name, value in options.items() if value is not None]

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 import os
 from html import escape
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Type, TypeVar
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Type, TypeVar
 
 import numpy as np
 
 from ._core import Mistake
+from ._mistakes import NoSuchName, WrongType
 
 Motion = TypeVar("Motion", bound="Run")
 #: Parts of a trajectory that hold a vector at every instant.
@@ -83,7 +84,7 @@ class State(Dict[str, float]):
     """The state at one instant: values by the names of :attr:`Run.units`."""
 
     def __missing__(self, name: str) -> float:
-        raise Mistake(f"error: no quantity `{name}`; there are: {', '.join(self)}")
+        raise NoSuchName(f"error: no quantity `{name}`; there are: {', '.join(self)}")
 
 
 class Run:
@@ -286,7 +287,7 @@ class Run:
         """All values of a quantity, shape (rows,), in the unit of :attr:`units`; read-only."""
         named = self._named()
         if not isinstance(name, str) or name not in named:
-            raise Mistake(f"error: no quantity {name!r}; there are: {', '.join(named)}")
+            raise NoSuchName(f"error: no quantity {name!r}; there are: {', '.join(named)}")
         part, index, _ = named[name]
         return self._part(part) if index is None else self._part(part)[:, index]
 
@@ -318,7 +319,7 @@ class Run:
         try:
             time = float(time)
         except (TypeError, ValueError):
-            raise Mistake(f"error: the time is {type(time).__name__}: give a number of seconds") from None
+            raise WrongType(f"error: the time is {type(time).__name__}: give a number of seconds") from None
         if not len(t) or not t[0] <= time <= t[-1]:
             simulated = f"it has instants from {t[0]} s to {t[-1]} s" if len(t) else "it has no motion"
             raise Mistake(f"error: time {time} s was not simulated; {simulated}")
@@ -332,6 +333,18 @@ class Run:
         return State(
             {name: time if index is None else float(values[part][index]) for name, (part, index, _) in named}
         )
+
+    def sample(self, times: Iterable[float]) -> Dict[str, np.ndarray]:
+        """All quantities at times of one's own [s], in any order: arrays of shape (times,) by the names of :attr:`units`.
+
+        Each is what :meth:`at` gives: right after an impact at that time, and between instants as accurate.
+        """
+        try:
+            chosen = np.asarray(times, dtype=float)
+        except (TypeError, ValueError):
+            raise WrongType(f"error: `times` is {type(times).__name__}: give numbers of seconds") from None
+        states = [self.at(time) for time in np.atleast_1d(chosen)]
+        return {name: np.array([state[name] for state in states]) for name in self}
 
     def to_pandas(self) -> Any:
         """A ``pandas.DataFrame`` with a column a quantity, indexed by time; units are in ``attrs["units"]``."""
@@ -362,7 +375,8 @@ class Run:
     def svg(self) -> str:
         """A picture of the motion, or of its quantities over time where the scene has no picture."""
         pictures = {name: text for name, text in self.files.items() if name.endswith(".svg")}
-        chosen = [name for name in pictures if not name.endswith("-time.svg")] or list(pictures)
+        others = ("-time.svg", "-search.svg", "-measured.svg", "-residuals.svg")
+        chosen = [name for name in pictures if not name.endswith(others)] or list(pictures)
         if not chosen:
             raise Mistake(f"error: no motion to draw: {self.status}")
         return pictures[chosen[0]]

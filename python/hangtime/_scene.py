@@ -8,13 +8,20 @@ import os
 import sys
 import time
 from contextlib import contextmanager
-from typing import Any, Callable, Iterable, Iterator, List, Mapping, NamedTuple, Optional, Union
+from typing import Any, Callable, Iterator, List, Literal, Mapping, NamedTuple, Optional, Sequence, Union
 
 from . import _core
 from ._core import Mistake
+from ._mistakes import NoSuchFile, NoSuchName, WrongType
 from ._result import Estimate, Gradient, Run, Solution
 
 Value = Union[float, int, str]
+#: A name or several.
+Names = Union[str, Sequence[str]]
+#: What tells how far a run is: true for a line in the terminal, or what is called with the time reached [s] and a text.
+Telling = Union[bool, Callable[[Optional[float], str], Any]]
+Method = Literal["fesd", "event", "moreau", "smooth", "fixed"]
+Scheme = Literal["radau-iia", "gauss-legendre"]
 _OPTIONS: dict = {}
 
 
@@ -46,7 +53,7 @@ def _text(name: str, value: Any) -> str:
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
         value = float(value)
         return repr(value) if math.isfinite(value) else str(value)
-    raise Mistake(
+    raise WrongType(
         f"error: `{name}` is {type(value).__name__}: give a number in the declared unit, or a text such as '15 km/h'"
     )
 
@@ -54,7 +61,7 @@ def _text(name: str, value: Any) -> str:
 def _words(command: str, parameters: Optional[Mapping[str, Value]], keywords: Mapping[str, Any]) -> List[str]:
     """Keywords as the words that stand behind the scene on the command line."""
     if parameters is not None and not isinstance(parameters, Mapping):
-        raise Mistake(f"error: `parameters` is {type(parameters).__name__}: give a dict of values by name")
+        raise WrongType(f"error: `parameters` is {type(parameters).__name__}: give a dict of values by name")
     settings = dict(parameters or {})
     words = []
     for name, value in keywords.items():
@@ -75,6 +82,11 @@ def _words(command: str, parameters: Optional[Mapping[str, Value]], keywords: Ma
             raise Mistake(f"error: `parameters`: {name!r} is no name; give a dict of values by name")
         words.append(f"--set={name}={_text(name, value)}")
     return [_checked(word) for word in words]
+
+
+def _given(arguments: Mapping[str, Any], others: Sequence[str]) -> dict:
+    """The options among the arguments of a method that were given."""
+    return {name: value for name, value in arguments.items() if name not in others and value is not None}
 
 
 def _names(option: str, value: Any) -> str:
@@ -127,7 +139,7 @@ def _telling(name: str, progress: Any) -> Iterator[Optional[Callable[[Optional[f
         finally:
             bar.close()
     else:
-        raise Mistake(f"error: `progress` is {type(progress).__name__}: give True, or what is called with time and text")
+        raise WrongType(f"error: `progress` is {type(progress).__name__}: give True, or what is called with time and text")
 
 
 class Scene:
@@ -177,23 +189,36 @@ class Scene:
         self,
         *,
         parameters: Optional[Mapping[str, Value]] = None,
-        progress: Union[bool, Callable[[Optional[float], str], Any]] = False,
-        **keywords: Any,
+        progress: Telling = False,
+        method: Optional[Method] = None,
+        scheme: Optional[Scheme] = None,
+        stages: Optional[int] = None,
+        steps: Optional[int] = None,
+        elements: Optional[int] = None,
+        formulation: Optional[Literal["active-set", "time-freezing", "complementarity"]] = None,
+        tolerance: Optional[float] = None,
+        width: Optional[float] = None,
+        horizon: Optional[Value] = None,
+        gradient: Optional[Names] = None,
+        gradient_of: Optional[Names] = None,
+        gradient_mode: Optional[Literal["forward", "adjoint"]] = None,
+        rows: Optional[int] = None,
+        time_limit: Optional[Value] = None,
+        **values: Value,
     ) -> Run:
         """Simulates the scene.
 
-        Keywords are parameters of the scene, as numbers in the declared unit or texts with a unit (``"15 km/h"``), and
-        the options of ``hangtime simulate``: ``method``, ``scheme``, ``stages``, ``steps``, ``elements``,
-        ``formulation``, ``tolerance``, ``width``, ``no_exit_condition``, ``horizon`` [s], ``rows``, ``time_limit`` [s],
-        ``gradient`` (a name or a list of names that the motion is differentiated by, for :attr:`Run.gradient`),
-        ``gradient_of`` (a name or a list of names of values at the end that alone are differentiated: ``"objective"``,
-        coordinates, outputs, ``"event_times[0]"``), ``gradient_mode`` (``"forward"``, ``"adjoint"``). A parameter with the name of an option is set by ``parameters={"name": value}``.
+        ``values`` are parameters of the scene, as numbers in the declared unit or texts with a unit (``"15 km/h"``); all other keywords
+        are options of ``hangtime simulate``, times in seconds. Further options, such as ``no_exit_condition=True``, are taken as well. The
+        motion is differentiated by the names in ``gradient``, for :attr:`Run.gradient`: all of it, or with ``gradient_of`` values at the
+        end alone (``"objective"``, coordinates, outputs, ``"event_times[0]"``). A parameter with the name of an option is set by
+        ``parameters={"name": value}``.
 
-        The interpreter's lock is released. Ctrl-C raises ``KeyboardInterrupt``. ``progress`` is true for a line on the
-        standard error stream, or is called with the time reached [s] and a text.
+        The interpreter's lock is released. Ctrl-C raises ``KeyboardInterrupt``.
         """
-        words = _words("simulate", parameters, keywords)
-        return Run._of(self._run("simulate", words, progress), self, "simulate", words)
+        options = _given(locals(), ("self", "parameters", "progress", "values"))
+        words = _words("simulate", parameters, {**options, **values})
+        return Run._of(self._run("simulate", words, values, progress), self, "simulate", words)
 
     def gradient(
         self, *names: str, parameters: Optional[Mapping[str, Value]] = None, **keywords: Any
@@ -217,25 +242,44 @@ class Scene:
         *,
         parameters: Optional[Mapping[str, Value]] = None,
         start: Optional[Solution] = None,
-        progress: Union[bool, Callable[[Optional[float], str], Any]] = False,
-        **keywords: Any,
+        progress: Telling = False,
+        intervals: Optional[int] = None,
+        controls: Optional[Literal["constant", "linear"]] = None,
+        grid: Optional[Literal["equal", "aligned"]] = None,
+        formulation: Optional[Literal["auto", "time-freezing"]] = None,
+        search: Optional[Literal["words", "grids"]] = None,
+        scheme: Optional[Scheme] = None,
+        stages: Optional[int] = None,
+        elements: Optional[int] = None,
+        starts: Optional[int] = None,
+        horizon: Optional[Value] = None,
+        gradient: Optional[Names] = None,
+        rows: Optional[int] = None,
+        time_limit: Optional[Value] = None,
+        **values: Value,
     ) -> Union[Solution, Estimate]:
         """Solves the scene's problem of optimal control, or estimates parameters where it compares with measurements.
 
-        Keywords are parameters, as in :meth:`simulate`, and the options of ``hangtime solve``: ``intervals``,
-        ``controls``, ``formulation``, ``search``, ``scheme``, ``stages``, ``elements``, ``starts``, ``horizon`` [s],
-        ``rows``, ``time_limit`` [s], ``gradient`` (parameters that the optimum is differentiated by). ``start`` is an
-        earlier solution of the scene, for other parameters or intervals, whose motion is started from. Ctrl-C ends the solve with the best motion so far, whose status is ``interrupted``.
+        ``values`` are parameters, as in :meth:`simulate`; all other keywords are options of ``hangtime solve``. The optimum is
+        differentiated by the parameters in ``gradient``. ``start`` is an earlier solution of the scene, for other parameters or
+        intervals, whose motion is started from. Ctrl-C ends the solve with the best motion so far, whose status is ``interrupted``.
         """
-        words = _words("solve", parameters, keywords)
+        options = _given(locals(), ("self", "parameters", "start", "progress", "values"))
+        words = _words("solve", parameters, {**options, **values})
         more = {} if start is None else {"start": _native(start)}
-        run = self._run("solve", words, progress, **more)
+        run = self._run("solve", words, values, progress, **more)
         kind = Estimate if run.is_estimate else Solution
         return kind._of(run, self, "solve", words)
 
-    def _run(self, command: str, words: List[str], progress: Any, **more: Any):
+    def _run(self, command: str, words: List[str], keywords: Mapping[str, Any], progress: Any, **more: Any) -> Any:
         with _telling(self.name, progress) as told:
-            return getattr(self._core, command)(words, told, **more)
+            try:
+                return getattr(self._core, command)(words, told, **more)
+            except Mistake as mistake:
+                if any(f"has no parameter `{name}`" in str(mistake) for name in keywords):
+                    # As Python refuses a keyword that a function does not have.
+                    raise WrongType(str(mistake)) from None
+                raise
 
     def __repr__(self) -> str:
         return f"<hangtime scene {self.name}: {self.title}>"
@@ -257,7 +301,7 @@ class Scene:
 def _native(start: Any) -> Any:
     """The run of a solution that a solve is to start from."""
     if not isinstance(start, Solution):
-        raise Mistake(f"error: `start` is {type(start).__name__}: give what solve returned")
+        raise WrongType(f"error: `start` is {type(start).__name__}: give what solve returned")
     if start._native is None:
         raise Mistake("error: `start` was pickled, which keeps no motion to start from; solve it again")
     return start._native
@@ -271,24 +315,30 @@ def load(path: Union[str, "os.PathLike[str]"]) -> Scene:
     try:
         path = os.fspath(path)
     except TypeError:
-        raise Mistake(f"error: a path is needed, not {type(path).__name__}") from None
+        raise WrongType(f"error: a path is needed, not {type(path).__name__}") from None
     if not isinstance(path, str) or not path.endswith(".hang"):
         raise Mistake(f"error: `{path!r}`: give a scene file, whose name ends with .hang")
     # The native part reads it as the command line does, and refuses it with the same words.
-    _core.Scene.open(_checked(path))
+    try:
+        _core.Scene.open(_checked(path))
+    except Mistake as mistake:
+        if os.path.exists(path):
+            raise
+        raise NoSuchFile(str(mistake)) from None
     try:
         with open(path, encoding="utf-8") as file:
             text = file.read()
     except (OSError, ValueError) as error:
         raise Mistake(f"error: {path}: {error}; give a scene file that can be read") from None
-    return Scene(("text", os.path.splitext(path)[0], text))
+    # Files that it names are looked for beside it, wherever the working folder is by then.
+    return Scene(("text", os.path.splitext(os.path.abspath(path))[0], text))
 
 
 def scene(text: str, name: str = "scene") -> Scene:
     """The scene that a text declares, under a name."""
     for what, value in (("text", text), ("name", name)):
         if not isinstance(value, str):
-            raise Mistake(f"error: the {what} of a scene is {type(value).__name__}: give a text")
+            raise WrongType(f"error: the {what} of a scene is {type(value).__name__}: give a text")
     return Scene(("text", _checked(name), _checked(text)))
 
 
@@ -303,7 +353,9 @@ class _Scenes:
 
     def __getitem__(self, name: str) -> Scene:
         if not isinstance(name, str) or name.endswith(".hang"):
-            raise Mistake(f"error: {name!r} is no name of a shipped scene; they are: {', '.join(self)}")
+            raise NoSuchName(f"error: {name!r} is no name of a shipped scene; they are: {', '.join(self)}")
+        if name not in _core.scene_names():
+            raise NoSuchName(f"error: no shipped scene `{name}`; they are: {', '.join(self)}")
         return Scene(("shipped", _checked(name), None))
 
     def __iter__(self) -> Iterator[str]:

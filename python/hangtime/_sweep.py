@@ -4,23 +4,29 @@ from __future__ import annotations
 
 import csv
 import io
+import multiprocessing
 import os
+import signal
+import threading
+import time
+from collections import deque
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from . import _core
 from ._core import Mistake
+from ._mistakes import NoSuchName, WrongType
 from ._result import _pyplot
 from ._scene import Scene, Value, _checked, _text, _words
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-#: Rows that a worker computes before it hands them over: a call of a worker costs about as much as a short run.
-_CHUNK = 16
-#: Chunks per worker that wait: enough that no worker does, few enough that a stop loses little.
+#: A worker hands its rows over after about this time [s]: a call of one costs some milliseconds.
+_PATIENCE = 0.25
+#: Calls per worker that wait: enough that no worker does, few enough that a stop loses little.
 _WAITING = 4
 #: Columns of texts, also where all are empty.
 _TEXTS = ("status", "message", "sequence")
@@ -55,7 +61,7 @@ class Sweep(Sequence[Dict[str, str]]):
             names = [heading.split(" [")[0] for heading in self.columns]
             place = names.index(key) if key in names else -1
             if place < 0:
-                raise Mistake(f"error: no column `{key}`; there are: {', '.join(names)}")
+                raise NoSuchName(f"error: no column `{key}`; there are: {', '.join(names)}")
             cells = [row[place] for row in self._rows[1:]]
             if key in _TEXTS:
                 return np.array(cells, dtype=str)
@@ -66,7 +72,7 @@ class Sweep(Sequence[Dict[str, str]]):
         if isinstance(key, slice):
             return [self[k] for k in range(*key.indices(len(self)))]
         if not isinstance(key, (int, np.integer)):
-            raise Mistake(f"error: {type(key).__name__} is no column and no row; columns are: {', '.join(self.columns)}")
+            raise WrongType(f"error: {type(key).__name__} is no column and no row; columns are: {', '.join(self.columns)}")
         if not -len(self) <= key < len(self):
             raise IndexError(f"row {key} of {len(self)}")
         return dict(zip(self.columns, self._rows[1:][key]))
@@ -148,10 +154,44 @@ def _plan(origin: tuple, solve: bool, warm: int, over: tuple, words: tuple, reco
     return _core.SweepPlan(Scene(origin)._core, solve, warm, list(over), list(words), list(record))
 
 
-def _rows(spec: tuple, chains: Sequence[int]) -> List[str]:
-    """What a worker does: rows of chains of points."""
+def _rows(spec: tuple, first: int, last: int) -> Tuple[List[str], int]:
+    """What a worker does: rows of chains from ``first`` on, up to ``last`` or until it hands them over; and the next chain."""
     plan = _plan(*spec)
-    return [row for chain in chains for row in plan.rows(chain)]
+    rows: List[str] = []
+    end = time.monotonic() + _PATIENCE
+    for chain in range(first, last):
+        rows += plan.rows(chain)
+        if time.monotonic() >= end:
+            return rows, chain + 1
+    return rows, last
+
+
+def _beside_its_parent() -> None:
+    """How a worker begins: it ends when its parent does, which answers Ctrl-C for both."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    if parent is not None:
+        threading.Thread(target=watch, daemon=True).start()
+
+
+def _own_workers() -> Any:
+    from concurrent.futures import ProcessPoolExecutor
+
+    # Fresh processes: a forked one has no threads of those that the solver started before.
+    return ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"), initializer=_beside_its_parent)
+
+
+def _end(pool: Any) -> None:
+    """Ends workers that may be in the middle of a long run."""
+    workers = list((getattr(pool, "_processes", None) or {}).values())
+    pool.shutdown(wait=False, cancel_futures=True)
+    for worker in workers:
+        worker.terminate()
 
 
 def sweep(
@@ -170,7 +210,9 @@ def sweep(
 
     ``over`` gives values by parameter; every combination is a point. ``what`` is ``"simulate"`` or ``"solve"``,
     ``record`` names numbers: ``objective``, ``final_time``, ``horizon``, ``stationarity``, ``resimulation_error``,
-    ``events``, ``final.NAME`` and ``final.dot(NAME)`` of a coordinate. Other keywords are those of ``Scene.simulate`` or
+    ``events``, ``final.NAME`` and ``final.dot(NAME)`` of a coordinate, ``output.NAME`` at the end, ``max(NAME)`` and ``min(NAME)``
+    along the motion, ``force(NAME)`` for the largest force of a contact or joint, ``time(EVENT CONTACT N)``, such as
+    ``time(impact floor 1)``. Other keywords are those of ``Scene.simulate`` or
     ``Scene.solve``. ``executor`` is any ``concurrent.futures.Executor``, such as Dask's ``client.get_executor()``; by
     default fresh processes, for which a script needs the usual ``if __name__ == "__main__":``. What a row holds depends
     neither on the workers nor on their order; a point that fails is a row whose status says so.
@@ -185,11 +227,11 @@ def sweep(
     file beside it until all are known.
     """
     if not isinstance(scene, Scene):
-        raise Mistake(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
+        raise WrongType(f"error: the scene is {type(scene).__name__}: give what load, scene or scenes returned")
     if not isinstance(what, str) or what not in ("simulate", "solve"):
         raise Mistake(f"error: what = {what!r}: give 'simulate' or 'solve'")
     if not isinstance(over, Mapping):
-        raise Mistake(f"error: `over` is {type(over).__name__}: give a dict of values by parameter")
+        raise WrongType(f"error: `over` is {type(over).__name__}: give a dict of values by parameter")
     if isinstance(record, str) or not all(isinstance(name, str) for name in record):
         raise Mistake("error: `record`: give a list of names")
     spec = (
@@ -203,26 +245,29 @@ def sweep(
     plan = _plan(*spec)
     kept = None if store is None else _opened(store, plan)
     lines = [] if kept is None else kept.lines
+    own = None
     try:
-        own = None
         missing = len(lines) < len(plan)
         if missing and executor is not None and not callable(getattr(executor, "submit", None)):
-            raise Mistake(f"error: `executor` is {type(executor).__name__}: give one of concurrent.futures, or None")
+            raise WrongType(f"error: `executor` is {type(executor).__name__}: give one of concurrent.futures, or None")
         if missing and executor is None:
-            from concurrent.futures import ProcessPoolExecutor
-            from multiprocessing import get_context
-
-            # Fresh processes: a forked one has no threads of those that the solver started before.
-            own = ProcessPoolExecutor(mp_context=get_context("spawn"))
-        try:
-            for row in _computed(own if executor is None else executor, spec, plan, len(lines)):
-                lines.append(row)
-                if kept is not None:
-                    kept.add(row)
-        finally:
-            if own is not None:
-                own.shutdown(cancel_futures=True)
+            own = _own_workers()
+        for row in _computed(own if executor is None else executor, spec, plan, len(lines)):
+            lines.append(row)
+            if kept is not None:
+                kept.add(row)
+        if own is not None:
+            own.shutdown()
+            own = None
+    except KeyboardInterrupt:
+        if kept is None:
+            raise
+        raise KeyboardInterrupt(
+            f"{len(lines)} of {len(plan)} points are stored; the same call goes on from there, and so does --resume"
+        ) from None
     finally:
+        if own is not None:
+            _end(own)
         if kept is not None:
             kept.close()
     table = Sweep(plan.header, lines, list(over))
@@ -235,7 +280,7 @@ def _axis(name: Any, values: Any) -> str:
     if not isinstance(name, str):
         raise Mistake(f"error: `over`: {name!r} is no name of a parameter")
     if isinstance(values, str) or not isinstance(values, Iterable):
-        raise Mistake(f"error: `over`: the values of `{name}` are {type(values).__name__}: give a list or an array")
+        raise WrongType(f"error: `over`: the values of `{name}` are {type(values).__name__}: give a list or an array")
     return _checked(f"{name}={','.join(_text(name, value) for value in values)}")
 
 
@@ -250,25 +295,31 @@ def _chain(warm: Any) -> int:
 
 
 def _computed(executor: Any, spec: tuple, plan: Any, done: int) -> Iterable[str]:
-    """Rows from point ``done`` on, in order; only so many chunks of chains wait at a time."""
+    """Rows from point ``done`` on, in order; only so many calls wait at a time, each of about as many points as fit into its time."""
     first = next((k for k in range(plan.chains) if plan.chain(k)[1] > done), plan.chains) if spec[2] > 1 else done
-    # A chunk is so many chains that there are about as many points in it as in one without chains.
-    size = max(1, _CHUNK // spec[2])
-    chunks = [range(k, min(k + size, plan.chains)) for k in range(first, plan.chains, size)]
     # Of a chain that was begun, the points that are known are computed once more: others start from them.
-    known = done - plan.chain(first)[0] if chunks else 0
-    waiting = _WAITING * (os.cpu_count() or 1)
-    futures: Dict[int, Any] = {}
+    known = done - plan.chain(first)[0] if first < plan.chains else 0
+    most = _WAITING * (os.cpu_count() or 1)
+    waiting: Any = deque()
+    ahead, size = first, 1
     try:
-        for k in range(len(chunks)):
-            for ahead in range(k, min(k + waiting, len(chunks))):
-                if ahead not in futures:
-                    futures[ahead] = executor.submit(_rows, spec, list(chunks[ahead]))
-            yield from futures[k].result()[known:]
-            futures[k], known = None, 0
+        while waiting or ahead < plan.chains:
+            while ahead < plan.chains and len(waiting) < most:
+                last = min(ahead + size, plan.chains)
+                waiting.append((ahead, last, executor.submit(_rows, spec, ahead, last)))
+                ahead = last
+            start, last, future = waiting[0]
+            rows, reached = future.result()
+            waiting.popleft()
+            if reached < last:
+                waiting.appendleft((reached, last, executor.submit(_rows, spec, reached, last)))
+                size = reached - start
+            else:
+                size = max(size, 2 * (last - start))
+            yield from rows[known:]
+            known = max(0, known - len(rows))
     finally:
-        rest = [future for future in futures.values() if future is not None]
-        for future in rest:
+        for _, _, future in waiting:
             future.cancel()
 
 
@@ -281,32 +332,27 @@ class _Store:
 
     def __init__(self, path: str, plan: Any):
         self._parquet = path if path.endswith(".parquet") else None
-        rows = path if self._parquet is None else path + ".csv"
-        text = None
+        self._rows = path if self._parquet is None else path + ".csv"
+        self._table: Any = None
         if self._parquet is not None:
             arrow = _arrow()
             if os.path.exists(path):
                 text = (arrow.read_schema(path).metadata or {}).get(_ROWS, b"")
-        self._rows: Optional[str] = rows if text is None else None
-        self.lines = _read(path, _cut(rows) if text is None else text, plan)
-        if text is not None and len(self.lines) < len(plan):
-            raise _of_another(path)
-        self._file = None if self._rows is None else open(rows, "a", encoding="utf-8", newline="")
-        if self._file is not None and not os.path.getsize(rows):
-            self._file.write(plan.header + "\n")
+                self.lines = _read(path, text, plan)
+                return
+        self._table = _core.SweepTable(self._rows, plan)
+        self.lines = list(self._table.rows)
 
     def add(self, row: str) -> None:
-        if self._file is not None:
-            self._file.write(row + "\n")
-            self._file.flush()
+        self._table.append(row)
 
     def close(self) -> None:
-        if self._file is not None:
-            self._file.close()
+        if self._table is not None:
+            self._table.close()
 
     def finish(self, table: Sweep) -> None:
         """Writes the table, where rows alone do not make it up."""
-        if self._parquet is None or self._rows is None:
+        if self._parquet is None or self._table is None:
             return
         import pyarrow
 
@@ -349,24 +395,11 @@ def _opened(store: Any, plan: Any) -> _Store:
         raise Mistake(f"error: `store`: {error}; give the path of a file that can be written") from None
 
 
-def _cut(path: str) -> bytes:
-    """What is stored already; what a killed run left of a row is cut off."""
-    if not os.path.exists(path):
-        return b""
-    with open(path, "rb+") as file:
-        text = file.read()
-        whole = text.rfind(b"\n") + 1
-        file.truncate(whole)
-    return text[:whole]
-
-
 def _read(path: str, text: bytes, plan: Any) -> List[str]:
-    """The rows of a stored table."""
-    lines = text.decode("utf-8", "replace").splitlines()
-    if not lines:
-        return []
+    """The rows of a table that was stored whole."""
+    lines = text.decode("utf-8", "replace").splitlines() or [""]
     rows = lines[1:]
-    fits = lines[0] == plan.header and len(rows) <= len(plan)
+    fits = lines[0] == plan.header and len(rows) == len(plan)
     if not fits or any(not row.startswith(f"{k},") or not row.endswith("," + plan.mark) for k, row in enumerate(rows)):
         raise _of_another(path)
     return rows

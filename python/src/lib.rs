@@ -4,9 +4,10 @@
 
 use std::ffi::OsString;
 use std::fmt::Display;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -408,12 +409,63 @@ impl SweepPlan {
         Ok((points.start, points.end))
     }
 
-    /// Computes the rows of a chain, lines of CSV.
+    /// Computes the rows of a chain, lines of CSV. Ctrl-C ends it by `KeyboardInterrupt`.
     fn rows(&self, py: Python<'_>, number: usize) -> PyResult<Vec<String>> {
         let number = self.checked(number)?;
-        let rows = py.detach(|| self.inner.rows(number, &|| true));
-        py.check_signals()?;
-        Ok(rows)
+        let raised = Mutex::new((Instant::now(), None));
+        let goes_on = || {
+            // Whoever comes while another thread asks goes on.
+            let Ok(mut raised) = raised.try_lock() else {
+                return true;
+            };
+            if raised.1.is_none() && raised.0.elapsed() >= PATIENCE {
+                let signals = Python::attach(|py| py.check_signals());
+                *raised = (Instant::now(), signals.err());
+            }
+            raised.1.is_none()
+        };
+        let rows = py.detach(|| self.inner.rows(number, &goes_on));
+        let raised = raised.into_inner().unwrap_or_else(PoisonError::into_inner);
+        raised.1.map_or(Ok(rows), Err)
+    }
+}
+
+/// The file of a sweep's table, which nobody else writes until it is closed.
+#[pyclass(module = "hangtime._core")]
+struct SweepTable {
+    inner: Option<hangtime_cli::SweepTable>,
+    rows: Vec<String>,
+}
+
+#[pymethods]
+impl SweepTable {
+    /// Goes on with the table at a path, or begins it.
+    #[new]
+    fn new(py: Python<'_>, path: PathBuf, plan: Py<SweepPlan>) -> PyResult<Self> {
+        let plan = plan.get();
+        let opened = py.detach(|| hangtime_cli::SweepTable::resume(&path, &plan.inner));
+        let (inner, rows) = opened.map_err(|r| mistake(&r))?;
+        let inner = Some(inner);
+        Ok(Self { inner, rows })
+    }
+
+    /// The rows that were in it, lines of CSV.
+    #[getter]
+    fn rows(&self) -> Vec<String> {
+        self.rows.clone()
+    }
+
+    /// Appends a row.
+    fn append(&mut self, row: &str) -> PyResult<()> {
+        match &mut self.inner {
+            Some(table) => table.append(row).map_err(|r| mistake(&r)),
+            None => Ok(()),
+        }
+    }
+
+    /// Lets others write it.
+    fn close(&mut self) {
+        self.inner = None;
     }
 }
 
@@ -460,6 +512,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Scene>()?;
     module.add_class::<Run>()?;
     module.add_class::<SweepPlan>()?;
+    module.add_class::<SweepTable>()?;
     module.add_class::<Program>()?;
     module.add("WARM_CHAIN", hangtime_cli::WARM_CHAIN)?;
     module.add_function(wrap_pyfunction!(solve_program, module)?)?;

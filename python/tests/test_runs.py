@@ -143,6 +143,19 @@ def test_readme_runs(tmp_path, monkeypatch):
     assert said["best"].status == "solved" and len(said["table"]) == 3
 
 
+def test_the_chapter_of_the_book_runs(tmp_path, monkeypatch):
+    text = (ROOT / "docs" / "book" / "src" / "python.md").read_text(encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    blocks = text.split("```python\n")[1:]
+    said = {"__name__": "__main__"}
+    for block in blocks:
+        exec(block.split("```")[0], said)
+    assert said["run"].status == said["best"].status == "solved"
+    assert list(said["table"]["max(z)"]) == [0.5, 0.7, 0.9]
+    # Nothing pushes it along the floor: x = speed t.
+    assert said["speed"] == pytest.approx(2.0 / 0.6, rel=1e-9)
+
+
 def test_restitution_of_a_measured_drop_is_found_with_its_deviation(tmp_path):
     fall, times = math.sqrt(2 / G), [0.05 * k for k in range(1, 20)]
     z = [1 - G / 2 * t**2 if t < fall else 0.8 * G * fall * (t - fall) - G / 2 * (t - fall) ** 2 for t in times]
@@ -159,3 +172,51 @@ def test_restitution_of_a_measured_drop_is_found_with_its_deviation(tmp_path):
     assert found.deviations["e"] == pytest.approx(sum(s * s for s in slopes) ** -0.5, rel=1e-6)
     assert found.covariance.shape == (1, 1) and found.correlation[0, 0] == 1
     assert len(found.experiments[0]["time"]) == 19 and "+-" in repr(found)
+
+
+def test_mistakes_are_what_python_calls_them_as_well(tmp_path):
+    ball = ht.scene(BALL)
+    run = ball.simulate()
+    for kind, wrong in [
+        (KeyError, lambda: run["y"]),
+        (KeyError, lambda: run.final["y"]),
+        (KeyError, lambda: ht.scenes["no-such"]),
+        (FileNotFoundError, lambda: ht.load(tmp_path / "no.hang")),
+        (TypeError, lambda: ball.simulate(metod="event")),
+        (TypeError, lambda: ball.simulate(h=[1])),
+        (TypeError, lambda: run.at("now")),
+        (ValueError, lambda: run.at(1e9)),
+    ]:
+        with pytest.raises(kind) as raised:
+            wrong()
+        assert isinstance(raised.value, ht.Mistake) and str(raised.value).startswith("error: ")
+    assert "did you mean" in str(pytest.raises(ht.Mistake, lambda: ball.simulate(horizn=1)).value)
+
+
+def test_sample_is_the_motion_at_times_of_ones_own():
+    run = ht.scene(BALL).simulate(h=1.0, e=0.5)
+    times = [0.1, 0.4, 0.55, 0.2]
+    sampled = run.sample(times)
+    fall = math.sqrt(2 / G)
+    assert list(sampled) == list(run) and list(sampled["time"]) == times
+    for t, z in zip(times, sampled["z"]):
+        wanted = 1 - G / 2 * t**2 if t < fall else 0.5 * G * fall * (t - fall) - G / 2 * (t - fall) ** 2
+        # The tolerance of a simulation is 1e-6.
+        assert z == pytest.approx(wanted, abs=1e-5)
+    with pytest.raises(ht.Mistake, match="was not simulated"):
+        run.sample([0.1, 2.0])
+
+
+def test_tables_are_looked_for_beside_the_scene_wherever_the_working_folder_is(tmp_path, monkeypatch):
+    fall = math.sqrt(2 / G)
+    rows = "".join(f"{t!r},{1 - G / 2 * t * t!r}\n" for t in (0.1, 0.2, 0.3, 0.9 * fall))
+    (tmp_path / "fall.csv").write_text("t,z\n" + rows)
+    (tmp_path / "fall.hang").write_text(
+        "free g: m/s^2 in 1..=20 = 9 coordinates { z: m } lagrangian 1[kg]/2*dot(z)^2 - 1[kg]*g*z "
+        'start { z: 1 [m] } measured fall: "fall.csv" { z within 1 [cm] } minimize misfit(fall)'
+    )
+    monkeypatch.chdir(tmp_path)
+    scene = ht.load("fall.hang")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    assert scene.solve().values["g"] == pytest.approx(G, abs=1e-8)

@@ -1,6 +1,12 @@
 """Sweeps: one table, whoever computes it."""
 
+import fcntl
 import multiprocessing
+import os
+import signal
+import subprocess
+import sys
+import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
@@ -158,3 +164,81 @@ def test_warm_table_is_that_of_the_command_line_however_it_is_computed(command, 
             ht.sweep(cart, over, executor=object(), **{**more, "warm": warm})
     with pytest.raises(ht.Mistake, match="what solve"):
         ht.sweep(cart, over, executor=object(), what="simulate", warm=True)
+
+
+LONG = """
+import hangtime as ht, sys
+if __name__ == "__main__":
+    ball = ht.load(sys.argv[1])
+    ht.sweep(ball, {"h": [0.5 + 0.01 * k for k in range(400)]}, record=["max(z)"], store=sys.argv[2], method="moreau", steps=STEPS)
+"""
+
+
+def _started(folder, ball_file, steps):
+    script = folder / "long.py"
+    script.write_text(LONG.replace("STEPS", str(steps)))
+    return subprocess.Popen([sys.executable, script, ball_file, folder / "s.csv"], stderr=subprocess.PIPE, text=True)
+
+
+def _children(process):
+    found = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=False)
+    return [int(child) for child in found.stdout.split()]
+
+
+def _wait(until, seconds=60):
+    end = time.monotonic() + seconds
+    while not until():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def test_rows_come_by_time_and_ctrl_c_ends_with_a_word_and_whole_rows(ball_file, tmp_path):
+    # A point takes about half a second: sixteen of them would take eight.
+    process = _started(tmp_path, ball_file, 100_000)
+    store = tmp_path / "s.csv"
+    _wait(lambda: store.exists() and store.read_text().count("\n") > 2)
+    process.send_signal(signal.SIGINT)
+    pressed = time.monotonic()
+    _, said = process.communicate(timeout=60)
+    # A second, and as much for a busy machine.
+    assert time.monotonic() - pressed < 2
+    assert process.returncode != 0 and "--resume" in said
+    text = store.read_text()
+    assert text.endswith("\n") and 2 < text.count("\n") < 400
+
+
+def test_workers_end_with_a_parent_that_was_killed(ball_file, tmp_path):
+    process = _started(tmp_path, ball_file, 300_000)
+    _wait(lambda: len(_children(process)) > 1)
+    workers = _children(process)
+    process.kill()
+    process.communicate()
+    _wait(lambda: not any(os.path.exists(f"/proc/{worker}") for worker in workers), 10)
+
+
+def test_two_sweeps_do_not_write_one_store(ball, tmp_path):
+    store = tmp_path / "s.csv"
+    with ThreadPoolExecutor(2) as executor:
+        whole = ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store).csv
+        store.write_text(whole[:500])
+        with open(store, "a") as other:
+            fcntl.flock(other, fcntl.LOCK_EX)
+            with pytest.raises(ht.Mistake, match="another sweep writes"):
+                ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store)
+        assert ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store).csv == whole
+        store.write_text("notes")
+        with pytest.raises(ht.Mistake, match="another sweep"):
+            ht.sweep(ball, OVER, record=RECORD, executor=executor, store=store)
+        assert store.read_text() == "notes"
+
+
+def test_equal_distances_are_those_of_the_command_line(command, ball, ball_file, tmp_path):
+    store = tmp_path / "s.csv"
+    words = ["--over", "h=0.2:1.9:18", "--record", "max(z),time(impact floor 1)", "--out", store]
+    assert command("sweep", ball_file, *words)[0] == 0
+    # No executor is asked: all rows are those of the store.
+    record = ["max(z)", "time(impact floor 1)"]
+    table = ht.sweep(ball, {"h": np.linspace(0.2, 1.9, 18)}, record=record, executor=object(), store=store)
+    np.testing.assert_allclose(table["max(z)"], table["h"], atol=1e-12)
+    fall = np.sqrt(2 * table["h"] / 9.81)
+    np.testing.assert_allclose(table["time(impact floor 1)"], np.where(fall < 0.6, fall, np.nan), atol=1e-6)

@@ -108,15 +108,6 @@ fn packages_hold_licences_their_readme_and_its_figures() {
 
 #[test]
 fn packages_say_what_they_are_and_how_to_depend_on_them() {
-    let workspace_manifest = text(&workspace().join("Cargo.toml"));
-    let version = workspace_manifest
-        .lines()
-        .find_map(|line| line.strip_prefix("version = "))
-        .expect("a version")
-        .trim_matches('"')
-        .rsplit_once('.')
-        .expect("three numbers")
-        .0;
     for package in Package::all() {
         let name = package.name();
         for field in FIELDS {
@@ -133,7 +124,8 @@ fn packages_say_what_they_are_and_how_to_depend_on_them() {
         let readme = package
             .folder
             .join(package.value("readme").expect("a README"));
-        let line = format!("[dependencies]\n{library} = \"{version}\"\n");
+        // A version, or where the sources are as long as no registry has it.
+        let line = format!("[dependencies]\n{library} = ");
         assert!(text(&readme).contains(&line), "{name}: README lacks {line}");
     }
 }

@@ -1,4 +1,4 @@
-//! Shipped scenes, examples and README: certified solutions, closed forms, and each other.
+//! Shipped scenes and examples: certified solutions, closed forms, and each other.
 
 mod agreement;
 mod air_drag;
@@ -24,7 +24,6 @@ mod published_data;
 mod published_results;
 mod pump_track;
 mod random;
-mod readme;
 mod scene_files;
 #[path = "../stability/mod.rs"]
 mod stability;

@@ -5,10 +5,13 @@ use hangtime::prelude::*;
 use hangtime_models::scenes;
 use hangtime_scene_files::{SceneError, TextScene, of_text};
 
-use crate::{ball_on_slope, bike_on_two_wheels, own_command_line, readme, teaching_models};
+use crate::{ball_on_slope, bike_on_two_wheels, own_command_line, teaching_models};
 
 #[path = "../declarations/same.rs"]
 mod same;
+#[expect(dead_code, reason = "the example is a program with a main function")]
+#[path = "../../examples/sledge.rs"]
+mod sledge;
 
 /// The files of the shipped scenes.
 const FILES: [(&str, &str); 11] = [
@@ -120,7 +123,7 @@ fn example_from_its_text_moves_as_the_compiled_one() {
         ),
         (
             include_str!("../../examples/sledge.rs"),
-            Box::new(readme::sledge::Sledge::default()),
+            Box::new(sledge::Sledge::default()),
         ),
         (
             include_str!("../../examples/block_on_incline.rs"),

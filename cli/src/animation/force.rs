@@ -1,32 +1,38 @@
-//! Where in the plane a contact force acts, and along which direction.
+//! Where in the plane a contact acts on what is drawn, and how.
 //!
-//! A force `F` on a body at `p(q)` with the angle `a(q)`, and its moment `m` about `p`, are the generalized force
-//! `(dp/dq)' F + (da/dq)' m`. The one of a contact is `n lambda_n + b lambda_t`. The arrow belongs to the first body
-//! that can carry it, alone or against another body that takes the reaction, by least squares, and begins where the
-//! line on which `F` has the moment `m` enters the outline of the body.
+//! Bodies and lines of a picture are rigid parts. A contact whose gap is a length acts by a force `F` at the place `p` where two parts
+//! touch, or where one touches the ground: `(dp/dq)' F = Q`, with `p` as a point of the one as seen from the other, and the
+//! generalized force `Q = n lambda_n + b lambda_t` that the scene declares. Of the places that can carry `Q` the force is drawn at the
+//! closest one, across the lines that touch there if that is enough. A contact whose gap is an angle acts by a torque `T` on a part that
+//! turns, `(da/dq)' T = Q`.
 
 use hangtime::model::{Model, contact_point, tangent_point};
 use serde::Serialize;
 
-use crate::drawing::Drawing;
+use super::touch::{Outline, Touch};
+use crate::drawing::{Drawing, GroundLine, Placed, ranges};
 use crate::sampling::State;
 
 /// Step of the central differences of a place, relative to the size of the coordinate.
 const STEP: f64 = 1e-6;
-/// What is added to the squares, as a share of them, where a body does not move along all loads.
-const SINGULAR: f64 = 1e-9;
-/// Forces that no body can carry within this share of themselves are not drawn.
+/// A place carries a generalized force that it has within this share: far above roundings of the differences.
 const CARRIED: f64 = 1e-4;
+/// Parts that are apart by less than this share of the picture touch: less is not seen.
+const TOUCHING: f64 = 0.01;
+/// Where the motions of a place by all coordinates are along one line within this share, only that direction is known.
+const ONE_DIRECTION: f64 = 1e-6;
 
-/// The force of one contact in the plane.
+/// What one contact does in the plane.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub(crate) struct Arrow {
-    /// Index of the body that carries it.
-    pub(super) body: usize,
-    /// Where it acts, from the place of the body.
-    pub(super) from: [f64; 2],
-    /// Horizontal and vertical component.
+    /// The part that it acts on: bodies, then lines.
+    pub(super) on: usize,
+    /// Where it acts.
+    pub(super) at: [f64; 2],
+    /// Horizontal and vertical component of a force; zero of a torque.
     pub(super) force: [f64; 2],
+    /// Torque, counterclockwise; zero of a force.
+    pub(super) torque: f64,
 }
 
 impl Arrow {
@@ -35,226 +41,398 @@ impl Arrow {
     }
 }
 
-/// The force of every contact.
-pub(super) fn arrows(drawing: &Drawing<'_>, model: &dyn Model, state: &State) -> Vec<Arrow> {
-    let jacobians = jacobians(drawing, state);
-    let placed = drawing.at(state);
-    let reach = |body: usize| drawing.bodies[body].reach();
-    let between = |one: usize, other: usize| {
-        let [[y, z], [b, c]] = [placed.places[one], placed.places[other]];
-        let reaches = [reach(one), reach(other)];
-        relative(
-            [&jacobians[one], &jacobians[other]],
-            [y - b, z - c],
-            reaches,
-        )
-    };
-    let bodies = 0..jacobians.len();
-    let pairs = bodies
-        .clone()
-        .flat_map(|one| bodies.clone().map(move |other| (one, other)));
-    let mut pairs: Vec<_> = pairs.filter(|(one, other)| one != other).collect();
-    // both bodies are touched where the force acts, and of a small one any place is near that
-    pairs.sort_by(|a, b| reach(a.0).total_cmp(&reach(b.0)));
-    let alone = jacobians.iter().cloned().enumerate().collect();
-    let pairs = pairs.into_iter();
-    let loaded = [
-        alone,
-        pairs
-            .map(|(one, other)| (one, between(one, other)))
-            .collect(),
-    ];
-    (0..state.contact_force.len())
-        .map(|contact| {
-            let generalized = generalized_force(model, contact, state);
-            let Some((body, [y, z, moment])) = load(&loaded, &generalized) else {
-                return Arrow::default();
-            };
-            let outline = placed.outline(body, &drawing.bodies[body]);
-            let moment = moment * drawing.bodies[body].reach();
-            let arrow = Arrow {
-                body,
-                from: entry(placed.places[body], &outline, [y, z], moment),
-                force: [y, z],
-            };
-            let finite = arrow.force.iter().chain(&arrow.from).all(|x| x.is_finite());
-            if finite { arrow } else { Arrow::default() }
-        })
-        .collect()
+/// A place where a force may act: on a part, and against another one if there is one.
+struct Place {
+    on: usize,
+    against: Option<usize>,
+    touch: Touch,
 }
 
-/// Bodies with the derivatives of what a load on them moves along.
-type Loaded = Vec<(usize, Vec<[f64; 3]>)>;
-
-/// The first body that carries a generalized force, and the load on it: a force through its place if one is enough, on the body alone
-/// (the first of `loaded`) rather than against another one.
-fn load(loaded: &[Loaded; 2], generalized: &[f64]) -> Option<(usize, [f64; 3])> {
-    let size = generalized.iter().map(|q| q * q).sum::<f64>().sqrt();
-    let carried = |loaded: &Loaded, turning: f64| {
-        let mut loads = loaded.iter().map(|(body, jacobian)| {
-            let columns = jacobian.iter();
-            let columns = columns.map(|[y, z, angle]| [*y, *z, turning * angle]);
-            let (load, residual) = least_squares(&columns.collect::<Vec<_>>(), generalized);
-            (residual, *body, load)
-        });
-        loads.find(|(residual, ..)| size > 0.0 && *residual <= CARRIED * size)
-    };
-    let ways = [0.0, 1.0].into_iter();
-    let mut ways = ways.flat_map(|turning| loaded.iter().map(move |loaded| (loaded, turning)));
-    let (_, body, load) = ways.find_map(|(loaded, turning)| carried(loaded, turning))?;
-    Some((body, load))
+/// The parts of a picture at a state, and right beside it.
+struct Parts<'a> {
+    drawing: &'a Drawing<'a>,
+    placed: Placed,
+    /// Steps of the coordinates, with everything a step behind and ahead.
+    beside: Vec<(f64, [Placed; 2])>,
+    outlines: Vec<Outline>,
+    /// How far everything reaches.
+    extent: f64,
 }
 
-/// Derivatives of the place and the angle of a body as seen from another one, which takes the reaction of a load where it acts: `apart` is
-/// the place of the first from that of the other.
-fn relative(
-    [one, other]: [&[[f64; 3]]; 2],
-    [y, z]: [f64; 2],
-    [reach, other_reach]: [f64; 2],
-) -> Vec<[f64; 3]> {
-    let seen = one.iter().zip(other).map(|(one, other)| {
-        let turn = if other_reach > 0.0 {
-            other[2] / other_reach
-        } else {
-            0.0
-        };
-        [
-            one[0] - (other[0] - turn * z),
-            one[1] - (other[1] + turn * y),
-            one[2] - reach * turn,
-        ]
-    });
-    seen.collect()
-}
-
-/// Where the line on which a force has the moment enters an outline, from the place of the body; the point of the line
-/// that is nearest to the place, if they do not meet.
-fn entry(place: [f64; 2], outline: &[[f64; 2]], [y, z]: [f64; 2], moment: f64) -> [f64; 2] {
-    let size = y.hypot(z);
-    if outline.is_empty() || size == 0.0 {
-        return [0.0; 2];
+/// What every contact does; `None` where it does nothing, or nothing that is drawn could feel it.
+pub(super) fn arrows(
+    drawing: &Drawing<'_>,
+    ground: &[GroundLine],
+    model: &dyn Model,
+    state: &State,
+) -> Vec<Option<Arrow>> {
+    let loads: Vec<[Vec<f64>; 2]> = (0..state.contact_force.len())
+        .map(|contact| generalized_force(model, contact, state))
+        .collect();
+    if loads.as_flattened().iter().flatten().all(|q| *q == 0.0) {
+        return vec![None; loads.len()];
     }
-    let along = [y / size, z / size];
-    let nearest = [-along[1] * moment / size, along[0] * moment / size];
-    // How far a corner is along the line, and beside it.
-    let seen = |[a, b]: [f64; 2]| {
-        let [a, b] = [a - place[0] - nearest[0], b - place[1] - nearest[1]];
-        [a * along[0] + b * along[1], a * along[1] - b * along[0]]
+    let parts = Parts::new(drawing, state);
+    let places = parts.places(ground);
+    let turns = |contact: usize| is_angle(model, contact);
+    let loads = loads.iter().enumerate().map(|(contact, load)| {
+        if load.iter().flatten().all(|q| *q == 0.0) {
+            return None;
+        }
+        let torque = turns(contact).then(|| parts.torque(load)).flatten();
+        let at_a_place = || {
+            let mut places = places.iter();
+            let found = places.find_map(|place| Some((place, parts.force(place, load)?)));
+            found.map(|(place, force)| Arrow {
+                on: place.on,
+                at: place.touch.at,
+                force,
+                torque: 0.0,
+            })
+        };
+        torque.or_else(at_a_place).or_else(|| parts.along(load))
+    });
+    let finite = |arrow: &Arrow| {
+        let numbers = arrow.force.iter().chain(&arrow.at).chain([&arrow.torque]);
+        numbers.copied().all(f64::is_finite)
     };
-    let corners: Vec<[f64; 2]> = outline.iter().map(|&corner| seen(corner)).collect();
-    let reach = corners
-        .iter()
-        .flatten()
-        .fold(0.0_f64, |most, x| most.max(x.abs()));
-    // A corner on the line counts in spite of roundings of the derivatives.
-    let touching = corners
-        .iter()
-        .filter(|corner| corner[1].abs() <= CARRIED * reach);
-    let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-    let crossed = sides.filter(|(a, b)| a[1] * b[1] < 0.0);
-    let crossed = crossed.map(|(a, b)| a[0] + (b[0] - a[0]) * a[1] / (a[1] - b[1]));
-    let first = touching
-        .map(|corner| corner[0])
-        .chain(crossed)
-        .fold(f64::INFINITY, f64::min);
-    let first = if first.is_finite() { first } else { 0.0 };
-    [nearest[0] + first * along[0], nearest[1] + first * along[1]]
+    loads.map(|arrow| arrow.filter(finite)).collect()
 }
 
-/// `n lambda_n + b lambda_t`.
-fn generalized_force(model: &dyn Model, contact: usize, state: &State) -> Vec<f64> {
-    let n = state.q.len();
-    let mut x: Vec<f64> = Vec::with_capacity(model.declaration().inputs());
+/// Whether the gap of a contact is an angle, in a scene with units.
+fn is_angle(model: &dyn Model, contact: usize) -> bool {
+    let declaration = model.declaration();
+    let unit = declaration.contacts[contact].unit;
+    let measured = declaration.coordinates.iter().any(|c| !c.unit.is_empty());
+    measured && hangtime_units::convert(1.0, unit, "").is_ok()
+}
+
+impl<'a> Parts<'a> {
+    fn new(drawing: &'a Drawing<'a>, state: &State) -> Self {
+        let placed = drawing.at(state);
+        let mut q = state.q.clone();
+        let beside = (0..q.len()).map(|i| {
+            let (at, step) = (q[i], STEP * q[i].abs().max(1.0));
+            let both = [-step, step].map(|step| {
+                q[i] = at + step;
+                drawing.placed(&q, &state.v, &state.u, state.time)
+            });
+            q[i] = at;
+            (step, both)
+        });
+        let beside = beside.collect();
+        let bodies = drawing.bodies.iter().enumerate();
+        let bodies = bodies.map(|(index, body)| {
+            let corners = placed.outline(index, body);
+            let round = body.round || corners.is_empty();
+            Outline {
+                corners: if round {
+                    vec![placed.places[index]]
+                } else {
+                    corners
+                },
+                closed: true,
+                radius: if round { body.reach() } else { 0.0 },
+            }
+        });
+        let lines = placed.ends.iter().zip(&drawing.springs);
+        let lines = lines.map(|(ends, spring)| Outline {
+            corners: if *spring { Vec::new() } else { ends.to_vec() },
+            closed: false,
+            radius: 0.0,
+        });
+        let outlines = bodies.chain(lines).collect();
+        let [[left, right], [bottom, top]] = ranges(&placed.extent(&drawing.bodies));
+        Self {
+            drawing,
+            placed,
+            beside,
+            outlines,
+            extent: (right - left).hypot(top - bottom),
+        }
+    }
+
+    /// How large a part is.
+    fn reach(&self, part: usize) -> f64 {
+        match self.drawing.bodies.get(part) {
+            Some(body) => body.reach(),
+            None => {
+                let [a, b] = self.placed.ends[part - self.drawing.bodies.len()];
+                (a[0] - b[0]).hypot(a[1] - b[1]) / 2.0
+            }
+        }
+    }
+
+    /// Every place where a force may act, the likeliest first: where parts touch the ground and each other, then where nothing touches.
+    fn places(&self, ground: &[GroundLine]) -> Vec<Place> {
+        let ground = ground.iter().map(|line| Outline {
+            corners: line.points.clone(),
+            closed: false,
+            radius: 0.0,
+        });
+        let ground: Vec<Outline> = ground.collect();
+        let mut places = Vec::new();
+        for (on, outline) in self.outlines.iter().enumerate() {
+            let touches = ground.iter().flat_map(|line| outline.touches(line));
+            let corners = outline.corners.iter().map(|&at| Touch {
+                at,
+                normal: [0.0; 2],
+                distance: f64::INFINITY,
+            });
+            places.extend(touches.chain(corners).map(|touch| Place {
+                on,
+                against: None,
+                touch,
+            }));
+            for (other, second) in self.outlines.iter().enumerate().skip(on + 1) {
+                // The force is shown on the smaller one.
+                let (on, against) = match self.reach(other) < self.reach(on) {
+                    true => (other, on),
+                    false => (on, other),
+                };
+                places.extend(outline.touches(second).into_iter().map(|touch| Place {
+                    on,
+                    against: Some(against),
+                    touch,
+                }));
+            }
+        }
+        let rank = |place: &Place| {
+            let apart = place.touch.distance > TOUCHING * self.extent;
+            (apart, place.against.is_some())
+        };
+        places.sort_by(|a, b| {
+            let nearer = a.touch.distance.total_cmp(&b.touch.distance);
+            rank(a).cmp(&rank(b)).then(nearer)
+        });
+        places
+    }
+
+    /// Place and angle of a part.
+    fn pose(&self, placed: &Placed, part: usize) -> ([f64; 2], f64) {
+        match part.checked_sub(self.drawing.bodies.len()) {
+            None => (placed.places[part], placed.angles[part]),
+            Some(line) => {
+                let [a, b] = placed.ends[line];
+                (a, (b[1] - a[1]).atan2(b[0] - a[0]))
+            }
+        }
+    }
+
+    /// Derivatives by each coordinate of the point of a part that is at a place, and of its angle.
+    fn motion(&self, part: usize, at: [f64; 2]) -> Vec<[f64; 3]> {
+        let (place, angle) = self.pose(&self.placed, part);
+        let seen = turned([at[0] - place[0], at[1] - place[1]], -angle);
+        let column = |(step, both): &(f64, [Placed; 2])| {
+            let [behind, ahead] = both.each_ref().map(|placed| {
+                let (place, angle) = self.pose(placed, part);
+                let arm = turned(seen, angle);
+                ([place[0] + arm[0], place[1] + arm[1]], angle)
+            });
+            // An angle may be written a whole turn away.
+            let turn = (ahead.1 - behind.1 + std::f64::consts::PI)
+                .rem_euclid(std::f64::consts::TAU)
+                - std::f64::consts::PI;
+            let change = [ahead.0[0] - behind.0[0], ahead.0[1] - behind.0[1], turn];
+            change.map(|change| change / (2.0 * step))
+        };
+        self.beside.iter().map(column).collect()
+    }
+
+    /// The force at a place that has this generalized force, normal and tangential, if one has.
+    fn force(&self, place: &Place, [normal, tangential]: &[Vec<f64>; 2]) -> Option<[f64; 2]> {
+        let own = self.motion(place.on, place.touch.at);
+        let other = place
+            .against
+            .map(|other| self.motion(other, place.touch.at));
+        let moves: Vec<[f64; 2]> = match other {
+            None => own.iter().map(|&[y, z, _]| [y, z]).collect(),
+            Some(other) => own
+                .iter()
+                .zip(&other)
+                .map(|(a, b)| [a[0] - b[0], a[1] - b[1]])
+                .collect(),
+        };
+        let across = place.touch.normal;
+        let along = [-across[1], across[0]];
+        let one = |direction: [f64; 2], load: &[f64]| {
+            let rates = moves
+                .iter()
+                .map(|m| m[0] * direction[0] + m[1] * direction[1]);
+            carried(&rates.collect::<Vec<_>>(), load)
+        };
+        if let (Some(n), Some(t)) = (one(across, normal), one(along, tangential)) {
+            return Some([n * across[0] + t * along[0], n * across[1] + t * along[1]]);
+        }
+        let load: Vec<f64> = normal.iter().zip(tangential).map(|(n, t)| n + t).collect();
+        both(&moves, &load)
+    }
+
+    /// The force on a part that moves freely, where no place is drawn that could carry it: its line follows from its moment, and it begins
+    /// where that passes the corner that it is closest to.
+    fn along(&self, [normal, tangential]: &[Vec<f64>; 2]) -> Option<Arrow> {
+        let load: Vec<f64> = normal.iter().zip(tangential).map(|(n, t)| n + t).collect();
+        (0..self.outlines.len()).find_map(|on| {
+            let (place, _) = self.pose(&self.placed, on);
+            let motion = self.motion(on, place);
+            // What of each column is no turn of the part.
+            let square: f64 = motion.iter().map(|[.., turn]| turn * turn).sum();
+            let share = |column: &dyn Fn(usize) -> f64| -> f64 {
+                let products = motion.iter().enumerate();
+                products.map(|(k, m)| m[2] * column(k)).sum::<f64>() / square
+            };
+            let [y, z] = [0, 1].map(|axis| share(&|k| motion[k][axis]));
+            let of_load = share(&|k| load[k]);
+            let moves = motion.iter().map(|m| [m[0] - y * m[2], m[1] - z * m[2]]);
+            let moves: Vec<[f64; 2]> = moves.collect();
+            let rest = load.iter().zip(&motion).map(|(q, m)| q - of_load * m[2]);
+            let is_free = square > 0.0 && gram(&moves).is_some();
+            let rest: Vec<f64> = rest.collect();
+            let force = is_free.then(|| both(&moves, &rest)).flatten()?;
+            let size = force[0].hypot(force[1]);
+            let (u, v) = (force[0] / size, force[1] / size);
+            let arm = (of_load - y * force[0] - z * force[1]) / size;
+            let seen = |corner: &[f64; 2]| {
+                let (y, z) = (corner[0] - place[0], corner[1] - place[1]);
+                ((y * v - z * u - arm).abs(), y * u + z * v)
+            };
+            let corners = self.outlines[on].corners.iter().map(seen);
+            // Of corners as close as each other the one where it enters.
+            let far = |(beside, along): &(f64, f64)| beside + CARRIED * along;
+            let (_, along) = corners.min_by(|a, b| far(a).total_cmp(&far(b)))?;
+            (size > 0.0).then_some(Arrow {
+                on,
+                at: [
+                    place[0] + arm * v + along * u,
+                    place[1] - arm * u + along * v,
+                ],
+                force,
+                torque: 0.0,
+            })
+        })
+    }
+
+    /// The torque that has this generalized force: on the first part that turns so, or turns so as seen from another one.
+    fn torque(&self, [normal, tangential]: &[Vec<f64>; 2]) -> Option<Arrow> {
+        let load: Vec<f64> = normal.iter().zip(tangential).map(|(n, t)| n + t).collect();
+        let turns = |part: usize| -> Vec<f64> {
+            let motion = self.motion(part, self.pose(&self.placed, part).0);
+            motion.into_iter().map(|[.., turn]| turn).collect()
+        };
+        let parts = 0..self.outlines.len();
+        let turns: Vec<Vec<f64>> = parts.clone().map(turns).collect();
+        let alone = parts
+            .clone()
+            .find_map(|on| Some((on, carried(&turns[on], &load)?)));
+        let pairs = || {
+            let mut pairs = parts
+                .clone()
+                .flat_map(|on| parts.clone().map(move |other| (on, other)));
+            pairs.find_map(|(on, other)| {
+                let relative = turns[on].iter().zip(&turns[other]);
+                let relative: Vec<f64> = relative.map(|(a, b)| a - b).collect();
+                Some((on, carried(&relative, &load)?))
+            })
+        };
+        alone.or_else(pairs).map(|(on, torque)| Arrow {
+            on,
+            at: self.pose(&self.placed, on).0,
+            force: [0.0; 2],
+            torque,
+        })
+    }
+}
+
+fn turned([y, z]: [f64; 2], angle: f64) -> [f64; 2] {
+    let (sine, cosine) = angle.sin_cos();
+    [y * cosine - z * sine, y * sine + z * cosine]
+}
+
+/// Whether what is left of a generalized force is nothing.
+fn is_carried(left: impl Iterator<Item = f64>, load: &[f64]) -> bool {
+    let size = |squares: f64| squares.sqrt();
+    size(left.map(|x| x * x).sum()) <= CARRIED * size(load.iter().map(|x| x * x).sum())
+}
+
+/// The factor by which `rates` are a generalized force, if they are one; 0 of none.
+fn carried(rates: &[f64], load: &[f64]) -> Option<f64> {
+    let square: f64 = rates.iter().map(|r| r * r).sum();
+    let product: f64 = rates.iter().zip(load).map(|(r, q)| r * q).sum();
+    let factor = if square > 0.0 { product / square } else { 0.0 };
+    let left = rates.iter().zip(load).map(|(r, q)| q - factor * r);
+    is_carried(left, load).then_some(factor)
+}
+
+/// The entries of `J J'` of a place that moves in more than one direction.
+fn gram(moves: &[[f64; 2]]) -> Option<[f64; 3]> {
+    let sum = |i: usize, j: usize| -> f64 { moves.iter().map(|m| m[i] * m[j]).sum() };
+    let [a, b, c] = [sum(0, 0), sum(0, 1), sum(1, 1)];
+    (a * c - b * b > ONE_DIRECTION * (a + c) * (a + c)).then_some([a, b, c])
+}
+
+/// The force whose work along the motions of a place is that of a generalized force, if there is one: `J' F = Q`. A place that moves along
+/// one line alone has one along that line.
+fn both(moves: &[[f64; 2]], load: &[f64]) -> Option<[f64; 2]> {
+    let product = |axis: usize| -> f64 { moves.iter().zip(load).map(|(m, q)| m[axis] * q).sum() };
+    let [y, z] = [product(0), product(1)];
+    let trace: f64 = moves.iter().flatten().map(|m| m * m).sum();
+    let force = match gram(moves) {
+        Some([a, b, c]) => {
+            let determinant = a * c - b * b;
+            [(c * y - b * z) / determinant, (a * z - b * y) / determinant]
+        }
+        // `J J'` has this one eigenvalue.
+        None if trace > 0.0 => [y / trace, z / trace],
+        None => [0.0; 2],
+    };
+    let left = moves.iter().zip(load);
+    let left = left.map(|(m, q)| q - m[0] * force[0] - m[1] * force[1]);
+    is_carried(left, load).then_some(force)
+}
+
+/// `n lambda_n` and `b lambda_t`; nothing of a switch, which is no force.
+fn generalized_force(model: &dyn Model, contact: usize, state: &State) -> [Vec<f64>; 2] {
+    let (declaration, n) = (model.declaration(), state.q.len());
+    let declared = &declaration.contacts[contact];
+    let mut generalized = [vec![0.0; n], vec![0.0; n]];
+    if declared.switch.is_some() {
+        return generalized;
+    }
+    let mut x: Vec<f64> = Vec::with_capacity(declaration.inputs());
     x.extend(state.q.iter().chain(&state.v).chain(&state.u));
-    if model.declaration().explicit_time {
+    if declaration.explicit_time {
         x.push(state.time);
     }
     let mut point = vec![0.0; contact_point::length(n)];
     model.contact(contact, &x, &mut point);
     let normal = &point[contact_point::NORMAL..contact_point::NORMAL + n];
     let force = state.contact_force[contact];
-    let mut generalized: Vec<f64> = normal.iter().map(|n| n * force).collect();
+    let scaled = |direction: &[f64], by: f64| direction.iter().map(|d| d * by).collect();
+    generalized[0] = scaled(normal, force);
     if let Some(&friction) = state.friction_force.get(contact)
-        && model.declaration().contacts[contact].friction.is_some()
+        && declared.friction.is_some()
     {
         let mut point = vec![0.0; tangent_point::length(n)];
         model.tangent(contact, &x, &mut point);
         let tangent = &point[tangent_point::TANGENT..tangent_point::TANGENT + n];
-        for (sum, b) in generalized.iter_mut().zip(tangent) {
-            *sum += b * friction;
-        }
+        generalized[1] = scaled(tangent, friction);
     }
     generalized
 }
 
-/// For each body the derivative of its place, and of its angle times its reach, by each coordinate.
-fn jacobians(drawing: &Drawing<'_>, state: &State) -> Vec<Vec<[f64; 3]>> {
-    let q = &state.q;
-    let mut jacobians = vec![Vec::with_capacity(q.len()); drawing.bodies.len()];
-    let mut shifted = q.clone();
-    for i in 0..q.len() {
-        let step = STEP * q[i].abs().max(1.0);
-        let [ahead, behind] = [step, -step].map(|step| {
-            shifted[i] = q[i] + step;
-            drawing.placed(&shifted, &state.v, &state.u, state.time)
-        });
-        shifted[i] = q[i];
-        for (body, jacobian) in jacobians.iter_mut().enumerate() {
-            let [a, b] = [&ahead, &behind].map(|placed| {
-                let [y, z] = placed.places[body];
-                [y, z, placed.angles[body] * drawing.bodies[body].reach()]
-            });
-            jacobian.push([0, 1, 2].map(|axis| (a[axis] - b[axis]) / (2.0 * step)));
-        }
-    }
-    jacobians
-}
-
-/// The load (two components of a force, and a moment) that minimizes `|J' F - Q|`, and that distance; the smallest such
-/// load, if the body does not move along all of them.
-fn least_squares(jacobian: &[[f64; 3]], generalized: &[f64]) -> ([f64; 3], f64) {
-    let mut a = [[0.0; 4]; 3];
-    for (column, q) in jacobian.iter().zip(generalized) {
-        for i in 0..3 {
-            a[i][3] += column[i] * q;
-            for j in 0..3 {
-                a[i][j] += column[i] * column[j];
-            }
-        }
-    }
-    let trace = a[0][0] + a[1][1] + a[2][2];
-    for (i, row) in a.iter_mut().enumerate() {
-        row[i] += SINGULAR * trace;
-    }
-    // Gauss-Jordan elimination; the matrix is positive definite.
-    for k in 0..3 {
-        let pivot = a[k].map(|x| x / a[k][k]);
-        a[k] = pivot;
-        for (_, row) in a.iter_mut().enumerate().filter(|(i, _)| *i != k) {
-            let factor = row[k];
-            for (x, p) in row.iter_mut().zip(pivot) {
-                *x -= factor * p;
-            }
-        }
-    }
-    let load = a.map(|row| row[3]);
-    let residual = jacobian.iter().zip(generalized).map(|(column, q)| {
-        let carried: f64 = column.iter().zip(load).map(|(c, f)| c * f).sum();
-        (carried - q) * (carried - q)
-    });
-    (load, residual.sum::<f64>().sqrt())
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Arrow, Loaded, arrows, load, relative};
+    use hangtime_scene_files::of_text;
+
+    use super::{Arrow, arrows};
     use crate::drawing::Drawing;
     use crate::sampling::State;
-    use crate::settings::{ChosenScene, find};
+    use hangtime::model::Model as _;
 
-    fn arrow(scene: &'static str, q: &[f64], force: f64, contact: usize) -> Arrow {
-        let chosen = ChosenScene::new(find(crate::testing::SCENES, scene).unwrap(), &[]).unwrap();
-        let declaration = chosen.model.declaration();
+    /// What a contact with this force does in a scene that is drawn.
+    fn arrow(text: &str, q: &[f64], force: f64, contact: usize) -> Arrow {
+        let scene = of_text("scene.hang", text).unwrap();
+        let declaration = scene.declaration();
         let mut contact_force = vec![0.0; declaration.contacts.len()];
         contact_force[contact] = force;
         let state = State {
@@ -267,50 +445,108 @@ mod tests {
             impulses: Vec::new(),
             outputs: Vec::new(),
         };
-        let model = chosen.model.as_ref();
-        arrows(&Drawing::of(model, scene).unwrap(), model, &state)[contact]
+        let drawing = Drawing::of(&scene, "scene").unwrap();
+        let ground = drawing.ground([[-3.0, 3.0], [-3.0, 3.0]]);
+        let all = arrows(&drawing, &ground, &scene, &state);
+        assert!(
+            all.iter()
+                .enumerate()
+                .all(|(k, arrow)| arrow.is_some() == (k == contact)),
+            "{all:?}"
+        );
+        all[contact].unwrap()
     }
 
-    #[test]
-    fn arrows_of_a_mass_on_a_track_are_the_normal_of_the_track() {
-        // The gap is the height above the track: the force is `lambda (-track', 1)` on the mass, with
-        // track' = 0.4 sin 2y.
-        let arrow = arrow("wave", &[0.7, 0.0], 200.0, 0);
-        let slope = 0.4 * 1.4_f64.sin();
-        assert_eq!(arrow.body, 0);
+    fn assert_close(found: [f64; 2], right: [f64; 2]) {
         // Central differences with a step of 1e-6 lose about 1e-10 of a slope.
-        assert!((arrow.force[0] + 200.0 * slope).abs() < 1e-6, "{arrow:?}");
-        assert!((arrow.force[1] - 200.0).abs() < 1e-6, "{arrow:?}");
+        let apart = (found[0] - right[0]).hypot(found[1] - right[1]);
+        assert!(apart < 1e-6 * (1.0 + right[0].hypot(right[1])), "{found:?}");
     }
 
     #[test]
-    fn force_between_a_block_and_a_plank_that_turn_together_goes_through_the_block() {
-        // q = (angle of the plank, place along it, height above it), at an angle of 0.3, the block 1.2 out and 0.25 above its underside
-        let (angle, along, above) = (0.3_f64, 1.2, 0.25);
-        let (sin, cos) = angle.sin_cos();
-        let place = [along * cos - above * sin, along * sin + above * cos];
-        let plank = [[0.0, 0.0, 2.0], [0.0; 3], [0.0; 3]];
-        let block = [
-            [-place[1], place[0], 0.4],
-            [cos, sin, 0.0],
-            [-sin, cos, 0.0],
-        ];
-        // normal force 90 and friction -20 along the plank: nothing turns the plank, as the reaction acts on it
-        let generalized = [0.0, -20.0, 90.0];
-        let alone: Loaded = vec![(0, plank.to_vec()), (1, block.to_vec())];
-        let between = relative([&block, &plank], place, [0.4, 2.0]);
-        let (body, [y, z, moment]) = load(&[alone, vec![(1, between)]], &generalized).unwrap();
-        assert_eq!(body, 1);
-        assert!((y - (-20.0 * cos - 90.0 * sin)).abs() < 1e-5, "{y}");
-        assert!((z - (-20.0 * sin + 90.0 * cos)).abs() < 1e-5, "{z}");
-        assert!(moment.abs() < 1e-9, "{moment}");
+    fn force_on_a_mass_on_a_track_is_the_normal_of_the_track() {
+        // The gap is the height above the track h: the force is `lambda (-h', 1)` on the mass.
+        let text = "fn h(y) = 0.2[m] - 0.2[m]*cos(2*y/1[m]) coordinates { y: m, s: m } \
+            lagrangian 1[kg]/2*|dot((y, h(y) + s))|^2 surface track: s >= 0 impact track: inelastic \
+            picture { point mass at (y, h(y) + s), curve track: (w, h(w)) over w }";
+        let arrow = arrow(text, &[0.7, 0.0], 200.0, 0);
+        let slope = 0.4 * 1.4_f64.sin();
+        assert_eq!(arrow.on, 0);
+        assert_close(arrow.force, [-200.0 * slope, 200.0]);
     }
 
     #[test]
-    fn arrows_of_a_point_mass_are_the_gradient_of_the_gap() {
-        // slope: z - 7 + y/2, so the force is lambda (1/2, 1).
-        let arrow = arrow("slide", &[50.0, 20.0], 100.0, 1);
-        assert!((arrow.force[0] - 50.0).abs() < 1e-6, "{arrow:?}");
-        assert!((arrow.force[1] - 100.0).abs() < 1e-6, "{arrow:?}");
+    fn ladder_that_is_a_line_is_pushed_at_the_end_that_touches() {
+        let text = "parameters { l: m = 2 } coordinates { x: m, z: m, phi: rad } \
+            let foot = (x + l/2*cos(phi), z - l/2*sin(phi)) let top = (x - l/2*cos(phi), z + l/2*sin(phi)) \
+            lagrangian 3[kg]/2*|dot((x, z))|^2 + 1[kg m^2]/2*dot(phi)^2 - 30[N]*z \
+            surface floor: foot.z >= 0 surface wall: top.x >= 0 impact floor, wall: inelastic \
+            picture { link foot to top, curve ground: (w, 0) over w in 0..=3 [m] } start { x: 1, z: 1 }";
+        let phi = 0.6_f64;
+        let q = [phi.cos(), phi.sin(), phi];
+        let floor = arrow(text, &q, 17.0, 0);
+        assert_close(floor.at, [2.0 * phi.cos(), 0.0]);
+        assert_close(floor.force, [0.0, 17.0]);
+        // The wall is not drawn.
+        let wall = arrow(text, &q, 5.0, 1);
+        assert_close(wall.at, [0.0, 2.0 * phi.sin()]);
+        assert_close(wall.force, [5.0, 0.0]);
+    }
+
+    /// Two flaps on hinges at (0, 0) and (1, 0), turned clockwise from upright.
+    const FLAPS: &str = "parameters { h: m = 2, w: m = 0.5, d: m = 1 } coordinates { p: rad, q: rad } \
+        fn turned(a, y, z) = (y*cos(a) + z*sin(a), z*cos(a) - y*sin(a)) \
+        let tip = turned(p, 0, h) let seen = turned(-q, tip.y - d, tip.z) \
+        lagrangian 1[kg m^2]/2*(dot(p)^2 + dot(q)^2) \
+        surface hit: seen.y <= -w surface first: p >= 0 surface second: q >= 0 \
+        impact hit, first, second: inelastic \
+        picture { polygon one at (0, 0) angle -p corners ((0, 0), (0, h), (-w, h), (-w, 0)), \
+            polygon two at (d, 0) angle -q corners ((0, 0), (0, h), (-w, h), (-w, 0)) }";
+
+    #[test]
+    fn torque_is_drawn_on_the_part_whose_angle_is_bounded() {
+        for (contact, at) in [(1, [0.0, 0.0]), (2, [1.0, 0.0])] {
+            let arrow = arrow(FLAPS, &[0.1, 0.05], 3.0, contact);
+            assert_eq!((arrow.on, arrow.at), (contact - 1, at));
+            assert_eq!(arrow.force, [0.0; 2]);
+            // The gap is the clockwise angle.
+            assert!((arrow.torque + 3.0).abs() < 1e-6, "{arrow:?}");
+        }
+    }
+
+    #[test]
+    fn force_between_two_bodies_acts_at_the_corner_that_touches_across_the_face() {
+        // The tip of one is on the face of two where h sin p = d - w cos q + ..; here q = 0: sin p = (d - w)/h.
+        let p = 0.25_f64.asin();
+        let arrow = arrow(FLAPS, &[p, 0.0], 8.0, 0);
+        assert_close(arrow.at, [0.5, 2.0 * p.cos()]);
+        // The face is upright: it pushes the tip back.
+        assert_eq!(arrow.on, 0);
+        assert_close(arrow.force, [-8.0, 0.0]);
+    }
+
+    #[test]
+    fn force_beside_all_corners_of_a_free_body_is_on_its_line() {
+        // The floor is struck by a point inside of the board, 0.3 m from its middle.
+        let text = "coordinates { y: m, z: m, a: rad } let tip = (y + 0.3[m]*cos(a), z + 0.3[m]*sin(a)) \
+            lagrangian 1[kg]/2*|dot((y, z))|^2 + 1[kg m^2]/2*dot(a)^2 \
+            surface floor: tip.z >= 0 impact floor: inelastic start { z: 1 } \
+            picture { rectangle board at (y, z) size (1[m], 0.2[m]) angle a }";
+        let arrow = arrow(text, &[0.5, 0.0, 0.0], 7.0, 0);
+        assert_close(arrow.force, [0.0, 7.0]);
+        // Below: it enters the board there.
+        assert_close(arrow.at, [0.8, -0.1]);
+    }
+
+    #[test]
+    fn pin_with_clearance_is_pushed_along_the_line_between_both_ends() {
+        // The gap r^2 - |a - b|^2 has the gradient -2 (a - b): a force of 2 lambda |a - b|.
+        let text = "parameters { r: m = 0.1 } coordinates { y: m, z: m } \
+            lagrangian 1[kg]/2*|dot((y, z))|^2 surface pin: r^2 >= |(y, z)|^2 impact pin: inelastic \
+            picture { link (0, 0) to (1[m], 0), link (y, z) to (y - 1[m], z) }";
+        let arrow = arrow(text, &[0.06, 0.08], 50.0, 0);
+        let size = arrow.force[0].hypot(arrow.force[1]);
+        assert!((size - 2.0 * 50.0 * 0.1).abs() < 1e-6, "{arrow:?}");
+        assert!((arrow.force[0] * 0.08 - arrow.force[1] * 0.06).abs() < 1e-6);
     }
 }

@@ -1,6 +1,7 @@
 //! Motions that play in a page: frames in plain data, drawn by a script that the page carries along.
 
 mod force;
+mod touch;
 
 use crate::PublishedData;
 use hangtime::model::Model;
@@ -8,7 +9,7 @@ use hangtime::simulation::{Event, Simulation};
 use serde::Serialize;
 
 use self::force::Arrow;
-use crate::drawing::{Body, Drawing, GroundLine, Placed};
+use crate::drawing::{Body, Drawing, GroundLine, Placed, ranges};
 use crate::json::to_line;
 use crate::markup::embedded;
 use crate::quantity;
@@ -39,16 +40,19 @@ struct Frames {
     frame: [f64; 4],
     ground: Vec<GroundEntry>,
     contacts: Vec<&'static str>,
-    /// Largest force of a contact; 0 if there is none.
+    /// Largest force of a contact, and largest torque; 0 if there is none.
     largest_force: f64,
+    largest_torque: f64,
+    /// Units of both; empty where lengths are drawn in others than metres.
+    units: [&'static str; 2],
     /// Place of each body, a row for each frame.
     positions: Vec<Vec<[f64; 2]>>,
     /// Angle of each body, a row for each frame.
     angles: Vec<Vec<f64>>,
     /// Both ends of each line, a row for each frame.
     ends: Vec<Vec<[[f64; 2]; 2]>>,
-    /// Force of each contact, a row for each frame.
-    forces: Vec<Vec<Arrow>>,
+    /// What each contact does, a row for each frame; `null` where it does nothing.
+    forces: Vec<Vec<Option<Arrow>>>,
     /// Published places of the bodies, in order of time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     published: Vec<PublishedEntry>,
@@ -119,10 +123,6 @@ impl Animation {
             return None;
         }
         let placed: Vec<Placed> = states.iter().map(|state| drawing.at(state)).collect();
-        let forces: Vec<Vec<Arrow>> = states
-            .iter()
-            .map(|state| force::arrows(drawing, model, state))
-            .collect();
         let extents: Vec<[f64; 2]> = placed
             .iter()
             .flat_map(|placed| placed.extent(&drawing.bodies))
@@ -135,6 +135,14 @@ impl Animation {
         let frame = frame(&extents);
         let [left, right, bottom, top] = frame;
         let ground = drawing.ground([[left, right], [bottom, top]]);
+        let forces: Vec<Vec<Option<Arrow>>> = states
+            .iter()
+            .map(|state| force::arrows(drawing, &ground, model, state))
+            .collect();
+        let largest = |size: fn(&Arrow) -> f64| {
+            let sizes = forces.iter().flatten().flatten().map(size);
+            sizes.fold(0.0, f64::max)
+        };
         let bodies = drawing.bodies.iter().enumerate();
         let bodies = bodies.map(|(index, body)| BodyEntry::new(body, index, &placed));
         let frames = Frames {
@@ -149,11 +157,12 @@ impl Animation {
                 .iter()
                 .map(|c| c.name)
                 .collect(),
-            largest_force: forces
-                .iter()
-                .flatten()
-                .map(Arrow::magnitude)
-                .fold(0.0, f64::max),
+            largest_force: largest(Arrow::magnitude),
+            largest_torque: largest(|arrow| arrow.torque.abs()),
+            units: match drawing.unit {
+                "m" => ["N", "N m"],
+                _ => ["", ""],
+            },
             angles: placed.iter().map(|placed| placed.angles.clone()).collect(),
             ends: placed.iter().map(|placed| placed.ends.clone()).collect(),
             positions: placed.into_iter().map(|placed| placed.places).collect(),
@@ -337,17 +346,12 @@ fn jumps(time: &[f64]) -> Vec<(usize, usize)> {
 
 /// Left, right, bottom and top of what is shown.
 fn frame(points: &[[f64; 2]]) -> [f64; 4] {
-    let ranges = [0, 1].map(|axis| {
-        let values = points.iter().map(|point| point[axis]);
-        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-            (low.min(x), high.max(x))
-        })
-    });
+    let ranges = ranges(points);
     let extent = ranges
         .iter()
-        .map(|(low, high)| high - low)
+        .map(|[low, high]| high - low)
         .fold(0.0, f64::max);
     let margin = if extent > 0.0 { MARGIN * extent } else { 1.0 };
-    let [(left, right), (bottom, top)] = ranges;
+    let [[left, right], [bottom, top]] = ranges;
     [left - margin, right + margin, bottom - margin, top + margin]
 }

@@ -18,7 +18,7 @@ const playFrames = (data, ending = "", itself = false) => {
   const tall = (top - bottom) * scale;
   const longest = Math.max(40, Math.min(110, 0.4 * tall));
   // Contact forces mostly point upwards; the one at the top of the picture is to be seen, too.
-  const room = data.largest_force > 0 ? 0.8 * longest : 0;
+  const room = data.largest_force > 0 || data.largest_torque > 0 ? 0.8 * longest : 0;
   const height = tall + room;
   const shift = (width - (right - left) * scale) / 2;
   const x = (y) => shift + (y - left) * scale;
@@ -106,9 +106,37 @@ const playFrames = (data, ending = "", itself = false) => {
   });
   const arrows = data.contacts.map((name) => {
     const arrow = draw("path", { fill: "none", stroke: red, "stroke-width": 3, "data-contact": name });
-    draw("title", {}, arrow).textContent = `force of ${name}`;
-    return arrow;
+    const title = draw("title", {}, arrow);
+    title.textContent = `force of ${name}`;
+    return { arrow, title, name };
   });
+  // What the longest arrow stands for.
+  const largest = [["force", data.largest_force], ["torque", data.largest_torque]].map(([what, size], kind) =>
+    size > 0 ? `largest ${what} ${Number(size.toPrecision(3))} ${data.units[kind]}`.trim() : "").filter(Boolean);
+  if (largest.length) write(largest.join(", "), { x: width - 12, y: height - 24, "text-anchor": "end" });
+  // Parts are bodies, then lines; one of a picture with lines alone has no name.
+  const part = (on) => (data.bodies[on] ? ` on ${data.bodies[on].name}` : "");
+  // A force is a straight arrow; a torque one around its place, by at most three quarters of a turn.
+  const straight = ([x0, y0], force) => {
+    const length = Math.hypot(...force);
+    const pixels = (longest * length) / data.largest_force;
+    const [u, v] = [force[0] / length, -force[1] / length];
+    const [x1, y1] = [x0 + pixels * u, y0 + pixels * v];
+    const head = Math.min(9, pixels / 2);
+    const side = (turn) => `${x1 - head * (u + turn * v)} ${y1 - head * (v - turn * u)}`;
+    return `M${x0} ${y0}L${x1} ${y1}M${side(0.6)}L${x1} ${y1}L${side(-0.6)}`;
+  };
+  const bent = ([x0, y0], torque) => {
+    const [radius, sense] = [22, Math.sign(torque)];
+    const angle = 1.5 * Math.PI * Math.min(1, Math.abs(torque) / data.largest_torque);
+    const point = (at, r = radius) => [x0 + r * Math.cos(at), y0 - sense * r * Math.sin(at)];
+    const head = Math.min(9, (radius * angle) / 2) / radius;
+    const [from, to] = [point(0), point(angle)];
+    const side = (r) => point(angle - head, r).join(" ");
+    const large = angle > Math.PI ? 1 : 0;
+    return `M${from.join(" ")}A${radius} ${radius} 0 ${large} ${sense > 0 ? 0 : 1} ${to.join(" ")}`
+      + `M${side(radius * (1 + 0.6 * head))}L${to.join(" ")}L${side(radius * (1 - 0.6 * head))}`;
+  };
 
   const readings = data.readings.map(({ name, unit, values }) => {
     const row = document.createElement("div");
@@ -172,20 +200,18 @@ const playFrames = (data, ending = "", itself = false) => {
       const corners = data.springs[index] ? coils(from, to) : [from, to];
       set(line, { points: corners.map(([a, b]) => `${a.toFixed(2)},${b.toFixed(2)}`).join(" ") });
     });
-    data.forces[k].forEach(({ body, from, force }, contact) => {
-      const [a, b] = [positions[body][0] + from[0], positions[body][1] + from[1]];
-      const length = Math.hypot(...force);
-      if (!(length > 0)) {
-        arrows[contact].setAttribute("d", "");
-        return;
-      }
-      const pixels = (longest * length) / data.largest_force;
-      const [u, v] = [force[0] / length, -force[1] / length];
-      const [x0, y0] = [x(a), y(b)];
-      const [x1, y1] = [x0 + pixels * u, y0 + pixels * v];
-      const head = Math.min(9, pixels / 2);
-      const side = (turn) => `${x1 - head * (u + turn * v)} ${y1 - head * (v - turn * u)}`;
-      arrows[contact].setAttribute("d", `M${x0} ${y0}L${x1} ${y1}M${side(0.6)}L${x1} ${y1}L${side(-0.6)}`);
+    data.forces[k].forEach((load, contact) => {
+      const { arrow, title, name } = arrows[contact];
+      if (!load) return arrow.setAttribute("d", "");
+      // It goes with what it acts on until the next frame.
+      const ahead = data.forces[next][contact] ?? load;
+      const at = load.at.map((value, axis) => (ahead.on === load.on ? between(value, ahead.at[axis]) : value));
+      const place = [x(at[0]), y(at[1])];
+      const turns = load.torque !== 0;
+      const size = turns ? Math.abs(load.torque) : Math.hypot(...load.force);
+      const what = `${turns ? "torque" : "force"} of ${name}${part(load.on)}`;
+      title.textContent = `${what}: ${size.toPrecision(4)} ${data.units[turns ? 1 : 0]}`.trim();
+      return set(arrow, { d: turns ? bent(place, load.torque) : straight(place, load.force), "data-on": load.on });
     });
     readings.forEach(({ value, unit, values }) => {
       const reading = values[k];

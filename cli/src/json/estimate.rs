@@ -10,6 +10,7 @@ use super::parts::{
     TrajectoryEntry, to_line,
 };
 use crate::ending::Ending;
+use crate::scene_file::warned;
 use crate::settings::ChosenScene;
 
 /// The parameters that were found, by name.
@@ -299,7 +300,10 @@ impl<'a> EstimateDocument<'a> {
             seconds: TotalSeconds {
                 total: estimate.seconds,
             },
-            notes: estimate.notes.iter().cloned().chain(note).collect(),
+            notes: (estimate.notes.iter().cloned())
+                .chain(note)
+                .chain(warned(chosen.scene))
+                .collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }
     }

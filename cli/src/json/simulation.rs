@@ -13,6 +13,7 @@ use super::parts::{
 };
 use crate::ending::Ending;
 use crate::method::MethodSettings;
+use crate::scene_file::warned;
 use crate::settings::ChosenScene;
 
 /// The document; its fields are those of the contract, in their order.
@@ -85,6 +86,7 @@ impl<'a> Document<'a> {
         let trajectory = TrajectoryEntry::new(chosen.model.as_ref(), &simulation.trajectory, rows);
         let notes = simulation.notes.iter().cloned();
         let notes = notes.chain(trajectory.note(&simulation.trajectory));
+        let notes = notes.chain(warned(chosen.scene));
         Self {
             schema: SCHEMA,
             scene: chosen.scene.name,

@@ -17,6 +17,7 @@ use super::parts::{
     SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
 };
 use crate::ending::Ending;
+use crate::scene_file::warned;
 use crate::settings::ChosenScene;
 use crate::table::per_second;
 
@@ -515,6 +516,7 @@ impl<'a> SolutionDocument<'a> {
                 .chain(struck_after_the_end(chosen.model.as_ref(), solution))
                 .chain(note)
                 .chain(at_bounds(solution))
+                .chain(warned(chosen.scene))
                 .collect(),
             quantities: QuantitiesEntry::of(chosen.model.as_ref()),
         }

@@ -8,6 +8,9 @@ use crate::settings::ChosenScene;
 /// Most points of a sweep: their rows are ordered in memory.
 pub(super) const MOST_POINTS: usize = 10_000_000;
 
+/// Significant digits of a decimal number that come back from a double as they were.
+const DIGITS: usize = f64::DIGITS as usize;
+
 /// The values that a parameter takes.
 pub(super) struct Axis {
     /// Name of the parameter.
@@ -96,22 +99,30 @@ impl Axis {
         )))
     }
 
+    /// The values as they tell sweeps apart: numbers to the digits that every decimal text keeps, so that what was computed in other ways
+    /// is the same.
+    pub(super) fn compared(&self) -> impl Iterator<Item = String> {
+        let compared = |value: &String| match value.parse::<f64>() {
+            Ok(number) if !self.is_choice => format!("{number:.*e}", DIGITS - 1),
+            _ => value.clone(),
+        };
+        self.values.iter().map(compared)
+    }
+
     /// Heading of the column: name and unit.
     pub(super) fn heading(&self) -> String {
         crate::table::headed(&self.name, self.unit)
     }
 }
 
-/// `count` numbers at equal distances, both ends included exactly; of one, the first.
+/// `count` numbers at equal distances, both ends included exactly, and rounded as by numpy's `linspace`; of one, the first.
 fn spread(from: f64, to: f64, count: usize) -> Vec<f64> {
     let last = count.saturating_sub(1);
-    let value = |k: usize| {
-        if k == last && k > 0 {
-            to
-        } else {
-            // Counts are below 2^53.
-            from + (to - from) * (k as f64 / last.max(1) as f64)
-        }
+    // Counts are below 2^53.
+    let step = (to - from) / last.max(1) as f64;
+    let value = |k: usize| match k == last && k > 0 {
+        true => to,
+        false => k as f64 * step + from,
     };
     (0..count).map(value).collect()
 }
@@ -135,6 +146,22 @@ mod tests {
         for pair in values.windows(2) {
             assert!((pair[1] - pair[0] - 0.3).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn values_that_were_computed_in_other_ways_are_the_same() {
+        let chosen = ChosenScene::new(find(crate::testing::SCENES, "slide").unwrap(), &[]).unwrap();
+        let compared =
+            |text: &str| -> Vec<String> { Axis::read(&chosen, text).unwrap().compared().collect() };
+        let sums: Vec<String> = (0..7)
+            .map(|k| (0.1 + f64::from(k) * 0.1).to_string())
+            .collect();
+        let listed = compared(&format!("start_y={}", sums.join(",")));
+        assert_eq!(compared("start_y=0.1:0.7:7"), listed);
+        assert_ne!(
+            compared("start_y=0.1:0.7:7"),
+            compared("start_y=0.1:0.70000000000001:7")
+        );
     }
 
     #[test]

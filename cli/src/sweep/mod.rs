@@ -10,23 +10,31 @@ mod table;
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::io;
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
-use std::{io, thread};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::Duration;
 
 use crate::Scene;
 use crate::arguments::{SweepArguments, SweepTask};
-use crate::failure::BadInput;
+use crate::bounds::{asked_from_outside, listen};
+use crate::ending::Stop;
+use crate::failure::{BadInput, one_line};
 use crate::host::HostScene;
+use crate::output::OutputDirectory;
 use crate::progress::Progress;
 use crate::report::Report;
 
 pub use plan::{SweepPlan, SweepWork};
-use table::Table;
+pub use table::SweepTable;
 
 /// Stack of a worker \[bytes\], that of a program's first thread on common systems: a point runs there as alone.
 const STACK: usize = 8 << 20;
+/// How often Ctrl-C is looked for.
+const PATIENCE: Duration = Duration::from_millis(100);
 
 pub(crate) fn run(
     scenes: &'static [Scene],
@@ -50,86 +58,138 @@ pub(crate) fn run(
         words: &words,
         record: &arguments.record,
     };
-    let plan = SweepPlan::read(scene, &arguments.over, &work)?;
+    let plan = Arc::new(SweepPlan::read(scene, &arguments.over, &work)?);
     let (shard, shards) = arguments.shard;
     let chains: Vec<usize> = (shard - 1..plan.chains()).step_by(shards).collect();
     let points = chains.iter().flat_map(|&chain| plan.chain(chain));
     let points: Vec<usize> = points.collect();
-    let (mut table, done) = Table::open(out, &plan, &points, arguments.resume)?;
-    let counted = compute(&plan, &chains, &points[done..], &mut table)?;
-    let mut text = format!("{} points", points.len());
+    let mut done = 0;
+    let mut table = SweepTable::open(out, &plan, &points, arguments.resume, &mut |_| done += 1)?;
+    listen();
+    let (counted, stop) = compute(&plan, &chains, &points[done..], &mut table)?;
+    let mut report = Report::default();
+    let new: usize = counted.values().sum();
+    let count = match stop {
+        None => format!("{} points", points.len()),
+        Some(stop) => {
+            report.diagnoses.push(one_line(&format!(
+                "sweep: {}: {} of {} points are in {}; go on with --resume",
+                stop.name(),
+                done + new,
+                points.len(),
+                out.display()
+            )));
+            format!("{} of {} points", done + new, points.len())
+        }
+    };
+    report.text = count;
     if done > 0 {
-        let _ = write!(text, ", {done} of them from before");
+        let _ = write!(report.text, ", {done} of them from before");
     }
     for (status, count) in counted {
-        let _ = write!(text, ", {count} {status}");
+        let _ = write!(report.text, ", {count} {status}");
     }
-    let _ = writeln!(text, "\nwrote {}", out.display());
-    Ok(Report::of(text))
+    let _ = writeln!(report.text, "\nwrote {}", out.display());
+    Ok(report)
+}
+
+/// What threads share that compute chains of points side by side.
+struct Work {
+    plan: Arc<SweepPlan>,
+    chains: Vec<usize>,
+    /// Place of the next chain that nobody has begun.
+    next: AtomicUsize,
+    stopped: AtomicBool,
+}
+
+impl Work {
+    fn goes_on(&self) -> bool {
+        !self.stopped.load(Ordering::Relaxed) && asked_from_outside().is_none()
+    }
+
+    /// What a thread does until nothing is left: it tells the rows of each chain with its place.
+    fn run(&self, sender: &mpsc::Sender<(usize, Vec<String>)>) {
+        while self.goes_on() {
+            let place = self.next.fetch_add(1, Ordering::Relaxed);
+            let Some(&chain) = self.chains.get(place) else {
+                break;
+            };
+            let rows = self.plan.rows(chain, &|| self.goes_on());
+            if sender.send((place, rows)).is_err() {
+                break;
+            }
+        }
+    }
+
+    /// Starts the threads; they are not waited for, as a step of a run that is not wanted any more may take long.
+    fn start(self: &Arc<Self>) -> Result<mpsc::Receiver<(usize, Vec<String>)>, BadInput> {
+        let (sender, found) = mpsc::channel();
+        // Threads of their own: one of the pool could, while a solve waits for its parts, begin another point.
+        for _ in 0..rayon::current_num_threads().min(self.chains.len()) {
+            let (work, sender) = (Arc::clone(self), sender.clone());
+            let builder = thread::Builder::new().stack_size(STACK);
+            builder
+                .spawn(move || work.run(&sender))
+                .map_err(no_thread)?;
+        }
+        Ok(found)
+    }
 }
 
 /// Computes chains of points side by side and appends the rows of `points`, the last ones of them, in order; returns how often there
-/// was each status.
+/// was each status, and why it ended before the last point, if it did.
 fn compute(
-    plan: &SweepPlan,
+    plan: &Arc<SweepPlan>,
     chains: &[usize],
     points: &[usize],
-    table: &mut Table<'_>,
-) -> Result<BTreeMap<String, usize>, BadInput> {
+    table: &mut SweepTable,
+) -> Result<(BTreeMap<String, usize>, Option<Stop>), BadInput> {
     // A chain that was begun is computed anew: its next point starts from the motion of the one before it.
     let first = points.first().copied();
     let first = first.and_then(|first| chains.iter().position(|&k| plan.chain(k).contains(&first)));
-    let chains = &chains[first.unwrap_or(chains.len())..];
-    // Workers are threads of their own: one of the pool could, while a solve waits for its parts, begin another point.
-    let workers = rayon::current_num_threads().min(chains.len());
-    let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let goes_on = || !stopped.load(Ordering::Relaxed);
-    let work = |sender: mpsc::Sender<(usize, Vec<String>)>| {
-        while goes_on() {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&chain) = chains.get(place) else {
-                break;
-            };
-            if sender.send((place, plan.rows(chain, &goes_on))).is_err() {
-                break;
-            }
-        }
-    };
+    let work = Arc::new(Work {
+        plan: Arc::clone(plan),
+        chains: chains[first.unwrap_or(chains.len())..].to_vec(),
+        next: AtomicUsize::new(0),
+        stopped: AtomicBool::new(false),
+    });
+    let found = work.start()?;
     // Points are far fewer than 2^53.
     let mut progress = Progress::new("sweep", points.len() as f64);
     let mut counted = BTreeMap::new();
-    let axes = plan.status_column();
-    thread::scope(|scope| {
-        let (sender, found) = mpsc::channel();
-        for _ in 0..workers {
-            let (sender, work) = (sender.clone(), &work);
-            let builder = thread::Builder::new().stack_size(STACK);
-            builder
-                .spawn_scoped(scope, move || work(sender))
-                .map_err(no_thread)?;
+    let mut early = BTreeMap::new();
+    let (mut place, mut written) = (0, 0);
+    while place < work.chains.len() {
+        let answer = found.recv_timeout(PATIENCE);
+        // Looked at first: what was under way then has ended too early.
+        if let Some(stop) = asked_from_outside() {
+            return Ok((counted, Some(stop)));
         }
-        drop(sender);
-        let mut early = BTreeMap::new();
-        let (mut place, mut written) = (0, 0);
-        for (number, rows) in found {
-            early.insert(number, rows);
-            while let Some(rows) = early.remove(&place) {
-                let numbered = plan.chain(chains[place]).zip(rows);
-                for (_, row) in numbered.filter(|(point, _)| Some(point) >= points.first()) {
-                    if let Err(refusal) = table.append(&row) {
-                        stopped.store(true, Ordering::Relaxed);
-                        return Err(refusal);
-                    }
-                    let status = row.split(',').nth(axes).unwrap_or_default();
-                    *counted.entry(status.to_owned()).or_insert(0) += 1;
-                    written += 1;
-                }
-                place += 1;
-                progress.reach(f64::from(written));
+        match answer {
+            Ok((number, rows)) => early.insert(number, rows),
+            Err(RecvTimeoutError::Timeout) => continue,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(BadInput::new(
+                    "internal_error: a point came to no end; please report it, and go on with --resume",
+                ));
             }
+        };
+        while let Some(rows) = early.remove(&place) {
+            let numbered = plan.chain(work.chains[place]).zip(rows);
+            for (_, row) in numbered.filter(|(point, _)| Some(point) >= points.first()) {
+                if let Err(refusal) = table.add(&row) {
+                    work.stopped.store(true, Ordering::Relaxed);
+                    return Err(refusal);
+                }
+                let status = row.split(',').nth(plan.status_column()).unwrap_or_default();
+                *counted.entry(status.to_owned()).or_insert(0) += 1;
+                written += 1;
+            }
+            place += 1;
+            progress.reach(f64::from(written));
         }
-        Ok(counted)
-    })
+    }
+    Ok((counted, None))
 }
 
 fn no_thread(error: io::Error) -> BadInput {
@@ -145,11 +205,12 @@ fn joined(files: &[std::path::PathBuf], out: &Path) -> Result<Report, BadInput> 
             out.display()
         ))
     };
+    table::refuse_other_than_files(out).map_err(failed)?;
+    let name = out.file_name().and_then(|name| name.to_str());
+    let name = name.ok_or_else(|| failed(io::Error::other("this is no name of a file")))?;
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
-    let mut file =
-        tempfile::NamedTempFile::new_in(folder.unwrap_or(Path::new("."))).map_err(failed)?;
-    io::Write::write_all(&mut file, text.as_bytes()).map_err(failed)?;
-    file.persist(out).map_err(|error| failed(error.error))?;
+    let folder = OutputDirectory::open(folder.unwrap_or(Path::new(".")))?;
+    folder.write(&[(name.to_owned(), text)])?;
     Ok(Report::of(format!(
         "{count} points\nwrote {}\n",
         out.display()

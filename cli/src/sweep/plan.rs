@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use crate::arguments::{SimulateArguments, SolveArguments};
 use crate::failure::BadInput;
-use crate::host::{HostRun, HostScene, Refusal};
+use crate::host::{HostScene, Refusal};
+use crate::job::Run;
 use crate::settings::ChosenScene;
 
 use super::axis::{Axis, MOST_POINTS};
@@ -107,12 +108,12 @@ impl SweepPlan {
             .into_iter()
             .chain([if solve { "solve" } else { "simulate" }]);
         let parts = parts.chain([understood.as_str()]);
-        let axis_parts = axes.iter().flat_map(|axis| {
-            let values = axis.values.iter().map(String::as_str);
-            std::iter::once(axis.name.as_str()).chain(values)
-        });
+        let axis_parts = axes
+            .iter()
+            .flat_map(|axis| std::iter::once(axis.name.clone()).chain(axis.compared()));
+        let axis_parts: Vec<String> = axis_parts.collect();
         let parts = parts
-            .chain(axis_parts)
+            .chain(axis_parts.iter().map(String::as_str))
             .chain(record.iter().map(String::as_str));
         let chains = (warm > 1).then(|| format!("warm={warm}"));
         let parts = parts.chain(chains.as_deref());
@@ -208,9 +209,9 @@ impl SweepPlan {
     fn row(
         &self,
         number: usize,
-        before: Option<&HostRun>,
+        before: Option<&Run>,
         goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> (String, Option<HostRun>) {
+    ) -> (String, Option<Run>) {
         let values = self.values(number);
         let mut words = self.words.clone();
         for (axis, value) in self.axes.iter().zip(&values) {
@@ -225,7 +226,11 @@ impl SweepPlan {
                 let document = serde_json::from_str(&run.json()).unwrap_or_default();
                 let message = run.diagnosis().unwrap_or_default();
                 cells.extend([run.status(), message, &sequence(&document)].map(str::to_owned));
-                cells.extend(self.records.iter().map(|record| record.cell(&document)));
+                cells.extend(
+                    self.records
+                        .iter()
+                        .map(|record| record.cell(run, &document)),
+                );
             }
             Err(refusal) => {
                 let refusal = refusal.to_string();
@@ -242,9 +247,9 @@ impl SweepPlan {
     fn run(
         &self,
         words: &[String],
-        before: Option<&HostRun>,
+        before: Option<&Run>,
         goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> Result<HostRun, Refusal> {
+    ) -> Result<Run, Refusal> {
         if !self.solve {
             return self.scene.simulate(words, &mut |_| goes_on());
         }

@@ -1,82 +1,150 @@
-//! Tables of sweeps in files: whole lines, in the order of their points.
+//! Tables of sweeps in files: whole lines, in the order of their points, of one writer at a time.
 
-use std::fs::{self, File, OpenOptions};
-use std::io::Write as _;
-use std::path::Path;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
+use std::path::{Path, PathBuf};
 
+use crate::cells::regular_text;
 use crate::failure::BadInput;
+use crate::host::Refusal;
 
 use super::plan::SweepPlan;
 
-/// A table that rows are appended to.
-pub(super) struct Table<'a> {
+/// A table that rows are appended to. Nobody else can open it until it is dropped.
+#[derive(Debug)]
+pub struct SweepTable {
     file: File,
-    path: &'a Path,
+    path: PathBuf,
 }
 
-impl<'a> Table<'a> {
-    /// Begins a table, or goes on with one if `resume`; returns how many rows of `points` are in it. What a killed run
-    /// left of a line is cut off.
+impl SweepTable {
+    /// Goes on with the table of a whole sweep at `path`, or begins it; and the rows that are in it. What a killed run left of a row is cut
+    /// off.
+    ///
+    /// # Errors
+    /// Paths of what is no file, files that hold anything else, and those that another sweep writes at this moment.
+    pub fn resume(path: &Path, plan: &SweepPlan) -> Result<(Self, Vec<String>), Refusal> {
+        let mut rows = Vec::new();
+        let points: Vec<usize> = (0..plan.count()).collect();
+        let table = Self::open(path, plan, &points, true, &mut |row| {
+            rows.push(row.to_owned());
+        })?;
+        Ok((table, rows))
+    }
+
+    /// Begins a table with rows of `points`, or goes on with one if `resume`: `known` is told the rows that are in it. What is no beginning
+    /// of this table is refused, and left as it is.
     pub(super) fn open(
-        path: &'a Path,
+        path: &Path,
         plan: &SweepPlan,
         points: &[usize],
         resume: bool,
-    ) -> Result<(Self, usize), BadInput> {
-        let refused = |what: String| BadInput::new(format!("--out `{}`: {what}", path.display()));
-        let failed = |error| refused(format!("{error}; give a file that can be written"));
+        known: &mut dyn FnMut(&str),
+    ) -> Result<Self, BadInput> {
+        let refused = |what: &str| BadInput::new(format!("table `{}`: {what}", path.display()));
+        let failed = |error| refused(&format!("{error}; give a file that can be written"));
+        refuse_other_than_files(path).map_err(failed)?;
         let mut options = OpenOptions::new();
         options.create(true).read(true).append(true);
         let file = options.open(path).map_err(failed)?;
-        let text = fs::read(path).map_err(failed)?;
-        let mut table = Self { file, path };
-        if !text.is_empty() && !resume {
+        // A file system without locks lets everybody in.
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(refused(
-                "is there already; add --resume to go on with it, or give another file".to_owned(),
+                "another sweep writes this table at the moment; wait for its end, or give another file",
             ));
         }
-        let whole = text
-            .iter()
-            .rposition(|&byte| byte == b'\n')
-            .map_or(0, |end| end + 1);
-        table.file.set_len(whole as u64).map_err(failed)?;
-        let text = String::from_utf8_lossy(&text[..whole]);
-        let mut lines = text.lines();
-        match lines.next() {
-            None => {
-                table.append(&plan.header())?;
-                return Ok((table, 0));
-            }
-            Some(header) if header == plan.header() => {}
-            Some(_) => return Err(refused(OTHER.to_owned())),
+        if file.metadata().map_err(failed)?.len() > 0 && !resume {
+            return Err(refused(
+                "is there already; add --resume to go on with it, or give another file",
+            ));
         }
-        let mut done = 0;
-        for line in lines {
-            let expected = points.get(done).map(ToString::to_string);
-            let number = line.split(',').next().map(str::to_owned);
-            if expected.is_none() || number != expected || mark(line) != Some(plan.mark()) {
-                return Err(refused(OTHER.to_owned()));
-            }
-            done += 1;
+        let whole = begun(&file, plan, points, known).map_err(failed)?;
+        let whole = whole.ok_or_else(|| refused(OTHER))?;
+        file.set_len(whole).map_err(failed)?;
+        let mut table = Self {
+            file,
+            path: path.to_owned(),
+        };
+        if whole == 0 {
+            table.add(&plan.header())?;
         }
-        Ok((table, done))
+        Ok(table)
     }
 
-    /// Appends one line; it is handed to the system as a whole.
-    pub(super) fn append(&mut self, row: &str) -> Result<(), BadInput> {
+    /// Appends one row; it is handed to the system as a whole.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn append(&mut self, row: &str) -> Result<(), Refusal> {
+        Ok(self.add(row)?)
+    }
+
+    pub(super) fn add(&mut self, row: &str) -> Result<(), BadInput> {
         let line = format!("{row}\n");
         self.file.write_all(line.as_bytes()).map_err(|error| {
             BadInput::new(format!(
-                "--out `{}`: {error}; make room, and go on with --resume",
+                "table `{}`: {error}; make room, and go on with --resume",
                 self.path.display()
             ))
         })
     }
 }
 
+/// Refuses to write over devices, folders and pipes, some of which never end a read.
+pub(super) fn refuse_other_than_files(path: &Path) -> io::Result<()> {
+    match std::fs::metadata(path) {
+        Ok(found) if !found.is_file() => Err(io::Error::other("this is no file")),
+        _ => Ok(()),
+    }
+}
+
 /// Why a file is no beginning of a table.
 const OTHER: &str = "holds rows of another sweep (other scene, options, values, records or shard); give another file, \
      or remove it";
+
+/// How many bytes of a file are whole lines of the table of these points; `None` if it is no beginning of that. It is read no further than
+/// up to the first difference.
+fn begun(
+    file: &File,
+    plan: &SweepPlan,
+    points: &[usize],
+    known: &mut dyn FnMut(&str),
+) -> io::Result<Option<u64>> {
+    let header = plan.header() + "\n";
+    let mut reader = BufReader::new(file);
+    let mut first = Vec::new();
+    let length = header.len() as u64;
+    reader.by_ref().take(length).read_to_end(&mut first)?;
+    if first.len() < header.len() {
+        return Ok(header.as_bytes().starts_with(&first).then_some(0));
+    }
+    if first != header.as_bytes() {
+        return Ok(None);
+    }
+    let mut whole = length;
+    for done in 0.. {
+        let mut line = Vec::new();
+        let read = reader.read_until(b'\n', &mut line)?;
+        if read == 0 {
+            break;
+        }
+        let Some(point) = points.get(done) else {
+            return Ok(None);
+        };
+        let number = format!("{point},");
+        let Some(row) = line.strip_suffix(b"\n") else {
+            let cut = line.starts_with(number.as_bytes()) || number.as_bytes().starts_with(&line);
+            return Ok(cut.then_some(whole));
+        };
+        let row = String::from_utf8_lossy(row);
+        if !row.starts_with(&number) || mark(&row) != Some(plan.mark()) {
+            return Ok(None);
+        }
+        known(&row);
+        whole += read as u64;
+    }
+    Ok(Some(whole))
+}
 
 /// The mark at the end of a row.
 fn mark(row: &str) -> Option<&str> {
@@ -91,7 +159,7 @@ pub(super) fn join(files: &[std::path::PathBuf]) -> Result<(String, usize), BadI
     for file in files {
         let shown = file.display();
         let refused = |what: &str| BadInput::new(format!("--join `{shown}`: {what}"));
-        let text = fs::read_to_string(file)
+        let text = regular_text(file, u64::MAX)
             .map_err(|error| refused(&format!("{error}; give the tables of all shards")))?;
         if !text.ends_with('\n') {
             return Err(refused(

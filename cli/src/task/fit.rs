@@ -23,10 +23,7 @@ pub(crate) struct FitTask {
 
 impl FitTask {
     /// Refuses arguments that do not fit the scene, and reads the measurements.
-    pub(crate) fn new(
-        chosen: ChosenScene,
-        arguments: &SolveArguments,
-    ) -> Result<Self, BadInput> {
+    pub(crate) fn new(chosen: ChosenScene, arguments: &SolveArguments) -> Result<Self, BadInput> {
         refuse_others(arguments)?;
         let mut settings = Settings::default();
         settings.starts = arguments.starts;

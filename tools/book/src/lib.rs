@@ -28,6 +28,7 @@ mod reference;
 mod search;
 mod steps;
 mod transcript;
+mod usage;
 
 pub use book::{Book, Chapter};
 pub use formula::{in_markdown, mathml};
@@ -37,3 +38,4 @@ pub use page::Page;
 pub use pages::pages;
 pub use reference::{Entry, Structure, fields_of_documents, words_of_results};
 pub use steps::{Data, Excerpt, Kind, Run, SceneText, Step};
+pub use usage::{Asked, USAGE};

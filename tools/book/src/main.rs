@@ -15,38 +15,30 @@ use std::io::{Error, Result};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
-use hangtime_book::{Book, Kind, PAGE, Step, dead_links, pages};
+use hangtime_book::{Asked, Book, Kind, PAGE, Step, USAGE, dead_links, pages};
 use hangtime_cli::{CommandLine, HostScene, Scene};
 use hangtime_models::{hard_optima, hard_scenes, scenes};
 
 /// The first argument by which this program is the command line, for commands of the book.
 const AS_COMMAND_LINE: &str = "--as-command-line";
-/// The first argument by which it writes the pictures of the list of scenes.
-const PICTURES: &str = "--pictures";
-
 fn main() -> ExitCode {
     let mut arguments = env::args_os();
     let program = arguments.next().unwrap_or_default();
-    let folder = arguments.next();
-    if folder
-        .as_deref()
+    let arguments: Vec<OsString> = arguments.collect();
+    if arguments
+        .first()
         .is_some_and(|first| first == AS_COMMAND_LINE)
     {
         return CommandLine::new(scenes())
             .with_hard(hard_scenes())
             .with_hard_optima(hard_optima())
-            .run([program].into_iter().chain(arguments));
+            .run([program].into_iter().chain(arguments.into_iter().skip(1)));
     }
-    let done = match folder {
-        Some(first) if first == PICTURES => {
-            let names: Vec<String> = arguments
-                .filter_map(|name| name.into_string().ok())
-                .collect();
-            pictures(&names)
-        }
-        other => built(Path::new(
-            &other.unwrap_or_else(|| OsString::from("out/book")),
-        )),
+    let done = match Asked::read(&arguments) {
+        Ok(Asked::Help) => Ok(USAGE.to_owned()),
+        Ok(Asked::Pictures(names)) => pictures(&names),
+        Ok(Asked::Book(folder)) => built(&folder),
+        Err(refusal) => Err(Error::other(refusal)),
     };
     match done {
         Ok(said) => {

@@ -6,7 +6,7 @@ use std::process::Command;
 use std::thread;
 
 use hangtime_book::{
-    Book, Chapter, Kind, PAGE, Page, Run, SceneText, Step, dead_links, fields_of_documents,
+    Asked, Book, Chapter, Kind, PAGE, Page, Run, SceneText, Step, dead_links, fields_of_documents,
     fragment, mathml, words_of_results,
 };
 use serde_json::json;
@@ -127,6 +127,68 @@ fn scenes_commands_and_links_of_the_book_are_as_it_says() {
         figures.iter().any(|figure| figure == name) || charts.join(name).exists()
     });
     assert_eq!(dead, [""; 0]);
+}
+
+/// README as a chapter.
+fn readme() -> Chapter {
+    Chapter {
+        file: "README.md".to_owned(),
+        title: "hangtime".to_owned(),
+        text: fs::read_to_string(root().join("README.md")).unwrap(),
+    }
+}
+
+#[test]
+fn readme_is_short_and_its_scenes_commands_and_links_are_as_it_says() {
+    let readme = readme();
+    assert!(readme.text.lines().count() <= 100);
+    let (wrong, _) = follow(&readme);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+    let steps = readme.steps();
+    assert!(steps.iter().any(|step| matches!(step, Step::Excerpt(_))));
+    // What it shows of a command is what the command prints, digit for digit.
+    let scratch = Scratch::new("readme");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let mut runs = 0;
+    for step in steps {
+        match step {
+            Step::Scene(scene) => fs::write(scratch.0.join(&scene.file), &scene.text).unwrap(),
+            Step::Run(command) => {
+                let (_, printed) = run(&scratch.0, &command.arguments);
+                let mut lines = printed.lines();
+                let shown = command.shown.iter().filter(|line| *line != "...");
+                for line in shown {
+                    assert!(lines.any(|other| other == line), "{line}\n{printed}");
+                }
+                runs += 1;
+            }
+            Step::Data(_) | Step::Excerpt(_) => {}
+        }
+    }
+    assert!(runs > 0);
+    let targets = readme.text.split("](").skip(1);
+    let targets = targets.map(|rest| rest.split(')').next().unwrap());
+    let lost = targets.filter(|target| !root().join(target).exists());
+    assert_eq!(lost.collect::<Vec<_>>(), [""; 0]);
+}
+
+#[test]
+fn builder_that_is_asked_for_help_or_in_vain_writes_nothing() {
+    let asked = |words: &[&str]| {
+        let words: Vec<_> = words.iter().map(Into::into).collect();
+        Asked::read(&words)
+    };
+    for help in ["-h", "--help"] {
+        assert_eq!(asked(&[help]), Ok(Asked::Help));
+    }
+    for wrong in ["--out", "-o", "--picture"] {
+        let refusal = asked(&[wrong, "x"]).unwrap_err();
+        assert!(refusal.starts_with(&format!("`{wrong}` is no option; hangtime-book")));
+    }
+    assert_eq!(asked(&["x"]), Ok(Asked::Book("x".into())));
+    assert_eq!(asked(&[]), Ok(Asked::Book("out/book".into())));
+    let pictures = Asked::Pictures(vec!["hop".to_owned()]);
+    assert_eq!(asked(&["--pictures", "hop"]), Ok(pictures));
 }
 
 #[test]

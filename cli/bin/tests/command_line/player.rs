@@ -123,3 +123,98 @@ fn player_of_a_solved_ride_plays_and_scrubs() {
         assert_ne!(report["start"]["arrow"], "");
     });
 }
+
+/// What the player of a scene file draws at the start, in the middle and at the end, by node; `None` where there is none.
+fn drawn(name: &str, text: &str) -> Option<Value> {
+    let scratch = Scratch::new(&format!("drawn-{name}"));
+    std::fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join(format!("{name}.hang"));
+    std::fs::write(&file, text).unwrap();
+    solved(&["simulate", file.to_str().unwrap(), "--out", scratch.text()]);
+    let script = scratch.0.join("stage.mjs");
+    std::fs::write(&script, include_str!("visits/stage.js")).unwrap();
+    let page = scratch.0.join(format!("{name}.html"));
+    let run = std::process::Command::new("node")
+        .args([&script, &page])
+        .output();
+    let Ok(run) = run else {
+        eprintln!("skipped: no node found, which runs the player without a browser");
+        return None;
+    };
+    let said = String::from_utf8(run.stderr).unwrap();
+    assert!(run.status.success(), "{name}: {said}");
+    Some(serde_json::from_slice(&run.stdout).unwrap())
+}
+
+/// A plank that is a line leans against a wall and slides down.
+const PLANK: &str = "parameters { l: m = 3 } coordinates { x: m, z: m, phi: rad } \
+    let foot = (x + l/2*cos(phi), z - l/2*sin(phi)) let top = (x - l/2*cos(phi), z + l/2*sin(phi)) \
+    lagrangian 5[kg]/2*|dot((x, z))|^2 + 4[kg m^2]/2*dot(phi)^2 - 50[N]*z \
+    surface floor: foot.z >= 0 surface wall: top.x >= 0 impact floor, wall: inelastic \
+    picture { PICTURE } \
+    start { phi: 1.1, x: 1.5[m]*cos(1.1), z: 1.5[m]*sin(1.1) } horizon 0.4 [s]";
+
+#[test]
+fn player_of_every_kind_of_picture_moves_and_shows_forces_on_what_they_act_on() {
+    let link = "link foot to top";
+    let body = "rectangle plank at (x, z) size (l, 5[cm]) angle -phi";
+    let ground = "curve ground: (w, 0) over w in 0..=4 [m]";
+    let spring = "spring (0, 0) to top";
+    for picture in [
+        link.to_owned(),
+        body.to_owned(),
+        format!("{link}, {ground}"),
+        format!("{spring}, {link}"),
+        format!("point middle at (x, z), {link}"),
+        format!("{ground}, {body}, {spring}"),
+    ] {
+        let Some(report) = drawn("plank", &PLANK.replace("PICTURE", &picture)) else {
+            return;
+        };
+        assert_ne!(
+            report[0]["lines"], report[2]["lines"],
+            "{picture} does not move"
+        );
+        let forces = report[0]["forces"].as_array().unwrap();
+        let names: Vec<&str> = forces
+            .iter()
+            .map(|force| force[0].as_str().unwrap())
+            .collect();
+        assert_eq!(names, ["floor", "wall"], "{picture}: {report}");
+        // The part is the plank: behind the point that is its middle, and before or behind a spring.
+        let plank = match picture.starts_with("point") || picture.starts_with("spring") {
+            true => "1",
+            false => "0",
+        };
+        assert!(
+            forces.iter().all(|force| force[1] == plank),
+            "{picture}: {forces:?}"
+        );
+        assert!(
+            forces
+                .iter()
+                .all(|force| force[2].as_str().unwrap().ends_with(" N"))
+        );
+    }
+}
+
+#[test]
+fn player_of_a_linkage_against_a_stop_shows_a_torque_on_the_part_that_turns() {
+    let text = "coordinates { a: rad, b: rad } let knee = 1[m]*(cos(a), sin(a)) let tip = knee + 0.5[m]*(cos(b), sin(b)) \
+        lagrangian 1[kg]/2*(|dot(knee)|^2 + |dot(tip)|^2) - 10[N]*(knee.z + tip.z) \
+        surface stop: b >= 0.2 [rad] impact stop: inelastic picture { link (0, 0) to knee, link knee to tip } \
+        start { a: 1.2, b: 0.2 } horizon 0.1 [s]";
+    let Some(report) = drawn("linkage", text) else {
+        return;
+    };
+    let force = &report[0]["forces"][0];
+    assert_eq!(
+        (force[0].as_str(), force[1].as_str()),
+        (Some("stop"), Some("1")),
+        "{report}"
+    );
+    assert!(
+        force[2].as_str().unwrap().starts_with("torque of stop: "),
+        "{force}"
+    );
+}

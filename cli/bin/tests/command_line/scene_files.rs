@@ -130,6 +130,39 @@ fn mistakes_of_a_file_are_shown_in_its_lines() {
     assert!(solved(&["check", &shipped("incline")]).contains("no mistakes"));
 }
 
+#[test]
+fn scene_file_is_found_by_its_name_alone_and_its_warnings_are_notes() {
+    let scratch = Scratch::new("named-scene");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let unused = THROWN.replace("g: m/s^2", "spare: kg = 3, g: m/s^2");
+    fs::write(scratch.0.join("thrown.hang"), unused).unwrap();
+    let run = |words: &[&str]| {
+        std::process::Command::new(env!("CARGO_BIN_EXE_hangtime"))
+            .args(words)
+            .current_dir(&scratch.0)
+            .output()
+            .unwrap()
+    };
+    let output = run(&["simulate", "thrown", "--json"]);
+    assert_eq!(output.status.code(), Some(0));
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let warning = "warning[E16]: parameter `spare` is never used";
+    let notes = document["notes"].as_array().unwrap();
+    let said = |note: &&serde_json::Value| note.as_str().unwrap().starts_with(warning);
+    assert!(stderr.starts_with(warning), "{stderr}");
+    assert_eq!(notes.iter().filter(said).count(), 1, "{notes:?}");
+    // A shipped scene goes before a file beside it, and a name that is neither is refused as before.
+    fs::write(scratch.0.join("incline.hang"), "no scene").unwrap();
+    assert_eq!(run(&["simulate", "incline"]).status.code(), Some(0));
+    let output = run(&["simulate", "thrwn"]);
+    assert!(
+        String::from_utf8(output.stderr)
+            .unwrap()
+            .contains("unknown scene `thrwn`")
+    );
+}
+
 /// A ball that is thrown along a rough floor, with what is recorded of it.
 const THROWN: &str = "parameters { m: kg = 2, g: m/s^2 = 9.81 } coordinates { y: m, z: m } \
     lagrangian m/2*|dot((y, z))|^2 - m*g*z surface floor: z >= 0 impact floor: inelastic, friction 0.1 \
@@ -180,8 +213,8 @@ fn outputs_stand_beside_the_motion_in_every_file() {
     assert_eq!(readings.last().unwrap()["name"], "twice");
     // The force acts where the ball touches the floor, straight up and against the motion.
     let force = &frames["forces"][0][0];
-    let from = force["from"][1].as_f64().unwrap();
-    assert!((from + 0.2).abs() < 2e-3, "{force}");
+    assert_eq!((&force["on"], &force["torque"]), (&0.into(), &0.0.into()));
+    assert!(force["at"][1].as_f64().unwrap().abs() < 1e-9, "{force}");
     assert!(
         (force["force"][1].as_f64().unwrap() - 19.62).abs() < 1e-6,
         "{force}"

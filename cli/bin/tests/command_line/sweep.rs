@@ -153,6 +153,132 @@ fn sweep_refuses_tables_of_others_and_names_what_is_wrong() {
     assert_eq!(output.status.code(), Some(2));
 }
 
+#[test]
+fn table_has_one_writer_and_what_is_none_of_its_beginnings_is_left_as_it_is() {
+    let scratch = folder("sweep-one-writer");
+    let whole = sweep(&scratch, "t.csv", &[]);
+    let path = scratch.0.join("t.csv");
+    let refusal_of = |table: &str, more: &[&str]| {
+        let words = words(&scratch, table, more);
+        refused(&words.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let writer = std::fs::OpenOptions::new()
+        .append(true)
+        .open(&path)
+        .unwrap();
+    writer.lock().unwrap();
+    assert!(refusal_of("t.csv", &["--resume"]).contains("another sweep writes"));
+    drop(writer);
+    assert_eq!(sweep(&scratch, "t.csv", &["--resume"]), whole);
+    // Files of something else, with or without ends of lines, and rows behind the last one.
+    let cut = &whole[..whole.rfind("\n26,").unwrap() + 3];
+    let foreign = [
+        "notes".to_owned(),
+        "notes\n".to_owned(),
+        "point,x\n".to_owned(),
+        cut.to_owned() + "x",
+        whole.clone() + "27,",
+    ];
+    for text in foreign {
+        std::fs::write(&path, &text).unwrap();
+        assert!(
+            refusal_of("t.csv", &["--resume"]).contains("another sweep"),
+            "{text}"
+        );
+        assert_eq!(scratch.read("t.csv"), text);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_refused_before_it_is_read_and_joined_tables_have_usual_modes() {
+    use std::os::unix::fs::{FileTypeExt as _, PermissionsExt as _};
+    let scratch = folder("sweep-no-file");
+    let pipe = scratch.0.join("pipe.csv");
+    let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    let part = sweep(&scratch, "part.csv", &[]);
+    let (part_path, pipe) = (
+        format!("{}/part.csv", scratch.text()),
+        pipe.to_str().unwrap(),
+    );
+    for out in [pipe, "/dev/full", "/dev/zero", scratch.text()] {
+        for resume in [&[][..], &["--resume"]] {
+            let over = ["sweep", "ski-jump", "--over", "m=1,2", "--out", out];
+            let refusal = refused(&[&over[..], resume].concat());
+            assert!(refusal.contains("this is no file"), "{refusal}");
+        }
+        let refusal = refused(&["sweep", "--join", &part_path, "--out", out]);
+        assert!(refusal.contains("this is no file"), "{refusal}");
+    }
+    assert!(refused(&["sweep", "--join", pipe, "--out", "x.csv"]).contains("this is no file"));
+    assert!(
+        std::fs::metadata("/dev/full")
+            .unwrap()
+            .file_type()
+            .is_char_device()
+    );
+    // So are tables of measurements, of profiles and programs, within any time.
+    let scene = scratch.0.join("fitted.hang");
+    let fitted = BALL.replace(
+        "horizon",
+        "measured m: \"pipe.csv\" { z within 1 [cm] }\nminimize misfit(m)\nhorizon",
+    );
+    std::fs::write(
+        &scene,
+        fitted.replace(
+            "parameters { h: m = 1, ",
+            "free h: m in 0..=2 = 1\nparameters { ",
+        ),
+    )
+    .unwrap();
+    assert!(refused(&["solve", scene.to_str().unwrap()]).contains("this is no file"));
+    assert!(refused(&["profile", pipe]).contains("this is no file"));
+    assert!(refused(&["nlp", pipe]).contains("this is no file"));
+    let joined = format!("{}/joined.csv", scratch.text());
+    solved(&["sweep", "--join", &part_path, "--out", &joined]);
+    let mode = |path: &str| std::fs::metadata(path).unwrap().permissions().mode();
+    assert_eq!(mode(&joined), mode(&part_path));
+    assert_eq!(scratch.read("joined.csv"), part);
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_sweep_ends_at_once_and_says_how_to_go_on() {
+    let scratch = folder("sweep-interrupted");
+    // A point takes seconds.
+    let more = ["--", "--method", "moreau", "--steps", "1000000"];
+    let mut child = Command::new(env!("CARGO_BIN_EXE_hangtime"))
+        .args(words(&scratch, "t.csv", &more))
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let path = scratch.0.join("t.csv");
+    // The table is opened right before Ctrl-C is listened to.
+    while std::fs::metadata(&path).map_or(0, |file| file.len()) == 0 {
+        assert_eq!(child.try_wait().unwrap(), None);
+        std::thread::yield_now();
+    }
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    let pressed = std::time::Instant::now();
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status();
+    assert!(sent.unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    // Ten times what it takes, for busy machines.
+    assert!(pressed.elapsed() < std::time::Duration::from_secs(2));
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{stderr}");
+    assert!(
+        stderr.contains("interrupted: 0 of 27 points are in"),
+        "{stderr}"
+    );
+    assert!(stderr.contains("go on with --resume"), "{stderr}");
+    assert_eq!(scratch.read("t.csv").lines().count(), 1);
+}
+
 /// A cart that is pushed over a distance in least time, from rest to rest: `2 sqrt(m d/F)`.
 const CART: &str = "parameters { m: kg = 2, d: m = 1 }\ncoordinates { y: m }\ncontrols { u: N in -1..=1 }\n\
      lagrangian m/2*dot(y)^2\nforces { y: u }\nminimize time\nstart { y: 0 }\nfinally { y == d, dot(y) == 0 }\n";

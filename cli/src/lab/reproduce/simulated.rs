@@ -16,7 +16,6 @@ use crate::files::ResultFiles;
 use crate::json::Document;
 use crate::method::ChosenMethod;
 use crate::sampling::dense;
-use crate::simulate::diagnosis_line;
 use crate::spreadsheet::{csv_text, trajectory_csv};
 use crate::task::simulation_facts;
 use crate::timing::{EXACT_TOLERANCE, fastest};
@@ -78,7 +77,7 @@ pub(super) fn reproduce(case: Case, horizon: f64, bounds: &Bounds) -> Result<Rep
         let simulation =
             fastest(chosen, &method, &problem, &|| bounds.asked().is_none()).map_err(refuse)?;
         let ending = Ending::of_whole(&simulation);
-        diagnoses.extend(diagnosis_line(chosen, &simulation, &ending));
+        diagnoses.extend(ending.line_of(chosen.scene.name, &simulation));
         let settings = &method.settings;
         let rows = usize::MAX;
         let json = Document::new(chosen, horizon, settings, &simulation, &ending, rows).text();

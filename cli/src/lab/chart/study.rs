@@ -9,7 +9,6 @@ use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::method::ChosenMethod;
 use crate::settings::{ChosenScene, find};
-use crate::simulate::diagnosis_line;
 use crate::table::headed;
 use crate::timing::EXACT_TOLERANCE;
 
@@ -204,7 +203,8 @@ impl Reference {
             (Some(alone), None) => Ok(Self::unconfirmed(alone, "event-driven integration")),
             (None, Some((alone, _))) => Ok(Self::unconfirmed(alone, "finite elements")),
             // What asked a run to end is told once for all of them.
-            (None, None) => Err(diagnosis_line(chosen, &event, &Ending::of_whole(&event))
+            (None, None) => Err(Ending::of_whole(&event)
+                .line_of(chosen.scene.name, &event)
                 .filter(|_| bounds.asked().is_none())),
         })
     }

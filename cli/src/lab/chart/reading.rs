@@ -125,9 +125,9 @@ fn ratio(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::reading;
-    use crate::chart::measure::{Measured, Order, Point};
-    use crate::chart::sweep::{CONTROLLED, Group, Sweep};
     use crate::figure::Look;
+    use crate::lab::chart::measure::{Measured, Order, Point};
+    use crate::lab::chart::sweep::{CONTROLLED, Group, Sweep};
 
     fn line(name: &str, group: Group, points: &[(f64, f64)]) -> Measured {
         let points = points.iter().map(|&(error, seconds)| Point {
