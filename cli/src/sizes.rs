@@ -10,7 +10,7 @@ use hangtime::simulation::{
 };
 use serde::Serialize;
 
-use crate::json::{SCHEMA, SizeEntry, to_line};
+use crate::json::{SCHEMA, to_line};
 use crate::published::PublishedSize;
 use crate::settings::ChosenScene;
 use crate::table::{described, table};
@@ -246,7 +246,6 @@ struct Document<'a> {
 struct FormulationEntry<'a> {
     formulation: &'a str,
     discretization: &'a str,
-    #[serde(with = "SizeEntry")]
     size: ProblemSize,
     operations: usize,
     groups: Vec<GroupEntry>,
@@ -257,7 +256,6 @@ struct FormulationEntry<'a> {
 struct GroupEntry {
     group: &'static str,
     why: &'static str,
-    #[serde(with = "SizeEntry")]
     size: ProblemSize,
 }
 

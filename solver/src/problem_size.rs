@@ -2,10 +2,12 @@
 
 use std::ops::AddAssign;
 
+use serde::Serialize;
+
 use crate::nlp::NlpProblem;
 
 /// Size of a program, or of a system of equations.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct ProblemSize {
     /// Unknowns.
     pub variables: usize,

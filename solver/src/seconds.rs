@@ -2,10 +2,12 @@
 
 use std::ops::AddAssign;
 
+use serde::Serialize;
+
 use crate::clock::ThreadTime;
 
 /// CPU time by kind of work \[s\].
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Seconds {
     /// Whole run.
     pub total: f64,

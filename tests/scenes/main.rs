@@ -2,7 +2,6 @@
 
 mod agreement;
 mod air_drag;
-mod at_times;
 mod ball_on_slope;
 mod bike_on_two_wheels;
 mod both;
@@ -14,7 +13,6 @@ mod estimation;
 mod four_bar;
 mod friction;
 mod gradient;
-mod hidden;
 mod joints;
 mod largest;
 mod many_contacts;
@@ -27,11 +25,8 @@ mod random;
 mod scene_files;
 #[path = "../stability/mod.rs"]
 mod stability;
-mod starts;
 mod states;
 mod switched;
 mod switches_meet;
 mod teaching_models;
-mod textbook;
-mod when;
 mod zoo;

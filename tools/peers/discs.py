@@ -1,4 +1,4 @@
-"""A thin disc on a rough plane, by Newton's and Euler's equations and scipy's DOP853 at 1e-13: numbers of `tests/scenes/friction/discs.rs`.
+"""A thin disc on a rough plane, by Newton's and Euler's equations and scipy's DOP853 at 1e-13: numbers of `tests/cases/friction.md`.
 
 The state is (center, its velocity, axis n of the disc, angular momentum L about the center), without angles, multipliers or contact law. The lowest point
 of the rim is r u below the center, u the direction in the disc that points up most; what is solved for at each time is the force there: that which keeps the

@@ -4,15 +4,18 @@ use std::ops::Range;
 
 use hangtime::model::Model;
 use hangtime::simulation::Trajectory;
+use serde::{Serialize, Serializer};
 
 use crate::published::Quantity;
 use crate::quantity;
 use crate::sampling::State;
 use crate::thinning;
 
-/// A part of a trajectory, row after row.
-#[derive(Debug, Clone, PartialEq)]
+/// A part of a trajectory, row after row. In a document it is a list of rows.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Columns {
+    /// Rows.
+    pub rows: usize,
     /// Numbers of a row.
     pub width: usize,
     /// The numbers; what is not finite is not a number (NaN), where the document has `null`.
@@ -26,7 +29,16 @@ pub(crate) fn part(
     most: usize,
     name: &str,
 ) -> Option<Columns> {
-    let kept = kept_instants(trajectory, most);
+    of_kept(model, trajectory, &kept_instants(trajectory, most), name)
+}
+
+/// The same at chosen instants.
+pub(super) fn of_kept(
+    model: &dyn Model,
+    trajectory: &Trajectory,
+    kept: &[usize],
+    name: &str,
+) -> Option<Columns> {
     let declaration = model.declaration();
     let (mechanical, coordinates) = (declaration.mechanical(), declaration.coordinates.len());
     let contacts = declaration.contacts.len();
@@ -60,10 +72,37 @@ pub(crate) fn part(
 impl Columns {
     fn of<'a>(width: usize, rows: impl Iterator<Item = &'a [f64]>) -> Self {
         let finite = |value: &f64| if value.is_finite() { *value } else { f64::NAN };
-        Self {
-            width,
-            values: rows.flatten().map(finite).collect(),
+        let (mut count, mut values) = (0, Vec::new());
+        for row in rows {
+            count += 1;
+            values.extend(row.iter().map(finite));
         }
+        Self {
+            rows: count,
+            width,
+            values,
+        }
+    }
+
+    /// Whether there is no row, as of what a scene does not have.
+    pub(super) fn is_empty(&self) -> bool {
+        self.rows == 0
+    }
+
+    /// A row below [`Columns::rows`].
+    fn row(&self, k: usize) -> &[f64] {
+        &self.values[k * self.width..(k + 1) * self.width]
+    }
+
+    /// The last row, if there is one.
+    pub(super) fn last(&self) -> Option<&[f64]> {
+        Some(self.row(self.rows.checked_sub(1)?))
+    }
+}
+
+impl Serialize for Columns {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq((0..self.rows).map(|k| self.row(k)))
     }
 }
 

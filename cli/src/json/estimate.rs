@@ -143,30 +143,6 @@ impl<'a> ExperimentEntry<'a> {
     }
 }
 
-/// Where searches ended.
-#[derive(Serialize)]
-struct LocalEntry<'a> {
-    /// Its misfit.
-    objective: f64,
-    /// Its values of the parameters.
-    values: &'a [f64],
-    /// Whether the conditions of an optimum hold there.
-    optimal: bool,
-    /// How many starts led to it.
-    starts: usize,
-}
-
-impl<'a> LocalEntry<'a> {
-    fn new(local: &'a LocalFit) -> Self {
-        Self {
-            objective: local.misfit,
-            values: &local.values,
-            optimal: local.optimal,
-            starts: local.starts,
-        }
-    }
-}
-
 /// Counts.
 #[derive(Serialize)]
 struct EstimateCounts {
@@ -206,10 +182,10 @@ pub(crate) struct EstimateDocument<'a> {
     /// What happened, in the order of time.
     events: Vec<EventEntry<'a>>,
     /// The instants of the motion, at most as many as `--rows` allows.
-    trajectory: TrajectoryEntry<'a>,
+    trajectory: TrajectoryEntry,
     /// The last of them.
     #[serde(rename = "final")]
-    last: Option<FinalEntry<'a>>,
+    last: Option<FinalEntry>,
     /// The misfit.
     objective: f64,
     /// How many numbers were measured.
@@ -227,7 +203,7 @@ pub(crate) struct EstimateDocument<'a> {
     /// From how many values it was looked for.
     starts: usize,
     /// Where the searches ended, best first.
-    optima: Vec<LocalEntry<'a>>,
+    optima: &'a [LocalFit],
     /// What the run took, counted.
     iterations: EstimateCounts,
     /// CPU time \[s\].
@@ -292,7 +268,7 @@ impl<'a> EstimateDocument<'a> {
                 .map(|fitted| ExperimentEntry::new(fitted, declaration))
                 .collect(),
             starts: estimate.starts,
-            optima: estimate.optima.iter().map(LocalEntry::new).collect(),
+            optima: &estimate.optima,
             iterations: EstimateCounts {
                 steps: estimate.steps,
                 simulations: estimate.simulations,

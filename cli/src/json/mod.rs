@@ -17,7 +17,7 @@ mod solution;
 pub use columns::Columns;
 pub(crate) use columns::{part, quantities};
 pub(crate) use estimate::EstimateDocument;
-pub(crate) use parts::{SCHEMA, SizeEntry, to_line};
+pub(crate) use parts::{SCHEMA, to_line};
 pub(crate) use program::ProgramDocument;
 pub(crate) use simulation::Document;
 pub(crate) use solution::{SolutionDocument, SolverSettings, struck_after_the_end};

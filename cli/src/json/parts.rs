@@ -3,16 +3,12 @@
 use std::fmt::Write as _;
 
 use hangtime::model::{ContactDeclaration, Declaration, Model};
-use hangtime::simulation::{
-    ContactMode, Counts, Diagnosis, Direction, Event, ProblemSize, Residuals, Seconds, Simulation,
-    Trajectory,
-};
+use hangtime::simulation::{ContactMode, Diagnosis, Direction, Event, Simulation, Trajectory};
 use serde::{Serialize, Serializer};
 
-use super::columns::{finite_instants, kept_instants, quantities};
+use super::columns::{Columns, finite_instants, kept_instants, of_kept, quantities};
 use crate::ending::Ending;
 use crate::failure::steers;
-use crate::sampling::State;
 use crate::settings::ChosenScene;
 use crate::thinning;
 
@@ -175,66 +171,48 @@ impl InitialEntry {
 
 /// The instants of a trajectory, thinned to the number asked for.
 #[derive(Default, Serialize)]
-pub(super) struct TrajectoryEntry<'a> {
+pub(super) struct TrajectoryEntry {
     /// Time \[s\]; the same twice in a row where something jumps.
     time: Vec<f64>,
     /// Time of the time-freezing system \[s\]; that of the motion with other formulations.
     numerical_time: Vec<f64>,
     /// Coordinates.
-    q: Vec<&'a [f64]>,
+    q: Columns,
     /// Velocities.
-    v: Vec<&'a [f64]>,
+    v: Columns,
     /// States of first order. Only for scenes that declare states.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    states: Vec<&'a [f64]>,
+    #[serde(skip_serializing_if = "Columns::is_empty")]
+    states: Columns,
     /// Controls.
-    u: Vec<&'a [f64]>,
+    u: Columns,
     /// Normal force of each contact.
-    contact_force: Vec<&'a [f64]>,
+    contact_force: Columns,
     /// Friction force of each contact. Only for scenes with friction.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    friction_force: Vec<&'a [f64]>,
+    #[serde(skip_serializing_if = "Columns::is_empty")]
+    friction_force: Columns,
     /// What the scene declares in `outputs`. Only for scenes that declare outputs.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    outputs: Vec<Vec<f64>>,
+    #[serde(skip_serializing_if = "Columns::is_empty")]
+    outputs: Columns,
 }
 
-impl<'a> TrajectoryEntry<'a> {
+impl TrajectoryEntry {
     /// At most `most` of the rows before the first state that is not finite; other such numbers are null.
-    pub(super) fn new(model: &dyn Model, trajectory: &'a Trajectory, most: usize) -> Self {
+    pub(super) fn new(model: &dyn Model, trajectory: &Trajectory, most: usize) -> Self {
         let kept = kept_instants(trajectory, most);
-        let numbers = |column: &[f64]| kept.iter().map(|&k| column[k]).collect();
-        let vectors = |column: &'a [Vec<f64>]| -> Vec<&'a [f64]> {
-            kept.iter()
-                .filter_map(|&k| column.get(k))
-                .map(Vec::as_slice)
-                .collect()
-        };
-        let declaration = model.declaration();
-        let mechanical = declaration.mechanical();
-        let part = |column: &'a [Vec<f64>], part: std::ops::Range<usize>| -> Vec<&'a [f64]> {
-            let rows = vectors(column).into_iter();
-            rows.map(|row| row.get(part.clone()).unwrap_or(row))
-                .collect()
-        };
-        let states = match declaration.states.len() {
-            0 => Vec::new(),
-            _ => part(&trajectory.v, mechanical..declaration.coordinates.len()),
-        };
-        let recorded = (!model.outputs().is_empty()).then_some(&kept);
-        let recorded = recorded.into_iter().flatten();
+        let part = |name: &str| of_kept(model, trajectory, &kept, name).unwrap_or_default();
         Self {
-            outputs: recorded
-                .map(|&k| State::of(model, trajectory, k).outputs)
-                .collect(),
-            time: numbers(&trajectory.time),
-            numerical_time: numbers(&trajectory.numerical_time),
-            q: part(&trajectory.q, 0..mechanical),
-            v: part(&trajectory.v, 0..mechanical),
-            states,
-            u: vectors(&trajectory.u),
-            contact_force: vectors(&trajectory.contact_force),
-            friction_force: vectors(&trajectory.friction_force),
+            time: part("time").values,
+            numerical_time: part("numerical_time").values,
+            q: part("q"),
+            v: part("v"),
+            states: match model.declaration().states.len() {
+                0 => Columns::default(),
+                _ => part("states"),
+            },
+            u: part("u"),
+            contact_force: part("contact_force"),
+            friction_force: part("friction_force"),
+            outputs: part("outputs"),
         }
     }
 
@@ -243,12 +221,13 @@ impl<'a> TrajectoryEntry<'a> {
         thinning::note(finite_instants(trajectory), self.time.len())
     }
 
-    pub(super) fn last(&self) -> Option<FinalEntry<'a>> {
+    pub(super) fn last(&self) -> Option<FinalEntry> {
+        let row = |part: &Columns| part.last().map(<[f64]>::to_vec);
         Some(FinalEntry {
             time: *self.time.last()?,
-            q: self.q.last()?,
-            v: self.v.last()?,
-            states: self.states.last().copied().unwrap_or_default(),
+            q: row(&self.q)?,
+            v: row(&self.v)?,
+            states: row(&self.states).unwrap_or_default(),
         })
     }
 }
@@ -308,78 +287,14 @@ impl QuantitiesEntry {
 
 /// The state at the end.
 #[derive(Serialize)]
-pub(super) struct FinalEntry<'a> {
+pub(super) struct FinalEntry {
     /// Time \[s\].
     time: f64,
     /// Coordinates.
-    q: &'a [f64],
+    q: Vec<f64>,
     /// Velocities.
-    v: &'a [f64],
+    v: Vec<f64>,
     /// States of first order. Only for scenes that declare states.
-    #[serde(skip_serializing_if = "<[f64]>::is_empty")]
-    states: &'a [f64],
-}
-
-/// Residuals.
-#[derive(Serialize)]
-#[serde(remote = "Residuals")]
-pub(super) struct ResidualsEntry {
-    /// Largest violation of an equation or a bound, scaled.
-    primal: f64,
-    /// Largest violation of the conditions on multipliers or forces, scaled.
-    dual: f64,
-    /// Largest product of the two sides of a pair, scaled.
-    complementarity: f64,
-}
-
-/// The size of a system or a program.
-#[derive(Serialize)]
-#[serde(remote = "ProblemSize")]
-pub(crate) struct SizeEntry {
-    /// Variables.
-    variables: usize,
-    /// Equations.
-    equalities: usize,
-    /// Inequalities.
-    inequalities: usize,
-    /// Complementarity pairs.
-    complementarities: usize,
-    /// Entries of the Jacobian that are not zero by structure.
-    jacobian_nonzeros: usize,
-    /// Entries of the lower triangle of the Hessian that are not zero by structure.
-    hessian_nonzeros: usize,
-}
-
-/// Counts.
-#[derive(Serialize)]
-#[serde(remote = "Counts")]
-pub(super) struct IterationsEntry {
-    /// Iterations of the interior point method.
-    interior_point: usize,
-    /// Iterations of crossovers, with the sides of all pairs fixed.
-    crossover: usize,
-    /// Iterations of Newton's method in steps.
-    newton: usize,
-    /// Factorizations.
-    factorizations: usize,
-    /// Evaluations of the model.
-    evaluations: usize,
-    /// Finite elements, or steps, that were accepted.
-    elements: usize,
-    /// Steps that were solved as a complementarity problem.
-    fallbacks: usize,
-}
-
-/// CPU times \[s\].
-#[derive(Serialize)]
-#[serde(remote = "Seconds")]
-pub(super) struct SecondsEntry {
-    /// All.
-    total: f64,
-    /// Of evaluations.
-    evaluate: f64,
-    /// Of factorizations.
-    factorize: f64,
-    /// Of solutions with factors.
-    solve: f64,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    states: Vec<f64>,
 }

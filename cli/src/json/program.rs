@@ -4,7 +4,7 @@ use hangtime::nl::{SecondOrder, Solution};
 use hangtime::simulation::ProblemSize;
 use serde::Serialize;
 
-use super::parts::{SCHEMA, SizeEntry, to_line};
+use super::parts::{SCHEMA, to_line};
 use crate::ending::Ending;
 
 /// The document of a program: the fields that it shares with that of a scene have the same names and meanings.
@@ -29,7 +29,6 @@ pub(crate) struct ProgramDocument<'a> {
     /// How well the conditions hold.
     residuals: Residuals,
     /// Size of the largest system or program.
-    #[serde(with = "SizeEntry")]
     size: ProblemSize,
     /// What the run took, counted.
     iterations: Iterations,

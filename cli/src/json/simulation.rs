@@ -8,8 +8,8 @@ use super::columns::kept_instants;
 use super::gradient::GradientEntry;
 use super::joints::JointsEntry;
 use super::parts::{
-    DiagnosisEntry, EventEntry, FinalEntry, InitialEntry, IterationsEntry, ParameterValues,
-    QuantitiesEntry, ResidualsEntry, SCHEMA, SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
+    DiagnosisEntry, EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, SCHEMA,
+    TrajectoryEntry, to_line,
 };
 use crate::ending::Ending;
 use crate::method::MethodSettings;
@@ -38,24 +38,20 @@ pub(crate) struct Document<'a> {
     /// What happened, in the order of time.
     events: Vec<EventEntry<'a>>,
     /// The instants of the motion, at most as many as `--rows` allows.
-    trajectory: TrajectoryEntry<'a>,
+    trajectory: TrajectoryEntry,
     /// The last of them.
     #[serde(rename = "final")]
-    last: Option<FinalEntry<'a>>,
+    last: Option<FinalEntry>,
     /// Estimated largest error, relative to the largest values of each unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     error_estimate: Option<f64>,
     /// How well the equations of the steps hold.
-    #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
     /// Size of the largest system or program.
-    #[serde(with = "SizeEntry")]
     size: ProblemSize,
     /// What the run took, counted.
-    #[serde(with = "IterationsEntry")]
     iterations: Counts,
     /// CPU time \[s\].
-    #[serde(with = "SecondsEntry")]
     seconds: Seconds,
     /// What one might want to know about this run, in sentences.
     notes: Vec<String>,

@@ -2,8 +2,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    ControlNodes, Excess, Formulation, FoundParameter, Improvement, Margin, Optimum, Settings,
-    Solution, Source, TimeFreezingReport,
+    ControlNodes, Excess, Formulation, FoundParameter, Improvement, Margin, Optimum, RelaxedReport,
+    Settings, Solution, TimeFreezingReport,
 };
 use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
@@ -13,8 +13,8 @@ use crate::table::counted;
 
 use super::gradient::RangeEntry;
 use super::parts::{
-    EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, ResidualsEntry, SCHEMA,
-    SecondsEntry, SizeEntry, TrajectoryEntry, to_line,
+    EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, SCHEMA,
+    TrajectoryEntry, to_line,
 };
 use crate::ending::Ending;
 use crate::scene_file::warned;
@@ -125,9 +125,8 @@ struct TimeFreezingEntry {
     /// What of the scene it leaves out, and the motion does not.
     left_out: Vec<&'static str>,
     /// Its relaxed solution.
-    relaxed: RelaxedEntry,
+    relaxed: RelaxedReport,
     /// Its size.
-    #[serde(with = "SizeEntry")]
     size: ProblemSize,
     /// Iterations of its exact solution.
     iterations: usize,
@@ -144,19 +143,6 @@ struct TimeFreezingResiduals {
     complementarity: f64,
 }
 
-/// Its relaxed solution, before the motion was polished.
-#[derive(Serialize)]
-struct RelaxedEntry {
-    /// Its objective.
-    objective: f64,
-    /// Its largest product of a pair.
-    complementarity: f64,
-    /// Iterations.
-    iterations: usize,
-    /// Whether the order of contacts that was read off it led to the motion.
-    led_to_motion: bool,
-}
-
 impl TimeFreezingEntry {
     fn new(report: &TimeFreezingReport) -> Self {
         Self {
@@ -168,12 +154,7 @@ impl TimeFreezingEntry {
                 complementarity: report.residuals.complementarity,
             },
             left_out: report.left_out.clone(),
-            relaxed: RelaxedEntry {
-                objective: report.relaxed.objective,
-                complementarity: report.relaxed.complementarity,
-                iterations: report.relaxed.iterations,
-                led_to_motion: report.relaxed.led_to_motion,
-            },
+            relaxed: report.relaxed,
             size: report.size,
             iterations: report.iterations,
             seconds: report.seconds,
@@ -235,117 +216,6 @@ struct OptimumGradientEntry<'a> {
     range: Vec<RangeEntry<'a>>,
 }
 
-/// A violation between the places where a condition is imposed.
-#[derive(Serialize)]
-struct ExcessEntry<'a> {
-    /// The bound or constraint.
-    name: &'a str,
-    /// By how much it is violated at most.
-    amount: f64,
-    /// Unit of that.
-    unit: &'a str,
-    /// When \[s\].
-    time: f64,
-}
-
-impl<'a> ExcessEntry<'a> {
-    fn new(excess: &'a Excess) -> Self {
-        Self {
-            name: &excess.name,
-            amount: excess.amount,
-            unit: &excess.unit,
-            time: excess.time,
-        }
-    }
-}
-
-/// A distance that the method keeps, and that costs something.
-#[derive(Serialize)]
-struct MarginEntry<'a> {
-    /// What is kept at a distance.
-    name: &'a str,
-    /// The distance.
-    amount: f64,
-    /// Unit of that.
-    unit: &'a str,
-    /// What the objective would gain without it, to first order.
-    cost: f64,
-    /// Whether it is the gap margin of the settings.
-    chosen: bool,
-}
-
-impl<'a> MarginEntry<'a> {
-    fn new(margin: &'a Margin) -> Self {
-        Self {
-            name: &margin.name,
-            amount: margin.amount,
-            unit: &margin.unit,
-            cost: margin.cost,
-            chosen: margin.chosen,
-        }
-    }
-}
-
-/// A distinct local optimum.
-#[derive(Serialize)]
-struct OptimumEntry<'a> {
-    /// Its objective.
-    objective: f64,
-    /// Length of its motion \[s\].
-    horizon: f64,
-    /// How its re-simulation and its certificate ended.
-    status: &'static str,
-    /// Its certificate.
-    stationarity: &'static str,
-    /// How often contacts change.
-    switches: usize,
-    /// Control intervals.
-    intervals: usize,
-    /// The starts that led to it.
-    starts: &'a [usize],
-    /// Where motions came from that led to it.
-    sources: Vec<String>,
-}
-
-/// A motion that was confirmed and better than all before it.
-#[derive(Serialize)]
-struct ImprovementEntry {
-    /// CPU time until it was known \[s\].
-    cpu: f64,
-    /// Its objective.
-    objective: f64,
-    /// How it ended.
-    status: &'static str,
-    /// Where it came from.
-    source: String,
-}
-
-impl ImprovementEntry {
-    fn new(improvement: &Improvement) -> Self {
-        Self {
-            cpu: improvement.cpu,
-            objective: improvement.objective,
-            status: improvement.status.name(),
-            source: improvement.source.to_string(),
-        }
-    }
-}
-
-impl<'a> OptimumEntry<'a> {
-    fn new(optimum: &'a Optimum) -> Self {
-        Self {
-            objective: optimum.objective,
-            horizon: optimum.horizon,
-            status: optimum.status.name(),
-            stationarity: optimum.stationarity.name(),
-            switches: optimum.switches,
-            intervals: optimum.intervals,
-            starts: &optimum.starts,
-            sources: optimum.sources.iter().map(Source::to_string).collect(),
-        }
-    }
-}
-
 /// The document of an optimal control problem: that of the re-simulated motion, and what belongs to the plan; its
 /// fields are those of the contract, in their order.
 // Many fields: the names of the JSON contract.
@@ -372,10 +242,10 @@ pub(crate) struct SolutionDocument<'a> {
     /// What happened, in the order of time.
     events: Vec<EventEntry<'a>>,
     /// The instants of the motion, at most as many as `--rows` allows.
-    trajectory: TrajectoryEntry<'a>,
+    trajectory: TrajectoryEntry,
     /// The last of them.
     #[serde(rename = "final")]
-    last: Option<FinalEntry<'a>>,
+    last: Option<FinalEntry>,
     /// What was to be least.
     objective: f64,
     /// The certificate: `S`, `B` or `none`.
@@ -396,27 +266,24 @@ pub(crate) struct SolutionDocument<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     gradient: Option<OptimumGradientEntry<'a>>,
     /// How well the equations of the steps hold.
-    #[serde(with = "ResidualsEntry")]
     residuals: Residuals,
     /// Size of the largest system or program.
-    #[serde(with = "SizeEntry")]
     size: ProblemSize,
     /// What the run took, counted.
     iterations: SolutionCounts,
     /// CPU time \[s\].
-    #[serde(with = "SecondsEntry")]
     seconds: Seconds,
     /// The complementarity problem of `--formulation time-freezing`.
     #[serde(skip_serializing_if = "Option::is_none")]
     time_freezing: Option<TimeFreezingEntry>,
     /// The distinct local optima, best first.
-    optima: Vec<OptimumEntry<'a>>,
+    optima: &'a [Optimum],
     /// Motions that were confirmed and better than all before, in the order in which they were found.
-    improvements: Vec<ImprovementEntry>,
+    improvements: &'a [Improvement],
     /// Violations between the places where conditions are imposed.
-    excess: Vec<ExcessEntry<'a>>,
+    excess: &'a [Excess],
     /// Distances that the method keeps though the scene does not ask for them.
-    margins: Vec<MarginEntry<'a>>,
+    margins: &'a [Margin],
     /// What one might want to know about this run, in sentences.
     notes: Vec<String>,
     /// Name and unit of every column of the trajectory.
@@ -504,14 +371,10 @@ impl<'a> SolutionDocument<'a> {
             },
             seconds: solution.seconds,
             time_freezing: solution.time_freezing.as_ref().map(TimeFreezingEntry::new),
-            optima: solution.optima.iter().map(OptimumEntry::new).collect(),
-            improvements: solution
-                .improvements
-                .iter()
-                .map(ImprovementEntry::new)
-                .collect(),
-            excess: solution.excess.iter().map(ExcessEntry::new).collect(),
-            margins: solution.margins.iter().map(MarginEntry::new).collect(),
+            optima: &solution.optima,
+            improvements: &solution.improvements,
+            excess: &solution.excess,
+            margins: &solution.margins,
             notes: (method.finer(solution).into_iter())
                 .chain(struck_after_the_end(chosen.model.as_ref(), solution))
                 .chain(note)

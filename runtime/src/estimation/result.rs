@@ -2,6 +2,7 @@
 
 use crate::model::Experiment;
 use crate::simulation::Simulation;
+use serde::Serialize;
 use std::fmt;
 
 /// How a fit ended.
@@ -109,9 +110,10 @@ impl FittedExperiment {
 }
 
 /// An end of the searches, and from how many starts it was reached.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LocalFit {
     /// The misfit there.
+    #[serde(rename = "objective")]
     pub misfit: f64,
     /// The values, in the order of [`Estimate::parameters`].
     pub values: Vec<f64>,

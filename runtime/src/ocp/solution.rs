@@ -4,6 +4,7 @@ use hangtime_solver::Seconds;
 use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp::Violation;
 use hangtime_solver::{mpcc, nlp};
+use serde::{Serialize, Serializer};
 
 use super::parameters::{FoundParameter, OptimumGradient};
 use super::previous::Previous;
@@ -38,6 +39,12 @@ pub enum Status {
     Interrupted,
     /// A program ended without a solution, for the reason given.
     Failed(nlp::Status),
+}
+
+impl Serialize for Status {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 impl Status {
@@ -91,7 +98,7 @@ pub struct TimeFreezingReport {
 }
 
 /// A relaxed solution of the complementarity problem of the time-freezing formulation.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct RelaxedReport {
     /// Its objective.
@@ -106,7 +113,7 @@ pub struct RelaxedReport {
 }
 
 /// A local optimum that several starts led to, or one of them alone.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Optimum {
     /// Its objective.
@@ -141,6 +148,12 @@ pub enum Source {
     Gaits,
 }
 
+impl Serialize for Source {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
 impl std::fmt::Display for Source {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -153,7 +166,7 @@ impl std::fmt::Display for Source {
 }
 
 /// A motion that was confirmed and better than all before it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Improvement {
     /// CPU time of all runs up to the one that found it \[s\].
@@ -193,7 +206,7 @@ impl Counts {
 }
 
 /// A violation between the places where a condition is imposed, or by the forces of the re-simulation.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Excess {
     /// Name of the coordinate, path constraint or condition on forces.
     pub name: String,
@@ -230,7 +243,7 @@ pub struct Nearest {
 }
 
 /// A distance that a plan keeps for the sake of the method, and that costs it something.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Margin {
     /// What is kept, and where.
     pub name: String,

@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::Index;
 
 use hangtime_solver::{ProblemSize, Seconds};
+use serde::Serialize;
 
 use super::quantity::{Quantity, number};
 use super::{ContactMode, InputError, Residuals, State, Trajectory};
@@ -528,7 +529,7 @@ impl fmt::Display for Simulation {
 }
 
 /// Deterministic operation counts.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Counts {
     /// Interior point iterations.
     pub interior_point: usize,
@@ -545,6 +546,7 @@ pub struct Counts {
     /// Steps that needed the interior point fallback.
     pub fallbacks: usize,
     /// Switches of the contact mode, listed or not; 0 for methods without events.
+    #[serde(skip)]
     pub events: usize,
 }
 

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use serde::Serialize;
+
 /// What is proved about a feasible point.
 ///
 /// ```
@@ -30,6 +32,12 @@ impl fmt::Display for Stationarity {
             Self::B => "B, no other choice of the sides that vanish is better",
             Self::None => "none, other choices of the sides were not compared",
         })
+    }
+}
+
+impl Serialize for Stationarity {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
     }
 }
 

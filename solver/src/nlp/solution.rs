@@ -1,10 +1,12 @@
 //! What the caller keeps.
 
+use serde::Serialize;
+
 use super::{IterationInfo, NlpProblem, Status};
 use crate::seconds::Seconds;
 
 /// What a result leaves unsatisfied, each the largest of its kind, in the units of the *original*, unscaled problem.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Residuals {
     /// Violation of a constraint or bound.
     pub primal: f64,

@@ -5,7 +5,6 @@ mod control;
 mod freezing;
 mod mechanisms;
 mod random;
-mod rolling;
 
 use hangtime::prelude::*;
 use hangtime_scene_files::{TextScene, of_text};
@@ -30,15 +29,6 @@ fn solved(run: Result<Simulation, InputError>) -> Simulation {
     let run = run.unwrap_or_else(|error| panic!("{error}"));
     assert!(run.status.is_solved(), "{}", run.status);
     run
-}
-
-/// Both methods that hold joints, the finite elements at a tolerance that an estimate confirms.
-fn both(scene: &TextScene) -> [Simulation; 2] {
-    let elements = simulate(scene)
-        .method(Fesd::default())
-        .tolerance(1e-10)
-        .run();
-    [solved(elements), tight(scene)]
 }
 
 /// A value at the end of a run.

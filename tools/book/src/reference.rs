@@ -76,7 +76,7 @@ const STATUSES: [Part; 8] = [
 ];
 
 /// Where the documents that `--json` prints are declared, a document or a part of documents each.
-const DOCUMENTS: [Part; 8] = [
+const DOCUMENTS: [Part; 14] = [
     part("Simulations", "cli/src/json/simulation.rs", &["Document"]),
     part(
         "Method of a simulation",
@@ -90,15 +90,21 @@ const DOCUMENTS: [Part; 8] = [
             "SolutionDocument",
             "SolverSettings",
             "SolutionCounts",
-            "OptimumEntry",
-            "ImprovementEntry",
-            "ExcessEntry",
-            "MarginEntry",
             "FoundEntry",
             "OptimumGradientEntry",
             "TimeFreezingEntry",
             "TimeFreezingResiduals",
-            "RelaxedEntry",
+        ],
+    ),
+    part(
+        "What a search found",
+        "runtime/src/ocp/solution.rs",
+        &[
+            "Optimum",
+            "Improvement",
+            "Excess",
+            "Margin",
+            "RelaxedReport",
         ],
     ),
     part(
@@ -111,10 +117,14 @@ const DOCUMENTS: [Part; 8] = [
             "DirectionEntry",
             "ExperimentEntry",
             "MeasuredEntry",
-            "LocalEntry",
             "EstimateCounts",
             "TotalSeconds",
         ],
+    ),
+    part(
+        "Where searches of an estimation ended",
+        "runtime/src/estimation/result.rs",
+        &["LocalFit"],
     ),
     part(
         "Programs from files",
@@ -145,12 +155,16 @@ const DOCUMENTS: [Part; 8] = [
             "QuantityEntry",
             "InitialEntry",
             "DiagnosisEntry",
-            "ResidualsEntry",
-            "SizeEntry",
-            "IterationsEntry",
-            "SecondsEntry",
         ],
     ),
+    part("Residuals", "solver/src/nlp/solution.rs", &["Residuals"]),
+    part("Sizes", "solver/src/problem_size.rs", &["ProblemSize"]),
+    part(
+        "Work of a simulation",
+        "runtime/src/simulation/result.rs",
+        &["Counts"],
+    ),
+    part("CPU times", "solver/src/seconds.rs", &["Seconds"]),
 ];
 
 /// The text of a generated chapter, by its file; `None` if there is no such chapter.

@@ -1,0 +1,314 @@
+//! What a result holds: numbers, states and texts of one run.
+
+use crate::method::Method;
+use crate::prepared::{Prepared, output};
+use crate::run::{Runs, Theirs, event, name_of, own_end};
+use crate::statement::{Above, Expectation, Id, Instant, Left, TextKind, Which};
+use hangtime::ocp::Solution;
+use hangtime::prelude::*;
+use hangtime_units::Unit;
+
+/// Why an expectation does not hold, and the number that came.
+pub(crate) type Unmet = (String, Option<f64>);
+
+pub(crate) fn because<T>(why: impl Into<String>) -> Result<T, Unmet> {
+    Err((why.into(), None))
+}
+
+/// One result, with what is needed to compare it.
+pub(crate) struct Found<'a> {
+    pub(crate) prepared: &'a Prepared,
+    pub(crate) expectation: &'a Expectation,
+    pub(crate) result: Of<'a>,
+    pub(crate) theirs: Option<&'a Theirs>,
+}
+
+#[derive(Clone, Copy)]
+pub(crate) enum Of<'a> {
+    Run(&'a Method, &'a Runs),
+    Solution(&'a Solution),
+}
+
+impl Found<'_> {
+    /// The whole motion.
+    pub(crate) fn motion(&self) -> Result<&Simulation, Unmet> {
+        match self.result {
+            Of::Run(_, runs) => runs.whole.as_ref().map_err(|error| (error.clone(), None)),
+            Of::Solution(solution) => match &solution.motion {
+                Some(motion) => Ok(motion),
+                None => because(format!("there is no motion: {}", self.status_shown())),
+            },
+        }
+    }
+
+    pub(crate) fn constant_of(&self, id: Id) -> Result<f64, Unmet> {
+        self.prepared.constant(id).map_err(|why| (why, None))
+    }
+
+    /// A value of the motion that this one is compared with.
+    pub(crate) fn their(&self, id: Id, instant: &Instant) -> Result<f64, Unmet> {
+        let Some(theirs) = self.theirs else {
+            return because("there is no scene to compare with; a fence `hang like` has one");
+        };
+        let time = own_end(self.prepared, instant).map_err(|why| (why, None))?;
+        let run = theirs.until(time);
+        let at_event = |which: &Which| match event(run, which) {
+            Some(index) => Ok(run.events[index].time),
+            None => because(format!("no such event among their\n{}", listed(run))),
+        };
+        let last = run.trajectory.time.last().copied().unwrap_or_default();
+        let state = match instant {
+            Instant::Start => run.at(0.0),
+            Instant::Before(which) => run.just_before(at_event(which)?),
+            Instant::After(which) => run.at(at_event(which)?),
+            Instant::End | Instant::Time(_) | Instant::Always => run.at(last),
+        };
+        match state.ok().and_then(|state| state.get(&output(id))) {
+            Some(value) => Ok(value),
+            None => because("their value is not recorded"),
+        }
+    }
+
+    /// The number on the left.
+    pub(crate) fn number(&self, left: &Left, instant: &Instant) -> Result<f64, Unmet> {
+        match left {
+            Left::Expression(id, text) => {
+                if let Of::Solution(solution) = self.result
+                    && let Some(known) = solution.parameters.iter().find(|p| p.name == text)
+                {
+                    let unit = known.unit.parse::<Unit>().map_or(1.0, |unit| unit.scale);
+                    return Ok(known.value * unit);
+                }
+                let state = self.state(instant)?;
+                match state.get(&output(*id)) {
+                    Some(value) => Ok(value),
+                    None => because(format!("`{text}` is not recorded")),
+                }
+            }
+            Left::Named(name) => match self.state(instant)?.get(name) {
+                Some(value) => Ok(value),
+                None => because(format!("`{name}` is not recorded")),
+            },
+            Left::Fact(name) => self.fact(name),
+            Left::Count(which) => {
+                let events = self.motion()?.events.iter();
+                let counted = events.filter(|event| {
+                    which.as_ref().is_none_or(|which| {
+                        let name = which.name.as_deref();
+                        event.kind == which.kind && name.is_none_or(|n| n == event.contact_name)
+                    })
+                });
+                Ok(counted.count() as f64)
+            }
+            Left::Derivative(of, by, side) => self.derivative(of, by, *side, instant),
+            Left::EventTime(from, to) => {
+                let from = from.as_ref().map_or(Ok(0.0), |from| self.time_of(from))?;
+                Ok(self.time_of(to)? - from)
+            }
+        }
+    }
+
+    pub(crate) fn time_of(&self, which: &Which) -> Result<f64, Unmet> {
+        let motion = self.motion()?;
+        match event(motion, which) {
+            Some(index) => Ok(motion.events[index].time),
+            None => because(format!("no such event among\n{}", listed(motion))),
+        }
+    }
+
+    /// The state at an instant.
+    pub(crate) fn state(&self, instant: &Instant) -> Result<State, Unmet> {
+        let motion = self.motion()?;
+        let end = |motion: &Simulation| {
+            let last = motion.trajectory.time.last().copied();
+            motion.at(last.unwrap_or_default())
+        };
+        let state = match instant {
+            Instant::Start => {
+                motion.at(motion.trajectory.time.first().copied().unwrap_or_default())
+            }
+            Instant::End | Instant::Always => end(motion),
+            Instant::Before(which) => motion.just_before(self.time_of(which)?),
+            Instant::After(which) => motion.at(self.time_of(which)?),
+            Instant::Time(id) => {
+                let time = own_end(self.prepared, instant).map_err(|why| (why, None))?;
+                match (self.result, time) {
+                    (Of::Run(method, runs), Some(_)) if method.locates() => {
+                        let run = runs.until(time).as_ref();
+                        end(run.map_err(|error| (error.clone(), None))?)
+                    }
+                    _ => motion.at(self.constant_of(*id)?),
+                }
+            }
+        };
+        state.map_err(|error| (error.to_string(), None))
+    }
+
+    pub(crate) fn fact(&self, name: &str) -> Result<f64, Unmet> {
+        let known = match self.result {
+            Of::Solution(solution) => of_solution(solution, name),
+            Of::Run(..) => of_motion(self.motion()?, name),
+        };
+        match known {
+            Some(value) => Ok(value),
+            None => because(format!("the result has no `{name}`")),
+        }
+    }
+
+    pub(crate) fn derivative(
+        &self,
+        of: &Left,
+        by: &str,
+        side: Option<Above>,
+        instant: &Instant,
+    ) -> Result<f64, Unmet> {
+        let unmet = |why: String| (why, None);
+        let runs = match self.result {
+            Of::Run(_, runs) => runs,
+            Of::Solution(solution) => return of_optimum(solution, of, by),
+        };
+        let end = own_end(self.prepared, instant).map_err(unmet)?;
+        let both = match runs.gradients(end) {
+            Some(both) => both.as_ref().map_err(|why| unmet(why.clone()))?,
+            None => return because("it was not differentiated"),
+        };
+        let name = name_of(self.prepared, of, &runs.whole).map_err(unmet)?;
+        let mut found = Vec::new();
+        for gradient in both {
+            let Some(column) = gradient
+                .with_respect_to
+                .iter()
+                .position(|known| known == by)
+            else {
+                return because(format!("there are no derivatives by `{by}`"));
+            };
+            let values = match (side, &gradient.one_sided) {
+                (None, _) if gradient.obstacle.is_some() => {
+                    return because(gradient.obstacle.clone().unwrap_or_default());
+                }
+                (None, _) => &gradient.values,
+                (Some(Above(true)), Some(sides)) => &sides.above.values,
+                (Some(Above(false)), Some(sides)) => &sides.below.values,
+                (Some(_), None) => return because("it has derivatives to both sides"),
+            };
+            match values.iter().find(|known| known.0 == name) {
+                Some((_, row)) => found.push(row[column]),
+                None => return because(format!("`{name}` was not differentiated")),
+            }
+        }
+        let (forward, adjoint) = (found[0], found[1]);
+        // Two ways to the same number, which round otherwise.
+        let agree = (forward - adjoint).abs() <= 1e-9 * forward.abs().max(1.0);
+        match agree || forward == adjoint {
+            true => Ok(forward),
+            false => because(format!("{forward:?} forwards and {adjoint:?} backwards")),
+        }
+    }
+
+    pub(crate) fn status_name(&self) -> &str {
+        match self.result {
+            Of::Run(_, runs) => runs
+                .whole
+                .as_ref()
+                .map_or("refused", |run| run.status.name()),
+            Of::Solution(solution) => solution.status.name(),
+        }
+    }
+
+    pub(crate) fn status_shown(&self) -> String {
+        match self.result {
+            Of::Run(_, runs) => match &runs.whole {
+                Ok(run) => run.status.to_string(),
+                Err(error) => error.clone(),
+            },
+            Of::Solution(solution) => format!(
+                "{}: {}",
+                solution.status.name(),
+                solution.diagnosis().unwrap_or_default()
+            ),
+        }
+    }
+
+    /// A text that the result has.
+    pub(crate) fn text(&self, kind: TextKind) -> Result<String, Unmet> {
+        Ok(match (kind, self.result) {
+            (TextKind::Note, _) => self.motion()?.notes.join("\n"),
+            (TextKind::Warning, _) => self.prepared.scene.warnings().to_owned(),
+            (TextKind::Refusal, _) => return because("it was not refused"),
+            (TextKind::Diagnosis, Of::Solution(solution)) => {
+                solution.diagnosis().unwrap_or_default()
+            }
+            (TextKind::Diagnosis, Of::Run(..)) => {
+                let diagnosis = self.motion()?.status.diagnosis();
+                diagnosis.map_or_else(String::new, |known| known.message.clone())
+            }
+            (TextKind::Obstacle, Of::Run(_, runs)) => match runs.gradients(None) {
+                Some(Ok([gradient, _])) => gradient.obstacle.clone().unwrap_or_default(),
+                Some(Err(error)) => error.clone(),
+                None => return because("it was not differentiated"),
+            },
+            (TextKind::Obstacle, Of::Solution(_)) => return because("an optimum has none"),
+        })
+    }
+}
+
+fn of_solution(solution: &Solution, name: &str) -> Option<f64> {
+    Some(match name {
+        "objective" => solution.objective,
+        "final_time" => solution.horizon,
+        "resimulation_error" => solution.resimulation_error,
+        "resimulated_objective" => solution.resimulated_objective,
+        "least_time" => return solution.least_time,
+        "starts" => solution.starts as f64,
+        "counts.programs" => solution.counts.programs as f64,
+        "counts.iterations" => solution.counts.iterations as f64,
+        _ => return None,
+    })
+}
+
+fn of_motion(run: &Simulation, name: &str) -> Option<f64> {
+    Some(match name {
+        "final_time" => *run.trajectory.time.last()?,
+        "error_estimate" => return run.error_estimate,
+        "residuals.primal" => run.residuals.primal,
+        "residuals.dual" => run.residuals.dual,
+        "residuals.complementarity" => run.residuals.complementarity,
+        "counts.elements" => run.counts.elements as f64,
+        "counts.events" => run.counts.events as f64,
+        "counts.evaluations" => run.counts.evaluations as f64,
+        "counts.factorizations" => run.counts.factorizations as f64,
+        "counts.newton" => run.counts.newton as f64,
+        _ => return None,
+    })
+}
+
+/// A derivative of an optimum.
+fn of_optimum(solution: &Solution, of: &Left, by: &str) -> Result<f64, Unmet> {
+    let Some(gradient) = &solution.gradient else {
+        return because("the optimum has no derivatives");
+    };
+    let Some(column) = gradient.names.iter().position(|known| *known == by) else {
+        return because(format!("there are no derivatives by `{by}`"));
+    };
+    match of {
+        Left::Fact(name) if name == "objective" => Ok(gradient.objective[column]),
+        Left::Fact(name) if name == "final_time" => match gradient.final_time[column] {
+            Some(value) => Ok(value),
+            None => because("the final time is open"),
+        },
+        _ => because("of an optimum `objective` and `final_time` are differentiated"),
+    }
+}
+
+/// The events of a motion, and its status, a line each.
+pub(crate) fn listed(motion: &Simulation) -> String {
+    let events = motion.events.iter().map(|event| {
+        format!(
+            "{} {} at {:?}\n",
+            event.kind.name(),
+            event.contact_name,
+            event.time
+        )
+    });
+    events.chain([motion.status.to_string()]).collect()
+}

@@ -1,0 +1,96 @@
+//! Methods by their names.
+
+use hangtime::baselines::{FixedStep, Moreau, Smooth};
+use hangtime::prelude::*;
+use hangtime::simulation::StepFormulation;
+
+/// Which method, with its number of steps, and of elements in each of them, if one is asked for.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Method {
+    name: &'static str,
+    steps: Option<usize>,
+    elements: Option<usize>,
+}
+
+/// Names of methods, and whether they locate events.
+const NAMES: [(&str, bool); 7] = [
+    ("default", true),
+    ("event", true),
+    ("fesd", true),
+    ("freezing", true),
+    ("moreau", false),
+    ("smooth", false),
+    ("fixed", false),
+];
+
+impl Method {
+    /// Those that run a case of which nothing else is said.
+    pub(crate) fn usual() -> Vec<Self> {
+        let of = |name| Self {
+            name,
+            steps: None,
+            elements: None,
+        };
+        vec![of("default"), of("event")]
+    }
+
+    /// `NAME`, `NAME(STEPS)`, or `NAME(STEPS, ELEMENTS)`.
+    ///
+    /// # Errors
+    /// Names that no method has.
+    pub(crate) fn read(text: &str) -> Result<Self, String> {
+        let (name, numbers) = match text.strip_suffix(')').and_then(|text| text.split_once('(')) {
+            Some((name, numbers)) => (name, numbers),
+            None => (text, ""),
+        };
+        let numbers = numbers.split(',').filter(|number| !number.is_empty());
+        let numbers: Result<Vec<usize>, _> = numbers.map(|text| text.trim().parse()).collect();
+        let known = NAMES.iter().find(|known| known.0 == name.trim());
+        match (known, numbers) {
+            (Some(&(name, _)), Ok(numbers)) => Ok(Self {
+                name,
+                steps: numbers.first().copied(),
+                elements: numbers.get(1).copied(),
+            }),
+            _ => Err(format!("`{text}` is no method")),
+        }
+    }
+
+    /// Whether it locates events.
+    pub(crate) fn locates(&self) -> bool {
+        NAMES.contains(&(self.name, true))
+    }
+
+    /// The simulation by it.
+    pub(crate) fn chosen<'a>(&self, run: Simulate<'a>) -> Simulate<'a> {
+        let run = match self.name {
+            "event" => run.method(EventDriven::default()),
+            "fesd" => run.method(Fesd {
+                elements: self.elements.unwrap_or(Fesd::default().elements),
+                ..Fesd::default()
+            }),
+            "freezing" => run.method(Fesd {
+                formulation: StepFormulation::TimeFreezing,
+                ..Fesd::default()
+            }),
+            "moreau" => run.method(Moreau::default()),
+            "smooth" => run.method(Smooth::default()),
+            "fixed" => run.method(FixedStep::default()),
+            _ => run,
+        };
+        match self.steps {
+            Some(steps) => run.steps(steps),
+            None => run,
+        }
+    }
+}
+
+impl std::fmt::Display for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.steps, self.elements) {
+            (Some(steps), Some(elements)) => write!(f, "{}({steps}, {elements})", self.name),
+            (Some(steps), None) => write!(f, "{}({steps})", self.name),
+            _ => f.write_str(self.name),
+        }
+    }
+}

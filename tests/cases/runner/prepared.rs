@@ -1,0 +1,313 @@
+//! The scene of a block, with what is expected of it as outputs, so that the language evaluates both.
+
+use crate::block::{Block, Definition, Root};
+use crate::document::Line;
+use crate::setting::Setting;
+use crate::statement::Id;
+use hangtime::model::Model;
+use hangtime_scene_files::{SceneError, TextMistake, TextScene, of_text};
+use hangtime_units::Unit;
+
+/// A scene at the parameters of a block, and its expressions.
+#[derive(Debug, Clone)]
+pub(crate) struct Prepared {
+    pub(crate) scene: TextScene,
+    /// What the expressions are that hang on parameters alone; not numbers for others.
+    values: Vec<f64>,
+    /// Their units; empty where there are none.
+    units: Vec<String>,
+    /// Texts of the expressions.
+    texts: Vec<String>,
+    roots: Vec<Root>,
+}
+
+/// Why there is no scene.
+#[derive(Debug)]
+pub(crate) enum Refused {
+    /// Its own mistakes.
+    Scene(Vec<TextMistake>, String),
+    /// What is wrong about the case.
+    Case(String),
+}
+
+/// Name of the output that an expression is.
+pub(crate) fn output(id: Id) -> String {
+    format!("expected_{id}")
+}
+
+/// Numbers for what hangs on the motion, more of them than anything reads.
+static UNKNOWN: [f64; 4096] = [f64::NAN; 4096];
+
+/// Share of a parameter by which it is moved: its fourth power is rounding, and rounding over it small.
+const DISTANCE: f64 = 1e-3;
+
+/// Halvings until a root is known to its last digit.
+const HALVINGS: usize = 200;
+
+impl Prepared {
+    /// Derives a scene, gives its parameters their values, and finds the roots.
+    pub(crate) fn of(block: &Block) -> Result<Self, Refused> {
+        let text = Appended::new(&block.scene, &block.definitions, &block.expressions.own);
+        let mut prepared = Self::read(block, &text)?;
+        prepared.set(block).map_err(Refused::Case)?;
+        let roots = block
+            .definitions
+            .iter()
+            .filter_map(|definition| match definition {
+                Definition::Root(root) => Some(root.clone()),
+                Definition::Text(_) => None,
+            });
+        prepared.roots = roots.collect();
+        let file = &block.file;
+        let found = prepared.find_roots();
+        found.map_err(|why| Refused::Case(format!("{file}: {why}")))?;
+        Ok(prepared)
+    }
+
+    /// The same of the scene that a block is compared with, at the values that it shares.
+    pub(crate) fn theirs(block: &Block, own: &Self) -> Result<Option<Self>, String> {
+        let Some(like) = &block.like else {
+            return Ok(None);
+        };
+        let text = Appended::new(like, &[], &block.expressions.theirs);
+        let mut prepared = Self::read(block, &text).map_err(|refused| match refused {
+            Refused::Scene(_, report) => report,
+            Refused::Case(why) => why,
+        })?;
+        let known = own.scene.declaration().parameters;
+        for (index, their) in prepared.scene.declaration().parameters.iter().enumerate() {
+            if let Some(place) = known.iter().position(|known| known.name == their.name) {
+                let value = own.scene.parameter(place);
+                prepared.scene.set_parameter(index, value);
+            }
+        }
+        prepared.evaluate();
+        Ok(Some(prepared))
+    }
+
+    fn read(block: &Block, text: &Appended) -> Result<Self, Refused> {
+        let derived = of_text("scene.hang", &text.text);
+        let scene = derived.map_err(|error| text.refused(&block.file, error))?;
+        let outputs = scene.outputs();
+        let first = outputs.len() - text.expressions.len();
+        let mut prepared = Self {
+            units: outputs[first..].iter().map(|o| o.unit.to_owned()).collect(),
+            texts: text.expressions.clone(),
+            values: Vec::new(),
+            roots: Vec::new(),
+            scene,
+        };
+        prepared.evaluate();
+        Ok(prepared)
+    }
+
+    fn evaluate(&mut self) {
+        let mut values = vec![f64::NAN; self.scene.outputs().len()];
+        self.scene.output_values(&UNKNOWN, &UNKNOWN, &mut values);
+        self.values = values.split_off(values.len() - self.texts.len());
+    }
+
+    fn set(&mut self, block: &Block) -> Result<(), String> {
+        let known = self.scene.declaration().parameters;
+        let mut chosen = Vec::new();
+        for setting in &block.settings {
+            if let Setting::Parameter(name, id) = setting {
+                let index = known.iter().position(|known| known.name == name);
+                let index = index.ok_or_else(|| format!("no parameter `{name}`"))?;
+                chosen.push((index, self.in_unit(*id, known[index].unit)?));
+            }
+        }
+        for (index, value) in chosen {
+            self.scene.set_parameter(index, value);
+        }
+        self.evaluate();
+        Ok(())
+    }
+
+    /// What does not hang on the motion, in SI units.
+    pub(crate) fn constant(&self, id: Id) -> Result<f64, String> {
+        let value = self.values[id];
+        if value.is_nan() {
+            return Err(format!(
+                "`{}` is no number, or hangs on the motion",
+                self.texts[id]
+            ));
+        }
+        Ok(value)
+    }
+
+    /// The same in a unit; a number without one is in it.
+    pub(crate) fn in_unit(&self, id: Id, unit: &str) -> Result<f64, String> {
+        let value = self.constant(id)?;
+        if self.is_bare(id) || unit.is_empty() {
+            return Ok(value);
+        }
+        let unit: Unit = unit.parse().map_err(|error| format!("{error}"))?;
+        self.same_unit(id, &unit.to_string())?;
+        Ok(value / unit.scale)
+    }
+
+    fn is_bare(&self, id: Id) -> bool {
+        self.texts[id].parse::<f64>().is_ok()
+    }
+
+    /// Refuses an expression whose unit is another one; what has none is in SI units.
+    pub(crate) fn same_unit(&self, id: Id, unit: &str) -> Result<(), String> {
+        let own = &self.units[id];
+        let parsed = |text: &str| text.parse::<Unit>().ok();
+        let bare = parsed(own).is_none_or(Unit::is_dimensionless);
+        if bare
+            || parsed(own)
+                .zip(parsed(unit))
+                .is_some_and(|(own, unit)| own.same_dimension(unit))
+        {
+            return Ok(());
+        }
+        Err(format!(
+            "units differ: `{}` is in `{own}`, where `{unit}` is needed",
+            self.texts[id]
+        ))
+    }
+
+    /// The unit of an expression.
+    pub(crate) fn unit(&self, id: Id) -> &str {
+        &self.units[id]
+    }
+
+    /// Whether the scene tells units at all.
+    pub(crate) fn has_units(&self) -> bool {
+        self.units.iter().any(|unit| !unit.is_empty())
+    }
+
+    fn find_roots(&mut self) -> Result<(), String> {
+        for root in self.roots.clone() {
+            self.root(&root)?;
+        }
+        Ok(())
+    }
+
+    /// The derivative of what hangs on parameters alone by one of them: central differences of two distances, from which what
+    /// grows with the square of the distance is taken out.
+    pub(crate) fn derived(&self, id: Id, name: &str) -> Result<f64, String> {
+        let mut parameters = self.scene.declaration().parameters.iter();
+        let index = parameters.position(|known| known.name == name);
+        let index = index.ok_or_else(|| format!("no parameter `{name}`"))?;
+        let value = self.scene.parameter(index);
+        let unit = self.scene.declaration().parameters[index].unit;
+        let scale = unit.parse::<Unit>().map_or(1.0, |unit| unit.scale);
+        let difference = |distance: f64| -> Result<f64, String> {
+            let at = |value: f64| {
+                let mut moved = self.clone();
+                moved.scene.set_parameter(index, value);
+                moved.evaluate();
+                moved.find_roots()?;
+                moved.constant(id)
+            };
+            let distance = distance * value.abs().max(DISTANCE);
+            Ok((at(value + distance)? - at(value - distance)?) / (2.0 * distance * scale))
+        };
+        let (far, near) = (difference(DISTANCE)?, difference(DISTANCE / 2.0)?);
+        Ok((4.0 * near - far) / 3.0)
+    }
+
+    fn root(&mut self, root: &Root) -> Result<(), String> {
+        let parameters = self.scene.declaration().parameters;
+        let index = parameters.iter().position(|known| known.name == root.name);
+        let index = index.ok_or("the root is no parameter")?;
+        let unit = parameters[index].unit;
+        let ends = [root.between.0, root.between.1].map(|id| self.in_unit(id, unit));
+        let [mut low, mut high] = [ends[0].clone()?, ends[1].clone()?];
+        let (below, above) = (self.at(index, low, root), self.at(index, high, root));
+        if below.is_nan() || above.is_nan() || (below > 0.0) == (above > 0.0) {
+            return Err(format!(
+                "`{}` has no change of sign: {below} and {above}",
+                self.texts[root.vanishes]
+            ));
+        }
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match (self.at(index, middle, root) > 0.0) == (below > 0.0) {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        Ok(())
+    }
+
+    fn at(&mut self, parameter: usize, value: f64, root: &Root) -> f64 {
+        self.scene.set_parameter(parameter, value);
+        self.evaluate();
+        self.values[root.vanishes]
+    }
+}
+
+/// The text of a scene with definitions and expressions behind it.
+struct Appended {
+    text: String,
+    /// Length of the scene itself.
+    scene: usize,
+    /// Where each line of the case begins.
+    lines: Vec<(usize, usize)>,
+    expressions: Vec<String>,
+}
+
+impl Appended {
+    fn new(scene: &str, definitions: &[Definition], expressions: &[Line]) -> Self {
+        let mut text = scene.to_owned();
+        let mut lines = Vec::new();
+        for definition in definitions {
+            match definition {
+                Definition::Text(line) => {
+                    lines.push((text.len(), line.number));
+                    text.push_str(&line.text);
+                }
+                Definition::Root(root) => {
+                    lines.push((text.len(), root.number));
+                    let unit = match root.unit.is_empty() {
+                        true => String::new(),
+                        false => format!(": {}", root.unit),
+                    };
+                    text.push_str(&format!("parameters {{ {}{unit} = 1 }}", root.name));
+                }
+            }
+            text.push('\n');
+        }
+        for (id, line) in expressions.iter().enumerate() {
+            lines.push((text.len(), line.number));
+            text.push_str(&format!("outputs {{ {} = {} }}\n", output(id), line.text));
+        }
+        Self {
+            text,
+            scene: scene.len(),
+            lines,
+            expressions: expressions.iter().map(|line| line.text.clone()).collect(),
+        }
+    }
+
+    fn refused(&self, file: &str, error: SceneError) -> Refused {
+        let SceneError::Mistakes { mistakes, .. } = error else {
+            return Refused::Case(error.to_string());
+        };
+        let mistakes: Vec<TextMistake> = mistakes.into_iter().filter(|m| !m.warning).collect();
+        if mistakes
+            .iter()
+            .any(|mistake| mistake.place.start < self.scene)
+        {
+            // As it is refused without what is expected of it.
+            return match of_text("scene.hang", &self.text[..self.scene]) {
+                Err(SceneError::Mistakes { mistakes, report }) => Refused::Scene(mistakes, report),
+                Err(error) => Refused::Case(error.to_string()),
+                Ok(_) => Refused::Case(mistakes[0].text()),
+            };
+        }
+        let each = mistakes.iter().map(|mistake| {
+            let before = self
+                .lines
+                .iter()
+                .rfind(|line| line.0 <= mistake.place.start);
+            let line = before.map_or(0, |line| line.1);
+            format!("{file}:{line}: {}", mistake.text())
+        });
+        Refused::Case(each.collect::<Vec<_>>().join("\n"))
+    }
+}
