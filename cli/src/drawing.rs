@@ -102,7 +102,7 @@ impl<'a> Drawing<'a> {
             Some(picture) => picture.shapes.to_vec(),
             None => vec![Shape::Point(name)],
         };
-        let axes = picture.axes.map(|axis| match picture.unit {
+        let axes = <[&str; 2]>::from(picture.axes).map(|axis| match picture.unit {
             "" => headed(axis, "1"),
             unit => headed(axis, unit),
         });
@@ -116,7 +116,7 @@ impl<'a> Drawing<'a> {
             springs: springs.collect(),
             shapes,
             declared: declared.is_some(),
-            ground: picture.ground,
+            ground: picture.ground.map(<[usize; 2]>::from),
             unit: picture.unit,
             axes,
             bodies: Vec::new(),
@@ -285,8 +285,8 @@ fn one_body(model: &dyn Model) -> Option<Picture> {
     let drawn = matches!((across.name, up.name), ("x", "y" | "z") | ("y", "z"));
     (drawn && across.unit == up.unit).then_some(Picture {
         unit: across.unit,
-        axes: [across.name, up.name],
-        ground: Some([0, 1]),
+        axes: (across.name, up.name),
+        ground: Some((0, 1)),
         shapes: &[],
     })
 }

@@ -174,7 +174,6 @@ fn laws(model: &dyn Model) -> String {
         let mut law = match contact.law {
             ImpactLaw::Inelastic => "inelastic".to_owned(),
             ImpactLaw::Restitution => format!("restitution {}", model.restitution(index)),
-            _ => "other".to_owned(),
         };
         if contact.friction.is_some() {
             let _ = write!(law, ", friction {}", model.friction(index));

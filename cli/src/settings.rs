@@ -50,22 +50,7 @@ impl ChosenScene {
         }
         chosen.check_bounds()?;
         chosen.check_coefficients()?;
-        let model = &chosen.model;
-        let unknown =
-            model.free_parameters().len() + model.remembered().len() + model.epigraphs().len();
-        if unknown > 0 {
-            chosen.without_compiler();
-        }
         Ok(chosen)
-    }
-
-    /// Evaluates a compiled scene without a compiler from here on, so that its parameters can be unknowns.
-    pub(crate) fn without_compiler(&mut self) {
-        let compiled = self.scene.text.is_none();
-        let text = compiled.then(|| hangtime_scene_files::of_model(self.model.as_ref()));
-        if let Some(text) = text.flatten() {
-            self.model = Box::new(text);
-        }
     }
 
     /// The same for coefficients of impact laws.

@@ -3,7 +3,7 @@
 use proc_macro::TokenStream;
 use std::env;
 use std::fmt::Write as _;
-use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 pub(crate) fn expand(input: TokenStream) -> TokenStream {
@@ -17,7 +17,10 @@ fn expanded(argument: &str) -> Result<String, String> {
     let name = path(argument)?;
     let folder = env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
     let file = folder.unwrap_or_default().join(name);
-    let text = fs::read_to_string(&file).map_err(|error| {
+    let text = hangtime_dsl::read_whole(&file, hangtime_dsl::LONGEST).and_then(|bytes| {
+        String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+    });
+    let text = text.map_err(|error| {
         format!(
             "cannot read {}: {error}; give a path from the folder of the package's manifest",
             file.display()

@@ -43,14 +43,12 @@
 //! | [`simulation`] | one trait, [`Simulator`](simulation::Simulator), one result, several methods: finite elements with switch detection, event-driven, and three to compare with |
 //! | [`ocp`] | optimal control: a search for the contact sequence, collocation with that sequence, a certificate, an independent re-simulation |
 //! | [`estimation`] | parameters from measured motions: least squares with exact derivatives through impacts |
+//! | [`scene`] | the one model of all that the language derived, compiled or read from a text |
 //! | [`rk`] | collocation schemes to rounding error |
 //! | [`mpcc`], [`nlp`], [`nl`] | the package `hangtime-solver`: complementarity problems, nonlinear programs, and both from `.nl` files |
 //!
 //! Each is usable without those above it.
 
-#[doc(hidden)]
-#[path = "private/mod.rs"]
-pub mod __private;
 // The macro's output names the crate from outside; the crate's own tests declare scenes as well.
 #[cfg(test)]
 extern crate self as hangtime;
@@ -82,6 +80,7 @@ mod progress;
 mod random_cases;
 mod refusal;
 pub mod rk;
+pub mod scene;
 pub mod simulation;
 mod size;
 mod time_freezing;

@@ -25,41 +25,20 @@
 //!
 //! A file is data: it can name no path and no command, and whatever it holds takes bounded time and memory.
 
-mod again;
-mod declaration;
-mod derivatives;
-mod inertia;
-mod model;
-mod places;
-mod program;
-mod ranges;
 mod report;
-mod run;
-mod scene;
-mod scratch;
-mod steps;
-mod system;
-mod thread;
 
+pub use hangtime::scene::TextScene;
 pub use hangtime_dsl::TextMistake;
-pub use scene::TextScene;
 
-use hangtime::model::Model;
-use program::TooLarge;
+use hangtime::scene::{self, TooLarge};
 use std::fmt;
-use std::fs::{self, File};
-use std::io::Read as _;
+use std::io;
 use std::path::Path;
 
-/// Most bytes that are read of a file; a longer one is refused by the language.
-const LONGEST: u64 = 1 << 17;
-/// Ending of the names of scene files.
-const ENDING: &str = "hang";
-
-/// As [`thread::on_a_thread`], for the text of a file.
+/// As [`scene::on_a_thread`], for the text of a file.
 fn on_a_thread<T: Send>(file: &str, work: impl FnOnce(&str) -> T + Send) -> Result<T, SceneError> {
     let stem = Path::new(file).file_stem().unwrap_or_default();
-    thread::on_a_thread(&stem.to_string_lossy(), work).map_err(|error| {
+    scene::on_a_thread(&stem.to_string_lossy(), work).map_err(|error| {
         SceneError::Unreadable(format!(
             "scene file `{file}`: no thread for its derivation: {error}"
         ))
@@ -124,25 +103,19 @@ pub fn format_text(file: &str, text: &str) -> Result<String, SceneError> {
     })
 }
 
-/// Reads the text of a scene file, whatever stands in it; of a text that is too long for a scene, not all.
+/// Reads the text of a scene file, whatever stands in it.
 ///
 /// # Errors
-/// The file cannot be read, or is no text.
+/// The file cannot be read, is too long for a scene, or is no text.
 pub fn read_text(file: &Path) -> Result<String, SceneError> {
     let shown = file.display();
     let unreadable = |why: String| SceneError::Unreadable(format!("scene file `{shown}`: {why}"));
-    // Reading from a pipe might never end.
-    if fs::metadata(file).is_ok_and(|found| !found.is_file()) {
-        return Err(unreadable(
-            "this is no file; give the path of one".to_owned(),
-        ));
-    }
-    let mut bytes = Vec::new();
-    File::open(file)
-        .and_then(|opened| opened.take(LONGEST).read_to_end(&mut bytes))
-        .map_err(|error| {
-            unreadable(format!("{error}; give the path of a file that can be read"))
-        })?;
+    let bytes = hangtime_dsl::read_whole(file, hangtime_dsl::LONGEST).map_err(|error| {
+        unreadable(match error.kind() {
+            io::ErrorKind::InvalidInput => error.to_string(),
+            _ => format!("{error}; give the path of a file that can be read"),
+        })
+    })?;
     String::from_utf8(bytes).map_err(|error| {
         let place = error.utf8_error().valid_up_to();
         unreadable(format!(
@@ -151,46 +124,20 @@ pub fn read_text(file: &Path) -> Result<String, SceneError> {
     })
 }
 
-/// The scene of a compiled model, with its parameters, evaluated without a compiler: what a compiled scene cannot do, such as
-/// to be differentiated by its parameters, this one can. None of a model that was written by hand.
-///
-/// ```
-/// use hangtime::prelude::*;
-///
-/// hangtime::model! {
-///     /// A ball above a floor.
-///     pub Ball {
-///         parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0.8 }
-///         coordinates { z: m }
-///         lagrangian m/2*dot(z)^2 - m*g*z
-///         surface floor: z >= 0
-///         impact floor: restitution e
-///         start { z: 1 [m] }
-///         horizon 0.8 [s]
-///     }
-/// }
-/// let ball = Ball { e: 0.5, ..Ball::default() };
-/// let ball = hangtime_scene_files::of_model(&ball).expect("declared, not written by hand");
-/// let (_, gradient) = simulate(&ball).gradient(["e"])?;
-/// // The velocity right after the bounce is `e sqrt(2 g)`, so that the height grows by `sqrt(2 g) t` for one of `e`.
-/// let impact = (2.0_f64 / 9.81).sqrt();
-/// assert!((gradient.q[0][0] - (2.0 * 9.81_f64).sqrt() * (0.8 - impact)).abs() < 1e-9);
-/// # Ok::<(), InputError>(())
-/// ```
-#[must_use]
-pub fn of_model(model: &dyn Model) -> Option<TextScene> {
-    let name = model.declaration().name;
-    let mut scene = of_text(&format!("{name}.{ENDING}"), model.text()?).ok()?;
-    for index in 0..model.declaration().parameters.len() {
-        scene.set_parameter(index, model.parameter(index));
-    }
-    Some(scene)
-}
-
 /// Derives a scene from a text; `file` is what its messages call the file, and the name of a scene without one follows
 /// from it.
 ///
 /// What the scene declares stays in memory until the program ends.
+///
+/// ```
+/// let text = "parameters { m: kg = 1, k: N/m = 2 } coordinates { z: m } lagrangian m/2*dot(z)^2";
+/// let scene = hangtime_scene_files::of_text("ball.hang", text)?;
+/// assert!(scene.warnings().starts_with("warning[E16]: parameter `k` is never used"));
+/// assert!(scene.warnings().ends_with("ball.hang: 1 warning"));
+/// let scene = hangtime_scene_files::of_text("ball.hang", &text.replace(", k: N/m = 2", ""))?;
+/// assert!(scene.warnings().is_empty());
+/// # Ok::<(), hangtime_scene_files::SceneError>(())
+/// ```
 ///
 /// # Errors
 /// The text has mistakes.

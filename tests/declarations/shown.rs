@@ -142,7 +142,7 @@ fn picture_is_its_formulas_in_the_unit_of_the_coordinates() {
     let picture = wheel.picture().unwrap();
     assert_eq!(
         (picture.unit, picture.axes, picture.ground),
-        ("m", ["y", "z"], None)
+        ("m", ("y", "z"), None)
     );
     let shapes = [
         Shape::Circle("wheel"),

@@ -404,24 +404,28 @@ hangtime::model! {
 }
 
 #[test]
-fn compiled_scene_says_how_its_free_parameters_are_found() {
+fn compiled_scene_does_what_its_text_does_bit_for_bit() {
     let ramp = Ramp {
         angle: 0.6,
+        m: 1.25,
         ..Ramp::default()
     };
     assert_eq!(ramp.free_parameters(), [2]);
-    let refusal = solve(&ramp)
-        .intervals(2)
-        .run()
-        .expect_err("refused")
-        .to_string();
-    assert!(
-        refusal.contains("`angle`") && refusal.contains("of_model"),
-        "{refusal}"
-    );
-    let scene = hangtime_scene_files::of_model(&ramp).expect("declared");
-    let solution = solve(&scene).intervals(2).run().expect("accepted");
-    assert!((solution.parameters[0].value - std::f64::consts::FRAC_PI_4).abs() < 1e-7);
+    let mut text = of_text("ramp.hang", ramp.text().expect("declared")).expect("derived");
+    text.set_parameter(0, 1.25);
+    text.set_parameter(2, 0.6);
+    let [own, its] = [&ramp as &dyn hangtime::model::Model, &text]
+        .map(|scene| solve(scene).intervals(2).run().expect("accepted"));
+    assert!((own.parameters[0].value - std::f64::consts::FRAC_PI_4).abs() < 1e-7);
+    assert_eq!(own.parameters[0].value, its.parameters[0].value);
+    assert_eq!(own.objective, its.objective);
+    let [own, its] = [&ramp as &dyn hangtime::model::Model, &text].map(|scene| {
+        let run = simulate(scene).horizon(2.0);
+        run.gradient(["angle", "g", "m", "s"]).expect("accepted").1
+    });
+    // s = -g sin(angle) t^2/2 after two seconds.
+    assert!((own.q[0][0] + 2.0 * 9.81 * 0.6_f64.cos()).abs() < 1e-9);
+    assert_eq!((own.q, own.v), (its.q, its.v));
 }
 
 #[test]

@@ -70,6 +70,18 @@ pub(crate) const NAMED: &[Named] = &[
     named("min", Unit::mechanical(0, 0, 1), 60.0, false),
     named("h", Unit::mechanical(0, 0, 1), 3600.0, false),
     named("d", Unit::mechanical(0, 0, 1), 86_400.0, false),
+    named("day", Unit::mechanical(0, 0, 1), 86_400.0, false),
+    named("Wh", Unit::mechanical(2, 1, -2), 3600.0, true),
+    named("Ah", with_ampere(0, 0, 1, 1), 3600.0, true),
+    // The thermochemical calorie, and the international mile, pound and inch.
+    named("cal", Unit::mechanical(2, 1, -2), 4.184, true),
+    named("mph", Unit::mechanical(1, 0, -1), 0.44704, false),
+    named(
+        "psi",
+        Unit::mechanical(-1, 1, -2),
+        0.453_592_37 * 9.806_65 / (0.0254 * 0.0254),
+        false,
+    ),
     named("t", Unit::mechanical(0, 1, 0), 1000.0, false),
     named("L", Unit::mechanical(3, 0, 0), 1e-3, true),
 ];

@@ -95,11 +95,7 @@ pub fn convert(value: f64, from: &str, to: &str) -> Result<f64, UnitError> {
             to: show(to),
         });
     }
-    Ok(if source.scale == target.scale {
-        value
-    } else {
-        value * source.scale / target.scale
-    })
+    Ok((source / target).in_si(value))
 }
 
 #[cfg(test)]

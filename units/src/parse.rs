@@ -40,7 +40,7 @@ struct Parser<'a> {
     rest: &'a str,
 }
 
-impl Parser<'_> {
+impl<'a> Parser<'a> {
     fn malformed(&self, reason: &'static str) -> UnitError {
         UnitError::Malformed {
             text: self.text.trim().to_owned(),
@@ -93,37 +93,52 @@ impl Parser<'_> {
             return Ok(unit);
         }
         let exponent = if self.eat('(') {
-            let numerator = self.integer()?;
-            let denominator = if self.eat('/') { self.integer()? } else { 1 };
+            let numerator = self.exponent()?;
+            let denominator = match self.eat('/') {
+                true => self.exponent()?,
+                false => Ratio::ONE,
+            };
             if !self.eat(')') {
                 return Err(self.malformed("the exponent lacks its `)`"));
             }
-            Ratio::new(numerator, denominator)
-                .ok_or_else(|| self.malformed("the exponent divides by zero"))?
+            let inverse = denominator.recip();
+            numerator * inverse.ok_or_else(|| self.malformed("the exponent divides by zero"))?
         } else {
-            Ratio::integer(self.integer()?)
+            self.exponent()?
         };
         Ok(unit.pow(exponent))
     }
 
-    fn integer(&mut self) -> Result<i32, UnitError> {
+    /// A number of at most two digits, and two behind a point.
+    fn exponent(&mut self) -> Result<Ratio, UnitError> {
         let negative = self.eat('-');
         if !negative {
             self.eat('+');
         }
-        let end = self
-            .rest
-            .find(|c: char| !c.is_ascii_digit())
-            .unwrap_or(self.rest.len());
-        let digits = &self.rest[..end];
-        if digits.is_empty() || digits.len() > 2 {
-            return Err(self.malformed("after `^` write a whole number of at most two digits"));
+        let wrong = "after `^` write a number of at most two digits, or a fraction in parentheses as in `m^(3/2)`";
+        let whole = self.digits();
+        let behind = match self.rest.strip_prefix('.') {
+            Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => {
+                self.rest = rest;
+                self.digits()
+            }
+            _ => "",
+        };
+        let long = whole.len() > 2 || behind.len() > 2;
+        if long || whole.len() + behind.len() == 0 {
+            return Err(self.malformed(wrong));
         }
-        self.rest = &self.rest[end..];
-        let value = digits
-            .bytes()
-            .fold(0, |value, digit| 10 * value + i32::from(digit - b'0'));
-        Ok(if negative { -value } else { value })
+        let digits = whole.bytes().chain(behind.bytes());
+        let value = digits.fold(0, |value, digit| 10 * value + i32::from(digit - b'0'));
+        let value = if negative { -value } else { value };
+        Ratio::new(value, 10_i32.pow(behind.len() as u32)).ok_or_else(|| self.malformed(wrong))
+    }
+
+    fn digits(&mut self) -> &'a str {
+        let end = self.rest.find(|c: char| !c.is_ascii_digit());
+        let (digits, rest) = self.rest.split_at(end.unwrap_or(self.rest.len()));
+        self.rest = rest;
+        digits
     }
 
     fn symbol(&mut self, depth: usize) -> Result<Unit, UnitError> {
@@ -150,6 +165,11 @@ impl Parser<'_> {
         if symbol.is_empty() {
             return Err(self.malformed("a unit symbol is missing; write e.g. `kg m/s^2`"));
         }
+        if ["degC", "degF", "celsius", "Celsius"].contains(&symbol) {
+            return Err(self.malformed(
+                "its zero is another one than that of K; write a temperature as in `293.15 [K]`, a difference as in `20 [K]`",
+            ));
+        }
         let unit = catalogue::lookup(symbol).ok_or_else(|| UnitError::Unknown {
             symbol: symbol.to_owned(),
             suggestion: catalogue::suggest(symbol),
@@ -175,6 +195,11 @@ mod tests {
         assert_eq!(unit("1/m"), unit("m^-1"));
         assert_eq!(unit("J/(kg K)"), unit("J/kg/K"));
         assert_eq!(unit("m^(1/2)").pow(Ratio::integer(2)), unit("m"));
+        assert_eq!(unit("N/m^1.5"), unit("N m^(-3/2)"));
+        assert_eq!(
+            unit("m^3 s^-1 Pa^-.5").pow(Ratio::integer(2)),
+            unit("m^6/(s^2 Pa)")
+        );
         assert_eq!(unit(""), Unit::ONE);
         assert_eq!(unit("rad"), Unit::ONE);
     }
@@ -198,7 +223,7 @@ mod tests {
             Some("unknown unit `furlong`")
         );
         assert!(text("J/kg K").contains("ambiguous after `/`"));
-        assert!(text("m^").contains("whole number"));
+        assert!(text("m^").contains("at most two digits"));
         assert!(text("m^(1/0)").contains("divides by zero"));
         assert!(text("(m").contains("`)` is missing"));
         assert!(text("2 m").contains("a unit symbol is missing"));

@@ -56,6 +56,30 @@ impl Unit {
         self.exponents == other.exponents
     }
 
+    /// A number of this unit in SI units. Where the scale is a power of ten, the decimal number with its point moved, to the last
+    /// bit: 20 uH are 2e-5 H.
+    ///
+    /// ```
+    /// let unit: hangtime_units::Unit = "uH".parse()?;
+    /// assert_eq!(unit.in_si(20.0), 2e-5);
+    /// # Ok::<(), hangtime_units::UnitError>(())
+    /// ```
+    #[must_use]
+    pub fn in_si(self, value: f64) -> f64 {
+        // Of some products and quotients of prefixes, with a rounding each.
+        const ROUNDING: f64 = 1e-14;
+        let power = self.scale.log10().round() as i32;
+        if (self.scale / 10.0_f64.powi(power) - 1.0).abs() > ROUNDING {
+            return value * self.scale;
+        }
+        let written = format!("{value:e}");
+        let moved = written.split_once('e').and_then(|(digits, exponent)| {
+            let exponent = exponent.parse::<i32>().ok()? + power;
+            format!("{digits}e{exponent}").parse().ok()
+        });
+        moved.unwrap_or(value * self.scale)
+    }
+
     /// The unit raised to a power.
     #[must_use]
     pub fn pow(self, exponent: Ratio) -> Self {

@@ -23,12 +23,8 @@ pub(crate) struct FitTask {
 
 impl FitTask {
     /// Refuses arguments that do not fit the scene, and reads the measurements.
-    pub(crate) fn new(
-        mut chosen: ChosenScene,
-        arguments: &SolveArguments,
-    ) -> Result<Self, BadInput> {
+    pub(crate) fn new(chosen: ChosenScene, arguments: &SolveArguments) -> Result<Self, BadInput> {
         refuse_others(arguments)?;
-        chosen.without_compiler();
         let mut settings = Settings::default();
         settings.starts = arguments.starts;
         settings.given_parameters.clone_from(&chosen.given);

@@ -32,10 +32,7 @@ pub(crate) struct OptimumTask {
 
 impl OptimumTask {
     /// Refuses arguments that do not fit the scene.
-    pub(crate) fn new(
-        mut chosen: ChosenScene,
-        arguments: &SolveArguments,
-    ) -> Result<Self, BadInput> {
+    pub(crate) fn new(chosen: ChosenScene, arguments: &SolveArguments) -> Result<Self, BadInput> {
         if chosen.model.declaration().optimal_control.is_none() {
             return Err(BadInput::new(format!(
                 "scene `{0}` declares no objective, so there is nothing to optimize; run `simulate {0}` instead",
@@ -49,9 +46,6 @@ impl OptimumTask {
             settings
                 .gradient
                 .push(found.map_err(|error| chosen.refuse(&error))?);
-        }
-        if !settings.gradient.is_empty() {
-            chosen.without_compiler();
         }
         let mut problem = Problem::of(
             chosen.model.as_ref(),

@@ -65,14 +65,6 @@ impl SimulationTask {
             return Ok(None);
         }
         let model = self.chosen.model.as_ref();
-        let text = self
-            .chosen
-            .scene
-            .text
-            .is_none()
-            .then(|| hangtime_scene_files::of_model(model));
-        let text = text.flatten();
-        let model = text.as_ref().map_or(model, |scene| scene as &dyn Model);
         let gradient = simulation::differentiate_values(
             model,
             (&self.problem, simulation),

@@ -15,6 +15,7 @@
 
 mod ast;
 mod check;
+pub mod declaration;
 mod derive;
 pub mod description;
 mod diagnostics;
@@ -28,6 +29,7 @@ mod parse;
 mod scene;
 mod tape;
 mod text;
+mod whole;
 mod words;
 
 #[cfg(test)]
@@ -37,7 +39,8 @@ mod testing;
 
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes, page_name};
-pub use text::TextMistake;
+pub use text::{LONGEST, TextMistake};
+pub use whole::read_whole;
 pub use words::{is_word, words};
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
@@ -123,7 +126,8 @@ pub fn expand_text(text: &str, stem: &str) -> Result<Expanded, Expanded> {
 ///     lagrangian m/2*dot(z)^2 - m*g*z
 /// ";
 /// let (derived, warnings) = hangtime_dsl::describe_text(ball, "ball").expect("no mistakes");
-/// assert_eq!((derived.name.as_str(), derived.inputs()), ("Ball", 2));
+/// let declaration = derived.structure.declaration;
+/// assert_eq!((declaration.name, declaration.inputs()), ("Ball", 2));
 /// assert!(warnings.is_empty());
 /// let mistakes = hangtime_dsl::describe_text(&ball.replace("dot(z)", "z'"), "ball").unwrap_err();
 /// assert!(mistakes[0].message.contains("dot(z)"));
@@ -135,7 +139,8 @@ pub fn describe_text(
     describe_differentiated(text, stem, &[])
 }
 
-/// The same with derivatives of everything by `parameters`, which are names, as [`Description::sensitivity`]; names that no
+/// The same with derivatives of everything by `parameters`, which are names, as
+/// [`sensitivity`](description::Structure::sensitivity); names that no
 /// parameter has are left out.
 ///
 /// # Errors
@@ -148,8 +153,9 @@ pub fn describe_text(
 ///     lagrangian m/2*dot(z)^2 - m*g*z
 /// ";
 /// let (derived, _) = hangtime_dsl::describe_differentiated(ball, "ball", &["g"]).expect("no mistakes");
-/// assert_eq!((derived.inputs(), derived.columns()), (2, 3));
-/// assert_eq!(derived.motion.jacobian.entries, [(0, 2)]);
+/// let structure = derived.structure;
+/// assert_eq!((structure.declaration.inputs(), structure.columns()), (2, 3));
+/// assert_eq!(structure.declaration.free_jacobian.entries, [(0, 2)]);
 /// ```
 pub fn describe_differentiated(
     text: &str,
@@ -159,7 +165,7 @@ pub fn describe_differentiated(
     describe_as(text, stem, parameters, Parameters::Differentiated)
 }
 
-/// The same with those parameters as coordinates without motion behind all others, as [`Description::held`], so that
+/// The same with those parameters as coordinates without motion behind all others, as [`held`](description::Structure::held), so that
 /// everything is differentiated by them twice; names that no parameter has are left out. The order is that of declaration.
 ///
 /// # Errors
@@ -173,9 +179,10 @@ pub fn describe_differentiated(
 ///     start { z: 0.1*g*1 [s^2] }
 /// ";
 /// let (derived, _) = hangtime_dsl::describe_held(ball, "ball", &["g"]).expect("no mistakes");
-/// assert_eq!((derived.inputs(), derived.coordinates[1].name.as_str()), (4, "g"));
-/// assert_eq!(derived.motion.jacobian.entries, [(0, 1)]);
-/// assert_eq!(derived.held.map(|held| held.given.len()), Some(1));
+/// let declaration = derived.structure.declaration;
+/// assert_eq!((declaration.inputs(), declaration.coordinates[1].name), (4, "g"));
+/// assert_eq!(declaration.free_jacobian.entries, [(0, 1)]);
+/// assert_eq!(derived.structure.held.map(|held| held.declared.given.len()), Some(1));
 /// ```
 pub fn describe_held(
     text: &str,
@@ -366,7 +373,7 @@ fn too_large(scene: &scene::CheckedScene) -> String {
 }
 
 const DERIVED_CONSTANT: &str = "a constant in the derivatives of the declaration has no finite value in double \
-    precision, or is too small for it; choose units in which the numbers are closer to 1";
+    precision; choose units in which the numbers are closer to 1";
 
 /// Where the Lagrangian begins; mistakes that belong to all that is derived are shown there.
 fn lagrangian(declared: &ast::Scene) -> Place {

@@ -1,6 +1,7 @@
 //! The checked declaration: every expression a node of the graph, in SI units.
 
 use crate::ast::{Documentation, Name, WrittenUnit};
+use crate::declaration::{Measured, Over};
 use crate::graph::{self, Compose, Function, Sym, Variable};
 use hangtime_units::Unit;
 use proc_macro2::TokenStream;
@@ -74,17 +75,6 @@ pub(crate) struct Experiment {
     pub(crate) start: Option<(Vec<Sym>, Vec<Sym>)>,
     /// Of how many standard deviations on a residual counts linearly.
     pub(crate) huber: Option<f64>,
-}
-
-/// What is measured, by its index.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Measured {
-    /// A coordinate.
-    Coordinate(usize),
-    /// The velocity of a coordinate; those of the last coordinates are the states of first order.
-    Velocity(usize),
-    /// What the scene records.
-    Output(usize),
 }
 
 impl CheckedScene {
@@ -238,17 +228,6 @@ impl Epigraph {
         });
         largest.unwrap_or(Sym::ZERO)
     }
-}
-
-/// When the values are of which an unknown is the largest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Over {
-    /// Each instant, under an integral: one unknown at each stage.
-    Instants,
-    /// The end of the motion.
-    End,
-    /// All of the motion.
-    Motion,
 }
 
 /// `function >= 0` or `function == 0`.

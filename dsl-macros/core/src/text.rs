@@ -5,8 +5,8 @@ use crate::words;
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use std::ops::Range;
 
-/// Most bytes of a text.
-pub(crate) const LONGEST: usize = 1 << 18;
+/// Most bytes of a text: some thousand lines.
+pub const LONGEST: u64 = 1 << 18;
 /// Most brackets inside each other.
 const DEEPEST: usize = 64;
 /// Most mistakes of the characters that are listed.
@@ -59,8 +59,7 @@ impl TextMistake {
 /// The tokens of a text that holds what stands inside `model! { ... }`, or only the statements of a scene that is then
 /// called after `stem`, the name of its file.
 pub(crate) fn tokens(text: &str, stem: &str) -> Result<TokenStream, Vec<TextMistake>> {
-    if text.len() > LONGEST {
-        // Of a longer file only a part has been read.
+    if text.len() as u64 > LONGEST {
         let message =
             format!("the text has more than {LONGEST} bytes; declare one scene in a file");
         return Err(vec![TextMistake::new(0..0, message)]);
@@ -161,6 +160,9 @@ fn is_whole(tokens: &[TokenTree]) -> bool {
         Some(TokenTree::Group(_)) => return true,
         _ => return false,
     };
+    if words::STATEMENTS.contains(&word.as_str()) {
+        return false;
+    }
     let holds_statements = match tokens.get(1) {
         Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => {
             let first = group.stream().into_iter().find_map(|token| match token {
@@ -423,8 +425,10 @@ mod tests {
         assert!(!text.contains('#'), "{text}");
         let [first, again] = [declared, &text]
             .map(|text| crate::describe_text(text, "ball").expect("no mistakes").0);
-        assert_eq!((first.kernels, first.name), (again.kernels, again.name));
-        assert_eq!(again.documentation, "");
+        let [first_declared, declared] = [&first, &again].map(|scene| scene.structure.declaration);
+        assert_eq!(first.kernels, again.kernels);
+        assert_eq!(first_declared.name, declared.name);
+        assert_eq!(declared.documentation, "");
     }
 
     #[test]

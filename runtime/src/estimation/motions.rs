@@ -74,10 +74,10 @@ impl<'a, 'o> Motions<'a, 'o> {
             let model = model.in_experiment(index).ok_or_else(|| {
                 crate::refusal::unsupported(
                     format!(
-                        "the start of its own that `{}` has in a compiled scene",
+                        "the start of its own that `{}` has in a model that was written by hand",
                         declared.name
                     ),
-                    "fit `hangtime_scene_files::of_model(&scene)`, which derives it",
+                    "declare it by `model!` or in a file",
                 )
             })?;
             experiments.push(One {

@@ -48,15 +48,10 @@
 //! scene depends on it explicitly ([`Declaration::explicit_time`]).
 
 mod control_piece;
-mod declaration;
-mod epigraph;
-mod experiment;
 mod frame;
-mod given;
 pub(crate) mod held;
 mod loads;
 mod parameter_derivatives;
-mod picture;
 mod pieces;
 pub(crate) mod rounding;
 mod space;
@@ -69,17 +64,13 @@ pub(crate) use pieces::{Pieces, edge};
 pub(crate) use space::Space;
 pub(crate) use switching::terms as switching_terms;
 
-pub use declaration::{
-    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Equation,
-    FrictionDeclaration, ImpactLaw, JointDeclaration, JointsDeclaration, Kernel,
-    OptimalControlDeclaration, ParameterDeclaration, SparsityPattern, Switching,
-    VariableDeclaration,
+pub use hangtime_dsl::declaration::{
+    ConstraintDeclaration, ContactDeclaration, ContactTerms, Declaration, Epigraph, Equation,
+    Experiment, FrictionDeclaration, Given, Held, ImpactLaw, JointDeclaration, JointsDeclaration,
+    Kernel, Measured, MeasuredQuantity, OptimalControlDeclaration, Over, ParameterDeclaration,
+    Picture, Shape, SparsityPattern, Switching, VariableDeclaration,
 };
-pub use epigraph::{Epigraph, Over};
-pub use experiment::{Experiment, Measured, MeasuredQuantity};
-pub use given::{Given, Held};
 pub use parameter_derivatives::ParameterDerivatives;
-pub use picture::{Picture, Shape};
 
 /// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.
 ///

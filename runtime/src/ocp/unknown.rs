@@ -70,8 +70,8 @@ pub(in crate::ocp) fn with_unknowns<'a>(
         Some(Err(why)) => return Err(InputError::unsupported(why)),
         None => {
             return Err(refusal::unsupported(
-                format!("{what} of a compiled scene"),
-                "solve `hangtime_scene_files::of_model(&scene)`, which derives it as an unknown",
+                format!("{what} of a model that was written by hand"),
+                "declare it by `model!` or in a file",
             ));
         }
     };

@@ -8,11 +8,12 @@ use super::checker::Checker;
 use super::pieces;
 use super::rules::smooth;
 use crate::ast::Expr;
+use crate::declaration::Over;
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::{Kink, Peak};
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{Epigraph, Over};
+use crate::scene::Epigraph;
 
 /// A term times `weight` in which every maximum is an unknown, where less of the sum is better; `over` is when its maxima hold that do
 /// not stand in `peak(...)`.

@@ -4,10 +4,11 @@ use super::checker::Checker;
 use super::states;
 use super::values::{self, StartValues};
 use crate::ast::{Expr, Kind, Measured, MeasuredQuantity, Name, Operator, Scene, Statement};
+use crate::declaration;
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
 use crate::evaluate::Meaning;
 use crate::graph::Sym;
-use crate::scene::{self, Experiment};
+use crate::scene::Experiment;
 use crate::words;
 
 /// From how many standard deviations on a residual counts linearly: 95 % of the efficiency of squares where the errors are
@@ -249,7 +250,7 @@ fn experiment(
     start: &StartValues,
 ) -> Checked<Experiment> {
     let before = checker.diagnostics.mistakes();
-    let mut quantities: Vec<(scene::Measured, f64)> = Vec::new();
+    let mut quantities: Vec<(declaration::Measured, f64)> = Vec::new();
     for quantity in &measured.quantities {
         let Ok(known) = of_quantity(checker, quantity) else {
             continue;
@@ -294,7 +295,7 @@ fn experiment(
 fn of_quantity(
     checker: &mut Checker<'_>,
     quantity: &MeasuredQuantity,
-) -> Checked<(scene::Measured, f64)> {
+) -> Checked<(declaration::Measured, f64)> {
     let name = &quantity.target;
     let output = checker
         .shown
@@ -305,13 +306,13 @@ fn of_quantity(
         (Some(state), _) if !quantity.velocity => {
             let unit = checker.states[state].unit.clone();
             (
-                scene::Measured::Velocity(checker.coordinates.len() + state),
+                declaration::Measured::Velocity(checker.coordinates.len() + state),
                 unit,
             )
         }
         (_, Some(output)) if !quantity.velocity => {
             let unit = checker.shown.outputs[output].unit.clone();
-            (scene::Measured::Output(output), unit)
+            (declaration::Measured::Output(output), unit)
         }
         _ => {
             if is_other(checker, name) {
@@ -325,8 +326,8 @@ fn of_quantity(
             let index = checker.coordinate_index(name)?;
             let unit = checker.coordinates[index].unit.clone();
             match quantity.velocity {
-                true => (scene::Measured::Velocity(index), unit),
-                false => (scene::Measured::Coordinate(index), unit),
+                true => (declaration::Measured::Velocity(index), unit),
+                false => (declaration::Measured::Coordinate(index), unit),
             }
         }
     };
@@ -365,7 +366,7 @@ pub(super) fn functions(checker: &Checker<'_>, experiments: &[Experiment]) -> Ve
             functions.extend(start.0.iter().chain(&start.1));
         }
         for (measured, _) in &experiment.quantities {
-            if let scene::Measured::Output(index) = measured {
+            if let declaration::Measured::Output(index) = measured {
                 functions.extend(checker.shown.outputs.get(*index).map(|output| output.value));
             }
         }

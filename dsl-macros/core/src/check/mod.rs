@@ -1,6 +1,7 @@
 //! The declaration as a whole: names in force, every expression evaluated, the rules of the language.
 
 mod at_times;
+mod branch;
 mod checker;
 mod chosen;
 mod dependence;

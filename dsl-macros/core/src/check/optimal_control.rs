@@ -4,11 +4,12 @@ use super::checker::{Checker, Cost, Free, Task};
 use super::rules::smooth;
 use super::{epigraph, pieces, states, units, values};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
+use crate::declaration::Over;
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::evaluate::expression;
 use crate::evaluate::{Kink, Role, at_impacts};
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{self, OptimalControl, Over};
+use crate::scene::{self, OptimalControl};
 use crate::words;
 
 pub(super) fn minimize(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {

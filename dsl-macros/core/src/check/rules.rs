@@ -135,6 +135,12 @@ pub(super) fn inertia(
 
 /// E13: roots and norms that are not differentiable at rest.
 pub(super) fn smooth(value: Sym, expr: &Expr, checker: &mut Checker<'_>) -> Checked<()> {
+    // States, which are velocities behind those of the mechanism, are at rest nowhere by themselves.
+    let states = checker.coordinates.len();
+    let is_velocity = |variable| match variable {
+        Variable::Velocity(index) => usize::from(index) < states,
+        _ => false,
+    };
     for sym in graph::reachable(&[value]) {
         let Node::Product(factors) = sym.node() else {
             continue;

@@ -10,6 +10,7 @@
 //! gradient of `c_k`. The convex combination of Stewart is `(1 + s_k)/2`. Of a kink, `|c_k| = c_k s_k`, the direction vanishes with
 //! `c_k`.
 
+use super::branch;
 use super::checker::Checker;
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Reported};
@@ -23,7 +24,7 @@ pub(super) fn append(
     forces: &mut [Sym],
     contacts: &mut Vec<Contact>,
 ) -> Checked<()> {
-    let switches = std::mem::take(&mut checker.scope.switches);
+    let mut switches = std::mem::take(&mut checker.scope.switches);
     for switch in &switches {
         if is_smooth(switch, forces) {
             let size = switch.function.call(Function::Abs);
@@ -31,6 +32,10 @@ pub(super) fn append(
                 (variable == switch.variable).then_some(size)
             });
         }
+    }
+    branch::linear(&mut switches, forces);
+    for output in &mut checker.shown.outputs {
+        branch::linear(&mut switches, std::slice::from_mut(&mut output.value));
     }
     one_after_the_other(&switches, forces);
     let acting = graph::variables(forces);
@@ -56,8 +61,8 @@ pub(super) fn append(
         }
         let action = Action {
             usual: graph::substitute(&action, |variable| usual(checker, variable)),
+            kink: switch.kink || vanishes(switch, &action),
             force: action,
-            kink: switch.kink,
         };
         contacts.push(contact(switch, action));
     }
@@ -69,8 +74,8 @@ pub(super) fn append(
     Ok(())
 }
 
-/// Writes products of switches one of which never is 1 before the other one as sums: where `c_2 - c_1` is a positive number,
-/// `s_1 s_2 = 1 + s_1 - s_2`, also where either slides.
+/// Writes products of switches one of which never is 1 before the other one as sums: where `c_2 - c_1` is a number or a function of
+/// parameters, above 0, `s_1 s_2 = 1 + s_1 - s_2`, also where either slides; below 0 the two change places.
 fn one_after_the_other(switches: &[Switch], forces: &mut [Sym]) {
     let jumps: Vec<&Switch> = switches.iter().filter(|switch| !switch.kink).collect();
     for (k, second) in jumps.iter().enumerate() {
@@ -81,11 +86,15 @@ fn one_after_the_other(switches: &[Switch], forces: &mut [Sym]) {
                 Sym::variable(first.variable),
                 Sym::variable(second.variable),
             );
-            let apart =
-                |sign: f64| simplify(second.function - first.function.scaled(sign)).as_number();
+            let apart = |sign: f64| {
+                let apart = simplify(second.function - first.function.scaled(sign));
+                let still = |variable| matches!(variable, Variable::Parameter(_));
+                let stays = graph::variables(&[apart]).into_iter().all(still);
+                stays.then(|| apart.call(Function::Sign))
+            };
             let sum = match (apart(1.0), apart(-1.0)) {
-                (Some(apart), _) => Sym::ONE + (one - other).scaled(apart.signum()),
-                (_, Some(apart)) => (one + other).scaled(apart.signum()) - Sym::ONE,
+                (Some(apart), _) => Sym::ONE + (one - other) * apart,
+                (_, Some(apart)) => (one + other) * apart - Sym::ONE,
                 _ => continue,
             };
             for (force, of_both) in forces.iter_mut().zip(of_both) {
@@ -133,13 +142,19 @@ fn contact(switch: &Switch, action: Action) -> Contact {
     }
 }
 
-/// Whether a kink leaves no jump of the derivatives of what acts: the slope by `|c|` vanishes with `c`. Told where `c` is linear in
-/// one of its variables; any other kink is a switch, which is right as well.
+/// Whether a kink leaves no jump of the derivatives of what acts: the slope by `|c|` vanishes with `c`. Any
+/// other kink is a switch, which is right as well.
 fn is_smooth(switch: &Switch, forces: &[Sym]) -> bool {
     if !switch.kink {
         return false;
     }
     let slopes = graph::partial(forces, switch.variable);
+    vanishes(switch, &slopes)
+}
+
+/// Whether values vanish with the function of a switch, and with its size. Told where the function is linear in one of its
+/// variables.
+fn vanishes(switch: &Switch, slopes: &[Sym]) -> bool {
     let function = switch.function;
     let mut variables = graph::variables(&[function]).into_iter();
     variables.any(|variable| {
@@ -157,7 +172,7 @@ fn is_smooth(switch: &Switch, forces: &[Sym]) -> bool {
                 (other == switch.variable).then_some(Sym::ZERO)
             }
         };
-        let slopes = graph::substitute(&slopes, at_root).into_iter();
+        let slopes = graph::substitute(slopes, at_root).into_iter();
         slopes
             .into_iter()
             .all(|slope| simplify(slope).is_structural_zero())
@@ -166,19 +181,12 @@ fn is_smooth(switch: &Switch, forces: &[Sym]) -> bool {
 
 /// E12: what two switches do together is not said by what each does.
 fn product(checker: &mut Checker<'_>, switch: &Switch, other: &Switch) {
-    let message = if switch.variable == other.variable {
-        format!(
-            "what acts is no linear function of `{}`; write `if c {{ a }} else {{ b }}` with what acts on both sides",
-            switch.shown
-        )
-    } else {
-        format!(
-            "what acts contains a product of the switches `{}` and `{}`, as of one inside of the other, and where both functions vanish \
-             the motion is not determined by that; write a sum of terms with one switch each, or switches by functions that differ by \
-             a number, as in `if x >= 2 {{ a }} else if x >= 1 {{ b }} else {{ c }}`",
-            other.shown, switch.shown
-        )
-    };
+    let message = format!(
+        "what acts contains a product of the switches `{}` and `{}`, as of one inside of the other, and where both functions vanish \
+         the motion is not determined by that; write a sum of terms with one switch each, or switches by functions that differ by \
+         a number, as in `if x >= 2 {{ a }} else if x >= 1 {{ b }} else {{ c }}`",
+        other.shown, switch.shown
+    );
     checker.diagnostics.report("E12", switch.place, message);
 }
 

@@ -8,25 +8,13 @@
 use super::explicit::Explicit;
 use super::simplify::simplify;
 use crate::ast::{Documentation, WrittenUnit};
+use crate::declaration::{Given, Over};
 use crate::evaluate::velocity_direction;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{
-    CheckedScene, Condition, Contact, Coordinate, Epigraph, Lifted, OptimalControl, Over,
+    CheckedScene, Condition, Contact, Coordinate, Epigraph, Lifted, OptimalControl,
 };
 use hangtime_units::Unit;
-
-/// What a function of parameters gives, by the index of a component of the start `(q, v)` or of a contact.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Given {
-    /// A component of the start.
-    Start(usize),
-    /// The length of the motion.
-    Horizon,
-    /// The coefficient of restitution of a contact.
-    Restitution(usize),
-    /// The coefficient of friction of a contact.
-    Friction(usize),
-}
 
 /// Puts the declared start in the place of what functions of optimal control read of it: guesses of what is to be found there; and
 /// largest values in the place of the unknowns that they are, but for those over the motion, which no function of an instant is: 0.

@@ -31,7 +31,6 @@ pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseI
 pub(crate) use control::{ControlEquations, resets};
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
-pub use held::Given;
 pub(crate) use held::{at_declared_start, given, with_held};
 pub(crate) use implicit::{Implicit, WRITTEN_OUT};
 pub(crate) use joint::JointEquations;

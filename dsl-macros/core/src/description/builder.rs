@@ -2,60 +2,49 @@
 
 use super::kernel::Kernel;
 use super::renamed::Renamed;
+use crate::declaration::{SparsityPattern, list};
 use crate::derive::{Columns, Implicit, SharedInertia, Sparse, WRITTEN_OUT};
 use crate::graph::Sym;
 use crate::scene::CheckedScene;
 use crate::tape;
 
-/// Pattern of a sparse matrix.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Pattern {
-    /// Number of rows.
-    pub rows: usize,
-    /// Number of columns.
-    pub columns: usize,
-    /// (row, column) of each nonzero, in the order of the values.
-    pub entries: Vec<(usize, usize)>,
-}
+/// Positions of nonzeros: row, column.
+pub type Places = &'static [(u32, u32)];
 
 /// A linear system `K(x) y = b(x)` and what the derivatives of its solution need; `F(x, y) = K y - b`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct System {
-    /// What is solved for.
-    pub name: String,
     /// Order of `K`.
     pub size: usize,
     /// Kernel of `K`, row-major, and then `b`.
     pub solve: usize,
     /// Kernel and pattern of `F_x`, of `(x, y)` with the solution behind as many other weights.
-    pub jacobian: (usize, Vec<(usize, usize)>),
+    pub jacobian: (usize, Places),
     /// Kernel and pattern of `(mu' F)_xx` (lower triangle), with `mu` and then the solution as weights.
-    pub hessian: (usize, Vec<(usize, usize)>),
+    pub hessian: (usize, Places),
     /// Kernel and pattern of `P = d(K' mu)/dx`, with `mu` and then the solution as weights.
-    pub cross: (usize, Vec<(usize, usize)>),
+    pub cross: (usize, Places),
 }
 
 /// The inertia `K(x)` that directions of several contacts are solved for with: the mass matrix, bordered by joints.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inertia {
     /// Order of `K`.
     pub size: usize,
     /// For each row of the lower triangle, the first column that elimination in this order may fill.
-    pub envelope: Vec<usize>,
+    pub envelope: &'static [usize],
     /// Kernel of `K`, row-major.
     pub matrix: usize,
     /// Kernel and pattern of `d(K y)/dx`, with `y` as weights.
-    pub product: (usize, Vec<(usize, usize)>),
+    pub product: (usize, Places),
     /// Kernel and pattern of `(mu' K y)_xx` (lower triangle), with `mu` and then `y` as weights.
-    pub curvature: (usize, Vec<(usize, usize)>),
+    pub curvature: (usize, Places),
 }
 
 /// The vectors `c_k` by which a direction is solved for with the [`Inertia`] of the scene: `K y_k = c_k r`, and if they are
 /// bordered, `n' y_m = 1` with the last of them, the normal `n`; `r = 1` otherwise.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vectors {
-    /// What is solved for.
-    pub name: String,
     /// Number of vectors.
     pub count: usize,
     /// Whether the last one is the normal that scales all.
@@ -63,18 +52,26 @@ pub struct Vectors {
     /// Kernel of all components, of one vector after the other.
     pub values: usize,
     /// Kernel and pattern of their derivatives.
-    pub jacobian: (usize, Vec<(usize, usize)>),
+    pub jacobian: (usize, Places),
     /// Kernel and pattern of the second derivatives (lower triangle) of their sum weighted by as many weights.
-    pub hessian: (usize, Vec<(usize, usize)>),
+    pub hessian: (usize, Places),
 }
 
-impl Pattern {
-    pub(super) fn of(sparse: &Sparse) -> Self {
-        Self {
-            rows: sparse.rows,
-            columns: sparse.columns,
-            entries: sparse.entries.clone(),
-        }
+/// Positions that live as long as the program.
+pub(super) fn places(entries: &[(usize, usize)]) -> Places {
+    list(
+        entries
+            .iter()
+            .map(|&(row, column)| (row as u32, column as u32)),
+    )
+}
+
+/// The pattern of a sparse matrix.
+pub(super) fn pattern(sparse: &Sparse) -> SparsityPattern {
+    SparsityPattern {
+        rows: sparse.rows,
+        columns: sparse.columns,
+        entries: places(&sparse.entries),
     }
 }
 
@@ -154,8 +151,8 @@ impl<'a> Builder<'a> {
         self.kernels.len() - 1
     }
 
-    fn nonzeros(&mut self, name: &str, sparse: &Sparse) -> (usize, Vec<(usize, usize)>) {
-        (self.kernel(name, &sparse.values), sparse.entries.clone())
+    fn nonzeros(&mut self, name: &str, sparse: &Sparse) -> (usize, Places) {
+        (self.kernel(name, &sparse.values), places(&sparse.entries))
     }
 
     /// Adds the inertia that contacts share, if there is one.
@@ -163,11 +160,11 @@ impl<'a> Builder<'a> {
         let shared = self.inertia?;
         Some(Inertia {
             size: shared.size,
-            envelope: shared.envelope(),
+            envelope: list(shared.envelope()),
             matrix: self.of_motion_or_new("inertia", &shared.matrix),
             product: (
                 self.of_motion_or_new("inertia_product", &shared.product.values),
-                shared.product.entries.clone(),
+                places(&shared.product.entries),
             ),
             curvature: self.nonzeros("inertia_curvature", &shared.curvature),
         })
@@ -176,7 +173,6 @@ impl<'a> Builder<'a> {
     /// Adds the vectors of a direction.
     pub(super) fn vectors(&mut self, name: &str, columns: &Columns) -> Vectors {
         Vectors {
-            name: name.to_owned(),
             count: columns.count,
             bordered: columns.bordered,
             values: self.kernel(&format!("{name}_vectors"), &columns.values),
@@ -192,10 +188,9 @@ impl<'a> Builder<'a> {
         let solve = self.kernel(&format!("{name}_system"), &system);
         let mut part = |suffix: &str, sparse: &Sparse| {
             let kernel = self.of_motion(&format!("{name}_{suffix}"), &sparse.values);
-            (kernel, sparse.entries.clone())
+            (kernel, places(&sparse.entries))
         };
         let system = System {
-            name: name.to_owned(),
             size: implicit.size,
             solve,
             jacobian: part("jacobian", &implicit.residual_jacobian),

@@ -1,42 +1,25 @@
 //! The functions of one contact.
 
-use super::builder::{Builder, Pattern, Vectors};
-use super::declared::{inferred, text};
+use super::builder::{Builder, Vectors, pattern, places};
+use super::declared::{documentation, inferred};
+use crate::declaration::{
+    ContactDeclaration, FrictionDeclaration, ImpactLaw, SparsityPattern, Switching, list, text,
+};
 use crate::derive::{ContactEquations, Directed, Explicit, FrictionEquations, InverseInertia};
 use crate::graph::Sym;
 use crate::scene;
 
-// Many fields: what a declaration says of a contact, and a kernel each of what is derived.
-/// A contact: what is declared of it, and its kernels.
-#[derive(Debug, Clone, PartialEq)]
+/// The kernels of a contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// Name of the surface, as written.
-    pub name: String,
-    /// Unit of the gap; empty for a pure number.
-    pub unit: String,
-    /// Documentation, as written.
-    pub documentation: String,
-    /// Whether an impulse direction is declared.
-    pub custom_direction: bool,
-    /// Coordinates that are rigid under the contact force.
-    pub held: Vec<usize>,
-    /// Whether it is struck after the contacts that touch together with it instead of at once with them.
-    pub sequence: bool,
-    /// Contacts that are pieces of the same maximum of gaps; empty for most.
-    pub alternatives: Vec<usize>,
-    /// Whether it is dry friction without a surface.
-    pub dry: bool,
-    /// Of dry friction: the contacts whose forces are added to its bound, those of friction counted behind all normal ones, and the kernel of what a unit of each adds to the given
-    /// normal acceleration.
-    pub loads: Option<(Vec<usize>, usize)>,
-    /// Of a switch, which is a dry friction: whether its function is only passed, as it does not change the rate of that.
-    pub switch: Option<bool>,
+    /// Of dry friction whose bound follows forces: kernel of what a unit of each adds to the given normal acceleration.
+    pub loads: Option<usize>,
     /// Of a switch that nothing acts by: kernel of the velocities after its function has come to be positive.
     pub reset: Option<usize>,
     /// Kernel of the gap.
     pub gap: usize,
-    /// Kernel of what is known at a point, as far as it is formulas.
-    pub point: usize,
+    /// Kernel of what is known at a point, as far as it is formulas, and the number of its values.
+    pub point: (usize, usize),
     /// Whether the inverse inertia along the normal comes from the system of motion.
     pub inertia_from_motion: bool,
     /// The rows gap, normal velocity and direction, with their derivatives; of dry friction the given normal acceleration
@@ -49,7 +32,7 @@ pub struct Contact {
 }
 
 /// The kernels of the friction of a contact.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
     /// Kernel of the coefficient, of that at rest where there are two.
     pub coefficient: usize,
@@ -57,40 +40,38 @@ pub struct Friction {
     pub kinetic: Option<usize>,
     /// Kernel of the factor that the direction carries, if it carries one.
     pub share: Option<usize>,
-    /// Kernel of what is known at a point, as far as it is formulas.
-    pub tangent: usize,
+    /// Kernel of what is known at a point, as far as it is formulas, and the number of its values.
+    pub tangent: (usize, usize),
     /// The rows sliding velocity and direction, with their derivatives.
     pub rows: Rows,
-    /// In space the same of the second sliding velocity: kernel of what is known at a point, and rows.
-    pub across: Option<(usize, Rows)>,
+    /// In space the same of the second sliding velocity: kernel of what is known at a point with the number of its values, and rows.
+    pub across: Option<((usize, usize), Rows)>,
 }
 
 /// Derivatives of some rows: those that are formulas, followed by the solution of a linear system if there is one.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rows {
     /// Kernels of Jacobian and Hessian of the formulas.
-    pub kernels: [usize; 2],
-    /// Pattern of the Jacobian of all rows.
-    pub jacobian: Pattern,
-    /// Pattern (lower triangle) of the Hessian of all rows.
-    pub hessian: Pattern,
+    pub kernels: (usize, usize),
     /// The rows behind the formulas.
     pub solved: Option<SolvedRows>,
 }
 
 /// Rows that are the first part of the solution of a linear system.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolvedRows {
     /// What they are solved for with.
     pub by: Solver,
     /// Number of rows before them.
     pub formulas: usize,
+    /// Number of nonzeros of the formulas' Jacobian, which stand first.
+    pub nonzeros: usize,
     /// Where each value of the formulas' Hessian is added to the Hessian of all rows.
-    pub places: Vec<usize>,
+    pub places: &'static [usize],
 }
 
 /// What a direction is solved for with.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Solver {
     /// The linear system with this index.
     System(usize),
@@ -98,11 +79,12 @@ pub enum Solver {
     Inertia(Vectors),
 }
 
+/// What is declared of a contact, and its kernels.
 pub(super) fn contact(
     builder: &mut Builder<'_>,
     declared: &scene::Contact,
     contact: &ContactEquations,
-) -> Contact {
+) -> (ContactDeclaration, Contact) {
     // A piece of a surface has a number behind a point.
     let name = &match declared.switch {
         Some(_) => format!("switching_function_{}", builder.switches() + 1),
@@ -110,6 +92,69 @@ pub(super) fn contact(
     };
     let rows = &contact.rows;
     let gap = builder.kernel(&format!("gap_{name}"), &rows.values[..1]);
+    let point = point(builder, name, declared, contact);
+    let solved = contact.direction.as_ref();
+    let solved = solved.map(|solved| (format!("direction_{name}"), solved));
+    let solves = matches!(contact.inverse_inertia, InverseInertia::Solved);
+    let inertia_from_motion = solves && solved.is_none();
+    let loads = (!contact.followed.is_empty())
+        .then(|| builder.kernel(&format!("loads_{name}"), &contact.loads));
+    let reset = reset(builder, name, declared);
+    let (rows, [jacobian, hessian]) =
+        all_rows(builder, &format!("contact_{{}}_{name}"), rows, solved);
+    let restitution = declared
+        .restitution
+        .map(|value| builder.unlisted(&format!("restitution_{name}"), &[value]));
+    let across = contact.across.as_ref();
+    let both = declared.friction.as_ref().zip(contact.friction.as_ref());
+    let friction = both.map(|(declared, derived)| {
+        let across = across.map(|across| side(builder, name, "across", across));
+        friction(builder, name, (declared, across), derived)
+    });
+    let kernels = Contact {
+        loads,
+        reset,
+        gap,
+        point,
+        inertia_from_motion,
+        rows,
+        restitution,
+        friction: friction.map(|(_, kernels)| kernels),
+    };
+    let declaration = ContactDeclaration {
+        name: text(&declared.name.text),
+        unit: inferred(declared.unit),
+        law: match declared.restitution {
+            Some(_) => ImpactLaw::Restitution,
+            None => ImpactLaw::Inelastic,
+        },
+        friction: friction.map(|(declared, _)| declared),
+        dry: declared.bound.is_some(),
+        loads: list(contact.followed.iter().copied()),
+        switch: declared.switch.as_ref().map(|_| match contact.passes {
+            _ if reset.is_some() => Switching::Resets,
+            true => Switching::Passes,
+            false => Switching::Slides,
+        }),
+        custom_direction: declared.along.is_some(),
+        held: list(declared.held.iter().copied()),
+        sequence: declared.sequence,
+        alternatives: list(declared.alternatives.iter().copied()),
+        jacobian,
+        hessian,
+        documentation: documentation(&declared.documentation),
+    };
+    (declaration, kernels)
+}
+
+/// The kernel of what is known at a point, as far as it is formulas, and the number of its values.
+fn point(
+    builder: &mut Builder<'_>,
+    name: &str,
+    declared: &scene::Contact,
+    contact: &ContactEquations,
+) -> (usize, usize) {
+    let rows = &contact.rows;
     let dry = declared.bound.is_some();
     let normal_velocity = if dry { Sym::ZERO } else { rows.values[1] };
     let mut point = vec![rows.values[0], normal_velocity, contact.curvature];
@@ -119,43 +164,8 @@ pub(super) fn contact(
     });
     point.extend(&contact.normal);
     point.extend(&rows.values[2..]);
-    let point = builder.kernel(&format!("contact_{name}"), &point);
-    let kernel = format!("contact_{{}}_{name}");
-    let solved = contact.direction.as_ref();
-    let solved = solved.map(|solved| (format!("direction_{name}"), solved));
-    let solves = matches!(contact.inverse_inertia, InverseInertia::Solved);
-    Contact {
-        name: declared.name.text.clone(),
-        unit: inferred(declared.unit),
-        documentation: text(&declared.documentation),
-        custom_direction: declared.along.is_some(),
-        held: declared.held.clone(),
-        sequence: declared.sequence,
-        alternatives: declared.alternatives.clone(),
-        dry,
-        loads: (!contact.followed.is_empty()).then(|| {
-            let kernel = builder.kernel(&format!("loads_{name}"), &contact.loads);
-            (contact.followed.clone(), kernel)
-        }),
-        switch: declared.switch.as_ref().map(|_| contact.passes),
-        reset: reset(builder, name, declared),
-        gap,
-        point,
-        inertia_from_motion: solves && solved.is_none(),
-        rows: all_rows(builder, &kernel, rows, solved),
-        restitution: declared
-            .restitution
-            .map(|value| builder.unlisted(&format!("restitution_{name}"), &[value])),
-        friction: declared
-            .friction
-            .as_ref()
-            .zip(contact.friction.as_ref())
-            .map(|(declared, derived)| {
-                let across = contact.across.as_ref();
-                let across = across.map(|across| side(builder, name, "across", across));
-                friction(builder, name, (declared, across), derived)
-            }),
-    }
+    let kernel = builder.kernel(&format!("contact_{name}"), &point);
+    (kernel, point.len())
 }
 
 fn reset(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Option<usize> {
@@ -166,11 +176,11 @@ fn reset(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Op
 fn friction(
     builder: &mut Builder<'_>,
     name: &str,
-    (declared, across): (&scene::Friction, Option<(usize, Rows)>),
+    (declared, across): (&scene::Friction, Option<Side>),
     friction: &FrictionEquations,
-) -> Friction {
-    let (tangent, rows) = side(builder, name, "tangent", friction);
-    Friction {
+) -> (FrictionDeclaration, Friction) {
+    let (tangent, rows, [jacobian, hessian]) = side(builder, name, "tangent", friction);
+    let kernels = Friction {
         coefficient: builder.unlisted(&format!("friction_{name}"), &[declared.coefficient]),
         kinetic: declared
             .kinetic
@@ -180,17 +190,23 @@ fn friction(
             .map(|value| builder.kernel(&format!("friction_share_{name}"), &[value])),
         tangent,
         rows,
-        across,
-    }
+        across: across.map(|(tangent, rows, _)| (tangent, rows)),
+    };
+    let declaration = FrictionDeclaration {
+        jacobian,
+        hessian,
+        kinetic: declared.kinetic.is_some(),
+        share: declared.share.is_some(),
+        across: across.map(|(_, _, [jacobian, _])| jacobian),
+    };
+    (declaration, kernels)
 }
 
-/// The kernels of a tangential side, which are called `what`: what is known at a point, and the rows.
-fn side(
-    builder: &mut Builder<'_>,
-    name: &str,
-    what: &str,
-    friction: &FrictionEquations,
-) -> (usize, Rows) {
+/// Kernel and number of what is known at a point, rows, and the patterns of their Jacobian and Hessian.
+type Side = ((usize, usize), Rows, [SparsityPattern; 2]);
+
+/// The kernels of a tangential side, which are called `what`.
+fn side(builder: &mut Builder<'_>, name: &str, what: &str, friction: &FrictionEquations) -> Side {
     let rows = &friction.rows;
     let mut point = vec![rows.values[0], friction.curvature];
     point.extend(&friction.tangent);
@@ -203,26 +219,25 @@ fn side(
     };
     let solved = friction.direction.as_ref();
     let solved = solved.map(|solved| (format!("{direction}_{name}"), solved));
-    (tangent, all_rows(builder, &kernel, rows, solved))
+    let (rows, patterns) = all_rows(builder, &kernel, rows, solved);
+    ((tangent, point.len()), rows, patterns)
 }
 
-/// Rows that are formulas, followed by the solution of a linear system with this name if there is one. `kernel` is the
-/// name of the kernels, `{}` in it what they compute.
+/// Rows that are formulas, followed by the solution of a linear system with this name if there is one, and the patterns of their
+/// Jacobian and Hessian. `kernel` is the name of the kernels, `{}` in it what they compute.
 fn all_rows(
     builder: &mut Builder<'_>,
     kernel: &str,
     rows: &Explicit,
     solved: Option<(String, &Directed)>,
-) -> Rows {
+) -> (Rows, [SparsityPattern; 2]) {
     let [jacobian, hessian] = ["jacobian", "hessian"].map(|what| kernel.replace("{}", what));
     let jacobian = builder.kernel(&jacobian, &rows.jacobian.values);
     let Some((name, solved)) = solved else {
-        return Rows {
-            kernels: [jacobian, builder.kernel(&hessian, &rows.hessian.values)],
-            jacobian: Pattern::of(&rows.jacobian),
-            hessian: Pattern::of(&rows.hessian),
-            solved: None,
-        };
+        let kernels = (jacobian, builder.kernel(&hessian, &rows.hessian.values));
+        let patterns = [pattern(&rows.jacobian), pattern(&rows.hessian)];
+        let solved = None;
+        return (Rows { kernels, solved }, patterns);
     };
     let formulas = rows.values.len();
     let n = builder.scene.coordinates.len();
@@ -233,33 +248,31 @@ fn all_rows(
     hessian_entries.extend(&rows.hessian.entries);
     hessian_entries.sort_unstable();
     hessian_entries.dedup();
-    let places = rows.hessian.entries.iter();
-    let places = places.filter_map(|entry| hessian_entries.binary_search(entry).ok());
-    Rows {
+    let of_formulas = rows.hessian.entries.iter();
+    let of_formulas = of_formulas.filter_map(|entry| hessian_entries.binary_search(entry).ok());
+    let rows = Rows {
         solved: Some(SolvedRows {
             by,
             formulas,
-            places: places.collect(),
+            nonzeros: rows.jacobian.entries.len(),
+            places: list(of_formulas),
         }),
-        kernels: [jacobian, builder.kernel(&hessian, &rows.hessian.values)],
-        jacobian: Pattern {
-            rows: formulas + n,
-            columns: builder.inputs,
-            entries: jacobian_entries,
-        },
-        hessian: Pattern {
-            rows: builder.inputs,
-            columns: builder.inputs,
-            entries: hessian_entries,
-        },
-    }
+        kernels: (jacobian, builder.kernel(&hessian, &rows.hessian.values)),
+    };
+    let pattern = |rows, entries: &[(usize, usize)]| SparsityPattern {
+        rows,
+        columns: builder.inputs,
+        entries: places(entries),
+    };
+    let jacobian = pattern(formulas + n, &jacobian_entries);
+    (rows, [jacobian, pattern(builder.inputs, &hessian_entries)])
 }
 
 /// Rows and columns of the entries of a pattern.
-type Places = Vec<(usize, usize)>;
+type Entries = Vec<(usize, usize)>;
 
 /// What a direction with this name is solved for with, and the patterns of its Jacobian and its Hessian.
-fn solver(builder: &mut Builder<'_>, name: &str, solved: &Directed) -> (Solver, Places, Places) {
+fn solver(builder: &mut Builder<'_>, name: &str, solved: &Directed) -> (Solver, Entries, Entries) {
     let n = builder.scene.coordinates.len();
     match (solved, builder.inertia) {
         (Directed::System(system), _) => (

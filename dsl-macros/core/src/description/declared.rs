@@ -1,65 +1,37 @@
 //! What is declared: names, units, documentation.
 
 use crate::ast::{Documentation, WrittenUnit};
+use crate::declaration::{ParameterDeclaration, VariableDeclaration, list, text};
 use crate::scene;
 use hangtime_units::Unit;
 
-/// A number that can be changed at run time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
-    /// Name, as written.
-    pub name: String,
-    /// Unit, as written; empty if none is declared.
-    pub unit: String,
-    /// Default value in that unit.
-    pub default: f64,
-    /// Whether it is a mass or a moment of inertia.
-    pub positive: bool,
-    /// Documentation, as written.
-    pub documentation: String,
-}
-
-/// A coordinate, a control or a state.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Variable {
-    /// Name, as written.
-    pub name: String,
-    /// Unit, as written; empty if none is declared.
-    pub unit: String,
-    /// Documentation, as written.
-    pub documentation: String,
-}
-
-impl Parameter {
-    pub(super) fn of(parameter: &scene::Parameter) -> Self {
-        Self {
-            name: parameter.name.text.clone(),
-            unit: unit(parameter.unit.as_ref()),
-            default: parameter.default,
-            positive: is_inertia(parameter.unit.as_ref()),
-            documentation: text(&parameter.documentation),
-        }
+pub(super) fn parameter(parameter: &scene::Parameter) -> ParameterDeclaration {
+    ParameterDeclaration {
+        name: text(&parameter.name.text),
+        unit: unit(parameter.unit.as_ref()),
+        default: parameter.default,
+        positive: is_inertia(parameter.unit.as_ref()),
+        documentation: documentation(&parameter.documentation),
     }
 }
 
-impl Variable {
-    pub(super) fn of(variable: &scene::Coordinate) -> Self {
-        Self {
-            name: variable.name.text.clone(),
-            unit: unit(variable.unit.as_ref()),
-            documentation: text(&variable.documentation),
-        }
-    }
+/// Coordinates, controls or states.
+pub(super) fn variables(variables: &[scene::Coordinate]) -> &'static [VariableDeclaration] {
+    list(variables.iter().map(|variable| VariableDeclaration {
+        name: text(&variable.name.text),
+        unit: unit(variable.unit.as_ref()),
+        documentation: documentation(&variable.documentation),
+    }))
 }
 
-pub(super) fn unit(written: Option<&WrittenUnit>) -> String {
-    written.map_or_else(String::new, |unit| unit.text.clone())
+pub(super) fn unit(written: Option<&WrittenUnit>) -> &'static str {
+    written.map_or("", |unit| text(&unit.text))
 }
 
 /// A unit that follows from others; empty for pure numbers, as where none is declared.
-pub(super) fn inferred(unit: Option<Unit>) -> String {
+pub(super) fn inferred(unit: Option<Unit>) -> &'static str {
     unit.filter(|unit| !unit.same_dimension(Unit::ONE))
-        .map_or_else(String::new, |unit| unit.to_string())
+        .map_or("", |unit| text(&unit.to_string()))
 }
 
 /// Masses and moments of inertia, which must be positive.
@@ -70,8 +42,12 @@ fn is_inertia(written: Option<&WrittenUnit>) -> bool {
     })
 }
 
+pub(super) fn documentation(documentation: &Documentation) -> &'static str {
+    text(&documentation_text(documentation))
+}
+
 /// Doc comments as plain text.
-pub(crate) fn text(documentation: &Documentation) -> String {
+pub(crate) fn documentation_text(documentation: &Documentation) -> String {
     let lines: Vec<String> = documentation
         .lines
         .iter()

@@ -1,5 +1,6 @@
 //! Straight-line functions of a scene: operations on parameters, inputs and weights.
 
+use crate::declaration::{self, text};
 use crate::graph::{Function, Function2, Variable};
 use crate::scene::CheckedScene;
 use crate::tape::{Op, Tape};
@@ -115,6 +116,15 @@ impl Kernel {
             listed,
             operations: operations.collect(),
             outputs: tape.outputs,
+        }
+    }
+
+    /// What is declared of it.
+    pub(super) fn declared(&self) -> declaration::Kernel {
+        declaration::Kernel {
+            name: text(&self.name),
+            operations: self.cost(),
+            outputs: self.outputs.len(),
         }
     }
 

@@ -1,73 +1,43 @@
 //! Measured motions.
 
 use super::builder::Builder;
-use super::declared::{inferred, text, unit};
-use crate::scene::Measured;
+use super::declared::{documentation, inferred, unit};
+use crate::declaration::{Experiment, Measured, MeasuredQuantity, list, text};
 
-/// A measured motion that the objective compares with.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Experiment {
-    /// Its name.
-    pub name: String,
-    /// Documentation, as written.
-    pub documentation: String,
-    /// The file of the measurements, as written.
-    pub file: String,
-    /// What was measured.
-    pub quantities: Vec<MeasuredQuantity>,
-    /// Kernels of its initial coordinates and velocities, if it has a start of its own.
-    pub start: Option<[usize; 2]>,
-    /// From how many standard deviations on a residual counts linearly; none where squares are added up.
-    pub huber: Option<f64>,
-}
-
-/// Something that was measured.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MeasuredQuantity {
-    /// Its name in the file, such as `z` or `dot(z)`.
-    pub name: String,
-    /// Its unit.
-    pub unit: String,
-    /// What it is.
-    pub measured: Measured,
-    /// Standard deviation of a measurement, in that unit.
-    pub within: f64,
-}
-
-pub(super) fn experiments(builder: &mut Builder<'_>) -> Vec<Experiment> {
+/// What is declared of measured motions, and kernels of the initial coordinates and velocities of those that have a start of their own.
+pub(super) fn experiments(
+    builder: &mut Builder<'_>,
+) -> (&'static [Experiment], &'static [Option<(usize, usize)>]) {
     let scene = builder.scene;
-    let list = scene.experiments.iter();
-    list.map(|known| Experiment {
-        name: known.name.text.clone(),
-        documentation: text(&known.documentation),
-        file: known.file.clone(),
-        quantities: known
-            .quantities
-            .iter()
-            .map(|&(measured, within)| {
-                let (name, unit) = called(builder, measured);
-                MeasuredQuantity {
-                    name,
-                    unit,
-                    measured,
-                    within,
-                }
-            })
-            .collect(),
-        start: known.start.as_ref().map(|(q, v)| {
-            let what = |part: &str| format!("start_{part}_{}", known.name.text);
-            [
-                builder.unlisted(&what("coordinates"), q),
-                builder.unlisted(&what("velocities"), v),
-            ]
-        }),
+    let declared = list(scene.experiments.iter().map(|known| Experiment {
+        name: text(&known.name.text),
+        documentation: documentation(&known.documentation),
+        file: text(&known.file),
+        quantities: list(known.quantities.iter().map(|&(measured, within)| {
+            let (name, unit) = called(builder, measured);
+            MeasuredQuantity {
+                name: text(&name),
+                unit,
+                measured,
+                within,
+            }
+        })),
         huber: known.huber,
-    })
-    .collect()
+        own_start: known.start.is_some(),
+    }));
+    let starts = scene.experiments.iter().map(|known| {
+        let (q, v) = known.start.as_ref()?;
+        let what = |part: &str| format!("start_{part}_{}", known.name.text);
+        Some((
+            builder.unlisted(&what("coordinates"), q),
+            builder.unlisted(&what("velocities"), v),
+        ))
+    });
+    (declared, list(starts))
 }
 
 /// Name and unit of something that was measured.
-fn called(builder: &Builder<'_>, measured: Measured) -> (String, String) {
+fn called(builder: &Builder<'_>, measured: Measured) -> (String, &'static str) {
     let scene = builder.scene;
     match measured {
         Measured::Coordinate(k) => {
@@ -81,8 +51,11 @@ fn called(builder: &Builder<'_>, measured: Measured) -> (String, String) {
         Measured::Velocity(k) => {
             let known = &scene.coordinates[k];
             let own = unit(known.unit.as_ref());
-            let own = if own.is_empty() { "1" } else { &own };
-            (format!("dot({})", known.name.text), format!("{own}/s"))
+            let own = if own.is_empty() { "1" } else { own };
+            (
+                format!("dot({})", known.name.text),
+                text(&format!("{own}/s")),
+            )
         }
         Measured::Output(k) => {
             let output = &scene.outputs[k];

@@ -1,6 +1,6 @@
 //! A derived scene as data: what it declares, its functions as straight-line operations, and how the methods of the
-//! model trait are made of them. The emitted Rust is written from it, and whatever evaluates a scene without a
-//! compiler reads it.
+//! model trait are made of them. Solvers read the first and last of it alike of a scene from a file, whose functions are
+//! evaluated as they stand, and of a compiled one, whose functions are emitted as Rust.
 
 mod builder;
 mod contact;
@@ -16,51 +16,46 @@ mod renamed;
 mod sensitivity;
 mod shown;
 
-pub use crate::derive::Given as GivenBy;
-pub use crate::graph::{Function, Function2, Profile};
-pub use crate::scene::Measured;
-pub use builder::{Inertia, Pattern, System, Vectors};
+pub use crate::graph::{Function, Function2, Profile, inverse_root, piecewise, root};
+pub use builder::{Inertia, Places, System, Vectors};
 pub use contact::{Contact, Friction, Rows, SolvedRows, Solver};
-pub(crate) use declared::text as documentation_text;
-pub use declared::{Parameter, Variable};
-pub use design::{Epigraph, FreeParameters, Held, Over};
-pub use joint::{Joint, Joints};
+pub(crate) use declared::documentation_text;
+pub use design::{FreeParameters, Held};
+pub use joint::Joints;
 pub use kernel::{Kernel, Operation};
-pub use measured::{Experiment, MeasuredQuantity};
-pub use optimal_control::{Condition, ContactTerms, Functions, OptimalControl};
+pub use optimal_control::{Kernels, OptimalControl};
 pub(crate) use readable::formula;
 pub use sensitivity::{ContactSensitivity, Derivative, FrictionSensitivity, Sensitivity};
-pub use shown::{Outputs, Picture, Shape};
+pub use shown::Outputs;
 
+use crate::declaration::{
+    Declaration, Epigraph, Equation, Experiment, Picture, SparsityPattern, list, text,
+};
 use crate::derive::{Equations, Explicit, Solution};
 use crate::graph::{self, Stage, Sym};
 use crate::scene::CheckedScene;
 use builder::Builder;
-use declared::text;
+use declared::{documentation, parameter, variables};
 
 /// Most operations of one kernel: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
 
-// Many fields: the parts of a declaration.
-/// Everything that is derived from a declaration. Kernels and systems are named by their index.
+/// Everything that is derived from a declaration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
-    /// Name of the scene, as written.
-    pub name: String,
-    /// Documentation, as written.
-    pub documentation: String,
-    /// Parameters in order of declaration.
-    pub parameters: Vec<Parameter>,
-    /// Coordinates in order of declaration, and behind them one for each state, whose velocity the state is.
-    pub coordinates: Vec<Variable>,
-    /// Controls in order of declaration.
-    pub controls: Vec<Variable>,
-    /// States of first order, in order of declaration.
-    pub states: Vec<Variable>,
-    /// Whether the physical time is the last component of the input vector.
-    pub explicit_time: bool,
-    /// The derived equations, left and right sides, as a person would write them.
-    pub equations: Vec<[String; 2]>,
+    /// What is declared, and what is made of the functions.
+    pub structure: Structure,
+    /// All straight-line functions, which the structure names by their index.
+    pub kernels: Vec<Kernel>,
+}
+
+// Many fields: the parts of a declaration.
+/// What a scene declares, and how what solvers ask of it is made of its kernels, which are named by their index. All of it is static
+/// data.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Structure {
+    /// Names, units, patterns.
+    pub declaration: Declaration,
     /// Start, horizon and bounds.
     pub given: Given,
     /// The free motion.
@@ -68,56 +63,52 @@ pub struct Description {
     /// The inertia that directions of contacts are solved for with; none where all of them are formulas.
     pub inertia: Option<Inertia>,
     /// Contacts in order of declaration.
-    pub contacts: Vec<Contact>,
+    pub contacts: &'static [Contact],
     /// Joints, if there are any.
     pub joints: Option<Joints>,
     /// What is declared for optimal control, if anything is.
     pub optimal_control: Option<OptimalControl>,
     /// What is recorded, if anything is.
     pub outputs: Option<Outputs>,
-    /// What is drawn, if it is declared.
-    pub picture: Option<Picture>,
+    /// What is drawn, if it is declared, and the kernel of all its values.
+    pub picture: Option<(Picture, usize)>,
     /// Derivatives by parameters; none unless they were asked for. With them, every Jacobian has a column for each of these
     /// parameters behind those of the inputs, and Hessians are empty.
     pub sensitivity: Option<Sensitivity>,
     /// The parameters that optimal control is to find, if there are any.
     pub free_parameters: Option<FreeParameters>,
     /// Measured motions that the objective compares with.
-    pub experiments: Vec<Experiment>,
+    pub experiments: &'static [Experiment],
+    /// Kernels of the initial coordinates and velocities of those that have a start of their own.
+    pub starts: &'static [Option<(usize, usize)>],
     /// Components of the start `(q, v)` that are to be found and that functions of optimal control read, increasing.
-    pub remembered: Vec<usize>,
+    pub remembered: &'static [usize],
     /// Largest values that optimal control has as unknowns; where the parameters are held, none.
-    pub epigraphs: Vec<Epigraph>,
+    pub epigraphs: &'static [Epigraph],
     /// The parameters that are coordinates without motion; none unless they were asked for.
     pub held: Option<Held>,
-    /// All straight-line functions.
-    pub kernels: Vec<Kernel>,
     /// All linear systems.
-    pub systems: Vec<System>,
+    pub systems: &'static [System],
 }
 
 /// Kernels of what is declared in terms of the parameters.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Given {
     /// Initial coordinates and velocities.
-    pub start: [usize; 2],
+    pub start: (usize, usize),
     /// Lower and upper bounds of the coordinates and then the controls; infinite where none is declared.
-    pub bounds: [usize; 2],
+    pub bounds: (usize, usize),
     /// Length of a simulation, if it is declared.
     pub horizon: Option<usize>,
 }
 
 /// Kernels of the motion without contact.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Motion {
     /// Kernel of the acceleration; without one, it is the solution of the system.
     pub acceleration: Option<usize>,
     /// Where its derivatives come from.
     pub derivatives: MotionDerivatives,
-    /// Pattern of the Jacobian of the acceleration.
-    pub jacobian: Pattern,
-    /// Pattern (lower triangle) of the Hessian of the weighted acceleration.
-    pub hessian: Pattern,
     /// Kernel of the mass matrix, row-major.
     pub mass_matrix: usize,
     /// Kernel of kinetic and potential energy.
@@ -128,9 +119,9 @@ pub struct Motion {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MotionDerivatives {
     /// By the kernels of its Jacobian and its Hessian.
-    Kernels([usize; 2]),
+    Kernels(usize, usize),
     /// As the solution of this linear system.
-    System(usize),
+    Solved(usize),
 }
 
 /// Why a scene is refused after all has been derived.
@@ -148,117 +139,136 @@ impl Description {
         graph::begin(Stage::Kernels);
         let inertia = equations.inertia.as_ref();
         let mut builder = Builder::new(scene, equations.inputs.len(), inertia);
-        let motion = motion(&mut builder, equations);
+        let (motion, [free_jacobian, free_hessian]) = motion(&mut builder, equations);
         let inertia = builder.inertia();
-        let contacts = scene
-            .contacts
-            .iter()
-            .zip(&equations.contacts)
+        let both = scene.contacts.iter().zip(&equations.contacts);
+        let (declared_contacts, contacts): (Vec<_>, Vec<_>) = both
             .map(|(declared, contact)| contact::contact(&mut builder, declared, contact))
-            .collect();
+            .unzip();
         let joints = equations.joints.as_ref();
         let joints = joints.map(|derived| joint::joints(&mut builder, derived));
-        let optimal_control = scene
-            .optimal_control
-            .as_ref()
-            .zip(equations.optimal_control.as_ref())
-            .map(|(declared, derived)| {
-                optimal_control::optimal_control(&mut builder, declared, derived)
-            });
+        let task = scene.optimal_control.as_ref();
+        let task = task.zip(equations.optimal_control.as_ref());
+        let task = task.map(|(declared, derived)| {
+            optimal_control::optimal_control(&mut builder, declared, derived)
+        });
         let outputs = shown::outputs(&mut builder);
         let picture = shown::picture(&mut builder);
         let given = given(&mut builder);
         let sensitivity = sensitivity::sensitivity(&mut builder, equations);
         let free_parameters = design::free(&mut builder);
-        let experiments = measured::experiments(&mut builder);
+        let (experiments, starts) = measured::experiments(&mut builder);
         let held = design::held(&mut builder, equations);
-        let description = Self {
-            name: scene.name.text.clone(),
-            documentation: text(&scene.documentation),
-            parameters: scene.parameters.iter().map(Parameter::of).collect(),
-            coordinates: scene.coordinates.iter().map(Variable::of).collect(),
-            controls: scene.controls.iter().map(Variable::of).collect(),
-            states: scene.states.iter().map(Variable::of).collect(),
-            explicit_time: scene.explicit_time,
-            equations: Vec::new(),
+        let (kernels, systems) = (builder.kernels, list(builder.systems));
+        check(&kernels)?;
+        let declaration =
+            Declaration {
+                name: text(&scene.name.text),
+                documentation: documentation(&scene.documentation),
+                parameters: list(scene.parameters.iter().map(parameter)),
+                coordinates: variables(&scene.coordinates),
+                controls: variables(&scene.controls),
+                states: variables(&scene.states),
+                contacts: list(declared_contacts),
+                joints: joints.map(|(declared, _)| declared),
+                explicit_time: scene.explicit_time,
+                free_jacobian,
+                free_hessian,
+                optimal_control: task.map(|(declared, _)| declared),
+                kernels: list(
+                    kernels
+                        .iter()
+                        .filter(|known| known.listed)
+                        .map(Kernel::declared),
+                ),
+                equations: list(equations::readable(scene, equations).iter().map(
+                    |[left, right]| Equation {
+                        left: text(left),
+                        right: text(right),
+                    },
+                )),
+            };
+        let structure = Structure {
+            declaration,
             given,
             motion,
             inertia,
-            contacts,
-            joints,
-            optimal_control,
+            contacts: list(contacts),
+            joints: joints.map(|(_, kernels)| kernels),
+            optimal_control: task.map(|(_, kernels)| kernels),
             outputs,
             picture,
             sensitivity,
             free_parameters,
             experiments,
-            remembered: scene.remembered.clone(),
+            starts,
+            remembered: list(scene.remembered.iter().copied()),
             epigraphs: design::epigraphs(scene),
             held,
-            kernels: builder.kernels,
-            systems: builder.systems,
+            systems,
         };
-        description.check()?;
-        Ok(Self {
-            equations: equations::readable(scene, equations),
-            ..description
-        })
-    }
-
-    /// Whether all kernels can be compiled and evaluated.
-    fn check(&self) -> Result<(), Unfit> {
-        if graph::is_exhausted() {
-            return Err(Unfit::Exhausted);
-        }
-        for kernel in &self.kernels {
-            let operations = kernel.cost();
-            if operations > BUDGET {
-                return Err(Unfit::Long {
-                    kernel: kernel.name.clone(),
-                    operations,
-                });
-            }
-            // Bounds, which are not listed, may be open.
-            if kernel.listed && !kernel.is_finite() {
-                return Err(Unfit::Constant);
-            }
-        }
-        Ok(())
+        Ok(Self { structure, kernels })
     }
 
     /// The functions that are evaluated again and again.
     pub fn listed(&self) -> impl Iterator<Item = &Kernel> {
         self.kernels.iter().filter(|kernel| kernel.listed)
     }
+}
 
-    /// Length of the input vector: coordinates, velocities, controls and the time, where it occurs.
-    #[must_use]
-    pub fn inputs(&self) -> usize {
-        2 * self.coordinates.len() + self.controls.len() + usize::from(self.explicit_time)
+/// Whether all kernels can be compiled and evaluated.
+fn check(kernels: &[Kernel]) -> Result<(), Unfit> {
+    if graph::is_exhausted() {
+        return Err(Unfit::Exhausted);
     }
+    for kernel in kernels {
+        let operations = kernel.cost();
+        if operations > BUDGET {
+            return Err(Unfit::Long {
+                kernel: kernel.name.clone(),
+                operations,
+            });
+        }
+        // Bounds, which are not listed, may be open.
+        if kernel.listed && !kernel.is_finite() {
+            return Err(Unfit::Constant);
+        }
+    }
+    Ok(())
+}
 
+impl Structure {
     /// Number of columns of the Jacobians: the inputs, and the parameters by which all is differentiated.
     #[must_use]
-    pub fn columns(&self) -> usize {
-        let parameters = self.sensitivity.as_ref();
-        self.inputs() + parameters.map_or(0, |known| known.parameters.len())
+    pub const fn columns(&self) -> usize {
+        let parameters = match self.sensitivity {
+            Some(known) => known.parameters.len(),
+            None => 0,
+        };
+        self.declaration.inputs() + parameters
+    }
+
+    /// Number of the equations of all joints.
+    #[must_use]
+    pub fn joint_rows(&self) -> usize {
+        self.declaration.joints.map_or(0, |joints| joints.rows())
     }
 }
 
-fn motion(builder: &mut Builder<'_>, equations: &Equations) -> Motion {
-    let (acceleration, derivatives, jacobian, hessian) = match &equations.acceleration {
+fn motion(builder: &mut Builder<'_>, equations: &Equations) -> (Motion, [SparsityPattern; 2]) {
+    let (acceleration, derivatives, patterns) = match &equations.acceleration {
         Solution::Explicit(Explicit {
             values,
             jacobian,
             hessian,
         }) => {
             let acceleration = builder.kernel("free_acceleration", values);
-            let derivatives = MotionDerivatives::Kernels([
+            let derivatives = MotionDerivatives::Kernels(
                 builder.kernel("free_jacobian", &jacobian.values),
                 builder.kernel("free_hessian", &hessian.values),
-            ]);
-            let (jacobian, hessian) = (Pattern::of(jacobian), Pattern::of(hessian));
-            (Some(acceleration), derivatives, jacobian, hessian)
+            );
+            let patterns = [builder::pattern(jacobian), builder::pattern(hessian)];
+            (Some(acceleration), derivatives, patterns)
         }
         Solution::Implicit(implicit) => {
             let solution = implicit.solution.as_ref();
@@ -266,29 +276,26 @@ fn motion(builder: &mut Builder<'_>, equations: &Equations) -> Motion {
             // Behind the accelerations stand forces of joints.
             let acceleration =
                 solution.map(|solution| builder.kernel("free_acceleration", &solution[..n]));
-            let system = builder.system("motion", implicit);
-            let jacobian = Pattern {
-                rows: n,
+            let derivatives = MotionDerivatives::Solved(builder.system("motion", implicit));
+            let pattern = |rows, entries: &[(usize, usize)]| SparsityPattern {
+                rows,
                 columns: builder.inputs,
-                entries: implicit.jacobian_pattern(n),
+                entries: builder::places(entries),
             };
-            let hessian = Pattern {
-                rows: builder.inputs,
-                columns: builder.inputs,
-                entries: implicit.hessian_pattern(),
-            };
-            let derivatives = MotionDerivatives::System(system);
-            (acceleration, derivatives, jacobian, hessian)
+            let patterns = [
+                pattern(n, &implicit.jacobian_pattern(n)),
+                pattern(builder.inputs, &implicit.hessian_pattern()),
+            ];
+            (acceleration, derivatives, patterns)
         }
     };
-    Motion {
+    let motion = Motion {
         acceleration,
         derivatives,
-        jacobian,
-        hessian,
         mass_matrix: builder.of_motion("mass_matrix", &equations.mass),
         energy: builder.kernel("energy", &equations.energy),
-    }
+    };
+    (motion, patterns)
 }
 
 fn given(builder: &mut Builder<'_>) -> Given {
@@ -303,13 +310,13 @@ fn given(builder: &mut Builder<'_>) -> Given {
     let horizon = horizon.map(|horizon| builder.unlisted("horizon", &[horizon]));
     Given {
         horizon,
-        start: [
+        start: (
             builder.unlisted("start_coordinates", &scene.start.0),
             builder.unlisted("start_velocities", &scene.start.1),
-        ],
-        bounds: [
+        ),
+        bounds: (
             builder.unlisted("lower_bounds", &bound(f64::NEG_INFINITY, |(low, _)| low)),
             builder.unlisted("upper_bounds", &bound(f64::INFINITY, |(_, high)| high)),
-        ],
+        ),
     }
 }

@@ -1,89 +1,41 @@
 //! The functions of optimal control.
 
-use super::builder::{Builder, Pattern};
-use super::declared::{inferred, text};
+use super::builder::{Builder, pattern};
+use super::declared::{documentation, inferred};
+use crate::declaration::{
+    ConstraintDeclaration, ContactTerms, OptimalControlDeclaration, SparsityPattern, list, text,
+};
 use crate::derive::{ControlEquations, Explicit, resets};
 use crate::graph::Sym;
 use crate::scene;
 
-/// Objective, constraints, terminal conditions and free initial values: what is declared, and its kernels.
-#[derive(Debug, Clone, PartialEq)]
+/// Kernels of some functions: values, Jacobian, and Hessian (lower triangle) of their weighted sum.
+pub type Kernels = (usize, usize, usize);
+
+/// Kernels of objective, constraints, terminal conditions and free initial values; none of what has no functions.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OptimalControl {
-    /// Whether the first path function is a running cost.
-    pub running_cost: bool,
-    /// Whether the first terminal function is a final cost.
-    pub final_cost: bool,
-    /// Path constraints, in the order of their functions.
-    pub constraints: Vec<Condition>,
-    /// Terminal conditions, in the order of their functions.
-    pub goals: Vec<Condition>,
-    /// Whether the final time is to be found.
-    pub free_time: bool,
-    /// Initial values that are to be found: indices into `(q, v)`, increasing.
-    pub free_start: Vec<usize>,
-    /// Kernels of their lower and upper bounds; none if there are no such values.
-    pub free_start_bounds: Option<[usize; 2]>,
+    /// Lower and upper bounds of initial values that are to be found.
+    pub free_start_bounds: Option<(usize, usize)>,
     /// Running cost and path constraints.
-    pub path: Functions,
-    /// Final cost and terminal conditions, of `(q, v, T)` with the final time `T`.
-    pub terminal: Functions,
-    /// What they read of contacts.
-    pub contacts: ContactTerms,
-}
-
-/// What the functions of optimal control read of contacts: `(r, s)`, what all contacts provide along their normals and
-/// then along their sliding velocities.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ContactTerms {
-    /// Whether path functions read accelerations `(r, s)` behind the input vector.
-    pub path: bool,
-    /// Whether terminal functions read those at the end, last.
-    pub terminal: bool,
-    /// Number of sums over impacts, which terminal functions read behind the final time.
-    pub sums: usize,
-    /// Conditions on impacts, in the order of their functions.
-    pub constraints: Vec<Condition>,
-    /// What conditions that come true set, in the order of their functions behind those of impacts: the contact that each is, and the velocity.
-    pub resets: Vec<(usize, usize)>,
-    /// What is added up, and the conditions, of the input vector with the velocities `(r, s)` that an impact provides
-    /// behind it.
-    pub impact: Functions,
-}
-
-/// A condition on one scalar function.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Condition {
-    /// Its name, or the condition as written.
-    pub name: String,
-    /// Unit of the function; empty for a pure number.
-    pub unit: String,
-    /// Documentation, as written.
-    pub documentation: String,
-    /// Whether the function must vanish; otherwise it must not be negative.
-    pub equality: bool,
-}
-
-/// Some functions with their derivatives.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Functions {
-    /// Kernels of values, Jacobian and Hessian; none if there are no functions.
-    pub kernels: Option<[usize; 3]>,
-    /// Pattern of the Jacobian.
-    pub jacobian: Pattern,
-    /// Pattern (lower triangle) of the Hessian of the weighted functions.
-    pub hessian: Pattern,
+    pub path: Option<Kernels>,
+    /// Final cost and terminal conditions.
+    pub terminal: Option<Kernels>,
+    /// What is added up over impacts, conditions on them, and what conditions set.
+    pub impact: Option<Kernels>,
 }
 
 pub(super) fn optimal_control(
     builder: &mut Builder<'_>,
     declared: &scene::OptimalControl,
     derived: &ControlEquations,
-) -> OptimalControl {
-    let path = functions(builder, "path", &derived.path);
+) -> (OptimalControlDeclaration, OptimalControl) {
+    let (path, [path_jacobian, path_hessian]) = functions(builder, "path", &derived.path);
     builder.at_the_end = true;
-    let terminal = functions(builder, "terminal", &derived.terminal);
+    let (terminal, [terminal_jacobian, terminal_hessian]) =
+        functions(builder, "terminal", &derived.terminal);
     builder.at_the_end = false;
-    let impact = functions(builder, "impact", &derived.impact);
+    let (impact, [impact_jacobian, impact_hessian]) = functions(builder, "impact", &derived.impact);
     let free_start_bounds = (!declared.free_start.is_empty()).then(|| {
         let bound = |open: f64, pick: fn((Sym, Sym)) -> Sym| -> Vec<Sym> {
             let bounds = declared.free_start.iter();
@@ -93,63 +45,67 @@ pub(super) fn optimal_control(
         };
         let lower = bound(f64::NEG_INFINITY, |(low, _)| low);
         let upper = bound(f64::INFINITY, |(_, high)| high);
-        [
+        (
             builder.unlisted("free_start_lower", &lower),
             builder.unlisted("free_start_upper", &upper),
-        ]
+        )
     });
-    let conditions = |list: &[scene::Condition]| {
-        let described = list.iter().map(|condition| Condition {
-            name: condition.name.clone(),
-            unit: inferred(condition.unit),
-            documentation: text(&condition.documentation),
-            equality: condition.equality,
-        });
-        described.collect()
-    };
-    OptimalControl {
+    let declared = OptimalControlDeclaration {
         running_cost: declared.running_cost.is_some(),
         final_cost: declared.final_cost.is_some(),
         constraints: conditions(&declared.constraints),
         goals: conditions(&declared.goals),
         free_time: declared.free_time,
-        free_start: declared
-            .free_start
-            .iter()
-            .map(|&(index, _)| index)
-            .collect(),
-        free_start_bounds,
-        path,
-        terminal,
+        free_start: list(declared.free_start.iter().map(|&(index, _)| index)),
+        path_jacobian,
+        path_hessian,
+        terminal_jacobian,
+        terminal_hessian,
         contacts: ContactTerms {
             path: derived.path_reads_forces,
             terminal: derived.terminal_reads_forces,
             sums: declared.sums.len(),
             constraints: conditions(&declared.at_impacts),
-            resets: resets(builder.scene)
-                .map(|(contact, velocity, _)| (contact, velocity))
-                .collect(),
-            impact,
+            resets: list(resets(builder.scene).map(|(contact, velocity, _)| (contact, velocity))),
+            impact_jacobian,
+            impact_hessian,
         },
-    }
+    };
+    let kernels = OptimalControl {
+        free_start_bounds,
+        path,
+        terminal,
+        impact,
+    };
+    (declared, kernels)
 }
 
-pub(super) fn functions(builder: &mut Builder<'_>, kind: &str, functions: &Explicit) -> Functions {
+fn conditions(conditions: &[scene::Condition]) -> &'static [ConstraintDeclaration] {
+    list(conditions.iter().map(|condition| ConstraintDeclaration {
+        name: text(&condition.name),
+        unit: inferred(condition.unit),
+        documentation: documentation(&condition.documentation),
+        equality: condition.equality,
+    }))
+}
+
+/// The kernels of some functions, if there are any, and the patterns of their Jacobian and Hessian.
+pub(super) fn functions(
+    builder: &mut Builder<'_>,
+    kind: &str,
+    functions: &Explicit,
+) -> (Option<Kernels>, [SparsityPattern; 2]) {
     let Explicit {
         values,
         jacobian,
         hessian,
     } = functions;
     let kernels = (!values.is_empty()).then(|| {
-        [
+        (
             builder.kernel(&format!("{kind}_functions"), values),
             builder.kernel(&format!("{kind}_jacobian"), &jacobian.values),
             builder.kernel(&format!("{kind}_hessian"), &hessian.values),
-        ]
+        )
     });
-    Functions {
-        kernels,
-        jacobian: Pattern::of(jacobian),
-        hessian: Pattern::of(hessian),
-    }
+    (kernels, [pattern(jacobian), pattern(hessian)])
 }

@@ -3,40 +3,41 @@
 //! The Jacobians of motion and contacts have their columns already. What stands here besides is read of functions that no
 //! solver differentiates: normals, curvatures, the laws of contacts, start, horizon and outputs.
 
-use super::builder::{Builder, Pattern};
+use super::builder::{Builder, pattern};
+use crate::declaration::{SparsityPattern, list as static_list};
 use crate::derive::{ContactEquations, Equations, InverseInertia, jacobian, simplify};
 use crate::graph::{Compose, Sym, Variable};
 use crate::scene::{self, Contact};
 
 /// What is differentiated by parameters beyond motion and contacts. Kernels and parameters are named by their index.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
     /// The parameters, increasing.
-    pub parameters: Vec<usize>,
+    pub parameters: &'static [usize],
     /// Initial coordinates and then velocities by the parameters.
     pub start: Derivative,
     /// The same of the experiments that have a start of their own.
-    pub starts: Vec<Option<Derivative>>,
+    pub starts: &'static [Option<Derivative>],
     /// Horizon by the parameters, if it is declared.
     pub horizon: Option<Derivative>,
     /// One a contact.
-    pub contacts: Vec<ContactSensitivity>,
+    pub contacts: &'static [ContactSensitivity],
     /// What is recorded, by coordinates, velocities, controls and the time, the time always among them; by what the kernel
     /// of the values has as weights, forces of joints behind those of contacts; and by the parameters.
     pub outputs: Option<Derivative>,
 }
 
 /// The nonzeros of a Jacobian.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Derivative {
     /// Kernel of the values.
     pub kernel: usize,
     /// Their positions.
-    pub pattern: Pattern,
+    pub pattern: SparsityPattern,
 }
 
 /// Of one contact.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactSensitivity {
     /// Curvature, inverse inertia and normal by the inputs and then the parameters.
     pub geometry: Derivative,
@@ -51,7 +52,7 @@ pub struct ContactSensitivity {
 }
 
 /// Of the friction of a contact.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionSensitivity {
     /// Curvature and tangent by the inputs and then the parameters.
     pub geometry: Derivative,
@@ -79,28 +80,17 @@ pub(super) fn sensitivity(builder: &mut Builder<'_>, equations: &Equations) -> O
     let start = [&scene.start.0[..], &scene.start.1[..]].concat();
     let contacts = scene.contacts.iter().zip(&equations.contacts);
     Some(Sensitivity {
-        parameters: scene
-            .differentiated
-            .iter()
-            .copied()
-            .map(usize::from)
-            .collect(),
+        parameters: static_list(scene.differentiated.iter().copied().map(usize::from)),
         start: list.of_parameters("start", &start),
-        starts: scene
-            .experiments
-            .iter()
-            .map(|known| {
-                let (q, v) = known.start.as_ref()?;
-                let what = format!("start_{}", known.name.text);
-                Some(list.of_parameters(&what, &[&q[..], v].concat()))
-            })
-            .collect(),
+        starts: static_list(scene.experiments.iter().map(|known| {
+            let (q, v) = known.start.as_ref()?;
+            let what = format!("start_{}", known.name.text);
+            Some(list.of_parameters(&what, &[&q[..], v].concat()))
+        })),
         horizon: scene
             .horizon
             .map(|horizon| list.of_parameters("horizon", &[horizon])),
-        contacts: contacts
-            .map(|(declared, derived)| list.contact(declared, derived))
-            .collect(),
+        contacts: static_list(contacts.map(|(declared, derived)| list.contact(declared, derived))),
         outputs: list.outputs(),
     })
 }
@@ -118,7 +108,7 @@ impl List<'_, '_> {
             kernel: self
                 .builder
                 .kernel(&format!("{what}_derivative"), &sparse.values),
-            pattern: Pattern::of(&sparse),
+            pattern: pattern(&sparse),
         }
     }
 

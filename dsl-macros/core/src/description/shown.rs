@@ -1,71 +1,32 @@
 //! What is recorded and drawn of a motion.
 
 use super::builder::Builder;
-use super::declared::{inferred, text, unit};
+use super::declared::{documentation, inferred, unit};
+use crate::declaration::{Picture, Shape, VariableDeclaration, list, text};
 use crate::derive::simplify;
 use crate::graph::{Compose, Sym};
 use crate::scene::{self, Form};
 
 /// Quantities that are recorded, and their kernel.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outputs {
     /// Name, unit and documentation of each.
-    pub quantities: Vec<super::Variable>,
+    pub quantities: &'static [VariableDeclaration],
     /// Kernel of their values, of `(q, v, u, t)`, the time always among them; the normal and then the tangential forces
     /// of all contacts are the weights, and behind them the same of the impulses so far.
     pub kernel: usize,
 }
 
-/// A picture, and its kernel.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Picture {
-    /// Unit of all lengths, as written; empty in a scene without units.
-    pub unit: String,
-    /// Names of the axes, the horizontal one first.
-    pub axes: [String; 2],
-    /// The coordinates of a point, if surfaces may be drawn as places of that.
-    pub ground: Option<[usize; 2]>,
-    /// The shapes in order of declaration.
-    pub shapes: Vec<Shape>,
-    /// Kernel of the values of all shapes, one after the other, of `(q, v, u, t)`, the time always among them; the
-    /// number that runs along a curve is the weight.
-    pub kernel: usize,
-}
-
-/// One shape of a picture, with the values that the kernel gives of it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Shape {
-    /// A body without extent: place and angle.
-    Point(String),
-    /// A body: place, angle and radius.
-    Circle(String),
-    /// A body: place, angle, width and height.
-    Rectangle(String),
-    /// A body: place, angle and as many corners, where place and angle are zero.
-    Polygon(String, usize),
-    /// The places of both ends.
-    Link,
-    /// The places of both ends.
-    Spring,
-    /// A curve over all that is shown: a place.
-    Curve(String),
-    /// A curve over a range: both ends of the range, and a place.
-    Arc(String),
-}
-
 pub(super) fn outputs(builder: &mut Builder<'_>) -> Option<Outputs> {
     let declared = &builder.scene.outputs;
-    let quantities: Vec<super::Variable> = declared
-        .iter()
-        .map(|output| super::Variable {
-            name: output.name.text.clone(),
-            unit: match &output.unit {
-                Some(_) => unit(output.unit.as_ref()),
-                None => inferred(output.inferred),
-            },
-            documentation: text(&output.documentation),
-        })
-        .collect();
+    let quantities = list(declared.iter().map(|output| VariableDeclaration {
+        name: text(&output.name.text),
+        unit: match &output.unit {
+            Some(_) => unit(output.unit.as_ref()),
+            None => inferred(output.inferred),
+        },
+        documentation: documentation(&output.documentation),
+    }));
     if quantities.is_empty() {
         return None;
     }
@@ -85,7 +46,9 @@ pub(super) fn outputs(builder: &mut Builder<'_>) -> Option<Outputs> {
     })
 }
 
-pub(super) fn picture(builder: &mut Builder<'_>) -> Option<Picture> {
+/// A picture, and the kernel of the values of all shapes, one after the other, of `(q, v, u, t)`, the time always among them; the
+/// number that runs along a curve is the weight.
+pub(super) fn picture(builder: &mut Builder<'_>) -> Option<(Picture, usize)> {
     let declared = builder.scene.picture.as_ref()?;
     let scale = 1.0 / declared.unit.1;
     let mut values: Vec<Sym> = Vec::new();
@@ -103,7 +66,7 @@ pub(super) fn picture(builder: &mut Builder<'_>) -> Option<Picture> {
             } => {
                 lengths(&mut values, at);
                 values.push(simplify(*angle));
-                let name = name.clone();
+                let name = text(name);
                 match form {
                     Form::Point => Shape::Point(name),
                     Form::Circle { radius } => {
@@ -128,17 +91,18 @@ pub(super) fn picture(builder: &mut Builder<'_>) -> Option<Picture> {
                 values.extend(range.iter().flatten().copied().map(simplify));
                 lengths(&mut values, point);
                 match range {
-                    None => Shape::Curve(name.clone()),
-                    Some(_) => Shape::Arc(name.clone()),
+                    None => Shape::Curve(text(name)),
+                    Some(_) => Shape::Arc(text(name)),
                 }
             }
         });
     }
-    Some(Picture {
-        unit: declared.unit.0.clone(),
-        axes: declared.axes.clone(),
-        ground: declared.ground,
-        shapes,
-        kernel: builder.kernel("picture", &values),
-    })
+    let [across, up] = &declared.axes;
+    let picture = Picture {
+        unit: text(&declared.unit.0),
+        axes: (text(across), text(up)),
+        ground: declared.ground.map(|[across, up]| (across, up)),
+        shapes: list(shapes),
+    };
+    Some((picture, builder.kernel("picture", &values)))
 }

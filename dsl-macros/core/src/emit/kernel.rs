@@ -12,24 +12,43 @@ const CHUNK: usize = 400;
 /// Field of the scene that tells which equations of joints are held, where there are joints.
 pub(super) const HELD: &str = "__held";
 
+/// Deepest nesting of operations that are written into each other.
+const NESTED: usize = 24;
+
+/// All kernels of the scene called `scene`, and `static __KERNELS`, in which they stand by their index.
+pub(super) fn all(description: &Description, scene: &str) -> String {
+    let mut code = String::new();
+    write_profiles(description, &mut code);
+    for index in 0..description.kernels.len() {
+        write(description, index, scene, &mut code);
+    }
+    let count = description.kernels.len();
+    let _ = write!(
+        code,
+        "static __KERNELS: [fn(&{scene}, &[__f64], &[__f64], &mut [__f64]); {count}] = ["
+    );
+    for index in 0..count {
+        let _ = write!(code, "{},", function(description, index));
+    }
+    code.push_str("];");
+    code
+}
+
 /// Name of the function of a kernel; names of surfaces may make two names of kernels equal.
-pub(super) fn function(description: &Description, kernel: usize) -> String {
+fn function(description: &Description, kernel: usize) -> String {
     format!("__{kernel}_{}", description.kernels[kernel].name)
 }
 
 /// Writes the function `fn(p: &Scene, x: &[f64], y: &[f64], out: &mut [f64])` of a kernel, with `y` the multipliers or
 /// unknowns that the kernel takes besides the input vector.
-pub(super) fn write(description: &Description, index: usize, code: &mut String) {
+fn write(description: &Description, index: usize, scene: &str, code: &mut String) {
     let kernel = &description.kernels[index];
     let operations = &kernel.operations;
     let computed: Vec<usize> = (0..operations.len())
         .filter(|&i| !operations[i].is_given())
         .collect();
     let function = function(description, index);
-    let signature = format!(
-        "p: &{}, x: &[__f64], y: &[__f64], out: &mut [__f64]",
-        words::rust_name(&description.name)
-    );
+    let signature = format!("__p: &{scene}, __x: &[__f64], __y: &[__f64], __out: &mut [__f64]");
     // An arm for each output that is an input or a constant goes to the last chunk.
     let plain: Vec<(usize, u32)> = kernel
         .outputs
@@ -42,7 +61,7 @@ pub(super) fn write(description: &Description, index: usize, code: &mut String) 
     let writer = Writer::new(description, kernel, &chunks);
     let prologue = prologue(kernel);
     if chunks.len() <= 1 {
-        let _ = write!(code, "#[inline] fn {function}({signature}) {{ {prologue}");
+        let _ = write!(code, "fn {function}({signature}) {{ {prologue}");
         for chunk in &chunks {
             writer.body(0, chunk, code);
         }
@@ -53,7 +72,7 @@ pub(super) fn write(description: &Description, index: usize, code: &mut String) 
     for (index, chunk) in chunks.iter().enumerate() {
         let _ = write!(
             code,
-            "#[inline(never)] fn {function}_{index}({signature}, w: &mut [__f64; {}]) {{ {prologue}",
+            "#[inline(never)] fn {function}_{index}({signature}, __w: &mut [__f64; {}]) {{ {prologue}",
             writer.crossing
         );
         writer.body(index, chunk, code);
@@ -64,11 +83,11 @@ pub(super) fn write(description: &Description, index: usize, code: &mut String) 
     }
     let _ = write!(
         code,
-        "fn {function}({signature}) {{ let mut w = [0.0_f64; {}];",
+        "fn {function}({signature}) {{ let mut __w = [0.0_f64; {}];",
         writer.crossing
     );
     for index in 0..chunks.len() {
-        let _ = write!(code, "{function}_{index}(p, x, y, out, &mut w);");
+        let _ = write!(code, "{function}_{index}(__p, __x, __y, __out, &mut __w);");
     }
     code.push_str("}\n");
 }
@@ -85,7 +104,7 @@ fn prologue(kernel: &Kernel) -> String {
         }
     }
     format!(
-        "let x = &x[..{}]; let y = &y[..{}]; let out = &mut out[..{}];",
+        "let __x = &__x[..{}]; let __y = &__y[..{}]; let __out = &mut __out[..{}];",
         lengths[0],
         lengths[1],
         kernel.outputs.len()
@@ -102,6 +121,10 @@ struct Writer<'a> {
     crossing: usize,
     /// Outputs that each operation is.
     outputs: Vec<Vec<usize>>,
+    /// How often each operation is read by others.
+    uses: Vec<usize>,
+    /// Whether each operation is written where its value is read, once and within its chunk.
+    nested: Vec<bool>,
 }
 
 impl<'a> Writer<'a> {
@@ -133,6 +156,11 @@ impl<'a> Writer<'a> {
         for (index, &position) in kernel.outputs.iter().enumerate() {
             outputs[position as usize].push(index);
         }
+        let mut uses = vec![0_usize; operations.len()];
+        for part in operations.iter().flat_map(|operation| operation.operands()) {
+            uses[part as usize] += 1;
+        }
+        let nested = nested(operations, &kernel.outputs, &home, &uses);
         Self {
             description,
             operations,
@@ -140,76 +168,111 @@ impl<'a> Writer<'a> {
             slot,
             crossing,
             outputs,
+            uses,
+            nested,
         }
     }
 
     fn operand(&self, chunk: usize, position: u32) -> String {
         let index = position as usize;
+        let parameters = self.description.structure.declaration.parameters;
         match self.operations[index] {
-            Operation::Parameter(i) => match self.description.parameters.get(i as usize) {
-                Some(known) => format!("p.{}", words::rust_name(&known.name)),
-                None => format!(
-                    "p.{HELD}[{}]",
-                    i as usize - self.description.parameters.len()
-                ),
+            Operation::Parameter(i) => match parameters.get(i as usize) {
+                Some(known) => format!("__p.{}", words::rust_name(known.name)),
+                None => format!("__p.{HELD}[{}]", i as usize - parameters.len()),
             },
-            Operation::Input(i) => format!("x[{i}]"),
-            Operation::Weight(i) => format!("y[{i}]"),
+            Operation::Input(i) => format!("__x[{i}]"),
+            Operation::Weight(i) => format!("__y[{i}]"),
             Operation::Constant(value) => literal(value),
-            _ if self.home[index] == chunk => format!("t{index}"),
+            _ if self.nested[index] => format!("({})", self.value(chunk, index)),
+            _ if self.home[index] == chunk => format!("__t{index}"),
             _ => match self.slot[index] {
-                Some(slot) => format!("w[{slot}]"),
-                None => format!("t{index}"),
+                Some(slot) => format!("__w[{slot}]"),
+                None => format!("__t{index}"),
             },
         }
     }
 
-    fn body(&self, chunk: usize, positions: &[usize], code: &mut String) {
-        for &position in positions {
-            let at = |operand| self.operand(chunk, operand);
-            let value = match self.operations[position] {
-                Operation::Parameter(_)
-                | Operation::Input(_)
-                | Operation::Weight(_)
-                | Operation::Constant(_) => continue,
-                Operation::Add(a, b) => format!("{} + {}", at(a), at(b)),
-                Operation::Subtract(a, b) => format!("{} - {}", at(a), at(b)),
-                Operation::Multiply(a, b) => format!("{} * {}", at(a), at(b)),
-                Operation::Divide(a, b) => format!("{} / {}", at(a), at(b)),
-                Operation::Negate(a) => format!("-{}", at(a)),
-                Operation::Root(a) => format!("__f64::sqrt({})", at(a)),
-                Operation::Call(Function::Profile(profile), a) => format!(
-                    "::hangtime::__private::profile(&__PROFILES[{}], {}, {})",
-                    profiles(self.description)
-                        .iter()
-                        .position(|known| known.name() == profile.name())
-                        .unwrap_or_default(),
-                    profile.order(),
-                    at(a)
-                ),
-                Operation::Call(Function::InverseRoot, a) => {
-                    format!("::hangtime::__private::inverse_root({})", at(a))
-                }
-                Operation::Call(function, a) => format!("__f64::{}({})", function.name(), at(a)),
-                Operation::Call2(function, a, b) => {
-                    format!("__f64::{}({}, {})", function.name(), at(a), at(b))
-                }
-            };
-            let _ = write!(code, "let t{position} = {value};");
-            if let Some(slot) = self.slot[position] {
-                let _ = write!(code, "w[{slot}] = t{position};");
+    /// An operation as an expression.
+    fn value(&self, chunk: usize, position: usize) -> String {
+        let at = |operand| self.operand(chunk, operand);
+        match self.operations[position] {
+            Operation::Parameter(_)
+            | Operation::Input(_)
+            | Operation::Weight(_)
+            | Operation::Constant(_) => at(position as u32),
+            Operation::Add(a, b) => format!("{} + {}", at(a), at(b)),
+            Operation::Subtract(a, b) => format!("{} - {}", at(a), at(b)),
+            Operation::Multiply(a, b) => format!("{} * {}", at(a), at(b)),
+            Operation::Divide(a, b) => format!("{} / {}", at(a), at(b)),
+            Operation::Negate(a) => format!("-{}", at(a)),
+            Operation::Root(a) => format!("__f64::sqrt({})", at(a)),
+            Operation::Call(Function::Profile(profile), a) => format!(
+                "::hangtime::scene::piecewise(&__PROFILES[{}], {}, {})",
+                profiles(self.description)
+                    .iter()
+                    .position(|known| known.name() == profile.name())
+                    .unwrap_or_default(),
+                profile.order(),
+                at(a)
+            ),
+            Operation::Call(function @ (Function::Root | Function::InverseRoot), a) => {
+                format!("::hangtime::scene::{}({})", function.name(), at(a))
             }
-            for output in &self.outputs[position] {
-                let _ = write!(code, "out[{output}] = t{position};");
+            Operation::Call(function, a) => format!("__f64::{}({})", function.name(), at(a)),
+            Operation::Call2(function, a, b) => {
+                format!("__f64::{}({}, {})", function.name(), at(a), at(b))
+            }
+        }
+    }
+
+    fn body(&self, chunk: usize, positions: &[usize], code: &mut String) {
+        for &position in positions.iter().filter(|&&position| !self.nested[position]) {
+            let value = self.value(chunk, position);
+            let slot = self.slot[position].map(|slot| format!("__w[{slot}]"));
+            let outputs = self.outputs[position].iter();
+            let mut places: Vec<String> =
+                outputs.map(|output| format!("__out[{output}]")).collect();
+            places.extend(slot);
+            if self.uses[position] == 0
+                && let [only] = &places[..]
+            {
+                let _ = write!(code, "{only} = {value};");
+                continue;
+            }
+            let _ = write!(code, "let __t{position} = {value};");
+            for place in places {
+                let _ = write!(code, "{place} = __t{position};");
             }
         }
     }
 
     fn outputs(&self, plain: &[(usize, u32)], code: &mut String) {
         for &(slot, position) in plain {
-            let _ = write!(code, "out[{slot}] = {};", self.operand(0, position));
+            let _ = write!(code, "__out[{slot}] = {};", self.operand(0, position));
         }
     }
+}
+
+/// Which operations are written where their values are read: in one other operation of the same chunk, and nowhere else.
+fn nested(operations: &[Operation], outputs: &[u32], home: &[usize], uses: &[usize]) -> Vec<bool> {
+    let mut nested = vec![false; operations.len()];
+    let mut depth = vec![0; operations.len()];
+    for (reader, operation) in operations.iter().enumerate() {
+        for part in operation.operands().map(|part| part as usize) {
+            nested[part] = uses[part] == 1
+                && !operations[part].is_given()
+                && home[part] == home[reader]
+                && depth[part] < NESTED;
+            if nested[part] {
+                depth[reader] = depth[reader].max(depth[part] + 1);
+            }
+        }
+    }
+    for &output in outputs {
+        nested[output as usize] = false;
+    }
+    nested
 }
 
 /// A constant as Rust source, exact to the last bit.
@@ -242,7 +305,7 @@ fn profiles(description: &Description) -> Vec<Profile> {
 }
 
 /// Writes the points' polynomials as a static array, if there are any.
-pub(super) fn write_profiles(description: &Description, code: &mut String) {
+fn write_profiles(description: &Description, code: &mut String) {
     let profiles = profiles(description);
     if profiles.is_empty() {
         return;

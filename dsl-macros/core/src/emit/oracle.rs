@@ -18,8 +18,8 @@ use std::fmt::Write;
 const LONGEST: usize = 4000;
 
 const BOUND: &str =
-    "D: ::hangtime::__private::num_dual::DualNum<Primitive = __f64> + ::core::marker::Copy";
-const DUAL: &str = "::hangtime::__private::num_dual::Dual";
+    "D: ::hangtime::scene::num_dual::DualNum<Primitive = __f64> + ::core::marker::Copy";
+const DUAL: &str = "::hangtime::scene::num_dual::Dual";
 
 /// Source of the helper functions and of the methods; `None` if they would grow too long.
 pub(super) fn write(declared: &Scene, checked: &CheckedScene) -> Option<(String, String)> {
@@ -189,8 +189,8 @@ impl Oracle<'_> {
         }
         Some(match &expr.kind {
             Kind::Number { value, unit, .. } => {
-                let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
-                Parts::one(body.bind(&format!("D::from({})", literal(value * scale))))
+                let value = unit.as_ref().map_or(*value, |unit| unit.unit.in_si(*value));
+                Parts::one(body.bind(&format!("D::from({})", literal(value))))
             }
             // Dual numbers of other programs know no points.
             Kind::Profile { .. } => return None,

@@ -1,9 +1,9 @@
 //! The struct of a scene: its parameters as fields, with defaults and setters.
 
 use crate::ast::{Name, WrittenUnit};
-use crate::description::{Description, Joints, documentation_text as text, formula};
+use crate::description::{Description, documentation_text as text, formula};
 use crate::scene::{CheckedScene, Contact, Coordinate, OptimalControl, Parameter};
-use proc_macro2::{Ident, Literal, Span, TokenStream};
+use proc_macro2::{Literal, Span, TokenStream};
 use quote::{format_ident, quote};
 use std::fmt::Write;
 
@@ -45,8 +45,8 @@ pub(super) fn tokens(scene: &CheckedScene, derived: &Description) -> TokenStream
     });
     // Which equations of joints are held: 1 each.
     let held = format_ident!("{}", super::kernel::HELD, span = Span::call_site());
-    let rows = derived.joints.as_ref().map(Joints::rows);
-    let rows = rows.map(Literal::usize_unsuffixed);
+    let rows = derived.structure.joint_rows();
+    let rows = (rows > 0).then(|| Literal::usize_unsuffixed(rows));
     let held_field = rows
         .clone()
         .map(|rows| quote!(#[doc(hidden)] pub #held: [::core::primitive::f64; #rows],));
@@ -80,48 +80,19 @@ pub(super) fn tokens(scene: &CheckedScene, derived: &Description) -> TokenStream
 pub(crate) fn stub(visibility: &TokenStream, name: &Name, parameters: &[Name]) -> TokenStream {
     let name = name.rust_ident();
     let methods = [
-        (
-            "declaration",
-            quote!((&self) -> &'static ::hangtime::model::Declaration),
-        ),
-        ("parameter", quote!((&self, _: ::core::primitive::usize) -> ::core::primitive::f64)),
-        ("set_parameter", quote!((&mut self, _: ::core::primitive::usize, _: ::core::primitive::f64))),
-        ("start", quote!((&self, _: &mut [::core::primitive::f64], _: &mut [::core::primitive::f64]))),
-        ("horizon", quote!((&self) -> ::core::option::Option<::core::primitive::f64>)),
-        ("bounds", quote!((&self, _: &mut [::core::primitive::f64], _: &mut [::core::primitive::f64]))),
-        (
-            "free_acceleration",
-            quote!((&self, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
-        ),
-        ("free_jacobian", quote!((&self, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64]))),
-        (
-            "free_hessian",
-            quote!((&self, _: &[::core::primitive::f64], _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
-        ),
-        ("mass_matrix", quote!((&self, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64]))),
-        ("energy", quote!((&self, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64]))),
-        ("gap", quote!((&self, _: ::core::primitive::usize, _: &[::core::primitive::f64]) -> ::core::primitive::f64)),
-        (
-            "contact",
-            quote!((&self, _: ::core::primitive::usize, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
-        ),
-        (
-            "contact_jacobian",
-            quote!((&self, _: ::core::primitive::usize, _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
-        ),
-        (
-            "contact_hessian",
-            quote!((&self, _: ::core::primitive::usize, _: &[::core::primitive::f64], _: &[::core::primitive::f64], _: &mut [::core::primitive::f64])),
-        ),
-        (
-            "boxed",
-            quote!((&self) -> ::std::boxed::Box<dyn ::hangtime::model::Model>),
-        ),
+        quote!(structure(&self) -> &'static ::hangtime::scene::data::Structure),
+        quote!(declared(&self) -> &::hangtime::scene::Declared),
+        quote!(number(&self, _: ::core::primitive::usize) -> ::core::primitive::f64),
+        quote!(set_number(&mut self, _: ::core::primitive::usize, _: ::core::primitive::f64)),
+        quote!(evaluate(
+            &self,
+            _: ::core::primitive::usize,
+            _: &[::core::primitive::f64],
+            _: &[::core::primitive::f64],
+            _: &mut [::core::primitive::f64],
+        )),
     ]
-    .map(|(method, signature)| {
-        let method = Ident::new(method, Span::call_site());
-        quote!(fn #method #signature { ::core::panic!("this scene has mistakes") })
-    });
+    .map(|signature| quote!(fn #signature { ::core::panic!("this scene has mistakes") }));
     let fields = parameters.iter().map(Name::rust_ident);
     let setters = parameters.iter().map(|parameter| {
         let setter = format_ident!("with_{}", parameter.text, span = Span::call_site());
@@ -134,7 +105,7 @@ pub(crate) fn stub(visibility: &TokenStream, name: &Name, parameters: &[Name]) -
         #[allow(missing_docs, dead_code, non_snake_case)]
         impl #name { #(#setters)* }
         #[automatically_derived]
-        impl ::hangtime::model::Model for #name {
+        impl ::hangtime::scene::Scene for #name {
             #(#methods)*
         }
     }
@@ -212,10 +183,10 @@ fn scene_documentation(scene: &CheckedScene, derived: &Description) -> String {
         );
     }
     page.push_str("\n# Pattern of the Jacobian of the free acceleration\n\n```text\n");
-    let jacobian = &derived.motion.jacobian;
+    let jacobian = &derived.structure.declaration.free_jacobian;
     for row in 0..jacobian.rows {
         for column in 0..jacobian.columns {
-            page.push(if jacobian.entries.contains(&(row, column)) {
+            page.push(if jacobian.entries.contains(&(row as u32, column as u32)) {
                 '*'
             } else {
                 '.'

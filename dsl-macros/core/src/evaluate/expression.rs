@@ -84,9 +84,16 @@ fn value_unguarded(
     }
     match &expr.kind {
         Kind::Number { value, unit, .. } => {
-            let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
+            let Some(unit) = unit else {
+                return Ok(Value::Scalar(Sym::number(*value)));
+            };
             // Checked as the product of two constants.
-            Ok(Value::Scalar(Sym::number(*value).scaled(scale)))
+            let checked = Sym::number(*value).scaled(unit.unit.scale);
+            let value = unit.unit.in_si(*value);
+            Ok(Value::Scalar(match value.is_finite() {
+                true => Sym::number(value),
+                false => checked,
+            }))
         }
         Kind::Name(name) => scope.name(name, diagnostics),
         Kind::Negate(inner) => {

@@ -15,9 +15,6 @@ pub(crate) fn unrepresentable(
         Fault::Overflow => format!(
             "with `{expr}` a constant has no finite value (double precision ends at 1.8e308); check divisions, roots and powers, or choose units in which the numbers are smaller"
         ),
-        Fault::Underflow => format!(
-            "with `{expr}` a constant becomes smaller than double precision holds (2.2e-308), and its term would vanish; choose units in which the numbers are larger"
-        ),
         Fault::Cancellation => format!(
             "with `{expr}` constants cancel up to their rounding, so that no digit of the difference is right; write the difference itself, or leave the terms out if they cancel"
         ),

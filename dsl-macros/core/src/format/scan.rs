@@ -50,7 +50,7 @@ pub(super) fn pieces(text: &str) -> Vec<Piece> {
             (Kind::Comment, trimmed.find('\n').unwrap_or(trimmed.len()))
         } else if trimmed.starts_with("/*") {
             (Kind::Comment, block_comment(trimmed))
-        } else if first.is_ascii_digit() {
+        } else if begins_number(trimmed) {
             (Kind::Word, number(trimmed))
         } else if first.is_alphanumeric() || first == '_' {
             let end = trimmed.find(|c: char| !c.is_alphanumeric() && c != '_');
@@ -81,9 +81,7 @@ fn set_units_apart(pieces: &mut [Piece]) {
         if !pieces[open].is("[") {
             continue;
         }
-        let number = pieces[open - 1]
-            .text
-            .starts_with(|c: char| c.is_ascii_digit());
+        let number = begins_number(&pieces[open - 1].text);
         let close = pieces[open..].iter().position(|piece| piece.is("]"));
         let behind = close.and_then(|close| pieces.get(open + close + 1));
         let before = open.checked_sub(2).and_then(|before| pieces.get(before));
@@ -113,7 +111,13 @@ fn block_comment(text: &str) -> usize {
     text.len()
 }
 
-/// Length of a number such as `2`, `0.5` or `1e-3`.
+/// Whether a number stands first, such as `2` or `.5`.
+fn begins_number(text: &str) -> bool {
+    let digits = text.strip_prefix('.').unwrap_or(text);
+    digits.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// Length of a number such as `2`, `0.5`, `.5` or `1e-3`.
 fn number(text: &str) -> usize {
     let bytes = text.as_bytes();
     let mut end = 0;

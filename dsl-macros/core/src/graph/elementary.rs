@@ -70,7 +70,7 @@ impl Function {
             Self::Exp => "exp",
             Self::Ln => "ln",
             Self::Cbrt => "cbrt",
-            Self::Root => "sqrt",
+            Self::Root => "root",
             Self::InverseRoot => "inverse_root",
             Self::Abs => "abs",
             Self::Sign => "signum",
@@ -94,7 +94,7 @@ impl Function {
             Self::Exp => x.exp(),
             Self::Ln => x.ln(),
             Self::Cbrt => x.cbrt(),
-            Self::Root => x.sqrt(),
+            Self::Root => root(x),
             Self::InverseRoot => inverse_root(x),
             Self::Abs => x.abs(),
             Self::Sign => x.signum(),
@@ -119,8 +119,15 @@ impl Function {
 /// Squares below are of rest: the third power of their inverse root, which second derivatives contain, has no value in `f64`.
 const REST: f64 = 1e-200;
 
+/// `sqrt(x)`, and 0 below 0, where what it is multiplied with is 0.
+#[must_use]
+pub fn root(x: f64) -> f64 {
+    if x < 0.0 { 0.0 } else { x.sqrt() }
+}
+
 /// `1/sqrt(x)`, and 0 at rest.
-fn inverse_root(x: f64) -> f64 {
+#[must_use]
+pub fn inverse_root(x: f64) -> f64 {
     if x < REST { 0.0 } else { 1.0 / x.sqrt() }
 }
 

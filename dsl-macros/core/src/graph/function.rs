@@ -94,8 +94,7 @@ pub(super) fn derivatives(function: Function2, first: Sym, second: Sym) -> (Sym,
 
 fn call(function: Function, x: Sym) -> Sym {
     if let Some(x) = x.as_number() {
-        let vanishes = function == Function::Exp;
-        return Sym::number(checked(function.value(x), vanishes, x.is_finite()));
+        return Sym::number(checked(function.value(x), x.is_finite()));
     }
     if let Some(sign) = function.parity() {
         let opposite = -x;
@@ -125,9 +124,8 @@ fn sign_is_reversed(x: Sym) -> bool {
 fn call2(function: Function2, first: Sym, second: Sym) -> Sym {
     match (function, first.as_number(), second.as_number()) {
         (_, Some(first), Some(second)) => {
-            let vanishes = function == Function2::Power && first != 0.0;
             let finite = first.is_finite() && second.is_finite();
-            Sym::number(checked(function.value(first, second), vanishes, finite))
+            Sym::number(checked(function.value(first, second), finite))
         }
         (Function2::Power, _, Some(exponent)) if is_half(exponent) => {
             product([(first, (2.0 * exponent) as i32)])

@@ -18,8 +18,6 @@ pub(crate) const DERIVED_WORK: usize = 64_000_000;
 pub(crate) enum Fault {
     /// It left the range of double precision, or is no number at all.
     Overflow,
-    /// It became zero, or lost digits, because it is too small.
-    Underflow,
     /// Constants that differ by their rounding only were subtracted.
     Cancellation,
     /// It was added to a constant beside which it has no digit.
@@ -30,7 +28,7 @@ impl Fault {
     /// Whether the result is wrong whatever was meant. What cancels up to rounding is zero on paper, which is
     /// right in derivatives, where no user wrote the constants.
     pub(crate) fn is_of_range(self) -> bool {
-        matches!(self, Self::Overflow | Self::Underflow)
+        matches!(self, Self::Overflow)
     }
 }
 
@@ -110,15 +108,13 @@ pub(crate) fn spend(work: usize) -> bool {
 
 /// The product of two constants.
 pub(super) fn times(a: f64, b: f64) -> f64 {
-    checked(a * b, a != 0.0 && b != 0.0, a.is_finite() && b.is_finite())
+    checked(a * b, a.is_finite() && b.is_finite())
 }
 
-/// A constant that comes from others, which are zero or not, finite or not.
-pub(super) fn checked(value: f64, nonzero: bool, finite: bool) -> f64 {
+/// A constant that comes from others, which are finite or not. One that is too small is zero.
+pub(super) fn checked(value: f64, finite: bool) -> f64 {
     if finite && !value.is_finite() {
         note(Fault::Overflow);
-    } else if nonzero && value.abs() < f64::MIN_POSITIVE {
-        note(Fault::Underflow);
     }
     value
 }

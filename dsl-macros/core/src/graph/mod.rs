@@ -20,7 +20,7 @@ mod second_order;
 pub(crate) mod stepwise;
 mod table;
 
-pub use elementary::{Function, Function2};
+pub use elementary::{Function, Function2, inverse_root, root};
 pub(crate) use expand::{expand, pythagoras};
 pub(crate) use function::Compose;
 pub(crate) use limits::{Fault, Stage, allowed, begin, is_exhausted, spend, stage, take_fault};
@@ -28,8 +28,8 @@ pub(crate) use node::{Node, Sym, Variable, children, generation, reset};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
     contains, degree, depends_on, directional, gradient, is_longer_than, partial, reachable,
-    substitute, variables,
+    substitute, variables, with_roots,
 };
-pub use profile::Profile;
+pub use profile::{Profile, piecewise};
 pub(crate) use second_order::hessian;
 pub(crate) use table::Table;

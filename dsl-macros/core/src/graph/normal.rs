@@ -70,7 +70,7 @@ fn added(a: f64, b: f64) -> f64 {
     if (sum == a && b != 0.0) || (sum == b && a != 0.0) {
         note(Fault::Absorption);
     }
-    checked(sum, false, a.is_finite() && b.is_finite())
+    checked(sum, a.is_finite() && b.is_finite())
 }
 
 /// `product of factor^(halves / 2)` in normal form.
@@ -187,11 +187,7 @@ fn open(factor: Sym, halves: i32, coefficient: &mut f64, opened: &mut Vec<(Sym, 
 
 /// A coefficient times a number to a power.
 fn multiply(coefficient: &mut f64, value: f64, exponent: i32) {
-    let power = checked(
-        power_of_number(value, exponent),
-        value != 0.0,
-        value.is_finite(),
-    );
+    let power = checked(power_of_number(value, exponent), value.is_finite());
     *coefficient = times(*coefficient, power);
 }
 

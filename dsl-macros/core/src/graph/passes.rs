@@ -261,18 +261,36 @@ pub(super) fn gradient_by(root: Sym, by: &[Variable], keep: fn(Sym) -> Sym) -> V
 
 /// `roots` with some variables replaced.
 pub(crate) fn substitute(roots: &[Sym], replace: impl Fn(Variable) -> Option<Sym>) -> Vec<Sym> {
+    rebuilt(roots, replace, |_, _| None)
+}
+
+/// `root` with some odd powers of roots replaced, which are given by what they are powers of and by their number of halves.
+pub(crate) fn with_roots(root: Sym, replace: impl Fn(Sym, i32) -> Option<Sym>) -> Sym {
+    let replace = |base, halves: i32| (halves % 2 != 0).then(|| replace(base, halves)).flatten();
+    rebuilt(&[root], |_| None, replace)[0]
+}
+
+/// `roots` with some variables and some powers, counted in halves, replaced.
+fn rebuilt(
+    roots: &[Sym],
+    variable: impl Fn(Variable) -> Option<Sym>,
+    power: impl Fn(Sym, i32) -> Option<Sym>,
+) -> Vec<Sym> {
     let mut images: Table<Sym, Sym> = Table::default();
     for sym in reachable(roots) {
         let of = |part: Sym| images.get(&part).copied().unwrap_or(part);
         let image = match sym.node() {
             Node::Number(_) => sym,
-            Node::Variable(variable) => replace(variable).unwrap_or(sym),
+            Node::Variable(known) => variable(known).unwrap_or(sym),
             Node::Sum(terms) => sum(terms
                 .iter()
                 .map(|&(term, bits)| (of(term), f64::from_bits(bits)))),
-            Node::Product(factors) => {
-                product(factors.iter().map(|&(factor, halves)| (of(factor), halves)))
-            }
+            Node::Product(factors) => product(factors.iter().map(|&(factor, halves)| match power(
+                factor, halves,
+            ) {
+                Some(replaced) => (replaced, 2),
+                None => (of(factor), halves),
+            })),
             Node::Kept(inner) => of(inner).kept(),
             Node::Call(function, argument) => of(argument).call(function),
             Node::Call2(function, first, second) => of(first).call2(function, of(second)),

@@ -89,20 +89,28 @@ impl Profile {
     /// The value at `x`.
     #[must_use]
     pub fn value(self, x: f64) -> f64 {
-        let pieces = &self.spline.pieces;
-        let (from, coefficients) = pieces[pieces[1..].partition_point(|piece| piece.0 <= x)];
-        let order = usize::from(self.order);
-        let mut value = 0.0;
-        for power in (order..6).rev() {
-            let factor: f64 = (power - order + 1..=power).map(|k| k as f64).product();
-            value = value * (x - from) + factor * coefficients[power];
-        }
-        value
+        piecewise(&self.spline.pieces, usize::from(self.order), x)
     }
 
     fn key(self) -> (usize, u8) {
         (self.spline.number, self.order)
     }
+}
+
+/// Value of the derivative of this `order` of a function given by points: polynomials in the distance from the places where
+/// they begin to hold, constant first; the first of them holds in front of all places.
+#[must_use]
+pub fn piecewise(pieces: &[(f64, [f64; 6])], order: usize, x: f64) -> f64 {
+    let Some((_, behind)) = pieces.split_first() else {
+        return f64::NAN;
+    };
+    let (from, coefficients) = pieces[behind.partition_point(|piece| piece.0 <= x)];
+    let mut value = 0.0;
+    for power in (order..coefficients.len()).rev() {
+        let factor: f64 = (power - order + 1..=power).map(|k| k as f64).product();
+        value = value * (x - from) + factor * coefficients[power];
+    }
+    value
 }
 
 impl PartialEq for Profile {

@@ -324,9 +324,7 @@ impl Parser<'_> {
             expr.parenthesized = true;
             return Ok(expr);
         }
-        if let Some(TokenTree::Literal(literal)) = cursor.peek() {
-            let literal = literal.clone();
-            cursor.advance();
+        if let Some(literal) = number::literal(cursor) {
             let (kind, place) = number::number(cursor, &literal, self.diagnostics)?;
             return self.node(kind, place, 0);
         }

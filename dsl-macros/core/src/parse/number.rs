@@ -4,10 +4,27 @@ use super::cursor::Cursor;
 use super::{slips, unit};
 use crate::ast::Kind;
 use crate::diagnostics::{Checked, Diagnostics, Place};
-use proc_macro2::{Delimiter, Literal};
+use proc_macro2::{Delimiter, Literal, TokenTree};
 
 /// A number of the tree, and where it stands.
 pub(super) type Number = (Kind, Place);
+
+/// The literal of a number that comes next, also of one that begins with its point.
+pub(super) fn literal(cursor: &mut Cursor) -> Option<Literal> {
+    let point = cursor.at_symbol(".");
+    let Some(TokenTree::Literal(literal)) = cursor.peek_at(usize::from(point)) else {
+        return None;
+    };
+    let mut literal = literal.clone();
+    if point {
+        let span = literal.span();
+        literal = format!("0.{literal}").parse().ok()?;
+        literal.set_span(span);
+        cursor.advance();
+    }
+    cursor.advance();
+    Some(literal)
+}
 
 /// A number that begins with this literal, with the unit behind it.
 pub(super) fn number(

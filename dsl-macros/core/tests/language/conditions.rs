@@ -128,45 +128,47 @@ fn start_that_is_free_is_a_coordinate_that_decides_it_and_nothing_where_it_is_no
     let (plain, _) = describe_text(&read, "s").expect("no mistakes");
     // (q, v) with a place for the integral of the state: dot(x) is 3, the state 5.
     assert_eq!(
-        (&plain.remembered[..], plain.coordinates.len()),
+        (
+            plain.structure.remembered,
+            plain.structure.declaration.coordinates.len()
+        ),
         (&[3, 5][..], 3)
     );
     let (held, _) = describe_held(&read, "s", &[]).expect("no mistakes");
-    let known = held.held.as_ref().expect("held");
+    let known = held.structure.held.expect("held").declared;
     assert_eq!(known.starts, [3, 5]);
-    let names: Vec<&str> = held.coordinates[3..]
-        .iter()
-        .map(|c| c.name.as_str())
-        .collect();
+    let coordinates = &held.structure.declaration.coordinates[3..];
+    let names: Vec<&str> = coordinates.iter().map(|c| c.name).collect();
     assert_eq!(names, ["start(dot(x))", "start(a)"]);
-    let units: Vec<&str> = held.coordinates[3..]
-        .iter()
-        .map(|c| c.unit.as_str())
-        .collect();
+    let units: Vec<&str> = coordinates.iter().map(|c| c.unit).collect();
     assert_eq!(units, ["cm/s", "A"]);
-    use hangtime_dsl::description::GivenBy;
+    use hangtime_dsl::declaration::Given;
     // Among (q, v) with five coordinates.
-    assert_eq!(known.given, [GivenBy::Start(5), GivenBy::Start(7)]);
-    assert_eq!(known.functions.jacobian.entries, [(0, 3), (1, 4)]);
-    let task = held.optimal_control.as_ref().expect("declared");
+    assert_eq!(known.given, [Given::Start(5), Given::Start(7)]);
+    assert_eq!(known.jacobian.entries, [(0, 3), (1, 4)]);
+    let task = held.structure.declaration.optimal_control;
+    let task = task.expect("declared");
     assert_eq!(task.free_start, [0, 3, 4]);
     let (unread, _) = describe_text(&text("dot(x) == 0 [m/s]"), "s").expect("no mistakes");
-    assert!(unread.remembered.is_empty());
+    assert!(unread.structure.remembered.is_empty());
     let (unheld, _) = describe_held(&text("dot(x) == 0 [m/s]"), "s", &[]).expect("no mistakes");
-    assert!(unheld.held.is_none() && unheld == unread);
+    assert!(unheld.structure.held.is_none() && unheld == unread);
 }
 
 #[test]
 fn largest_values_are_unknowns_of_what_is_solved_and_values_of_what_is_described() {
-    use hangtime_dsl::description::Over;
+    use hangtime_dsl::declaration::Over;
     let text = "coordinates { x: m } controls { u: N } lagrangian dot(x)^2/2*1 [kg] forces { x: u } horizon 1 [s]
         minimize integral(|u|) + peak(max(x, 2*x))*1 [N s/m] + |x - 1 [m]|*1 [N s/m]";
     let (plain, _) = describe_text(text, "s").expect("no mistakes");
-    assert_eq!((plain.coordinates.len(), plain.controls.len()), (1, 1));
+    let declaration = plain.structure.declaration;
+    let sizes = (declaration.coordinates.len(), declaration.controls.len());
+    assert_eq!(sizes, (1, 1));
     let known: Vec<(&str, Over, usize)> = plain
+        .structure
         .epigraphs
         .iter()
-        .map(|known| (known.name.as_str(), known.over, known.rows))
+        .map(|known| (known.name, known.over, known.rows))
         .collect();
     assert_eq!(
         known,
@@ -176,13 +178,15 @@ fn largest_values_are_unknowns_of_what_is_solved_and_values_of_what_is_described
             ("|x - 1 [m]|*1 [N s/m]", Over::End, 2)
         ]
     );
-    let task = plain.optimal_control.as_ref().expect("a task");
+    let task = declaration.optimal_control.expect("a task");
     assert_eq!((task.constraints.len(), task.goals.len()), (0, 0));
     let (held, _) = describe_held(text, "s", &[]).expect("no mistakes");
-    assert_eq!((held.coordinates.len(), held.controls.len()), (3, 2));
-    let known = held.held.as_ref().expect("unknowns");
-    assert_eq!((known.largest, &known.at_stages[..]), (2, &[2][..]));
-    let task = held.optimal_control.as_ref().expect("a task");
+    let declaration = held.structure.declaration;
+    let sizes = (declaration.coordinates.len(), declaration.controls.len());
+    assert_eq!(sizes, (3, 2));
+    let known = held.structure.held.expect("unknowns").declared;
+    assert_eq!((known.largest, known.at_stages), (2, &[2][..]));
+    let task = declaration.optimal_control.expect("a task");
     // Over the motion and at each instant; at the end, and of the peak at the start.
     assert_eq!((task.constraints.len(), task.goals.len()), (2 + 2, 2 + 2));
     // What has none is as before.
@@ -195,7 +199,7 @@ fn largest_values_are_unknowns_of_what_is_solved_and_values_of_what_is_described
         &[],
     )
     .expect("no mistakes");
-    assert!(plain.held.is_none() && plain.epigraphs.is_empty());
+    assert!(plain.structure.held.is_none() && plain.structure.epigraphs.is_empty());
 }
 
 #[test]
@@ -229,8 +233,8 @@ fn value_at_a_time_is_a_state_and_its_time_another_one_unless_a_condition_has_it
             "coordinates {{ x: m }} controls {{ u: N }} lagrangian dot(x)^2/2*1 [kg] forces {{ x: u }} horizon 3 [s] minimize integral(u^2) {judged}"
         );
         let (plain, _) = describe_text(&text, "s").expect("no mistakes");
-        let names = plain.states.iter().map(|state| state.name.clone());
-        names.collect::<Vec<String>>()
+        let states = plain.structure.declaration.states.iter();
+        states.map(|state| state.name).collect::<Vec<&str>>()
     };
     assert!(states("finally { x == 1 [m] }").is_empty());
     assert_eq!(

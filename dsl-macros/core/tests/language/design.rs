@@ -92,15 +92,15 @@ fn mistakes_with_free_parameters_say_what_to_write() {
 #[test]
 fn free_parameter_is_a_parameter_with_a_range_and_nothing_else_changes() {
     let (free, _) = describe_text(&scene(FREE, TASK), "s").expect("no mistakes");
-    let known = free.free_parameters.as_ref().expect("declared");
+    let known = free.structure.free_parameters.expect("declared");
     assert_eq!(known.parameters, [1]);
-    assert!(free.held.is_none());
+    assert!(free.structure.held.is_none());
     let (plain, _) =
         describe_text(&scene("parameters { k: N/m = 2 }", TASK), "s").expect("no mistakes");
-    assert!(plain.free_parameters.is_none());
+    assert!(plain.structure.free_parameters.is_none());
     assert_eq!(
-        (&free.motion, &free.given, &free.parameters),
-        (&plain.motion, &plain.given, &plain.parameters)
+        (free.structure.given, free.structure.declaration),
+        (plain.structure.given, plain.structure.declaration)
     );
     let kernels = plain.kernels.len();
     assert_eq!(free.kernels[..kernels], plain.kernels);
@@ -124,38 +124,36 @@ fn held_parameter_has_a_column_everywhere_no_motion_and_no_contact() {
         horizon h*1 [s/m]
     ";
     let (derived, _) = describe_held(text, "s", &["h", "e"]).expect("no mistakes");
-    use hangtime_dsl::description::GivenBy;
-    assert_eq!(derived.coordinates.len(), 4);
-    let held = derived.held.as_ref().expect("asked for");
+    use hangtime_dsl::declaration::Given;
+    let declaration = derived.structure.declaration;
+    assert_eq!(declaration.coordinates.len(), 4);
+    let held = derived.structure.held.expect("asked for").declared;
     assert_eq!(held.parameters, [2, 3]);
     assert_eq!(
         held.given,
         [
-            GivenBy::Start(1),
-            GivenBy::Horizon,
-            GivenBy::Restitution(0),
-            GivenBy::Friction(0)
+            Given::Start(1),
+            Given::Horizon,
+            Given::Restitution(0),
+            Given::Friction(0)
         ]
     );
-    assert_eq!(
-        held.functions.jacobian.entries,
-        [(0, 2), (1, 2), (2, 3), (3, 3)]
-    );
+    assert_eq!(held.jacobian.entries, [(0, 2), (1, 2), (2, 3), (3, 3)]);
     // Rows of coordinates without motion are empty, and so are the columns of their velocities.
-    let entries = &derived.motion.jacobian.entries;
+    let entries = declaration.free_jacobian.entries;
     assert!(
         entries
             .iter()
             .all(|&(row, column)| row < 2 && !(6..8).contains(&column))
     );
-    let contact = &derived.contacts[0].rows.jacobian.entries;
+    let contact = declaration.contacts[0].jacobian.entries;
     assert!(contact.contains(&(0, 2)) && contact.contains(&(1, 2)));
     assert!(
         contact
             .iter()
             .all(|&(row, column)| row < 4 && !(6..8).contains(&column))
     );
-    let task = derived.optimal_control.as_ref().expect("declared");
+    let task = declaration.optimal_control.expect("declared");
     assert_eq!(task.free_start, [2, 3]);
     // What reads nothing that moves holds once, at the end.
     assert_eq!((task.constraints.len(), task.goals.len()), (1, 1));

@@ -24,18 +24,12 @@ fn joints_are_named_counted_and_measured() {
          joint still: dot(p) == 0
          joint drive: phi == 2 [1/s]*t",
     );
-    let joints = derived.joints.expect("joints");
+    let declaration = derived.structure.declaration;
+    let joints = declaration.joints.expect("joints");
     let seen: Vec<(&str, &str, usize, bool)> = joints
         .list
         .iter()
-        .map(|joint| {
-            (
-                joint.name.as_str(),
-                joint.unit.as_str(),
-                joint.rows,
-                joint.holonomic,
-            )
-        })
+        .map(|joint| (joint.name, joint.unit, joint.rows, joint.holonomic))
         .collect();
     let expected = [
         ("rod", "m^2", 1, true),
@@ -45,8 +39,8 @@ fn joints_are_named_counted_and_measured() {
         ("drive", "", 1, true),
     ];
     assert_eq!(seen, expected);
-    assert_eq!((joints.rows(), joints.pattern.rows), (7, 14));
-    assert!(derived.explicit_time);
+    assert_eq!((joints.rows(), joints.jacobian.rows), (7, 14));
+    assert!(declaration.explicit_time);
 }
 
 #[test]
@@ -73,10 +67,12 @@ fn force_of_a_joint_has_its_unit_and_components() {
 fn equations_of_joints_are_shown() {
     let derived = described("joint rod: |p|^2 == l^2  joint roll: dot(x) == l*dot(phi)");
     let shown: Vec<String> = derived
+        .structure
+        .declaration
         .equations
         .iter()
-        .filter(|[left, _]| left.contains("joint"))
-        .map(|[left, right]| format!("{left}: {right}"))
+        .filter(|known| known.left.contains("joint"))
+        .map(|known| format!("{}: {}", known.left, known.right))
         .collect();
     assert_eq!(
         shown,
@@ -102,7 +98,7 @@ fn joint_is_formatted_as_one_line() {
 #[test]
 fn scenes_without_joints_have_no_function_of_them() {
     let derived = described("");
-    assert!(derived.joints.is_none());
+    assert!(derived.structure.joints.is_none());
     assert!(
         derived
             .kernels

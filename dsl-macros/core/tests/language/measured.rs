@@ -1,6 +1,6 @@
 //! Measured motions: what they declare, and what is refused with what to write instead.
 
-use hangtime_dsl::description::Measured;
+use hangtime_dsl::declaration::Measured;
 use hangtime_dsl::{describe_differentiated, describe_text, format_text};
 
 use super::mistakes_in_file as messages;
@@ -23,20 +23,20 @@ fn experiments_are_described_with_names_units_and_deviations_in_the_declared_uni
     );
     let (derived, warnings) = describe_text(&text, "s").expect("no mistakes");
     assert!(
-        warnings.is_empty() && derived.optimal_control.is_none(),
+        warnings.is_empty() && derived.structure.optimal_control.is_none(),
         "{warnings:?}"
     );
-    let [one, two] = &derived.experiments[..] else {
+    let [one, two] = derived.structure.experiments else {
         panic!()
     };
     assert_eq!(
-        (one.file.as_str(), one.huber, one.start),
-        ("a b.csv", None, None)
+        (one.file, one.huber, one.own_start),
+        ("a b.csv", None, false)
     );
     let known: Vec<(&str, &str, Measured, f64)> = one
         .quantities
         .iter()
-        .map(|q| (q.name.as_str(), q.unit.as_str(), q.measured, q.within))
+        .map(|q| (q.name, q.unit, q.measured, q.within))
         .collect();
     let quarter = std::f64::consts::FRAC_PI_2;
     assert_eq!(
@@ -48,14 +48,11 @@ fn experiments_are_described_with_names_units_and_deviations_in_the_declared_uni
             ("height", "cm", Measured::Output(0), 0.1),
         ]
     );
-    assert_eq!(
-        (two.huber, two.quantities[0].unit.as_str()),
-        (Some(2.0), "m/s")
-    );
-    assert!(two.start.is_some());
+    assert_eq!((two.huber, two.quantities[0].unit), (Some(2.0), "m/s"));
+    assert!(two.own_start);
     // The start of the second by the free parameter: one entry, of the velocity of y.
     let (derived, _) = describe_differentiated(&text, "s", &["e"]).expect("no mistakes");
-    let starts = &derived.sensitivity.as_ref().expect("asked for").starts;
+    let starts = derived.structure.sensitivity.expect("asked for").starts;
     assert!(starts[0].is_none());
     assert_eq!(
         starts[1].as_ref().expect("declared").pattern.entries,
@@ -67,7 +64,7 @@ fn experiments_are_described_with_names_units_and_deviations_in_the_declared_uni
 fn scene_without_measurements_carries_nothing_of_them() {
     let text = scene("minimize height").replace("free e in 0..=1 = 0.5", "parameters { e = 0.5 }");
     let (derived, _) = describe_text(&text, "s").expect("no mistakes");
-    assert!(derived.experiments.is_empty());
+    assert!(derived.structure.experiments.is_empty());
     let starts = derived
         .kernels
         .iter()
@@ -210,7 +207,9 @@ fn name_misfit_may_be_taken_by_a_scene() {
     let text = scene("fn misfit(x) = x^2 minimize misfit(y)")
         .replace("free e in 0..=1 = 0.5", "parameters { e = 0.5 }");
     let (derived, _) = describe_text(&text, "s").expect("no mistakes");
-    assert!(derived.experiments.is_empty() && derived.optimal_control.is_some());
+    assert!(
+        derived.structure.experiments.is_empty() && derived.structure.optimal_control.is_some()
+    );
 }
 
 #[test]

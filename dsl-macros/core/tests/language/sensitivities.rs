@@ -23,8 +23,9 @@ fn derived(parameters: &[&str]) -> Description {
 #[test]
 fn nothing_is_derived_that_nobody_asks_for() {
     let plain = describe_text(BALL, "ball").expect("no mistakes").0;
-    assert!(plain.sensitivity.is_none());
-    assert_eq!(plain.columns(), plain.inputs());
+    assert!(plain.structure.sensitivity.is_none());
+    let declaration = plain.structure.declaration;
+    assert_eq!(plain.structure.columns(), declaration.inputs());
     assert_eq!(derived(&[]), plain);
     assert_eq!(derived(&["no_parameter"]), plain);
     let names = |scene: &Description| -> Vec<String> {
@@ -45,12 +46,14 @@ fn nothing_is_derived_that_nobody_asks_for() {
 #[test]
 fn columns_of_parameters_stand_behind_those_of_the_inputs() {
     let scene = derived(&["height", "g", "e", "mu", "unused_by_motion"]);
-    assert_eq!((scene.inputs(), scene.columns()), (4, 9));
-    let sensitivity = scene.sensitivity.as_ref().expect("asked for");
+    let declaration = scene.structure.declaration;
+    let columns = scene.structure.columns();
+    assert_eq!((declaration.inputs(), columns), (4, 9));
+    let sensitivity = scene.structure.sensitivity.expect("asked for");
     // In order of declaration: g, e, mu, height, unused_by_motion.
     assert_eq!(sensitivity.parameters, [1, 2, 3, 4, 5]);
-    assert_eq!(scene.motion.jacobian.entries, [(1, 4)]);
-    assert!(scene.motion.hessian.entries.is_empty());
+    assert_eq!(declaration.free_jacobian.entries, [(1, 4)]);
+    assert!(declaration.free_hessian.entries.is_empty());
     assert_eq!(sensitivity.start.pattern.entries, [(1, 3)]);
     let horizon = sensitivity.horizon.as_ref().expect("declared");
     assert_eq!(horizon.pattern.entries, [(0, 4)]);
@@ -112,7 +115,7 @@ fn scenes_without_free_parameters_carry_nothing_of_them() {
             .0
             .to_string()
     };
-    assert!(!rust(BALL).contains("derivative"), "{}", rust(BALL));
+    assert!(!rust(BALL).contains("_derivative"), "{}", rust(BALL));
 }
 
 #[test]
@@ -131,7 +134,7 @@ fn what_conditions_set_is_differentiated_where_that_is_asked_for() {
             .all(|name| !name.ends_with("derivative"))
     );
     let (scene, _) = describe_differentiated(text, "ball", &["share"]).expect("no mistakes");
-    let sensitivity = scene.sensitivity.as_ref().expect("asked for");
+    let sensitivity = scene.structure.sensitivity.expect("asked for");
     let reset = sensitivity.contacts[0]
         .reset
         .as_ref()

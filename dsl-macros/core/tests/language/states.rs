@@ -1,5 +1,7 @@
 //! States of first order and switches: what is accepted, and what each mistake says.
 
+use hangtime_dsl::declaration::{Declaration, Switching};
+
 /// Messages for the statements beside a mass on a line and a state, or "accepted".
 fn messages(statements: &str) -> Vec<String> {
     let source = format!(
@@ -80,7 +82,7 @@ texts! {
          both functions vanish the motion is not determined by that; write a sum of terms with one switch each, or switches by \
          functions that differ by a number, as in `if x >= 2 { a } else if x >= 1 { b } else { c }`";
     square_of_a_switch: beside "forces { x: k*i } rates { i: u/tau*sign(x)^2 }" =>
-        "E12: what acts is no linear function of `sign(x)`; write `if c { a } else { b }` with what acts on both sides";
+        "accepted";
     switch_in_an_energy: messages "lagrangian m/2*dot(x)^2 - 1 [N]*|x| rates { i: (u - i)/tau }" =>
         "E12: `|x|` of a number has a kink at 0, which energies and laws must not have; write what acts in `forces`, which may switch, \
          or declare a `surface`, which may contain it, where the motion strikes";
@@ -97,19 +99,15 @@ fn products_of_switches_that_follow_each_other_are_sums() {
     let scene = described(
         "states { a, b } rates { a: step(t - 1)*step(3 - t), b: if a >= 2 { 5 } else if a >= 1 { 3 } else { 1 } } horizon 1",
     );
-    let names: Vec<&str> = scene
-        .contacts
-        .iter()
-        .map(|known| known.name.as_str())
-        .collect();
+    let names: Vec<&str> = scene.contacts.iter().map(|known| known.name).collect();
     assert_eq!(names, ["step(t - 1)", "step(3 - t)", "a >= 1", "a >= 2"]);
 }
 
 /// The scene that statements declare.
-fn described(text: &str) -> hangtime_dsl::description::Description {
+fn described(text: &str) -> Declaration {
     let (description, warnings) = hangtime_dsl::describe_text(text, "scene").expect("no mistakes");
     assert!(warnings.is_empty());
-    description
+    description.structure.declaration
 }
 
 #[test]
@@ -118,22 +116,14 @@ fn states_stand_behind_coordinates_and_nothing_reads_their_integrals() {
         "parameters { k = 2 } coordinates { x } states { a in 0..=1, b } lagrangian dot(x)^2/2 - a*x^2/2
          forces { x: k*b } rates { a: -a, b: a - x }",
     );
-    let names: Vec<&str> = scene
-        .coordinates
-        .iter()
-        .map(|known| known.name.as_str())
-        .collect();
+    let names: Vec<&str> = scene.coordinates.iter().map(|known| known.name).collect();
     assert_eq!(names, ["x", "integral(a)", "integral(b)"]);
-    let states: Vec<&str> = scene
-        .states
-        .iter()
-        .map(|known| known.name.as_str())
-        .collect();
+    let states: Vec<&str> = scene.states.iter().map(|known| known.name).collect();
     assert_eq!(states, ["a", "b"]);
     assert!(scene.optimal_control.is_none() && !scene.explicit_time);
     // x'' = k b - a x; a' = -a; b' = a - x of (x, ., ., x', a, b).
     assert_eq!(
-        scene.motion.jacobian.entries,
+        scene.free_jacobian.entries,
         [(0, 0), (0, 4), (0, 5), (1, 4), (2, 0), (2, 4)]
     );
 }
@@ -148,18 +138,18 @@ fn smooth_powers_of_kinks_are_no_switches_and_each_other_one_is_a_contact() {
         "coordinates { x } states { a } lagrangian dot(x)^2/2
          forces { x: -max(0, x) - sign(dot(x)) + step(t - 1) + sign(dot(x)) } rates { a: -sign(a) } horizon 1",
     );
-    let switches: Vec<(&str, Option<bool>)> = scene
+    let switches: Vec<(&str, Option<Switching>)> = scene
         .contacts
         .iter()
-        .map(|known| (known.name.as_str(), known.switch))
+        .map(|known| (known.name, known.switch))
         .collect();
     // Two signs that cancel are none.
     assert_eq!(
         switches,
         [
-            ("max(0, x)", Some(true)),
-            ("step(t - 1)", Some(true)),
-            ("sign(a)", Some(false)),
+            ("max(0, x)", Some(Switching::Passes)),
+            ("step(t - 1)", Some(Switching::Passes)),
+            ("sign(a)", Some(Switching::Slides)),
         ]
     );
     assert!(scene.explicit_time);

@@ -18,11 +18,31 @@ fn text_with_and_without_a_header_is_the_declaration_of_the_macro() {
         assert_eq!(expanded.ok().as_ref(), Some(&wanted), "{text}");
         let (described, warnings) = describe_text(&text, "ball").unwrap();
         assert!(warnings.is_empty(), "{warnings:?}");
-        assert_eq!(
-            (described.name.as_str(), described.documentation.as_str()),
-            ("Ball", "A ball.")
-        );
+        let declaration = described.structure.declaration;
+        let written = (declaration.name, declaration.documentation);
+        assert_eq!(written, ("Ball", "A ball."));
     }
+}
+
+#[test]
+fn words_of_the_language_are_no_names_in_the_first_block_either() {
+    let text = "parameters { dry: s = 1, at = 2, when = 3, free = 4, start = 5 } states { x } rates { x: -x*1[1/s] }
+        horizon 1 [s]";
+    let refused = |word| format!("E11: `{word}` is a word of the language; choose another name");
+    let wanted = ["dry", "at", "when", "free", "start"].map(refused);
+    assert_eq!(crate::mistakes_in_file(text), wanted);
+}
+
+#[test]
+fn numbers_may_begin_with_their_point_and_units_have_fractional_powers() {
+    let text = "parameters { k: N/m^1.5 = .5e3, c: m^3 s^-1 Pa^-0.5 = 20, p: Pa = 4 } coordinates { x: m } lagrangian dot(x)^2/2*1[kg]
+        forces { x: -k*max(0 [m], x)^1.5 - .25 [N/m]*x } outputs { flow: m^3/s = c*sqrt(p) } horizon 1 [s]";
+    let (derived, warnings) = describe_text(text, "s").expect("no mistakes");
+    assert!(warnings.is_empty(), "{warnings:?}");
+    let k = derived.structure.declaration.parameters[0];
+    assert_eq!((k.unit, k.default), ("N/m^1.5", 500.0));
+    let formatted = hangtime_dsl::format_text(text, "s").expect("no mistakes");
+    assert!(formatted.contains("- .25[N/m]*x"), "{formatted}");
 }
 
 #[test]

@@ -36,10 +36,10 @@ fn expanded(tokens: TokenStream) -> Result<String, Vec<String>> {
 
 /// An expansion without the text of the scene in it, and that text.
 fn split(expansion: &str) -> (String, String) {
-    let (before, rest) = expansion.split_once("fn text (& self)").expect("a text");
-    let (text, after) = rest.split_once("fn boxed").expect("its end");
-    let text = text.split_once("Some (\"").expect("its begin").1;
-    let text = text.rsplit_once("\")").expect("its end").0;
+    let (before, rest) = expansion
+        .split_once("new (& __STRUCTURE , \"")
+        .expect("a text");
+    let (text, after) = rest.split_once("\") ;").expect("its end");
     (format!("{before}{after}"), text.to_owned())
 }
 

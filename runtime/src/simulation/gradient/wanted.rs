@@ -88,8 +88,8 @@ impl Wanted {
         }
         let derivatives = model.parameter_derivatives(&parameters).ok_or_else(|| {
             InputError::unsupported(format!(
-                "a gradient of `{}` is not supported: its derivatives by parameters are not compiled, or too large; read the \
-                 scene from a file or a text (`hangtime_scene_files::of_text`)",
+                "a gradient of `{}` is not supported: its derivatives by parameters are too large, or those of a model that was \
+                 written by hand; declare it by `model!` or in a file",
                 declaration.name
             ))
         })?;

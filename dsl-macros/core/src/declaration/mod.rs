@@ -1,7 +1,19 @@
 //! What a scene declares, as static data: names, units, patterns, operation counts.
+//!
+//! Solvers read it as `hangtime::model::Declaration`; `Model` is their trait there.
+
+mod epigraph;
+mod experiment;
+mod given;
+mod picture;
+
+pub use epigraph::{Epigraph, Over};
+pub use experiment::{Experiment, Measured, MeasuredQuantity};
+pub use given::{Given, Held};
+pub use picture::{Picture, Shape};
 
 /// Everything about a scene that does not depend on parameter values.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Declaration {
     /// Name of the scene's type, as written.
     pub name: &'static str,
@@ -83,7 +95,7 @@ impl Declaration {
 }
 
 /// A number that can be changed at run time.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ParameterDeclaration {
     /// Name, as written.
     pub name: &'static str,
@@ -99,7 +111,7 @@ pub struct ParameterDeclaration {
 }
 
 /// A generalized coordinate, a control input, or a quantity that is recorded.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VariableDeclaration {
     /// Name, as written.
     pub name: &'static str,
@@ -110,7 +122,7 @@ pub struct VariableDeclaration {
 }
 
 /// A unilateral contact: an impact surface and its law.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactDeclaration {
     /// Name of the surface, as written.
     pub name: &'static str,
@@ -123,7 +135,7 @@ pub struct ContactDeclaration {
     /// Whether this is dry friction without a surface: the contact always touches, its normal force is the declared
     /// bound, and its coefficient of friction is 1. Such contacts stand behind all others.
     pub dry: bool,
-    /// Of dry friction: what its bound follows, each times what [`Model::loads`](super::Model::loads) says: normal forces of surfaces
+    /// Of dry friction: what its bound follows, each times what `Model::loads` says: normal forces of surfaces
     /// (indices of contacts), and friction forces, counted behind the normal ones of all contacts. Forces of joints contain both.
     pub loads: &'static [usize],
     /// Of a switch of what acts, which is [`dry`](Self::dry): how the motion meets the zeros of its function.
@@ -149,10 +161,10 @@ pub struct ContactDeclaration {
 /// All joints of a scene: equations that hold throughout the motion, `g(q, t) = 0` with the rate `w = G(q, t) v - b(q, t)`,
 /// or `w = 0` alone.
 ///
-/// The equations of motion are `M v' = f + G' lambda`, and [`Model::joint_forces`](super::Model::joint_forces) gives
+/// The equations of motion are `M v' = f + G' lambda`, and `Model::joint_forces` gives
 /// `lambda` where nothing is in contact. Accelerations of a model and directions of its contacts are those of the system in
 /// which joints hold, so that `G v' = b' - G' v` along every motion.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointsDeclaration {
     /// In order of declaration.
     pub list: &'static [JointDeclaration],
@@ -164,7 +176,7 @@ pub struct JointsDeclaration {
 }
 
 /// One joint.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointDeclaration {
     /// Name, as written.
     pub name: &'static str,
@@ -186,9 +198,7 @@ impl JointsDeclaration {
     }
 
     /// The joint of each equation, and its number in it.
-    pub(crate) fn equations(
-        &self,
-    ) -> impl Iterator<Item = (&'static JointDeclaration, usize)> + use<> {
+    pub fn equations(&self) -> impl Iterator<Item = (&'static JointDeclaration, usize)> + use<> {
         self.list
             .iter()
             .flat_map(|joint| (0..joint.rows).map(move |row| (joint, row)))
@@ -197,7 +207,8 @@ impl JointsDeclaration {
 
 impl JointDeclaration {
     /// The name of one of its equations, for people.
-    pub(crate) fn equation(&self, row: usize) -> String {
+    #[must_use]
+    pub fn equation(&self, row: usize) -> String {
         match self.rows {
             1 => format!("`{}`", self.name),
             _ => format!("`{}.{}`", self.name, row + 1),
@@ -207,11 +218,10 @@ impl JointDeclaration {
 
 /// What happens at an impact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum ImpactLaw {
     /// No restitution: the normal velocity after the impact is zero.
     Inelastic,
-    /// Newton's law, `v_n+ = -e v_n-` with `e` from [`Model::restitution`](super::Model::restitution).
+    /// Newton's law, `v_n+ = -e v_n-` with `e` from `Model::restitution`.
     Restitution,
 }
 
@@ -225,7 +235,7 @@ pub enum Switching {
     Slides,
     /// The sign does not change the rate of `c` where `c = 0`, and the motion passes; `D` is 1.
     Passes,
-    /// Nothing acts by the sign: where `c` comes to be positive, velocities are set, see [`Model::reset`](super::Model::reset).
+    /// Nothing acts by the sign: where `c` comes to be positive, velocities are set, see `Model::reset`.
     Resets,
 }
 
@@ -238,16 +248,16 @@ impl Switching {
 }
 
 /// Coulomb friction of a contact, in the plane or in space.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionDeclaration {
     /// Pattern of the Jacobian of `(v_t, e)`: `1 + n_q` rows.
     pub jacobian: SparsityPattern,
     /// Pattern (lower triangle) of the Hessian of the weighted `(v_t, e)`.
     pub hessian: SparsityPattern,
-    /// Whether sliding has a coefficient of its own, [`Model::kinetic_friction`](super::Model::kinetic_friction).
+    /// Whether sliding has a coefficient of its own, `Model::kinetic_friction`.
     pub kinetic: bool,
     /// Whether the friction direction carries a factor that changes with the sliding velocity or the place,
-    /// [`Model::friction_share`](super::Model::friction_share).
+    /// `Model::friction_share`.
     pub share: bool,
     /// In space, where a contact slides along two directions: the pattern of the Jacobian of the second one, as
     /// [`jacobian`](Self::jacobian) is of the first. The sliding velocities are perpendicular to each other, and Coulomb's law is
@@ -261,7 +271,7 @@ pub struct FrictionDeclaration {
 /// read the input vector `x` of the model. The *terminal functions* are the final cost (if there is
 /// one) followed by the terminal conditions; they read `z = (q, v, T)` with the final time `T`. Either may read
 /// [`contacts`](Self::contacts) besides.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OptimalControlDeclaration {
     /// Whether the first path function is a running cost, to be integrated over physical time.
     pub running_cost: bool,
@@ -294,7 +304,7 @@ pub struct OptimalControlDeclaration {
 /// The *impact functions* are what is added up over all impacts, followed by conditions on impacts; they read
 /// `(x, r, s)` with those velocities, and no velocities or controls of `x`. Behind them stand the values that conditions set where they come
 /// true, which read coordinates, velocities and the time.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactTerms {
     /// Whether path functions read `(x, r, s)` instead of `x`.
     pub path: bool,
@@ -359,7 +369,7 @@ impl OptimalControlDeclaration {
 }
 
 /// A constraint of the optimal control problem, on one scalar function `c`.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConstraintDeclaration {
     /// Its name, or the condition as written.
     pub name: &'static str,
@@ -372,7 +382,7 @@ pub struct ConstraintDeclaration {
 }
 
 /// Positions of the structural nonzeros of a matrix.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SparsityPattern {
     /// Number of rows.
     pub rows: usize,
@@ -399,7 +409,7 @@ impl SparsityPattern {
 }
 
 /// One emitted function and its cost.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kernel {
     /// Name of the function.
     pub name: &'static str,
@@ -410,10 +420,20 @@ pub struct Kernel {
 }
 
 /// One derived equation `left = right` in readable form.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Equation {
     /// Left-hand side.
     pub left: &'static str,
     /// Right-hand side.
     pub right: &'static str,
+}
+
+/// A text that lives as long as the program, as declarations do: solvers and results keep names of them.
+pub(crate) fn text(text: &str) -> &'static str {
+    text.to_owned().leak()
+}
+
+/// A list that lives as long.
+pub(crate) fn list<T>(items: impl IntoIterator<Item = T>) -> &'static [T] {
+    items.into_iter().collect::<Vec<T>>().leak()
 }

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 /// What is done with some numbers, with the roundings of the single operations.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Kind {
+pub(super) enum Kind {
     /// `a + b`
     Add,
     /// `a - b`
@@ -39,14 +39,14 @@ pub(crate) enum Kind {
 
 /// One step. Values are named by the operations that make them.
 #[derive(Debug)]
-pub(crate) struct Step {
-    pub(crate) kind: Kind,
-    pub(crate) results: Vec<usize>,
-    pub(crate) operands: Vec<usize>,
+pub(super) struct Step {
+    pub(super) kind: Kind,
+    pub(super) results: Vec<usize>,
+    pub(super) operands: Vec<usize>,
 }
 
 /// The steps of a kernel in order of evaluation, without what is `constant`.
-pub(crate) fn steps(operations: &[Operation], outputs: &[u32], constant: &[bool]) -> Vec<Step> {
+pub(super) fn steps(operations: &[Operation], outputs: &[u32], constant: &[bool]) -> Vec<Step> {
     scheduled(joined(operations, outputs, constant), operations.len())
 }
 

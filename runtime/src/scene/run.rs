@@ -1,15 +1,35 @@
 //! Runs of equal steps on registers.
 
-use crate::steps::Kind;
+use super::steps::Kind;
 use hangtime_dsl::description::{Function, Function2};
+use std::cell::Cell;
 
 /// The values of a program; an index of 16 bits needs no check.
-pub(crate) type Registers = [f64; 1 << 16];
+pub(super) type Registers = [f64; 1 << 16];
+
+thread_local! {
+    static REGISTERS: Cell<Option<Box<Registers>>> = const { Cell::new(None) };
+}
+
+/// Lends the registers of this thread, so that no call allocates. Inlined: what `work` captures would go through memory, where the
+/// processor waits for what was just written in parts and is read as a whole, longer than a short kernel takes.
+#[inline(always)]
+pub(super) fn lend(work: impl FnOnce(&mut Registers)) {
+    if let Some(mut registers) = REGISTERS.take().or_else(registers) {
+        work(&mut registers);
+        REGISTERS.set(Some(registers));
+    }
+}
+
+fn registers() -> Option<Box<Registers>> {
+    // Made on the heap: half a megabyte may be more than the stack has left.
+    vec![0.0; 1 << 16].into_boxed_slice().try_into().ok()
+}
 
 /// Equal steps, one after the other: the registers of their results and operands.
 #[derive(Debug)]
 #[repr(u8)]
-pub(crate) enum Run {
+pub(super) enum Run {
     Add(Box<[[u16; 3]]>),
     Subtract(Box<[[u16; 3]]>),
     Multiply(Box<[[u16; 3]]>),
@@ -29,7 +49,7 @@ pub(crate) enum Run {
 
 impl Run {
     /// Steps of one kind from all their registers.
-    pub(crate) fn new(kind: Kind, registers: &[u16]) -> Self {
+    pub(super) fn new(kind: Kind, registers: &[u16]) -> Self {
         match kind {
             Kind::Add => Self::Add(steps(registers)),
             Kind::Subtract => Self::Subtract(steps(registers)),
@@ -51,7 +71,7 @@ impl Run {
 
     /// Evaluates them.
     #[inline(always)]
-    pub(crate) fn go(&self, r: &mut Registers) {
+    pub(super) fn go(&self, r: &mut Registers) {
         match self {
             Self::Add(steps) => two(steps, r, |a, b| a + b),
             Self::Subtract(steps) => two(steps, r, |a, b| a - b),

@@ -16,51 +16,26 @@
 //!
 //! which needs `d(K y)/dx` and `(mu' K y)_xx` of the scene, and the derivatives of the vectors alone.
 
+use super::data::{Inertia, Places, Vectors};
+use super::system::{at, inner, subtract, zeros};
 use std::cell::Cell;
 
-/// A kernel: input vector, second vector, values.
-pub type Kernel<'a> = &'a dyn Fn(&[f64], &[f64], &mut [f64]);
+/// Evaluates a kernel: its index, input vector, second vector, values.
+pub(super) type Evaluate<'a> = &'a dyn Fn(usize, &[f64], &[f64], &mut [f64]);
 
-/// Position of a structural nonzero: row, column.
-pub type Place = (usize, usize);
-
-/// The nonzeros of a matrix.
+/// A direction at one point.
 #[derive(Clone, Copy)]
-pub struct Nonzeros<'a> {
-    /// Their kernel.
-    pub kernel: Kernel<'a>,
-    /// Their positions.
-    pub places: &'a [Place],
-}
-
-/// The inertia `K(x)` of a scene.
-#[derive(Clone, Copy)]
-pub struct Inertia<'a> {
-    /// For each row of the lower triangle, the first column that elimination may fill; as many as `K` has rows.
-    pub envelope: &'a [usize],
-    /// `K`, row-major.
-    pub matrix: Kernel<'a>,
-    /// `d(K y)/dx` with the second vector `y`.
-    pub product: Nonzeros<'a>,
-    /// `(mu' K y)_xx`, lower triangle, with the second vector `(mu, y)`.
-    pub curvature: Nonzeros<'a>,
+pub(super) struct Direction<'a> {
+    /// The inertia `K(x)` of the scene.
+    pub(super) inertia: Inertia,
+    /// The vectors of the direction.
+    pub(super) vectors: Vectors,
     /// Number of columns of derivatives.
-    pub inputs: usize,
-}
-
-/// The vectors of a direction.
-#[derive(Clone, Copy)]
-pub struct Columns<'a> {
-    /// Number of vectors.
-    pub count: usize,
-    /// Whether the last one is the normal that scales all.
-    pub bordered: bool,
-    /// All components, of one vector after the other.
-    pub values: Kernel<'a>,
-    /// Their derivatives.
-    pub jacobian: Nonzeros<'a>,
-    /// Second derivatives of their sum weighted by the second vector, lower triangle.
-    pub hessian: Nonzeros<'a>,
+    pub(super) inputs: usize,
+    /// Evaluates kernels.
+    pub(super) evaluate: Evaluate<'a>,
+    /// The input vector.
+    pub(super) x: &'a [f64],
 }
 
 /// The memory of a thread, so that no call allocates after the first ones.
@@ -95,81 +70,73 @@ fn lend<T>(work: impl FnOnce(&mut Workspace) -> T) -> T {
     result
 }
 
-/// The first direction, as far as there is room for it, and `1/r`, the inverse inertia along the normal; 1 where no normal
-/// scales it.
-pub fn direction(
-    inertia: &Inertia<'_>,
-    columns: &Columns<'_>,
-    x: &[f64],
-    direction: &mut [f64],
-) -> f64 {
-    lend(|workspace| {
-        workspace.solve(inertia, columns, x);
-        for (component, value) in direction.iter_mut().zip(&workspace.solution) {
-            *component = *value;
-        }
-        1.0 / workspace.r
-    })
-}
+impl Direction<'_> {
+    /// Writes the first direction, as far as there is room for it, and gives `1/r`, the inverse inertia along the normal; 1 where no
+    /// normal scales it.
+    pub(super) fn value(&self, direction: &mut [f64]) -> f64 {
+        lend(|workspace| {
+            workspace.solve(self);
+            for (component, value) in direction.iter_mut().zip(&workspace.solution) {
+                *component = *value;
+            }
+            1.0 / workspace.r
+        })
+    }
 
-/// Derivatives of the first direction at some places, from whose rows `above` is subtracted.
-pub fn direction_jacobian(
-    inertia: &Inertia<'_>,
-    columns: &Columns<'_>,
-    x: &[f64],
-    (places, above): (&[Place], usize),
-    values: &mut [f64],
-) {
-    lend(|workspace| {
-        workspace.solve(inertia, columns, x);
-        workspace.differentiate(inertia, columns, x);
-        for (&(row, column), value) in places.iter().zip(values) {
-            *value = workspace.sensitivity[(row - above) * inertia.inputs + column];
-        }
-    });
-}
+    /// Derivatives of the first direction at some places, from whose rows `above` is subtracted.
+    pub(super) fn jacobian(&self, (places, above): (Places, usize), values: &mut [f64]) {
+        lend(|workspace| {
+            workspace.solve(self);
+            workspace.differentiate(self);
+            for (&(row, column), value) in places.iter().zip(values) {
+                let place = (row as usize - above) * self.inputs + column as usize;
+                *value = workspace.sensitivity[place];
+            }
+        });
+    }
 
-/// Second derivatives of the first direction weighted by `multipliers`, at some places of the lower triangle.
-pub fn direction_hessian(
-    inertia: &Inertia<'_>,
-    columns: &Columns<'_>,
-    (x, multipliers): (&[f64], &[f64]),
-    places: &[Place],
-    values: &mut [f64],
-) {
-    lend(|workspace| {
-        workspace.solve(inertia, columns, x);
-        workspace.differentiate(inertia, columns, x);
-        workspace.transposed(columns, multipliers, inertia.envelope);
-        workspace.second(inertia, columns, x);
-        let (product, n) = (&workspace.product, inertia.inputs);
-        for (&(i, j), value) in places.iter().zip(values) {
-            *value = -(product[i * n + j] + product[j * n + i]);
-        }
-    });
+    /// Second derivatives of the first direction weighted by `multipliers`, at some places of the lower triangle.
+    pub(super) fn hessian(&self, multipliers: &[f64], places: Places, values: &mut [f64]) {
+        lend(|workspace| {
+            workspace.solve(self);
+            workspace.differentiate(self);
+            workspace.transposed(self, multipliers);
+            workspace.second(self);
+            let (product, n) = (&workspace.product, self.inputs);
+            for (&(i, j), value) in places.iter().zip(values) {
+                let (i, j) = (i as usize, j as usize);
+                *value = -(product[i * n + j] + product[j * n + i]);
+            }
+        });
+    }
+
+    /// Order of `K`.
+    fn size(&self) -> usize {
+        self.inertia.envelope.len()
+    }
 }
 
 impl Workspace {
     /// Factorizes `K` unless it is the one of the last call, and solves for `Y`.
-    fn solve(&mut self, inertia: &Inertia<'_>, columns: &Columns<'_>, x: &[f64]) {
-        let size = inertia.envelope.len();
+    fn solve(&mut self, of: &Direction<'_>) {
+        let (size, envelope) = (of.size(), of.inertia.envelope);
         zeros(&mut self.other, size * size);
-        (inertia.matrix)(x, &[], &mut self.other);
+        (of.evaluate)(of.inertia.matrix, of.x, &[], &mut self.other);
         // One that is not a number is never equal to itself.
         if self.other != self.matrix {
             std::mem::swap(&mut self.matrix, &mut self.other);
             self.factors.clear();
             self.factors.extend_from_slice(&self.matrix);
-            factorize(&mut self.factors, inertia.envelope);
+            factorize(&mut self.factors, envelope);
         }
-        zeros(&mut self.columns, columns.count * size);
-        (columns.values)(x, &[], &mut self.columns);
+        zeros(&mut self.columns, of.vectors.count * size);
+        (of.evaluate)(of.vectors.values, of.x, &[], &mut self.columns);
         self.along.clear();
         self.along.extend_from_slice(&self.columns);
         for block in self.along.chunks_exact_mut(size) {
-            back_substitute(&self.factors, inertia.envelope, block);
+            back_substitute(&self.factors, envelope, block);
         }
-        self.r = if columns.bordered {
+        self.r = if of.vectors.bordered {
             1.0 / inner(last(&self.columns, size), last(&self.along, size))
         } else {
             1.0
@@ -180,32 +147,36 @@ impl Workspace {
     }
 
     /// `A = -G_Y^-1 G_x`: `y_k' = K^-1 (c_k' r - (K y_k)') + z_k r'`, and `r'` from `n' y_m = 1`.
-    fn differentiate(&mut self, inertia: &Inertia<'_>, columns: &Columns<'_>, x: &[f64]) {
-        let (size, inputs) = (inertia.envelope.len(), inertia.inputs);
-        let count = columns.count * size;
+    fn differentiate(&mut self, of: &Direction<'_>) {
+        let (size, inputs) = (of.size(), of.inputs);
+        let (product, product_places) = of.inertia.product;
+        let (jacobian, jacobian_places) = of.vectors.jacobian;
+        let count = of.vectors.count * size;
         zeros(&mut self.sensitivity, (count + 1) * inputs);
-        zeros(&mut self.values, inertia.product.places.len());
-        for k in 0..columns.count {
+        zeros(&mut self.values, product_places.len());
+        for k in 0..of.vectors.count {
             let y = &self.solution[k * size..][..size];
-            (inertia.product.kernel)(x, y, &mut self.values);
-            for (&(row, column), value) in inertia.product.places.iter().zip(&self.values) {
+            (of.evaluate)(product, of.x, y, &mut self.values);
+            for (&place, value) in product_places.iter().zip(&self.values) {
+                let (row, column) = at(place);
                 self.sensitivity[(k * size + row) * inputs + column] -= value;
             }
         }
-        zeros(&mut self.values, columns.jacobian.places.len());
-        (columns.jacobian.kernel)(x, &[], &mut self.values);
+        zeros(&mut self.values, jacobian_places.len());
+        (of.evaluate)(jacobian, of.x, &[], &mut self.values);
         let normal = count - size;
         let (a, closing) = self.sensitivity.split_at_mut(count * inputs);
-        for (&(row, column), value) in columns.jacobian.places.iter().zip(&self.values) {
+        for (&place, value) in jacobian_places.iter().zip(&self.values) {
+            let (row, column) = at(place);
             a[row * inputs + column] += value * self.r;
-            if columns.bordered && row >= normal {
+            if of.vectors.bordered && row >= normal {
                 closing[column] -= value * self.solution[row];
             }
         }
         for block in a.chunks_exact_mut(size * inputs) {
-            back_substitute_rows(&self.factors, inertia.envelope, block, inputs);
+            back_substitute_rows(&self.factors, of.inertia.envelope, block, inputs);
         }
-        if !columns.bordered {
+        if !of.vectors.bordered {
             return;
         }
         // The rate of `r`, and what it makes of all.
@@ -222,15 +193,15 @@ impl Workspace {
     }
 
     /// `mu = G_Y^-T lambda` for multipliers of the first direction.
-    fn transposed(&mut self, columns: &Columns<'_>, lambda: &[f64], envelope: &[usize]) {
-        let size = envelope.len();
-        zeros(&mut self.multipliers, columns.count * size + 1);
+    fn transposed(&mut self, of: &Direction<'_>, lambda: &[f64]) {
+        let (size, envelope) = (of.size(), of.inertia.envelope);
+        zeros(&mut self.multipliers, of.vectors.count * size + 1);
         self.multipliers[..lambda.len()].copy_from_slice(lambda);
         back_substitute(&self.factors, envelope, &mut self.multipliers[..size]);
-        if !columns.bordered {
+        if !of.vectors.bordered {
             return;
         }
-        let (mu, closing) = self.multipliers.split_at_mut(columns.count * size);
+        let (mu, closing) = self.multipliers.split_at_mut(of.vectors.count * size);
         closing[0] = inner(&self.columns[..size], &mu[..size]) * self.r;
         let normal = mu.len() - size;
         for (mu, along) in mu[normal..].iter_mut().zip(last(&self.along, size)) {
@@ -239,34 +210,34 @@ impl Workspace {
     }
 
     /// `P' A` and half of `(mu' G)_xx`, in the place of which that with its transpose is minus the Hessian.
-    fn second(&mut self, inertia: &Inertia<'_>, columns: &Columns<'_>, x: &[f64]) {
-        let (size, inputs) = (inertia.envelope.len(), inertia.inputs);
-        let count = columns.count * size;
+    fn second(&mut self, of: &Direction<'_>) {
+        let (size, inputs) = (of.size(), of.inputs);
+        let (product, product_places) = of.inertia.product;
+        let (curvature, curvature_places) = of.inertia.curvature;
+        let (jacobian, jacobian_places) = of.vectors.jacobian;
+        let (hessian, hessian_places) = of.vectors.hessian;
+        let count = of.vectors.count * size;
         zeros(&mut self.product, inputs * inputs);
         let (mu, closing) = self.multipliers.split_at(count);
-        for k in 0..columns.count {
+        for k in 0..of.vectors.count {
             let own = k * size..(k + 1) * size;
             self.weights.clear();
             self.weights.extend_from_slice(&mu[own.clone()]);
             self.weights.extend_from_slice(&self.solution[own.clone()]);
-            zeros(&mut self.values, inertia.curvature.places.len());
-            (inertia.curvature.kernel)(x, &self.weights, &mut self.values);
-            add(
-                &mut self.product,
-                inputs,
-                inertia.curvature.places,
-                &self.values,
-            );
-            zeros(&mut self.values, inertia.product.places.len());
-            (inertia.product.kernel)(x, &mu[own], &mut self.values);
-            for (&(row, i), &value) in inertia.product.places.iter().zip(&self.values) {
+            zeros(&mut self.values, curvature_places.len());
+            (of.evaluate)(curvature, of.x, &self.weights, &mut self.values);
+            add(&mut self.product, inputs, curvature_places, &self.values);
+            zeros(&mut self.values, product_places.len());
+            (of.evaluate)(product, of.x, &mu[own], &mut self.values);
+            for (&place, &value) in product_places.iter().zip(&self.values) {
+                let (row, i) = at(place);
                 let from = &self.sensitivity[(k * size + row) * inputs..][..inputs];
                 subtract(&mut self.product[i * inputs..][..inputs], from, -value);
             }
         }
         // The vectors: `-r mu_k' c_k`, and `mu_last y_m' n`.
         let normal = count - size;
-        let closing = if columns.bordered { closing[0] } else { 0.0 };
+        let closing = if of.vectors.bordered { closing[0] } else { 0.0 };
         self.weights.clear();
         self.weights.extend(mu.iter().map(|mu| -mu * self.r));
         for (weight, y) in self.weights[normal..]
@@ -275,21 +246,17 @@ impl Workspace {
         {
             *weight += closing * y;
         }
-        zeros(&mut self.values, columns.hessian.places.len());
-        (columns.hessian.kernel)(x, &self.weights, &mut self.values);
-        add(
-            &mut self.product,
-            inputs,
-            columns.hessian.places,
-            &self.values,
-        );
-        if !columns.bordered {
+        zeros(&mut self.values, hessian_places.len());
+        (of.evaluate)(hessian, of.x, &self.weights, &mut self.values);
+        add(&mut self.product, inputs, hessian_places, &self.values);
+        if !of.vectors.bordered {
             return;
         }
-        zeros(&mut self.values, columns.jacobian.places.len());
-        (columns.jacobian.kernel)(x, &[], &mut self.values);
+        zeros(&mut self.values, jacobian_places.len());
+        (of.evaluate)(jacobian, of.x, &[], &mut self.values);
         let of_r = &self.sensitivity[count * inputs..];
-        for (&(row, i), &value) in columns.jacobian.places.iter().zip(&self.values) {
+        for (&place, &value) in jacobian_places.iter().zip(&self.values) {
+            let (row, i) = at(place);
             let to = &mut self.product[i * inputs..][..inputs];
             subtract(to, of_r, value * mu[row]);
             if row >= normal {
@@ -301,8 +268,9 @@ impl Workspace {
 }
 
 /// Adds a symmetric matrix of which the lower triangle is given, half of it, so that the sum with the transpose is all of it.
-fn add(product: &mut [f64], inputs: usize, places: &[Place], values: &[f64]) {
-    for (&(i, j), &value) in places.iter().zip(values) {
+fn add(product: &mut [f64], inputs: usize, places: Places, values: &[f64]) {
+    for (&place, &value) in places.iter().zip(values) {
+        let (i, j) = at(place);
         product[i * inputs + j] += if i == j { 0.5 * value } else { value };
     }
 }
@@ -374,25 +342,6 @@ fn last(vector: &[f64], size: usize) -> &[f64] {
     &vector[vector.len() - size..]
 }
 
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// `y -= factor * x`.
-fn subtract(y: &mut [f64], x: &[f64], factor: f64) {
-    if factor != 0.0 {
-        for (y, x) in y.iter_mut().zip(x) {
-            *y -= factor * x;
-        }
-    }
-}
-
-/// The vector with this length, of zeros.
-fn zeros(vector: &mut Vec<f64>, length: usize) {
-    vector.clear();
-    vector.resize(length, 0.0);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -402,7 +351,7 @@ mod tests {
     const TOLERANCE: f64 = 1e-9;
 
     /// `K = [[2 + sin x, y, 0], [y, 3 + x^2, x y], [0, x y, 4]]`, with vectors `(x, 1, y^2)` and `n = (1, x y, sin y)`.
-    fn with<T>(bordered: bool, work: impl FnOnce(&Inertia<'_>, &Columns<'_>) -> T) -> T {
+    fn with<T>(bordered: bool, x: &[f64], work: impl FnOnce(&Direction<'_>) -> T) -> T {
         let matrix = |x: &[f64], _: &[f64], k: &mut [f64]| {
             let (x, y) = (x[0], x[1]);
             let values = [
@@ -450,51 +399,47 @@ mod tests {
             };
             out.copy_from_slice(&[normal[0], 2.0 * w[2] + normal[1]]);
         };
-        let count = if bordered { 2 } else { 1 };
-        work(
-            &Inertia {
+        let evaluate = |kernel: usize, x: &[f64], y: &[f64], out: &mut [f64]| match kernel {
+            0 => matrix(x, y, out),
+            1 => product(x, y, out),
+            2 => curvature(x, y, out),
+            3 => values(x, y, out),
+            4 => jacobian(x, y, out),
+            _ => hessian(x, y, out),
+        };
+        let places = &[(0, 0), (2, 1), (4, 0), (4, 1), (5, 1)];
+        work(&Direction {
+            inertia: Inertia {
+                size: 3,
                 envelope: &[0, 0, 1],
-                matrix: &matrix,
-                product: Nonzeros {
-                    kernel: &product,
-                    places: &[(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)],
-                },
-                curvature: Nonzeros {
-                    kernel: &curvature,
-                    places: &[(0, 0), (1, 0)],
-                },
-                inputs: 2,
+                matrix: 0,
+                product: (1, &[(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)]),
+                curvature: (2, &[(0, 0), (1, 0)]),
             },
-            &Columns {
-                count,
+            vectors: Vectors {
+                count: if bordered { 2 } else { 1 },
                 bordered,
-                values: &values,
-                jacobian: Nonzeros {
-                    kernel: &jacobian,
-                    places: &[(0, 0), (2, 1), (4, 0), (4, 1), (5, 1)]
-                        [..if bordered { 5 } else { 2 }],
-                },
-                hessian: Nonzeros {
-                    kernel: &hessian,
-                    places: &[(1, 0), (1, 1)],
-                },
+                values: 3,
+                jacobian: (4, if bordered { places } else { &places[..2] }),
+                hessian: (5, &[(1, 0), (1, 1)]),
             },
-        )
+            inputs: 2,
+            evaluate: &evaluate,
+            x,
+        })
     }
 
     fn value(bordered: bool, x: &[f64]) -> ([f64; 3], f64) {
         let mut found = [0.0; 3];
-        let inverse = with(bordered, |inertia, columns| {
-            direction(inertia, columns, x, &mut found)
-        });
+        let inverse = with(bordered, x, |direction| direction.value(&mut found));
         (found, inverse)
     }
 
     fn slopes(bordered: bool, x: &[f64]) -> [f64; 6] {
-        let places = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)];
+        let places = &[(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)];
         let mut found = [0.0; 6];
-        with(bordered, |inertia, columns| {
-            direction_jacobian(inertia, columns, x, (&places, 0), &mut found);
+        with(bordered, x, |direction| {
+            direction.jacobian((places, 0), &mut found)
         });
         found
     }
@@ -539,9 +484,8 @@ mod tests {
         for bordered in [false, true] {
             let found = slopes(bordered, &x);
             let mut second = [0.0; 3];
-            with(bordered, |inertia, columns| {
-                let places = [(0, 0), (1, 0), (1, 1)];
-                direction_hessian(inertia, columns, (&x, &lambda), &places, &mut second);
+            with(bordered, &x, |direction| {
+                direction.hessian(&lambda, &[(0, 0), (1, 0), (1, 1)], &mut second);
             });
             let second = [[second[0], second[1]], [second[1], second[2]]];
             for input in 0..2 {

@@ -6,23 +6,23 @@ pub struct Picture {
     /// Unit of all lengths, as written; empty in a scene without units.
     pub unit: &'static str,
     /// Names of the axes, the horizontal one first.
-    pub axes: [&'static str; 2],
+    pub axes: (&'static str, &'static str),
     /// Indices of the coordinates that are the place of a point, if surfaces that depend on nothing else are to be
     /// drawn as places of that point.
-    pub ground: Option<[usize; 2]>,
+    pub ground: Option<(usize, usize)>,
     /// The shapes in order of declaration.
     pub shapes: &'static [Shape],
 }
 
 impl Picture {
-    /// Length of what [`Model::picture_values`](super::Model::picture_values) writes.
+    /// Length of what `Model::picture_values` writes.
     #[must_use]
     pub fn values(&self) -> usize {
         self.shapes.iter().map(Shape::values).sum()
     }
 }
 
-/// One shape of a [`Picture`], with the values that [`Model::picture_values`](super::Model::picture_values) gives of
+/// One shape of a [`Picture`], with the values that `Model::picture_values` gives of
 /// it. Lengths are in the unit of the picture, angles in radians, counterclockwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {

@@ -1,29 +1,34 @@
-//! Derivatives of a scene from a text by its parameters.
+//! Derivatives of a scene by its parameters.
 
-use crate::again::Again;
-use crate::places::{self, scatter};
-use crate::scene::TextScene;
-use hangtime::model::{Model, ParameterDerivatives, contact_point};
-use hangtime_dsl::description::{Derivative, Functions, OptimalControl, Sensitivity};
+use super::again;
+use super::data::{OptimalControl, Structure};
+use super::declared::{Again, Scene};
+use super::places::{self, scatter};
+use super::text::TextScene;
+use crate::model::{Model, ParameterDerivatives, SparsityPattern, contact_point};
+use hangtime_dsl::declaration::OptimalControlDeclaration;
+use hangtime_dsl::description::{Derivative, Kernels, Sensitivity};
 
 /// A scene whose Jacobians have columns for parameters.
-pub(crate) struct TextDerivatives {
+pub(super) struct Derivatives {
     scene: TextScene,
     sensitivity: Sensitivity,
 }
 
-impl TextDerivatives {
+impl Derivatives {
     /// Derives `scene` once more, unless that was done before; none if that is not possible.
-    pub(crate) fn of(scene: &TextScene, parameters: &[usize]) -> Option<Self> {
-        let scene = scene
-            .derived_again(Again::Differentiated, parameters)
-            .ok()?;
-        let sensitivity = scene.description().sensitivity.clone()?;
+    pub(super) fn of(scene: &impl Scene, parameters: &[usize]) -> Option<Self> {
+        let scene = again::derived(scene, Again::Differentiated, parameters).ok()?;
+        let sensitivity = scene.structure().sensitivity?;
         Some(Self { scene, sensitivity })
     }
 
+    fn structure(&self) -> &'static Structure {
+        self.scene.structure()
+    }
+
     fn columns(&self) -> usize {
-        self.scene.description().columns()
+        self.structure().columns()
     }
 
     /// Evaluates a kernel and puts its values into the rows that `row` names, of a matrix of zeros.
@@ -37,22 +42,30 @@ impl TextDerivatives {
         let mut values = vec![0.0; derivative.pattern.entries.len()];
         self.scene
             .evaluate(derivative.kernel, x, weights, &mut values);
-        scatter(&derivative.pattern, &values, row, out);
+        scatter(derivative.pattern, &values, row, out);
     }
 
     /// The derivatives of the first of some functions of optimal control.
-    fn first_of(&self, of: fn(&OptimalControl) -> &Functions, x: &[f64], out: &mut [f64]) {
+    fn first_of(
+        &self,
+        kernels: fn(&OptimalControl) -> Option<Kernels>,
+        pattern: fn(&OptimalControlDeclaration) -> SparsityPattern,
+        x: &[f64],
+        out: &mut [f64],
+    ) {
         out.fill(0.0);
-        let task = self.scene.description().optimal_control.as_ref();
-        let (Some(task), Some(kernel)) = (task, self.scene.function(of, 1)) else {
+        let structure = self.structure();
+        let kernels = structure.optimal_control.as_ref().and_then(kernels);
+        let declared = structure.declaration.optimal_control.as_ref();
+        let (Some(declared), Some((_, kernel, _))) = (declared, kernels) else {
             return;
         };
-        let pattern = &of(task).jacobian;
-        let mut values = vec![0.0; pattern.entries.len()];
+        let entries = pattern(declared).entries;
+        let mut values = vec![0.0; entries.len()];
         self.scene.evaluate(kernel, x, &[], &mut values);
-        for (&(row, column), value) in pattern.entries.iter().zip(&values) {
+        for (&(row, column), value) in entries.iter().zip(&values) {
             if row == 0 {
-                out[column] = *value;
+                out[column as usize] = *value;
             }
         }
     }
@@ -66,11 +79,11 @@ impl TextDerivatives {
     }
 }
 
-impl ParameterDerivatives for TextDerivatives {
+impl ParameterDerivatives for Derivatives {
     fn start(&self, values: &mut [f64]) {
         let own = self
             .scene
-            .experiment
+            .experiment()
             .and_then(|index| self.sensitivity.starts.get(index)?.as_ref());
         self.of_parameters(Some(own.unwrap_or(&self.sensitivity.start)), values);
     }
@@ -80,7 +93,7 @@ impl ParameterDerivatives for TextDerivatives {
     }
 
     fn free_acceleration(&self, x: &[f64], values: &mut [f64]) {
-        let pattern = &self.scene.description().motion.jacobian;
+        let pattern = self.structure().declaration.free_jacobian;
         let mut nonzeros = vec![0.0; pattern.entries.len()];
         self.scene.free_jacobian(x, &mut nonzeros);
         values.fill(0.0);
@@ -88,15 +101,15 @@ impl ParameterDerivatives for TextDerivatives {
     }
 
     fn contact(&self, contact: usize, x: &[f64], values: &mut [f64]) {
-        let description = self.scene.description();
+        let declaration = &self.structure().declaration;
         let (Some(known), Some(derived)) = (
-            description.contacts.get(contact),
+            declaration.contacts.get(contact),
             self.sensitivity.contacts.get(contact),
         ) else {
             return values.fill(f64::NAN);
         };
-        let n = description.coordinates.len();
-        let pattern = &known.rows.jacobian;
+        let n = declaration.coordinates.len();
+        let pattern = known.jacobian;
         let mut nonzeros = vec![0.0; pattern.entries.len()];
         self.scene.contact_jacobian(contact, x, &mut nonzeros);
         values.fill(0.0);
@@ -113,8 +126,8 @@ impl ParameterDerivatives for TextDerivatives {
     }
 
     fn tangent(&self, contact: usize, x: &[f64], values: &mut [f64]) {
-        let description = self.scene.description();
-        let known = description.contacts.get(contact);
+        let declaration = &self.structure().declaration;
+        let known = declaration.contacts.get(contact);
         let derived = self.sensitivity.contacts.get(contact);
         let (Some(known), Some(derived)) = (
             known.and_then(|known| known.friction.as_ref()),
@@ -122,8 +135,8 @@ impl ParameterDerivatives for TextDerivatives {
         ) else {
             return values.fill(f64::NAN);
         };
-        let n = description.coordinates.len();
-        let pattern = &known.rows.jacobian;
+        let n = declaration.coordinates.len();
+        let pattern = known.jacobian;
         let mut nonzeros = vec![0.0; pattern.entries.len()];
         self.scene.tangent_jacobian(contact, x, &mut nonzeros);
         values.fill(0.0);
@@ -139,10 +152,10 @@ impl ParameterDerivatives for TextDerivatives {
 
     fn joints(&self, x: &[f64], values: &mut [f64]) {
         values.fill(0.0);
-        if let Some(joints) = &self.scene.description().joints {
-            let mut nonzeros = vec![0.0; joints.pattern.entries.len()];
-            self.scene.evaluate(joints.jacobian, x, &[], &mut nonzeros);
-            scatter(&joints.pattern, &nonzeros, |row| row, values);
+        if let Some(joints) = &self.structure().declaration.joints {
+            let mut nonzeros = vec![0.0; joints.jacobian.entries.len()];
+            self.scene.joints_jacobian(x, &mut nonzeros);
+            scatter(joints.jacobian, &nonzeros, |row| row, values);
         }
     }
 
@@ -173,10 +186,15 @@ impl ParameterDerivatives for TextDerivatives {
     }
 
     fn running_cost(&self, x: &[f64], values: &mut [f64]) {
-        self.first_of(|task| &task.path, x, values);
+        self.first_of(|task| task.path, |task| task.path_jacobian, x, values);
     }
 
     fn final_cost(&self, z: &[f64], values: &mut [f64]) {
-        self.first_of(|task| &task.terminal, z, values);
+        self.first_of(
+            |task| task.terminal,
+            |task| task.terminal_jacobian,
+            z,
+            values,
+        );
     }
 }

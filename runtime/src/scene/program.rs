@@ -1,18 +1,20 @@
 //! A kernel as a program: what depends on parameters only is computed when those are set; the rest is grouped into runs of
 //! equal steps, so that the processor decides once a run, and not once an operation, what to do.
 
-use crate::run::{Registers, Run};
-use crate::steps::steps;
+use super::run::{Registers, Run};
+use super::steps::steps;
 use hangtime_dsl::description::{Kernel, Operation};
 use std::ops::Range;
 
 /// A kernel as runs of equal steps on registers.
 #[derive(Debug)]
-pub(crate) struct Program {
+pub(super) struct Program {
+    /// The kernel.
+    pub(super) kernel: Kernel,
     /// What depends on parameters only.
     folding: Folding,
     /// Where the folded values stand among those of all programs of a scene.
-    pub(crate) folded: Range<usize>,
+    pub(super) folded: Range<usize>,
     /// Components of the input vector, and their registers.
     inputs: Vec<(u32, u16)>,
     /// The same for the second vector.
@@ -31,13 +33,13 @@ struct Folding {
     kept: Vec<u32>,
 }
 
-/// A kernel has too many values for the registers.
-#[derive(Debug)]
-pub(crate) struct TooLarge;
+/// A kernel has too many values to be evaluated without a compiler.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TooLarge;
 
 impl Program {
     /// The program of a kernel, whose folded values stand behind `before` others.
-    pub(crate) fn new(kernel: &Kernel, before: usize) -> Result<Self, TooLarge> {
+    pub(super) fn new(kernel: Kernel, before: usize) -> Result<Self, TooLarge> {
         let operations = &kernel.operations;
         let mut constant = vec![false; operations.len()];
         for (at, &operation) in operations.iter().enumerate() {
@@ -100,11 +102,12 @@ impl Program {
                 .iter()
                 .map(|&at| places.of[at as usize])
                 .collect(),
+            kernel,
         })
     }
 
     /// The values that depend on parameters only.
-    pub(crate) fn fold<'a>(&'a self, parameters: &[f64]) -> impl Iterator<Item = f64> + 'a {
+    pub(super) fn fold<'a>(&'a self, parameters: &[f64]) -> impl Iterator<Item = f64> + 'a {
         let mut values: Vec<f64> = Vec::with_capacity(self.folding.operations.len());
         for &operation in &self.folding.operations {
             let at = |part: u32| values[part as usize];
@@ -127,7 +130,7 @@ impl Program {
     }
 
     /// Evaluates it; `folded` are its values that depend on parameters only.
-    pub(crate) fn run(
+    pub(super) fn run(
         &self,
         folded: &[f64],
         x: &[f64],

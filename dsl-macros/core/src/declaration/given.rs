@@ -3,15 +3,15 @@
 use super::SparsityPattern;
 
 /// Parameters that stand behind the coordinates of a scene as coordinates without motion, and behind them what is remembered of its
-/// start, see [`Model::with_held`](super::Model::with_held).
-#[derive(Debug, Clone, Copy)]
+/// start, see `Model::with_held`.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held {
     /// Their indices among the parameters, in the order of these coordinates.
     pub parameters: &'static [usize],
     /// Components of the start `(q, v)` of the scene itself that the coordinates behind those are, and decide: those of
-    /// [`Model::remembered`](super::Model::remembered).
+    /// `Model::remembered`.
     pub starts: &'static [usize],
-    /// Number of coordinates behind those that are largest values, the [`Model::epigraphs`](super::Model::epigraphs) of the end and of the
+    /// Number of coordinates behind those that are largest values, the `Model::epigraphs` of the end and of the
     /// whole motion.
     pub largest: usize,
     /// Of the last controls, which are largest values of each instant, the numbers of their conditions, which are the last path
@@ -20,9 +20,9 @@ pub struct Held {
     /// What of start, horizon and laws depends on them; the start, the horizon and the laws of the model itself have the values
     /// that the parameters were given.
     pub given: &'static [Given],
-    /// Pattern of the Jacobian of [`Model::given_values`](super::Model::given_values) with respect to `x`.
+    /// Pattern of the Jacobian of `Model::given_values` with respect to `x`.
     pub jacobian: SparsityPattern,
-    /// Pattern (lower triangle) of the Hessian of the weighted [`Model::given_values`](super::Model::given_values).
+    /// Pattern (lower triangle) of the Hessian of the weighted `Model::given_values`.
     pub hessian: SparsityPattern,
 }
 

@@ -13,7 +13,7 @@ pub struct Experiment {
     pub quantities: &'static [MeasuredQuantity],
     /// From how many standard deviations on a residual counts linearly; none where squares are added up.
     pub huber: Option<f64>,
-    /// Whether it has a start of its own, see [`Model::in_experiment`](super::Model::in_experiment).
+    /// Whether it has a start of its own, see `Model::in_experiment`.
     pub own_start: bool,
 }
 

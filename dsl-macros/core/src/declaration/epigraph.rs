@@ -1,6 +1,6 @@
 //! Largest values as unknowns: `t >= a`, `t >= b` where as little as possible of `max(a, b)` is asked for.
 
-/// A largest value that optimal control has as an unknown, see [`Model::epigraphs`](super::Model::epigraphs).
+/// A largest value that optimal control has as an unknown, see `Model::epigraphs`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Epigraph {
     /// What it stands for, or the term that it stands in, as written.

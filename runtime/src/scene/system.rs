@@ -1,4 +1,4 @@
-//! Small linear systems and the derivatives of their solutions, with the operations of compiled scenes in their order.
+//! Small linear systems and the derivatives of their solutions.
 //!
 //! A vector `y(x)` solves `K(x) y = b(x)`; `F(x, y) = K y - b`. With `mu = K^-T lambda` and `P = d(K' mu)/dx`,
 //!
@@ -8,34 +8,38 @@
 //!
 //! What is zero is passed over, which changes no sum: the inertia of bodies that are not joined to each other is a band, or a diagonal.
 
-/// Position of a structural nonzero: row, column.
-pub(crate) type Position = (usize, usize);
+use super::data::Places;
+
+/// A position as indices.
+pub(super) fn at((row, column): (u32, u32)) -> (usize, usize) {
+    (row as usize, column as usize)
+}
 
 /// A factorized linear system, its solution and the derivatives of that.
 #[derive(Debug, Default)]
-pub(crate) struct Solution {
+pub(super) struct Solution {
     /// Unit lower triangle and upper triangle, row-major.
-    pub(crate) factors: Vec<f64>,
+    pub(super) factors: Vec<f64>,
     /// `rows[i]` is the row of the matrix that became row `i`.
-    pub(crate) rows: Vec<usize>,
+    pub(super) rows: Vec<usize>,
     /// Where each row of the matrix has gone.
     places: Vec<usize>,
     /// Columns of each row from its first nonzero to behind its last one.
     reach: Vec<[usize; 2]>,
     /// Multipliers, and then the solution.
-    pub(crate) y: Vec<f64>,
+    pub(super) y: Vec<f64>,
     /// Derivatives of the solution, row-major.
-    pub(crate) sensitivity: Vec<f64>,
+    pub(super) sensitivity: Vec<f64>,
     /// A matrix over the inputs, row-major.
-    pub(crate) product: Vec<f64>,
+    pub(super) product: Vec<f64>,
     /// Right-hand sides and intermediate vectors.
-    pub(crate) vectors: [Vec<f64>; 2],
+    pub(super) vectors: [Vec<f64>; 2],
 }
 
 impl Solution {
     /// Factorizes the matrix of order `size` that stands before the right-hand side in `system`, and solves for it. The
     /// solution stands behind as many zeros in `y`.
-    pub(crate) fn solve_system(&mut self, system: &[f64], size: usize) {
+    pub(super) fn solve_system(&mut self, system: &[f64], size: usize) {
         let (matrix, right) = system.split_at(size * size);
         self.factorize(matrix, size);
         zeros(&mut self.y, 2 * size);
@@ -94,7 +98,7 @@ impl Solution {
     }
 
     /// Solution of `K x = b`.
-    pub(crate) fn solve(&self, b: &[f64], x: &mut [f64]) {
+    pub(super) fn solve(&self, b: &[f64], x: &mut [f64]) {
         let rows = self.factors.chunks_exact(x.len()).zip(&self.reach);
         for (i, (row, &[first, _])) in rows.clone().enumerate() {
             let first = first.min(i);
@@ -107,7 +111,7 @@ impl Solution {
     }
 
     /// Solution of `K' mu = lambda`, which becomes the first half of `y`.
-    pub(crate) fn solve_transposed(&mut self, lambda: &[f64]) {
+    pub(super) fn solve_transposed(&mut self, lambda: &[f64]) {
         let size = lambda.len();
         let rows = self.factors.chunks_exact(size);
         let work = &mut self.vectors[0];
@@ -128,11 +132,12 @@ impl Solution {
     }
 
     /// `A = -K^-1 F_x` from the nonzeros of `F_x`, with a column for each input.
-    pub(crate) fn differentiate(&mut self, pattern: &[Position], values: &[f64], inputs: usize) {
+    pub(super) fn differentiate(&mut self, pattern: Places, values: &[f64], inputs: usize) {
         let size = self.rows.len();
         zeros(&mut self.sensitivity, size * inputs);
         let a = &mut self.sensitivity[..];
-        for (&(row, column), value) in pattern.iter().zip(values) {
+        for (&place, value) in pattern.iter().zip(values) {
+            let (row, column) = at(place);
             a[self.places[row] * inputs + column] = -value;
         }
         let rows = self.factors.chunks_exact(size);
@@ -160,35 +165,39 @@ impl Solution {
     }
 
     /// Picks entries of `A`; `above` is subtracted from their rows.
-    pub(crate) fn gather(&self, pattern: &[Position], above: usize, values: &mut [f64]) {
+    pub(super) fn gather(&self, pattern: Places, above: usize, values: &mut [f64]) {
         let inputs = self.sensitivity.len() / self.rows.len();
-        for (&(row, column), value) in pattern.iter().zip(values) {
+        for (&place, value) in pattern.iter().zip(values) {
+            let (row, column) = at(place);
             *value = self.sensitivity[(row - above) * inputs + column];
         }
     }
 
     /// Hessian of `lambda' y` at the positions `pattern` of its lower triangle: from `A`, the nonzeros of `(mu' F)_xx`
     /// (lower triangle) and those of `P`.
-    pub(crate) fn pull_back(
+    pub(super) fn pull_back(
         &mut self,
-        (residual_pattern, residual): (&[Position], &[f64]),
-        (cross_pattern, cross): (&[Position], &[f64]),
-        pattern: &[Position],
+        (residual_pattern, residual): (Places, &[f64]),
+        (cross_pattern, cross): (Places, &[f64]),
+        pattern: Places,
         values: &mut [f64],
     ) {
         let inputs = self.sensitivity.len() / self.rows.len();
         zeros(&mut self.product, inputs * inputs);
         let product = &mut self.product[..];
         // P'A, row i from each nonzero P[k][i]; its transpose is added where an entry is read.
-        for (&(k, i), &value) in cross_pattern.iter().zip(cross) {
+        for (&place, &value) in cross_pattern.iter().zip(cross) {
+            let (k, i) = at(place);
             let row = &self.sensitivity[k * inputs..][..inputs];
             subtract(&mut product[i * inputs..][..inputs], row, -value);
         }
         // An entry is read as the sum of its two places, which on the diagonal are one.
-        for (&(i, j), &value) in residual_pattern.iter().zip(residual) {
+        for (&place, &value) in residual_pattern.iter().zip(residual) {
+            let (i, j) = at(place);
             product[i * inputs + j] += if i == j { 0.5 * value } else { value };
         }
-        for (&(i, j), value) in pattern.iter().zip(values) {
+        for (&place, value) in pattern.iter().zip(values) {
+            let (i, j) = at(place);
             *value = -(product[i * inputs + j] + product[j * inputs + i]);
         }
     }
@@ -204,19 +213,21 @@ fn reach(row: &[f64]) -> [usize; 2] {
     }
 }
 
-fn inner(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn inner(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// `y -= factor * x`.
-fn subtract(y: &mut [f64], x: &[f64], factor: f64) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y -= factor * x;
+pub(super) fn subtract(y: &mut [f64], x: &[f64], factor: f64) {
+    if factor != 0.0 {
+        for (y, x) in y.iter_mut().zip(x) {
+            *y -= factor * x;
+        }
     }
 }
 
 /// The vector with this length, of zeros.
-pub(crate) fn zeros<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
+pub(super) fn zeros<T: Copy + Default>(vector: &mut Vec<T>, length: usize) {
     vector.clear();
     vector.resize(length, T::default());
 }

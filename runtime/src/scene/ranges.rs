@@ -14,7 +14,7 @@ const ALL: Range = [f64::NEG_INFINITY, f64::INFINITY];
 
 /// The range of the first output of a kernel, with these `parameters`, where its inputs lie between `low` and `high`. What it does not
 /// follow, such as functions of the library, may have any value.
-pub(crate) fn of(kernel: &Kernel, parameters: &[f64], (low, high): (&[f64], &[f64])) -> Range {
+pub(super) fn of(kernel: &Kernel, parameters: &[f64], (low, high): (&[f64], &[f64])) -> Range {
     let mut values: Vec<Range> = Vec::with_capacity(kernel.operations.len());
     for &operation in &kernel.operations {
         let at = |part: u32| values[part as usize];
