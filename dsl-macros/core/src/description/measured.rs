@@ -4,10 +4,13 @@ use super::builder::Builder;
 use super::declared::{documentation, inferred, unit};
 use crate::declaration::{Experiment, Measured, MeasuredQuantity, list, text};
 
-/// What is declared of measured motions, and kernels of the initial coordinates and velocities of those that have a start of their own.
+/// The kernels of the initial coordinates and velocities of a motion that has a start of its own.
+type OwnStart = Option<(usize, usize)>;
+
+/// What is declared of measured motions, and kernels of the starts of those that have one of their own.
 pub(super) fn experiments(
     builder: &mut Builder<'_>,
-) -> (&'static [Experiment], &'static [Option<(usize, usize)>]) {
+) -> (&'static [Experiment], &'static [OwnStart]) {
     let scene = builder.scene;
     let declared = list(scene.experiments.iter().map(|known| Experiment {
         name: text(&known.name.text),
