@@ -423,8 +423,8 @@ fn compiled_scene_does_what_its_text_does_bit_for_bit() {
         let run = simulate(scene).horizon(2.0);
         run.gradient(["angle", "g", "m", "s"]).expect("accepted").1
     });
-    // s = -g sin(angle) t^2/2 after two seconds.
-    assert!((own.q[0][0] + 2.0 * 9.81 * 0.6_f64.cos()).abs() < 1e-9);
+    // s = g sin(angle) t^2/2 after two seconds.
+    assert!((own.q[0][0] - 2.0 * 9.81 * 0.6_f64.cos()).abs() < 1e-9);
     assert_eq!((own.q, own.v), (its.q, its.v));
 }
 
