@@ -263,9 +263,8 @@ fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {
 
 fn expand_or_report(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<TokenStream> {
     let text = text::of_declaration(input.clone());
-    let (declared, scene, description) =
-        derived(input, (&[], Parameters::Differentiated), diagnostics)?;
-    Ok(emit::scene(&declared, &scene, &description, &text))
+    let (_, scene, description) = derived(input, (&[], Parameters::Differentiated), diagnostics)?;
+    Ok(emit::scene(&scene, &description, &text))
 }
 
 /// From tokens to everything that is derived from them, differentiated by those parameters besides the inputs.

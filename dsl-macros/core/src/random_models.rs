@@ -227,7 +227,107 @@ fn accelerations(evaluator: &Evaluator<'_>, x: &[f64], n: usize, seeds: &[usize]
     let u = q.split_off(2 * n);
     let v = q.split_off(n);
     let tag = seeds.len() as u32 + 1;
-    acceleration(evaluator, &Point { q, v, u, tag })
+    let t = Nested::Real(0.0);
+    acceleration(evaluator, &Point { q, v, u, t, tag })
+}
+
+/// Units other than SI, the time, vectors in space, matrices and every function of the language.
+const SCENES: [&str; 4] = [
+    "DoublePendulum {
+        parameters {
+            m_1: kg = 1.3, m_2: g = 700, l_1: cm = 80, l_2: m = 0.6, g: m/s^2 = 9.81,
+            damping: N m s/rad = 0.1, shake: m = 0.05, omega: 1/s = 3, wall: m = 1.1,
+        }
+        coordinates { a: rad, b: deg }
+        controls { torque: N m }
+        let support = (0, shake*sin(omega*t))
+        let p_1 = support + l_1*(sin(a), -cos(a))
+        let p_2 = p_1 + l_2*(sin(a + b), -cos(a + b))
+        lagrangian m_1/2*|dot(p_1)|^2 + m_2/2*|dot(p_2)|^2 - m_1*g*p_1.z - m_2*g*p_2.z
+        forces { b: torque - damping*dot(b), a: -damping*dot(a) }
+        surface post: p_2.y <= wall
+        surface floor: p_2.z >= -120 [cm] + 0.1 [1/m]*p_2.y^2
+        impact post, floor: inelastic
+        start { b: 90 }
+    }",
+    "Functions {
+        parameters { c = 1.5, e = 2.3 }
+        coordinates { x, y, z }
+        fn f(s) = sqrt(1 + s^2) + tanh(s)*exp(-s/3) + atan(s) + cbrt(3 + s)
+        let p = (x, y + f(x), z*cosh(x/2))
+        lagrangian |dot(p)|^2/2 + c*dot(z)^2*(2 + sin(x*y)) - ln(4 + x^2 + y) - atan2(y, 3 + x) - (4 + z)^e
+            - diff(diff(f))(z)*tan(x/4) - asin(y/5)*acos(z/5) - sinh(x)*(3 + y)^1.5 - |p|^3/(2 + p[0]^2)
+        forces { x: cross((x, y), (y, dot(x))), y: dot(p, (1, dot(y), z)) }
+        surface wall: 5 + x - y^2 + sin(z) >= 0
+        impact wall: inelastic
+    }",
+    "Top {
+        parameters { m: kg = 0.4, l: m = 0.3, i_1: kg m^2 = 0.05, i_3: kg m^2 = 0.02, g: m/s^2 = 9.81 }
+        coordinates { psi: rad, theta: rad, phi: rad }
+        controls { u: N m }
+        let r = rotation_z(psi)*rotation_x(theta)*rotation_z(phi)
+        let w = transpose(r)*dot(r)
+        let spin = (w[2][1], w[0][2], w[1][0])
+        let tip = r*(0, 0, l)
+        lagrangian spin . (diagonal(i_1, i_1, i_3)*spin)/2 - m*g*tip.z
+        forces { phi: u }
+        surface stop: tip.z >= 0.1*l
+        impact stop: inelastic
+    }",
+    "Turntable {
+        parameters { m: kg = 1.5, k: N/cm = 0.2, j: kg m^2 = 0.3, tilt: deg = 20 }
+        coordinates { a: deg, x: cm, y: cm }
+        let skew = ((1, 0.2), (-0.1, 1))
+        let turn = rotation(a)*skew - ((0, sin(tilt)/10), (0, 0))
+        let p = turn*(x, y)
+        lagrangian m/2*|dot(p)|^2 + j/2*dot(a)^2 - k/2*(x, y) . (transpose(skew)*(skew*(x, y)))
+        surface wall: p.y + 0.2*p.z <= 30 [cm]
+        impact wall: inelastic
+    }",
+];
+
+#[test]
+fn formulas_are_what_the_syntax_says() {
+    for source in SCENES {
+        let mut random = Random(7);
+        graph::reset();
+        let tokens = source.parse().unwrap();
+        let declared = parse::scene(tokens, &mut Diagnostics::default()).unwrap();
+        let (scene, evaluator) = (checked(&declared, source), Evaluator::new(&declared));
+        let n = scene.coordinates.len();
+        let x: Vec<f64> = (0..=3 * n).map(|_| random.number()).collect();
+        let input = |variable| match variable {
+            Variable::Coordinate(i) => x[usize::from(i)],
+            Variable::Velocity(i) => x[n + usize::from(i)],
+            Variable::Control(i) => x[2 * n + usize::from(i)],
+            Variable::Time => x[3 * n],
+            Variable::Parameter(i) => scene.parameters[usize::from(i)].default,
+            other => panic!("{other:?} is no input"),
+        };
+        let [q, v, u] = [0, 1, 2].map(|k| {
+            let part = x[k * n..][..n].iter();
+            part.map(|&x| Nested::Real(x)).collect()
+        });
+        let (t, tag) = (Nested::Real(x[3 * n]), 1);
+        let point = Point { q, v, u, t, tag };
+        let value = |expr| evaluator.scalar(expr, &point).real();
+        let mut wanted = vec![value(evaluator.lagrangian)];
+        let force = |name: &&str| {
+            let force = evaluator.forces.get(name);
+            force.map_or(0.0, |force| value(force) * evaluator.scale(name))
+        };
+        wanted.extend(evaluator.coordinates.iter().map(force));
+        let gaps = evaluator.gaps.iter();
+        wanted.extend(gaps.map(|[free, other]| value(free) - value(other)));
+        let mut outputs = vec![scene.lagrangian];
+        outputs.extend(&scene.forces);
+        outputs.extend(scene.contacts.iter().map(|contact| contact.gap));
+        let found = run(&outputs, input);
+        assert_eq!(found.len(), wanted.len());
+        for (found, wanted) in found.into_iter().zip(wanted) {
+            agree("formula", source, found, wanted, wanted.abs());
+        }
+    }
 }
 
 /// The scene of a source that has no mistake.

@@ -1,7 +1,7 @@
 //! Test support: an interpreter of tapes, and an evaluator of the syntax tree over nested dual numbers
 //! that shares nothing with the expression graph.
 
-use crate::ast::{Expr, Kind, Operator, Scene, Statement};
+use crate::ast::{Expr, Kind, Operator, Quantity, Relation, Scene, Statement};
 use crate::graph::{Sym, Variable};
 use crate::tape::{self, Op};
 use std::collections::HashMap;
@@ -116,6 +116,11 @@ impl Nested {
                 "exp" => x.exp(),
                 "ln" => x.ln(),
                 "sqrt" => x.sqrt(),
+                "cbrt" => x.cbrt(),
+                "asin" => x.asin(),
+                "acos" => x.acos(),
+                "sinh" => x.sinh(),
+                "cosh" => x.cosh(),
                 "recip" => 1.0 / x,
                 other => panic!("no rule for {other}"),
             });
@@ -131,6 +136,9 @@ impl Nested {
             "exp" => own.clone(),
             "ln" => re.apply("recip"),
             "sqrt" => own.apply("recip").times(&Self::Real(0.5)),
+            "cbrt" => own.times(&own).times(&Self::Real(3.0)).apply("recip"),
+            "sinh" => re.apply("cosh"),
+            "cosh" => re.apply("sinh"),
             "recip" => own.times(&own).negated(),
             other => panic!("no rule for {other}"),
         };
@@ -138,23 +146,28 @@ impl Nested {
     }
 }
 
-/// Evaluates the syntax tree of a scene without units over nested dual numbers.
+/// Evaluates the syntax tree of a scene over nested dual numbers.
 pub(crate) struct Evaluator<'a> {
     lets: HashMap<&'a str, &'a Expr>,
     functions: HashMap<&'a str, (Vec<&'a str>, &'a Expr)>,
     pub(crate) lagrangian: &'a Expr,
     pub(crate) forces: HashMap<&'a str, &'a Expr>,
+    /// Both sides of each surface, the one that is larger on the free side first.
+    pub(crate) gaps: Vec<[&'a Expr; 2]>,
     pub(crate) coordinates: Vec<&'a str>,
     controls: Vec<&'a str>,
     parameters: HashMap<&'a str, f64>,
+    /// SI units in the declared unit of each quantity.
+    scales: HashMap<&'a str, f64>,
 }
 
-/// Values of coordinates, velocities and controls, and the next free tag.
+/// Values of coordinates, velocities, controls and time, and the next free tag.
 #[derive(Clone)]
 pub(crate) struct Point {
     pub(crate) q: Vec<Nested>,
     pub(crate) v: Vec<Nested>,
     pub(crate) u: Vec<Nested>,
+    pub(crate) t: Nested,
     pub(crate) tag: u32,
 }
 
@@ -167,8 +180,25 @@ impl<'a> Evaluator<'a> {
         let mut coordinates = Vec::new();
         let mut controls = Vec::new();
         let mut parameters = HashMap::new();
+        let (mut gaps, mut scales) = (Vec::new(), HashMap::new());
         for statement in &scene.statements {
+            if let Statement::Parameters(list)
+            | Statement::Coordinates(list)
+            | Statement::Controls(list) = statement
+            {
+                let scale = |q: &Quantity| q.unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
+                scales.extend(list.iter().map(|q| (q.name.text.as_str(), scale(q))));
+            }
             match statement {
+                Statement::Surface {
+                    left,
+                    relation,
+                    right,
+                    ..
+                } => gaps.push(match relation {
+                    Relation::AtMost => [right, left],
+                    Relation::AtLeast | Relation::Equal => [left, right],
+                }),
                 Statement::Let { name, value } => {
                     lets.insert(name.text.as_str(), value);
                 }
@@ -207,17 +237,24 @@ impl<'a> Evaluator<'a> {
             functions,
             lagrangian: lagrangian.expect("the scene has a Lagrangian"),
             forces,
+            gaps,
             coordinates,
             controls,
             parameters,
+            scales,
         }
+    }
+
+    /// SI units in the declared unit of a quantity.
+    pub(crate) fn scale(&self, name: &str) -> f64 {
+        self.scales.get(name).copied().unwrap_or(1.0)
     }
 
     pub(crate) fn scalar(&self, expr: &Expr, point: &Point) -> Nested {
         self.value(expr, point, &HashMap::new()).remove(0)
     }
 
-    /// Components; vectors of random models have two, matrices four, row by row.
+    /// Components; vectors have two or three, matrices four or nine, row by row.
     fn value(
         &self,
         expr: &Expr,
@@ -226,42 +263,20 @@ impl<'a> Evaluator<'a> {
     ) -> Vec<Nested> {
         let of = |inner: &Expr| self.value(inner, point, locals);
         match &expr.kind {
-            Kind::Number { value, .. } => vec![Nested::Real(*value)],
-            Kind::Name(name) => {
-                let name = name.text.as_str();
-                let find = |list: &[&str], values: &[Nested]| {
-                    list.iter()
-                        .position(|known| *known == name)
-                        .map(|i| vec![values[i].clone()])
-                };
-                if let Some(value) = locals.get(name) {
-                    return value.clone();
-                }
-                if let Some(value) = self.parameters.get(name) {
-                    return vec![Nested::Real(*value)];
-                }
-                find(&self.coordinates, &point.q)
-                    .or_else(|| find(&self.controls, &point.u))
-                    .unwrap_or_else(|| self.value(self.lets[name], point, &HashMap::new()))
+            Kind::Number { value, unit, .. } => {
+                let scale = unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
+                vec![Nested::Real(*value * scale)]
             }
+            Kind::Name(name) => self.name(&name.text, point, locals),
             Kind::Negate(inner) => of(inner).iter().map(Nested::negated).collect(),
             Kind::Power { base, exponent, .. } => {
-                let Kind::Number { value, .. } = exponent.kind else {
-                    panic!("exponents of random models are numbers");
+                // The square of a norm has no root.
+                let (base, square) = match &base.kind {
+                    Kind::Norm(inner) => (inner_product(&of(inner), &of(inner)), 2.0),
+                    _ => (of(base).remove(0), 1.0),
                 };
-                let base = match &base.kind {
-                    // The square of a norm has no root.
-                    Kind::Norm(inner) if value == 2.0 => {
-                        let components = of(inner);
-                        return vec![
-                            components
-                                .iter()
-                                .fold(Nested::Real(0.0), |sum, c| sum.add(&c.times(c))),
-                        ];
-                    }
-                    _ => of(base).remove(0),
-                };
-                vec![(1..value as usize).fold(base.clone(), |power, _| power.times(&base))]
+                let exponent = of(exponent).remove(0).real() / square;
+                vec![power(&base, exponent)]
             }
             Kind::Chain(first, rest) => rest.iter().fold(of(first), |total, link| {
                 step(&total, link.operator, &of(&link.operand))
@@ -271,29 +286,71 @@ impl<'a> Evaluator<'a> {
                 arguments,
             } => self.call(&function.text, arguments, point, locals),
             Kind::Derivative {
-                function, argument, ..
+                function,
+                order,
+                argument,
             } => {
-                let tag = point.tag;
-                let mut inside = point.clone();
-                inside.tag += 1;
-                let at = Nested::dual(tag, of(argument).remove(0), Nested::Real(1.0));
+                let (first, mut inside) = (point.tag, point.clone());
+                let mut at = of(argument).remove(0);
+                for _ in 0..*order {
+                    at = Nested::dual(inside.tag, at, Nested::Real(1.0));
+                    inside.tag += 1;
+                }
                 let (names, body) = &self.functions[function.text.as_str()];
                 let locals = HashMap::from([(names[0], vec![at])]);
-                self.value(body, &inside, &locals)
-                    .iter()
-                    .map(|c| c.eps(tag))
-                    .collect()
+                let tags = (first..inside.tag).rev();
+                let values = self.value(body, &inside, &locals).into_iter();
+                let slope = |value| {
+                    tags.clone()
+                        .fold(value, |value: Nested, tag| value.eps(tag))
+                };
+                values.map(slope).collect()
             }
             Kind::Vector(items) => items.iter().flat_map(of).collect(),
             Kind::Component { vector, name } => {
                 let components = of(vector);
-                let index = usize::from(name.text == "z");
+                let index = match (components.len(), name.text.as_str()) {
+                    (2, "y") | (3, "x") => 0,
+                    (2, "z") | (3, "y") => 1,
+                    (3, "z") => 2,
+                    _ => {
+                        let other = self.name(&name.text, point, locals);
+                        return vec![inner_product(&components, &other)];
+                    }
+                };
                 vec![components[index].clone()]
             }
-            Kind::Norm(_) | Kind::Index { .. } | Kind::Profile { .. } => {
-                panic!("not part of random models")
+            Kind::Index { vector, index } => {
+                let components = of(vector);
+                match order(components.len()) {
+                    Some(n) => components[index * n..][..n].to_vec(),
+                    None => vec![components[*index].clone()],
+                }
             }
+            Kind::Norm(inner) => vec![inner_product(&of(inner), &of(inner)).apply("sqrt")],
+            Kind::Profile { .. } => panic!("functions given by points have tests of their own"),
         }
+    }
+
+    /// What a name stands for, in SI units.
+    fn name(&self, name: &str, point: &Point, locals: &HashMap<&str, Vec<Nested>>) -> Vec<Nested> {
+        if let Some(value) = locals.get(name) {
+            return value.clone();
+        }
+        let scaled = |value: &Nested| vec![value.times(&Nested::Real(self.scale(name)))];
+        if let Some(value) = self.parameters.get(name) {
+            return scaled(&Nested::Real(*value));
+        }
+        let find = |list: &[&str], values: &[Nested]| {
+            let place = list.iter().position(|known| *known == name);
+            place.map(|i| scaled(&values[i]))
+        };
+        if name == "t" {
+            return vec![point.t.clone()];
+        }
+        find(&self.coordinates, &point.q)
+            .or_else(|| find(&self.controls, &point.u))
+            .unwrap_or_else(|| self.value(self.lets[name], point, &HashMap::new()))
     }
 
     /// The value of a call of a function, of the scene or of the language.
@@ -310,19 +367,48 @@ impl<'a> Evaluator<'a> {
             let locals = names.iter().copied().zip(values).collect();
             return self.value(body, point, &locals);
         }
-        if let [left, right] = arguments {
-            let (a, b) = (of(left), of(right));
-            let products = a.iter().zip(&b).map(|(a, b)| a.times(b));
-            return vec![products.fold(Nested::Real(0.0), |sum, p| sum.add(&p))];
-        }
-        if name == "transpose" {
-            let m = of(&arguments[0]);
-            return [0, 2, 1, 3].map(|k| m[k].clone()).to_vec();
-        }
-        if name == "rotation" {
-            let angle = of(&arguments[0]).remove(0);
-            let (s, c) = (angle.apply("sin"), angle.apply("cos"));
-            return vec![c.clone(), s.negated(), s, c];
+        let parts: Vec<Vec<Nested>> = arguments.iter().map(of).collect();
+        let [zero, one] = [0.0, 1.0].map(Nested::Real);
+        match (name, &parts[..]) {
+            ("dot", [a, b]) => return vec![inner_product(a, b)],
+            ("cross", [a, b]) => {
+                let minor =
+                    |i: usize, j: usize| a[i].times(&b[j]).add(&a[j].times(&b[i]).negated());
+                return vec![minor(0, 1)];
+            }
+            ("atan2", [y, x]) => {
+                // Where `x` is above 0.
+                return vec![y[0].times(&x[0].apply("recip")).apply("atan")];
+            }
+            ("transpose", [m]) => {
+                let n = order(m.len()).expect("a matrix");
+                return (0..n * n).map(|k| m[k % n * n + k / n].clone()).collect();
+            }
+            ("diagonal", items) => {
+                let n = items.len();
+                let entry = |k: usize| match k / n == k % n {
+                    true => items[k / n][0].clone(),
+                    false => zero.clone(),
+                };
+                return (0..n * n).map(entry).collect();
+            }
+            ("rotation" | "rotation_x" | "rotation_z", [angle]) => {
+                let (s, c) = (angle[0].apply("sin"), angle[0].apply("cos"));
+                let minus = s.negated();
+                return match name {
+                    "rotation" => vec![c.clone(), minus, s, c],
+                    "rotation_x" => {
+                        let row = [one, zero.clone(), zero.clone()];
+                        let rows = [[zero.clone(), c.clone(), minus], [zero, s, c]];
+                        [&row[..], &rows.concat()].concat()
+                    }
+                    _ => {
+                        let rows = [[c.clone(), minus, zero.clone()], [s, c, zero.clone()]];
+                        [&rows.concat()[..], &[zero.clone(), zero, one]].concat()
+                    }
+                };
+            }
+            _ => {}
         }
         if name == "dot" {
             let tag = point.tag;
@@ -331,6 +417,7 @@ impl<'a> Evaluator<'a> {
             for (q, v) in moving.q.iter_mut().zip(&point.v) {
                 *q = Nested::dual(tag, q.clone(), v.clone());
             }
+            moving.t = Nested::dual(tag, moving.t, Nested::Real(1.0));
             return self
                 .value(&arguments[0], &moving, locals)
                 .iter()
@@ -349,11 +436,11 @@ fn step(a: &[Nested], operator: Operator, b: &[Nested]) -> Vec<Nested> {
         Operator::Multiply => a.times(b),
         Operator::Divide => a.times(&b.apply("recip")),
     };
-    if operator == Operator::Multiply && a.len() == 4 && b.len() > 1 {
-        let columns = b.len() / 2;
+    if let (Operator::Multiply, Some(n), 2..) = (operator, order(a.len()), b.len()) {
+        let columns = b.len() / n;
         let entry = |i: usize, j: usize| {
-            let (above, below) = (&b[j], &b[columns + j]);
-            a[2 * i].times(above).add(&a[2 * i + 1].times(below))
+            let column: Vec<Nested> = b.iter().skip(j).step_by(columns).cloned().collect();
+            inner_product(&a[n * i..][..n], &column)
         };
         return (0..b.len())
             .map(|k| entry(k / columns, k % columns))
@@ -364,4 +451,26 @@ fn step(a: &[Nested], operator: Operator, b: &[Nested]) -> Vec<Nested> {
         (_, 1) => a.iter().map(|a| pair(a, &b[0])).collect(),
         _ => a.iter().zip(b).map(|(a, b)| pair(a, b)).collect(),
     }
+}
+
+fn inner_product(a: &[Nested], b: &[Nested]) -> Nested {
+    let products = a.iter().zip(b).map(|(a, b)| a.times(b));
+    products.fold(Nested::Real(0.0), |sum, product| sum.add(&product))
+}
+
+/// Number of rows of a matrix with so many entries; none of what is shorter or no square.
+fn order(entries: usize) -> Option<usize> {
+    match entries {
+        4 => Some(2),
+        9 => Some(3),
+        _ => None,
+    }
+}
+
+/// A power by products, or by the logarithm of a positive base.
+fn power(base: &Nested, exponent: f64) -> Nested {
+    if exponent.fract() == 0.0 && exponent >= 1.0 {
+        return (1..exponent as usize).fold(base.clone(), |power, _| power.times(base));
+    }
+    base.apply("ln").times(&Nested::Real(exponent)).apply("exp")
 }

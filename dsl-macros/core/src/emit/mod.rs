@@ -3,13 +3,11 @@
 
 mod data;
 mod kernel;
-mod locals;
 mod oracle;
 mod structure;
 
 pub(crate) use structure::stub;
 
-use crate::ast::Scene;
 use crate::description::Description;
 use crate::scene::CheckedScene;
 use proc_macro2::TokenStream;
@@ -17,21 +15,15 @@ use quote::quote;
 use std::fmt::Write;
 
 /// Emits a scene, which says what it was declared by.
-pub(crate) fn scene(
-    declared: &Scene,
-    scene: &CheckedScene,
-    derived: &Description,
-    text: &str,
-) -> TokenStream {
+pub(crate) fn scene(scene: &CheckedScene, derived: &Description, text: &str) -> TokenStream {
     let name = scene.name.rust();
     let mut code = kernel::all(derived, &name);
     numbers(scene, derived, text, &mut code);
     let mut items = parsed(&code);
     if cfg!(feature = "oracle")
-        && let Some((helpers, methods)) = oracle::write(declared, scene)
+        && let Some(methods) = oracle::write(scene)
     {
-        let oracle = parsed(&format!("impl {name} {{ {helpers} {methods} }}"));
-        items.extend(locals::reserved(oracle, &name));
+        items.extend(parsed(&format!("impl {name} {{ {methods} }}")));
     }
     let structure = data::tokens(&derived.structure);
     let mut tokens = structure::tokens(scene, derived);
