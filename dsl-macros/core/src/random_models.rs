@@ -318,7 +318,7 @@ fn formulas_are_what_the_syntax_says() {
         };
         wanted.extend(evaluator.coordinates.iter().map(force));
         let gaps = evaluator.gaps.iter();
-        wanted.extend(gaps.map(|[free, other]| value(free) - value(other)));
+        wanted.extend(gaps.map(|&[free, other]| value(free) - value(other)));
         let mut outputs = vec![scene.lagrangian];
         outputs.extend(&scene.forces);
         outputs.extend(scene.contacts.iter().map(|contact| contact.gap));

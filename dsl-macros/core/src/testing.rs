@@ -367,50 +367,7 @@ impl<'a> Evaluator<'a> {
             let locals = names.iter().copied().zip(values).collect();
             return self.value(body, point, &locals);
         }
-        let parts: Vec<Vec<Nested>> = arguments.iter().map(of).collect();
-        let [zero, one] = [0.0, 1.0].map(Nested::Real);
-        match (name, &parts[..]) {
-            ("dot", [a, b]) => return vec![inner_product(a, b)],
-            ("cross", [a, b]) => {
-                let minor =
-                    |i: usize, j: usize| a[i].times(&b[j]).add(&a[j].times(&b[i]).negated());
-                return vec![minor(0, 1)];
-            }
-            ("atan2", [y, x]) => {
-                // Where `x` is above 0.
-                return vec![y[0].times(&x[0].apply("recip")).apply("atan")];
-            }
-            ("transpose", [m]) => {
-                let n = order(m.len()).expect("a matrix");
-                return (0..n * n).map(|k| m[k % n * n + k / n].clone()).collect();
-            }
-            ("diagonal", items) => {
-                let n = items.len();
-                let entry = |k: usize| match k / n == k % n {
-                    true => items[k / n][0].clone(),
-                    false => zero.clone(),
-                };
-                return (0..n * n).map(entry).collect();
-            }
-            ("rotation" | "rotation_x" | "rotation_z", [angle]) => {
-                let (s, c) = (angle[0].apply("sin"), angle[0].apply("cos"));
-                let minus = s.negated();
-                return match name {
-                    "rotation" => vec![c.clone(), minus, s, c],
-                    "rotation_x" => {
-                        let row = [one, zero.clone(), zero.clone()];
-                        let rows = [[zero.clone(), c.clone(), minus], [zero, s, c]];
-                        [&row[..], &rows.concat()].concat()
-                    }
-                    _ => {
-                        let rows = [[c.clone(), minus, zero.clone()], [s, c, zero.clone()]];
-                        [&rows.concat()[..], &[zero.clone(), zero, one]].concat()
-                    }
-                };
-            }
-            _ => {}
-        }
-        if name == "dot" {
+        if let ("dot", [argument]) = (name, arguments) {
             let tag = point.tag;
             let mut moving = point.clone();
             moving.tag += 1;
@@ -419,12 +376,54 @@ impl<'a> Evaluator<'a> {
             }
             moving.t = Nested::dual(tag, moving.t, Nested::Real(1.0));
             return self
-                .value(&arguments[0], &moving, locals)
+                .value(argument, &moving, locals)
                 .iter()
                 .map(|c| c.eps(tag))
                 .collect();
         }
-        vec![of(&arguments[0])[0].apply(name)]
+        let parts: Vec<Vec<Nested>> = arguments.iter().map(of).collect();
+        let [zero, one] = [0.0, 1.0].map(Nested::Real);
+        match (name, &parts[..]) {
+            ("dot", [a, b]) => vec![inner_product(a, b)],
+            ("cross", [a, b]) => {
+                let minor =
+                    |i: usize, j: usize| a[i].times(&b[j]).add(&a[j].times(&b[i]).negated());
+                vec![minor(0, 1)]
+            }
+            ("atan2", [y, x]) => {
+                // Where `x` is above 0.
+                vec![y[0].times(&x[0].apply("recip")).apply("atan")]
+            }
+            ("transpose", [m]) => {
+                let n = order(m.len()).expect("a matrix");
+                (0..n * n).map(|k| m[k % n * n + k / n].clone()).collect()
+            }
+            ("diagonal", items) => {
+                let n = items.len();
+                let entry = |k: usize| match k / n == k % n {
+                    true => items[k / n][0].clone(),
+                    false => zero.clone(),
+                };
+                (0..n * n).map(entry).collect()
+            }
+            ("rotation" | "rotation_x" | "rotation_z", [angle]) => {
+                let (s, c) = (angle[0].apply("sin"), angle[0].apply("cos"));
+                let minus = s.negated();
+                match name {
+                    "rotation" => vec![c.clone(), minus, s, c],
+                    "rotation_x" => {
+                        let row = [one, zero.clone(), zero.clone()];
+                        let rows = [[zero.clone(), c.clone(), minus], [zero, s, c]];
+                        [&row[..], &rows.concat()[..]].concat()
+                    }
+                    _ => {
+                        let rows = [[c.clone(), minus, zero.clone()], [s, c, zero.clone()]];
+                        [&rows.concat()[..], &[zero.clone(), zero, one][..]].concat()
+                    }
+                }
+            }
+            _ => vec![parts[0][0].apply(name)],
+        }
     }
 }
 

@@ -5,7 +5,6 @@
 //! the unit (`m: kg = 80`). A scene that declares no unit at all is not checked.
 
 mod angle;
-mod matrix;
 mod shown;
 mod statement;
 mod walk;
@@ -18,6 +17,7 @@ use std::collections::{HashMap, HashSet};
 use walk::{Shown, Walk};
 
 /// Units of gaps and of the functions of conditions, as far as they are known.
+#[derive(Default)]
 pub(super) struct Inferred {
     pub(super) gaps: HashMap<String, Unit>,
     pub(super) constraints: Vec<Option<Unit>>,
@@ -56,12 +56,8 @@ pub(super) fn inferred(
 ) -> Inferred {
     if !declares_units(scene) {
         return Inferred {
-            gaps: HashMap::new(),
-            constraints: Vec::new(),
-            goals: Vec::new(),
-            outputs: Vec::new(),
             energy: true,
-            faulty: HashSet::new(),
+            ..Inferred::default()
         };
     }
     let mut walk = walk(scene, rolling, diagnostics);

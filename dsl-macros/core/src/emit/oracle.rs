@@ -3,7 +3,7 @@
 
 use super::kernel::literal;
 use crate::graph::{Function, Function2, Sym, Variable};
-use crate::scene::CheckedScene;
+use crate::scene::{CheckedScene, Contact};
 use crate::tape::{self, Op};
 use std::fmt::Write;
 
@@ -16,8 +16,7 @@ const NUMBER: &str =
 
 /// Source of the methods; `None` if dual numbers do not know a function in them, or if something acts that is none of these.
 pub(super) fn write(scene: &CheckedScene) -> Option<String> {
-    let acts =
-        |contact: &crate::scene::Contact| contact.bound.is_some() || !contact.reset.is_empty();
+    let acts = |contact: &Contact| contact.bound.is_some() || !contact.reset.is_empty();
     if scene.contacts.iter().any(acts) {
         return None;
     }

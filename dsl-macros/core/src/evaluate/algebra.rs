@@ -1,13 +1,9 @@
 //! Sums, products and quotients of numbers and vectors.
 
-use super::value::Value;
+use super::value::{Matrix, Value};
 use crate::ast::{Expr, Link, Operator, Prefix};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::graph::{self, Compose, Function2, Sym};
-
-pub(super) fn map(value: &Value, f: impl Fn(Sym) -> Sym) -> Value {
-    value.with_components(value.components().iter().map(|&c| f(c)).collect())
-}
 
 pub(super) fn not_a_vector(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Reported {
     let message = match value {
@@ -26,9 +22,9 @@ pub(super) fn inner_product(
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     match (left, right) {
-        (Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => Ok(Value::Scalar(
-            a.iter().zip(b.iter()).map(|(&a, &b)| a * b).sum(),
-        )),
+        (Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => {
+            Ok(Value::Scalar(inner(a.iter().zip(b.iter()))))
+        }
         (a, b) => Err(diagnostics.report(
             "E02",
             place,
@@ -141,19 +137,20 @@ pub(super) fn step(
         (Operator::Multiply, Value::Scalar(a), Value::Scalar(b)) => Ok(Value::Scalar(*a * *b)),
         (Operator::Divide, _, Value::Scalar(b)) => {
             let inverse = b.power(-2);
-            Ok(map(left_value, |component| component * inverse))
+            Ok(left_value.map(|&component| component * inverse))
         }
         (Operator::Multiply, Value::Scalar(a), Value::Vector(_) | Value::Matrix(_)) => {
-            Ok(map(right_value, |component| *a * component))
+            Ok(right_value.map(|&component| *a * component))
         }
         (Operator::Multiply, Value::Matrix(m), Value::Vector(v)) if m.columns == v.len() => {
-            Ok(Value::Vector(m.times_vector(v).into()))
+            Ok(Value::Vector(m.products(v, 1).map(inner).collect()))
         }
         (Operator::Multiply, Value::Matrix(a), Value::Matrix(b)) if a.columns == b.rows() => {
-            Ok(Value::Matrix(a.times(b)))
+            let entries = a.products(&b.entries, b.columns).map(inner);
+            Ok(Value::Matrix(Matrix::new(entries.collect(), b.columns)))
         }
         (Operator::Multiply, Value::Vector(_) | Value::Matrix(_), Value::Scalar(b)) => {
-            Ok(map(left_value, |component| component * *b))
+            Ok(left_value.map(|&component| component * *b))
         }
         (Operator::Add | Operator::Subtract, Value::Vector(a), Value::Vector(b))
             if a.len() == b.len() =>
@@ -182,6 +179,11 @@ pub(super) fn step(
             ),
         )),
     }
+}
+
+/// The sum of the products of pairs.
+fn inner<'a>(pairs: impl IntoIterator<Item = (&'a Sym, &'a Sym)>) -> Sym {
+    pairs.into_iter().map(|(&a, &b)| a * b).sum()
 }
 
 fn sums(operator: Operator, a: &[Sym], b: &[Sym]) -> Vec<Sym> {

@@ -1,6 +1,6 @@
 //! Expressions over the names in force: evaluation and calls of functions need each other.
 
-use super::algebra::{cross_product, inner_product, map, not_a_vector, of_numbers, power, step};
+use super::algebra::{cross_product, inner_product, not_a_vector, of_numbers, power, step};
 use super::edges;
 use super::functions::{elementary, fades, is_derivative, velocity_direction};
 use super::matrix;
@@ -98,7 +98,7 @@ fn value_unguarded(
         Kind::Name(name) => scope.name(name, diagnostics),
         Kind::Negate(inner) => {
             let inner = value(scope, inner, diagnostics)?;
-            Ok(map(&inner, |component| -component))
+            Ok(inner.map(|&component| -component))
         }
         Kind::Chain(first, rest) => chain(scope, first, rest, diagnostics),
         Kind::Power {
@@ -134,9 +134,7 @@ fn value_unguarded(
             let of = |unit: &Option<WrittenUnit>| unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
             let (from, to) = (of(argument_unit), of(value_unit));
             let function = Function::Profile(*profile);
-            Ok(map(&at, |at| {
-                at.scaled(1.0 / from).call(function).scaled(to)
-            }))
+            Ok(at.map(|at| at.scaled(1.0 / from).call(function).scaled(to)))
         }
     }
 }
@@ -172,29 +170,16 @@ fn component_at(
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let value = value(scope, vector, diagnostics)?;
-    let components = value.components();
-    match (&value, components.get(index)) {
-        (Value::Vector(_), Some(&component)) => Ok(Value::Scalar(component)),
-        (Value::Vector(_), None) => Err(diagnostics.report(
-            "E02",
-            expr.place,
-            format!(
-                "`{vector}` has {} components, counted from 0; there is no [{index}]",
-                components.len()
-            ),
-        )),
-        (Value::Matrix(matrix), _) => matrix.row(index).ok_or_else(|| {
-            diagnostics.report(
-                "E02",
-                expr.place,
-                format!(
-                    "`{vector}` has {} rows, counted from 0; there is no [{index}]",
-                    matrix.rows()
-                ),
-            )
-        }),
-        (Value::Scalar(_), _) => Err(not_a_vector(vector, &value, diagnostics)),
+    if let Some(part) = value.at(index) {
+        return Ok(part);
     }
+    let (count, parts) = match &value {
+        Value::Scalar(_) => return Err(not_a_vector(vector, &value, diagnostics)),
+        Value::Vector(components) => (components.len(), "components"),
+        Value::Matrix(matrix) => (matrix.rows(), "rows"),
+    };
+    let message = format!("`{vector}` has {count} {parts}, counted from 0; there is no [{index}]");
+    Err(diagnostics.report("E02", expr.place, message))
 }
 
 fn chain(

@@ -6,11 +6,11 @@ use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::graph::{Compose, Function, Sym};
 
 /// The value of `((a, b), (c, d))` from that of its rows, and of `(a, b)` from that of its components.
-pub(super) fn stacked(
+pub(crate) fn stacked<T: Clone>(
     items: &[Expr],
-    values: Vec<Value>,
+    values: Vec<Value<T>>,
     diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
+) -> Checked<Value<T>> {
     let Some(Value::Vector(first)) = values.first() else {
         return Ok(Value::Vector(
             values

@@ -1,31 +1,50 @@
-//! What expressions stand for: numbers, vectors, matrices.
+//! What expressions stand for: numbers, vectors, matrices; or the units of their components.
 
 use crate::graph::Sym;
 use std::rc::Rc;
 
-/// What an expression stands for.
+/// What an expression stands for, by its components.
 #[derive(Debug, Clone)]
-pub(crate) enum Value {
-    Scalar(Sym),
-    Vector(Rc<[Sym]>),
-    Matrix(Matrix),
+pub(crate) enum Value<T = Sym> {
+    Scalar(T),
+    Vector(Rc<[T]>),
+    Matrix(Matrix<T>),
 }
 
-impl Value {
-    pub(crate) fn components(&self) -> &[Sym] {
+impl<T: Clone> Value<T> {
+    pub(crate) fn components(&self) -> &[T] {
         match self {
-            Self::Scalar(sym) => std::slice::from_ref(sym),
+            Self::Scalar(number) => std::slice::from_ref(number),
             Self::Vector(components) => components,
             Self::Matrix(matrix) => &matrix.entries,
         }
     }
 
     /// The same shape with other components.
-    pub(super) fn with_components(&self, components: Vec<Sym>) -> Self {
+    pub(super) fn with_components(&self, components: Vec<T>) -> Self {
         match self {
-            Self::Scalar(sym) => Self::Scalar(components.first().copied().unwrap_or(*sym)),
+            Self::Scalar(own) => {
+                Self::Scalar(components.into_iter().next().unwrap_or_else(|| own.clone()))
+            }
             Self::Vector(_) => Self::Vector(components.into()),
             Self::Matrix(matrix) => Self::Matrix(Matrix::new(components, matrix.columns)),
+        }
+    }
+
+    /// The same shape with another component for each.
+    pub(crate) fn map(&self, other: impl Fn(&T) -> T) -> Self {
+        self.with_components(self.components().iter().map(other).collect())
+    }
+
+    /// A component of a vector, or a row of a matrix.
+    pub(crate) fn at(&self, index: usize) -> Option<Self> {
+        match self {
+            Self::Scalar(_) => None,
+            Self::Vector(components) => components.get(index).cloned().map(Self::Scalar),
+            Self::Matrix(matrix) => {
+                let row = matrix.entries.chunks(matrix.columns.max(1)).nth(index)?;
+                Some(Self::Vector(row.into()))
+            }
         }
     }
 
@@ -43,13 +62,13 @@ impl Value {
 
 /// A matrix, row by row.
 #[derive(Debug, Clone)]
-pub(crate) struct Matrix {
-    pub(crate) entries: Rc<[Sym]>,
+pub(crate) struct Matrix<T = Sym> {
+    pub(crate) entries: Rc<[T]>,
     pub(crate) columns: usize,
 }
 
-impl Matrix {
-    pub(super) fn new(entries: Vec<Sym>, columns: usize) -> Self {
+impl<T: Clone> Matrix<T> {
+    pub(crate) fn new(entries: Vec<T>, columns: usize) -> Self {
         Self {
             entries: entries.into(),
             columns,
@@ -60,40 +79,21 @@ impl Matrix {
         self.entries.len() / self.columns.max(1)
     }
 
-    pub(super) fn at(&self, i: usize, j: usize) -> Sym {
-        self.entries[i * self.columns + j]
+    /// For each entry of the product with a matrix of so many columns, row by row, the pairs whose products it adds up.
+    pub(crate) fn products<'a>(
+        &'a self,
+        other: &'a [T],
+        columns: usize,
+    ) -> impl Iterator<Item = Vec<(&'a T, &'a T)>> {
+        let rows = self.entries.chunks(self.columns.max(1));
+        let column = move |j| other.iter().skip(j).step_by(columns);
+        let pairs = move |row: &'a [T], j| row.iter().zip(column(j)).collect::<Vec<_>>();
+        rows.flat_map(move |row| (0..columns).map(move |j| pairs(row, j)))
     }
 
-    pub(super) fn row(&self, i: usize) -> Option<Value> {
-        let row = self.entries.chunks(self.columns.max(1)).nth(i)?;
-        Some(Value::Vector(row.into()))
-    }
-
-    /// `self * vector`, which has as many components as there are columns.
-    pub(super) fn times_vector(&self, vector: &[Sym]) -> Vec<Sym> {
-        self.entries
-            .chunks(self.columns.max(1))
-            .map(|row| row.iter().zip(vector).map(|(&m, &v)| m * v).sum())
-            .collect()
-    }
-
-    /// `self * other`, which has as many rows as there are columns.
-    pub(super) fn times(&self, other: &Self) -> Self {
-        let mut entries = Vec::with_capacity(self.rows() * other.columns);
-        for i in 0..self.rows() {
-            for j in 0..other.columns {
-                let terms = (0..self.columns).map(|k| self.at(i, k) * other.at(k, j));
-                entries.push(terms.sum());
-            }
-        }
-        Self::new(entries, other.columns)
-    }
-
-    pub(super) fn transposed(&self) -> Self {
-        let mut entries = Vec::with_capacity(self.entries.len());
-        for j in 0..self.columns {
-            entries.extend((0..self.rows()).map(|i| self.at(i, j)));
-        }
-        Self::new(entries, self.rows())
+    pub(crate) fn transposed(&self) -> Self {
+        let columns = 0..self.columns;
+        let entries = columns.flat_map(|j| self.entries.iter().skip(j).step_by(self.columns));
+        Self::new(entries.cloned().collect(), self.rows())
     }
 }

@@ -102,11 +102,9 @@ fn curve(
         None => metre(),
         Some((lower, upper)) => {
             let (own, its) = (walk.scalar(lower)?, walk.scalar(upper)?);
-            if !walk.unifier.unify(&own, &its) {
-                let place = lower.place.to(upper.place);
-                let what = format!("both ends of `{}`", over.text);
-                return Err(walk.differ(place, (lower, &own), (upper, &its), &what));
-            }
+            let place = lower.place.to(upper.place);
+            let what = format!("both ends of `{}`", over.text);
+            walk.same(place, (lower, &own), (upper, &its), &what)?;
             own
         }
     };

@@ -122,7 +122,9 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             ..
         } => at(walk, time, conditions, values),
         Statement::Start(assignments) => starts(walk, assignments),
-        Statement::Horizon { value, .. } => horizon(walk, value),
+        Statement::Horizon { value, .. } => {
+            walk.given(value, &Dimension::second(), "the horizon is a time")
+        }
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
         Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
@@ -145,15 +147,7 @@ fn at(
     conditions: &[Condition],
     values: &[Assignment],
 ) -> Checked<()> {
-    if !is_bare(time) {
-        let own = walk.scalar(time)?;
-        walk.expect(
-            time,
-            &own,
-            &Dimension::second(),
-            "conditions hold at a time",
-        )?;
-    }
+    walk.given(time, &Dimension::second(), "conditions hold at a time")?;
     for condition in conditions {
         let own = comparison(walk, condition, "both sides of a condition")?;
         walk.goals.push(own);
@@ -185,9 +179,8 @@ fn lagrangian(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
 }
 
 fn dissipation(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
-    let own = walk.scalar(value)?;
     let wanted = walk.energy.over(&Dimension::second());
-    walk.expect(value, &own, &wanted, "the dissipation is a power")
+    walk.fits(value, &wanted, "the dissipation is a power")
 }
 
 /// Remembers what `name` belongs to if its units differ.
@@ -198,27 +191,10 @@ fn noted(walk: &mut Walk<'_>, name: &Name, result: Checked<()>) -> Checked<()> {
     result
 }
 
-fn horizon(walk: &mut Walk<'_>, value: &Expr) -> Checked<()> {
-    if is_bare(value) {
-        return Ok(());
-    }
-    let own = walk.scalar(value)?;
-    walk.expect(value, &own, &Dimension::second(), "the horizon is a time")
-}
-
 fn surface(walk: &mut Walk<'_>, name: &Name, left: &Expr, right: &Expr) -> Checked<()> {
-    angle::compared(walk, left, right);
-    let (own, its) = (walk.scalar(left), walk.scalar(right));
-    let (own, its) = (own?, its?);
-    if !walk.unifier.unify(&own, &its) {
-        return Err(walk.differ(
-            left.place.to(right.place),
-            (left, &own),
-            (right, &its),
-            &format!("both sides of surface `{}`", name.text),
-        ));
-    }
-    walk.gaps.push((name.text.clone(), own));
+    let what = format!("both sides of surface `{}`", name.text);
+    let gap = compared(walk, (left, right), &what)?;
+    walk.gaps.push((name.text.clone(), gap));
     Ok(())
 }
 
@@ -244,15 +220,10 @@ fn joint(walk: &mut Walk<'_>, statement: &Statement) -> Checked<()> {
         let [Some(own), Some(its)] = pair else {
             return Err(Reported);
         };
-        if !walk.unifier.unify(own, its) {
-            return Err(walk.differ(place, (left, own), (right, its), &what));
-        }
+        walk.same(place, (left, own), (right, its), &what)?;
         let one = unit.get_or_insert_with(|| own.clone());
-        if !walk.unifier.unify(one, own) {
-            let what = format!("the components of joint `{}`", name.text);
-            let (one, own) = (one.clone(), own.clone());
-            return Err(walk.differ(place, (left, &one), (left, &own), &what));
-        }
+        let what = format!("the components of joint `{}`", name.text);
+        walk.same(place, (left, one), (left, own), &what)?;
     }
     let mut unit = unit.ok_or(Reported)?;
     if walk.rolling.contains(&name.text) {
@@ -275,13 +246,8 @@ fn declared_quantity(walk: &mut Walk<'_>, quantity: &Quantity) -> Checked<()> {
             angle::of_name(walk, &quantity.name.text, expr);
             continue;
         }
-        let own = walk.scalar(expr)?;
-        walk.expect(
-            expr,
-            &own,
-            &wanted,
-            &format!("`{}` is declared so", quantity.name.text),
-        )?;
+        let reason = format!("`{}` is declared so", quantity.name.text);
+        walk.fits(expr, &wanted, &reason)?;
     }
     Ok(())
 }
@@ -315,24 +281,19 @@ fn starts(walk: &mut Walk<'_>, assignments: &[Assignment]) -> Checked<()> {
 
 /// What a state changes by.
 fn rate(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
-    let own = walk.scalar(&assignment.value)?;
     let wanted = walk.named(&assignment.target).over(&Dimension::second());
     let reason = format!(
         "the rate of `{}` is the unit of the state over s",
         assignment.target.text
     );
-    walk.expect(&assignment.value, &own, &wanted, &reason)
+    walk.fits(&assignment.value, &wanted, &reason)
 }
 
 /// What a state or a velocity is set to.
 fn reset(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
-    if is_bare(&assignment.value) {
-        return Ok(());
-    }
-    let own = walk.scalar(&assignment.value)?;
     let (wanted, shown) = of_target(walk, &assignment.target, assignment.velocity);
     let reason = format!("`{shown}` is set to it");
-    walk.expect(&assignment.value, &own, &wanted, &reason)
+    walk.given(&assignment.value, &wanted, &reason)
 }
 
 fn start(walk: &mut Walk<'_>, assignment: &Assignment) -> Checked<()> {
@@ -357,41 +318,32 @@ fn impulse_direction(walk: &mut Walk<'_>, direction: &Expr) -> Checked<()> {
         return Ok(());
     };
     let coordinates: Vec<Name> = walk.coordinates.clone();
-    let mut first: Option<(Dimension, &Expr)> = None;
+    let mut first: Option<Dimension> = None;
     for (item, coordinate) in items.iter().zip(&coordinates) {
         let own = walk.scalar(item)?;
-        let relative = own.over(&walk.named(coordinate));
-        match &first {
-            None => first = Some((relative, item)),
-            Some((known, _)) => {
-                let wanted = known.times(&walk.named(coordinate));
-                walk.expect(
-                    item,
-                    &own,
-                    &wanted,
-                    &format!(
-                        "components of an impulse direction are proportional to displacements, \
-                         here of `{}`",
-                        coordinate.text
-                    ),
-                )?;
-            }
-        }
+        let unit = walk.named(coordinate);
+        let known = first.get_or_insert_with(|| own.over(&unit));
+        let reason = format!(
+            "components of an impulse direction are proportional to displacements, here of `{}`",
+            coordinate.text
+        );
+        walk.expect(item, &own, &known.times(&unit), &reason)?;
     }
     Ok(())
 }
 
-/// Unit of the difference of both sides.
 fn comparison(walk: &mut Walk<'_>, condition: &Condition, what: &str) -> Checked<Dimension> {
-    let (left, right) = (&condition.left, &condition.right);
+    compared(walk, (&condition.left, &condition.right), what)
+}
+
+/// Unit of the difference of both sides.
+fn compared(walk: &mut Walk<'_>, (left, right): (&Expr, &Expr), what: &str) -> Checked<Dimension> {
     angle::compared(walk, left, right);
     let (own, its) = (walk.scalar(left), walk.scalar(right));
     let (own, its) = (own?, its?);
-    if walk.unifier.unify(&own, &its) {
-        return Ok(own);
-    }
     let place = left.place.to(right.place);
-    Err(walk.differ(place, (left, &own), (right, &its), what))
+    walk.same(place, (left, &own), (right, &its), what)?;
+    Ok(own)
 }
 
 fn free(walk: &mut Walk<'_>, value: &FreeStart) -> Checked<()> {
@@ -399,13 +351,9 @@ fn free(walk: &mut Walk<'_>, value: &FreeStart) -> Checked<()> {
         return Ok(());
     };
     let (wanted, shown) = of_target(walk, &value.target, value.velocity);
-    for expr in [lower, upper] {
-        if !is_bare(expr) {
-            let own = walk.scalar(expr)?;
-            walk.expect(expr, &own, &wanted, &format!("it bounds `{shown}`"))?;
-        }
-    }
-    Ok(())
+    let reason = format!("it bounds `{shown}`");
+    walk.given(lower, &wanted, &reason)?;
+    walk.given(upper, &wanted, &reason)
 }
 
 /// Unit and name of a coordinate or a velocity.
@@ -428,11 +376,11 @@ fn impact_law(walk: &mut Walk<'_>, surfaces: &[Name], law: &Law) -> Checked<()> 
         .and_then(|expr| velocities(expr).first());
     let speed = speed.and_then(|expr| walk.units(expr).ok()?.components().first().cloned());
     let speed = speed.unwrap_or_else(|| {
-        let of_surface = |walk: &Walk<'_>| {
-            let known = walk.gaps.iter().find(|(name, _)| surfaces[0].text == *name);
-            known.map(|(_, gap)| gap.over(&Dimension::second()))
-        };
-        of_surface(walk).unwrap_or_else(|| walk.unifier.unknown(words::SPEED))
+        let gap = walk.gap(&surfaces[0].text);
+        gap.map_or_else(
+            || walk.unifier.unknown(words::SPEED),
+            |gap| gap.over(&Dimension::second()),
+        )
     });
     for (coefficient, of) in [
         (&law.restitution, "restitution"),
@@ -503,15 +451,9 @@ pub(super) fn measured(walk: &mut Walk<'_>, scene: &Scene) {
             continue;
         };
         for quantity in &measured.quantities {
-            if is_bare(&quantity.within) {
-                continue;
-            }
-            let Ok(own) = walk.scalar(&quantity.within) else {
-                continue;
-            };
             let (wanted, shown) = of_target(walk, &quantity.target, quantity.velocity);
             let reason = format!("it is the standard deviation of the measured `{shown}`");
-            let _: Checked<()> = walk.expect(&quantity.within, &own, &wanted, &reason);
+            let _: Checked<()> = walk.given(&quantity.within, &wanted, &reason);
         }
         let _: Checked<()> = starts(walk, &measured.start);
     }
@@ -521,12 +463,9 @@ pub(super) fn measured(walk: &mut Walk<'_>, scene: &Scene) {
 pub(super) fn sliding_velocities(walk: &mut Walk<'_>) {
     for (surfaces, expr, own) in std::mem::take(&mut walk.sliding) {
         for surface in surfaces {
-            let gap = walk
-                .gaps
-                .iter()
-                .find(|(name, _)| *name == surface.text)
-                .map(|(_, gap)| gap.clone());
-            let Some(gap) = gap else { continue };
+            let Some(gap) = walk.gap(&surface.text) else {
+                continue;
+            };
             let wanted = gap.over(&Dimension::second());
             let reason = format!(
                 "the sliding velocity of `{}` has the unit of its gap over s",

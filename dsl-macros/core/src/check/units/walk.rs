@@ -1,11 +1,10 @@
 //! Units of expressions.
 
-use super::matrix::Matrix;
 use crate::ast::{Expr, Kind, Link, Name, Operator, Prefix, WrittenUnit};
 use crate::check::values::is_bare;
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::dimension::{Dimension, Unifier};
-use crate::evaluate::BUDGET;
+use crate::evaluate::{BUDGET, Matrix, Value, stacked};
 use crate::words;
 use hangtime_units::Ratio;
 use std::collections::{HashMap, HashSet};
@@ -13,34 +12,8 @@ use std::collections::{HashMap, HashSet};
 /// Most calls inside each other; the evaluation before this one refuses more.
 const MOST_CALLS: usize = 100;
 
-/// Units of the components; numbers have one.
-#[derive(Debug, Clone)]
-pub(super) enum Units {
-    Scalar(Dimension),
-    Vector(Vec<Dimension>),
-    Matrix(Matrix),
-}
-
-impl Units {
-    pub(super) fn components(&self) -> &[Dimension] {
-        match self {
-            Self::Scalar(dimension) => std::slice::from_ref(dimension),
-            Self::Vector(dimensions) => dimensions,
-            Self::Matrix(matrix) => &matrix.entries,
-        }
-    }
-
-    pub(super) fn map(&self, f: impl Fn(&Dimension) -> Dimension) -> Self {
-        match self {
-            Self::Scalar(dimension) => Self::Scalar(f(dimension)),
-            Self::Vector(dimensions) => Self::Vector(dimensions.iter().map(f).collect()),
-            Self::Matrix(matrix) => Self::Matrix(Matrix {
-                entries: matrix.entries.iter().map(f).collect(),
-                columns: matrix.columns,
-            }),
-        }
-    }
-}
+/// Units of the components of a value: of matrices entry by entry, as those of moments of inertia and of rotations differ.
+pub(super) type Units = Value<Dimension>;
 
 /// What is recorded and drawn.
 #[derive(Default)]
@@ -139,20 +112,61 @@ impl Walk<'_> {
         Err(self.diagnostics.report("E03", expr.place, message))
     }
 
-    pub(super) fn differ(
+    /// An expression has the unit of what it belongs to.
+    pub(super) fn fits(&mut self, expr: &Expr, wanted: &Dimension, reason: &str) -> Checked<()> {
+        let own = self.scalar(expr)?;
+        self.expect(expr, &own, wanted, reason)
+    }
+
+    /// The same where a bare number is meant in that unit.
+    pub(super) fn given(&mut self, expr: &Expr, wanted: &Dimension, reason: &str) -> Checked<()> {
+        match is_bare(expr) {
+            true => Ok(()),
+            false => self.fits(expr, wanted, reason),
+        }
+    }
+
+    /// Two expressions with these units have the same one.
+    pub(super) fn same(
         &mut self,
         place: Place,
         (left, own): (&Expr, &Dimension),
         (right, its): (&Expr, &Dimension),
         what: &str,
-    ) -> Reported {
+    ) -> Checked<()> {
+        if self.unifier.unify(own, its) {
+            return Ok(());
+        }
         let message = format!(
             "units differ: `{left}` {}, `{right}` {}; {what} must agree{}",
             self.unifier.is_in(own),
             self.unifier.is_in(its),
             self.hint(&[(left, its), (right, own)])
         );
-        self.diagnostics.report("E03", place, message)
+        Err(self.diagnostics.report("E03", place, message))
+    }
+
+    /// The unit that all of these have; `message` is what is said where two of them differ.
+    fn common(
+        &mut self,
+        units: &[Dimension],
+        place: Place,
+        message: impl Fn(String, String) -> String,
+    ) -> Checked<Dimension> {
+        let first = units.first().ok_or(Reported)?;
+        for own in units {
+            if !self.unifier.unify(own, first) {
+                let message = message(self.unifier.show(first), self.unifier.show(own));
+                return Err(self.diagnostics.report("E03", place, message));
+            }
+        }
+        Ok(first.clone())
+    }
+
+    /// The unit of a gap, so far.
+    pub(super) fn gap(&self, surface: &str) -> Option<Dimension> {
+        let gap = self.gaps.iter().find(|(name, _)| name == surface);
+        gap.map(|(_, gap)| gap.clone())
     }
 
     /// What to write if a bare number is to blame: each expression with the unit that would fit.
@@ -232,7 +246,11 @@ impl Walk<'_> {
                 Ok(value.map(|own| own.over(&divisor)))
             }
             Kind::Norm(inner) => self.norm(inner),
-            Kind::Vector(items) => self.stacked(items),
+            Kind::Vector(items) => {
+                let rows = items.iter().map(|item| self.units(item));
+                let rows = rows.collect::<Checked<_>>()?;
+                stacked(items, rows, self.diagnostics)
+            }
             Kind::Component { vector, name } => {
                 let units = self.units(vector)?;
                 let components = units.components();
@@ -252,36 +270,20 @@ impl Walk<'_> {
                 Ok(Units::Scalar(components[index].clone()))
             }
             Kind::Profile { .. } => self.profile(expr),
-            Kind::Index { vector, index } => {
-                let units = self.units(vector)?;
-                if let Units::Matrix(matrix) = &units {
-                    let row = matrix.rows().nth(*index).ok_or(Reported)?;
-                    return Ok(Units::Vector(row.to_vec()));
-                }
-                match units.components().get(*index) {
-                    Some(dimension) => Ok(Units::Scalar(dimension.clone())),
-                    None => Err(Reported),
-                }
-            }
+            Kind::Index { vector, index } => self.units(vector)?.at(*index).ok_or(Reported),
         }
     }
 
     fn norm(&mut self, inner: &Expr) -> Checked<Units> {
         let units = self.units(inner)?;
-        let components = units.components().to_vec();
-        let first = components.first().cloned().unwrap_or_else(Dimension::one);
-        for component in &components {
-            if !self.unifier.unify(component, &first) {
-                let message = format!(
-                    "units differ: the components of `{inner}` are in {} and {}, so they have \
-                     no common length",
-                    self.unifier.show(&first),
-                    self.unifier.show(component)
-                );
-                return Err(self.diagnostics.report("E03", inner.place, message));
-            }
-        }
-        Ok(Units::Scalar(first))
+        let message = |first, other| {
+            format!(
+                "units differ: the components of `{inner}` are in {first} and {other}, so they have \
+                 no common length"
+            )
+        };
+        let length = self.common(units.components(), inner.place, message);
+        length.map(Units::Scalar)
     }
 
     fn name(&mut self, name: &Name) -> Units {
@@ -362,14 +364,12 @@ impl Walk<'_> {
                 }
                 Ok(own)
             }
-            Operator::Multiply => Ok(match (&own, its) {
-                (Units::Matrix(matrix), _) => {
-                    return self.matrix_product(left, matrix, link, its);
-                }
-                (Units::Scalar(a), _) => its.map(|b| a.times(b)),
-                (_, Units::Scalar(b)) => own.map(|a| a.times(b)),
-                _ => return Err(Reported),
-            }),
+            Operator::Multiply => match (&own, its) {
+                (Units::Scalar(a), _) => Ok(its.map(|b| a.times(b))),
+                (_, Units::Scalar(b)) => Ok(own.map(|a| a.times(b))),
+                (Units::Matrix(matrix), _) => self.matrix_product(left, matrix, link, its),
+                (Units::Vector(_), _) => Err(Reported),
+            },
             Operator::Divide => match its {
                 Units::Scalar(b) => Ok(own.map(|a| a.over(b))),
                 Units::Vector(_) | Units::Matrix(_) => Err(Reported),
@@ -396,7 +396,7 @@ impl Walk<'_> {
                 Ok(Units::Scalar(own.times(&Dimension::second())))
             }
             (words::SUM, [argument]) => self.scalar(argument).map(Units::Scalar),
-            (words::START | words::PEAK, [argument]) => self.units(argument),
+            (words::START | words::PEAK | "abs", [argument]) => self.units(argument),
             ("dot", [left, right]) => {
                 let (own, its) = (self.units(left)?, self.units(right)?);
                 self.inner(left, &own, &its)
@@ -408,21 +408,17 @@ impl Walk<'_> {
                 };
                 match (own.components().len(), its.components().len()) {
                     (2, 2) => Ok(Units::Scalar(product(0, 1))),
-                    (3, 3) => Ok(Units::Vector(vec![
-                        product(1, 2),
-                        product(2, 0),
-                        product(0, 1),
-                    ])),
+                    (3, 3) => {
+                        let pairs = [(1, 2), (2, 0), (0, 1)];
+                        Ok(Units::Vector(pairs.map(|(a, b)| product(a, b)).into()))
+                    }
                     _ => Err(Reported),
                 }
             }
             ("atan2", [y, x]) => {
                 let (own, its) = (self.scalar(y)?, self.scalar(x)?);
-                if !self.unifier.unify(&own, &its) {
-                    let (left, right) = ((y, &own), (x, &its));
-                    let what = "both arguments of `atan2`";
-                    return Err(self.differ(function.place(), left, right, what));
-                }
+                let what = "both arguments of `atan2`";
+                self.same(function.place(), (y, &own), (x, &its), what)?;
                 Ok(Units::Scalar(Dimension::one()))
             }
             ("sqrt" | "cbrt", [argument]) => {
@@ -430,12 +426,14 @@ impl Walk<'_> {
                 let exponent = Ratio::new(1, if text == "sqrt" { 2 } else { 3 });
                 Ok(Units::Scalar(own.power(exponent.unwrap_or(Ratio::ONE))))
             }
-            ("abs", [argument]) => self.units(argument),
             (_, [argument]) if words::JUMPS.contains(&text) => {
                 let argument = self.scalar(argument);
                 argument.map(|_| Units::Scalar(Dimension::one()))
             }
-            (words::IF, [left, right, yes, no]) => self.choice(function, [left, right], [yes, no]),
+            (words::IF, [left, right, yes, no]) => {
+                self.extreme(function, left, std::slice::from_ref(right))?;
+                self.extreme(function, yes, std::slice::from_ref(no))
+            }
             ("max" | "min" | "clamp", [first, others @ ..]) => {
                 self.extreme(function, first, others)
             }
@@ -461,13 +459,11 @@ impl Walk<'_> {
     /// Units of a force or an impulse of a contact: a force does work on a change of the gap, an impulse is a force for a
     /// time.
     fn of_contact(&self, text: &str, surface: &str) -> Checked<Units> {
-        let gap = self.gaps.iter().find(|(name, _)| name == surface);
-        let gap = gap.map(|(_, gap)| gap.clone()).ok_or(Reported)?;
-        let force = self.energy.over(&gap);
+        let force = self.energy.over(&self.gap(surface).ok_or(Reported)?);
         if let Some((_, count)) = self.joints.iter().find(|(name, _)| name == surface)
             && *count > 1
         {
-            return Ok(Units::Vector(vec![force; *count]));
+            return Ok(Units::Vector(vec![force; *count].into()));
         }
         Ok(Units::Scalar(match text {
             "force" | "friction_force" => force,
@@ -475,27 +471,13 @@ impl Walk<'_> {
         }))
     }
 
-    /// Units of what a comparison chooses from.
-    fn choice(
-        &mut self,
-        function: &Name,
-        [left, right]: [&Expr; 2],
-        [yes, no]: [&Expr; 2],
-    ) -> Checked<Units> {
-        self.extreme(function, left, std::slice::from_ref(right))?;
-        self.extreme(function, yes, std::slice::from_ref(no))
-    }
-
     /// Units of the largest or smallest of some numbers.
     fn extreme(&mut self, function: &Name, first: &Expr, others: &[Expr]) -> Checked<Units> {
         let own = self.scalar(first)?;
         for other in others {
             let its = self.scalar(other)?;
-            if !self.unifier.unify(&own, &its) {
-                let what = format!("the arguments of `{}`", function.text);
-                let (left, right) = ((first, &own), (other, &its));
-                return Err(self.differ(function.place(), left, right, &what));
-            }
+            let what = format!("the arguments of `{}`", function.text);
+            self.same(function.place(), (first, &own), (other, &its), &what)?;
         }
         Ok(Units::Scalar(own))
     }
@@ -531,24 +513,13 @@ impl Walk<'_> {
     }
 
     fn inner(&mut self, whole: &Expr, left: &Units, right: &Units) -> Checked<Units> {
-        let products: Vec<Dimension> = left
-            .components()
-            .iter()
-            .zip(right.components())
-            .map(|(a, b)| a.times(b))
-            .collect();
-        let first = products.first().cloned().ok_or(Reported)?;
-        for product in &products {
-            if !self.unifier.unify(product, &first) {
-                let message = format!(
-                    "units differ: the terms of the inner product are in {} and {}",
-                    self.unifier.show(&first),
-                    self.unifier.show(product)
-                );
-                return Err(self.diagnostics.report("E03", whole.place, message));
-            }
-        }
-        Ok(Units::Scalar(first))
+        let pairs = left.components().iter().zip(right.components());
+        let products: Vec<Dimension> = pairs.map(|(a, b)| a.times(b)).collect();
+        let message = |first, other| {
+            format!("units differ: the terms of the inner product are in {first} and {other}")
+        };
+        let product = self.common(&products, whole.place, message);
+        product.map(Units::Scalar)
     }
 
     fn apply(&mut self, function: &Name, units: Vec<Units>) -> Checked<Units> {
@@ -571,71 +542,32 @@ impl Walk<'_> {
         result
     }
 
-    /// Units of `((a, b), (c, d))`, or of `(a, b)`.
-    fn stacked(&mut self, items: &[Expr]) -> Checked<Units> {
-        let mut entries = Vec::with_capacity(items.len());
-        let mut columns = None;
-        for item in items {
-            match self.units(item)? {
-                Units::Scalar(dimension) => entries.push(dimension),
-                Units::Vector(row) => {
-                    columns = Some(row.len());
-                    entries.extend(row);
-                }
-                Units::Matrix(_) => return Err(Reported),
-            }
-        }
-        Ok(match columns {
-            Some(columns) => Units::Matrix(Matrix { entries, columns }),
-            None => Units::Vector(entries),
-        })
-    }
-
-    /// Units of a product in which a matrix stands on the left.
+    /// Units of a product in which a matrix stands on the left of a vector or of another matrix.
     fn matrix_product(
         &mut self,
         left: &Prefix<'_>,
-        own: &Matrix,
+        own: &Matrix<Dimension>,
         link: &Link,
         its: &Units,
     ) -> Checked<Units> {
-        let (columns, width) = match its {
-            Units::Vector(vector) => (vec![vector.clone()], None),
-            Units::Matrix(other) => (
-                (0..other.columns).map(|j| other.column(j)).collect(),
-                Some(other.columns),
-            ),
-            Units::Scalar(factor) => {
-                let entries = own.entries.iter().map(|entry| entry.times(factor));
-                return Ok(Units::Matrix(Matrix {
-                    entries: entries.collect(),
-                    columns: own.columns,
-                }));
-            }
+        let (place, factor) = (link.place, &link.operand);
+        let message = |first, other| {
+            format!(
+                "units differ: the terms of the product `{left}*{factor}` are in {first} and {other}"
+            )
         };
-        let mut entries = Vec::new();
-        for row in own.rows() {
-            for column in &columns {
-                let products: Vec<Dimension> =
-                    row.iter().zip(column).map(|(a, b)| a.times(b)).collect();
-                let first = products.first().cloned().ok_or(Reported)?;
-                for product in &products {
-                    if !self.unifier.unify(product, &first) {
-                        let message = format!(
-                            "units differ: the terms of the product `{left}*{}` are in {} and {}",
-                            link.operand,
-                            self.unifier.show(&first),
-                            self.unifier.show(product)
-                        );
-                        return Err(self.diagnostics.report("E03", link.place, message));
-                    }
-                }
-                entries.push(first);
-            }
-        }
-        Ok(match width {
-            Some(columns) => Units::Matrix(Matrix { entries, columns }),
-            None => Units::Vector(entries),
+        let columns = match its {
+            Units::Matrix(other) => other.columns,
+            Units::Scalar(_) | Units::Vector(_) => 1,
+        };
+        let entries = own.products(its.components(), columns).map(|pairs| {
+            let products: Vec<Dimension> = pairs.iter().map(|(a, b)| a.times(b)).collect();
+            self.common(&products, place, message)
+        });
+        let entries: Vec<Dimension> = entries.collect::<Checked<_>>()?;
+        Ok(match its {
+            Units::Matrix(_) => Units::Matrix(Matrix::new(entries, columns)),
+            Units::Scalar(_) | Units::Vector(_) => Units::Vector(entries.into()),
         })
     }
 
@@ -643,11 +575,7 @@ impl Walk<'_> {
     fn matrix_function(&mut self, function: &Name, arguments: &[Expr]) -> Checked<Units> {
         match (function.text.as_str(), arguments) {
             ("transpose", [argument]) => match self.units(argument)? {
-                Units::Matrix(matrix) => {
-                    let entries = (0..matrix.columns).flat_map(|j| matrix.column(j)).collect();
-                    let columns = matrix.rows().count();
-                    Ok(Units::Matrix(Matrix { entries, columns }))
-                }
+                Units::Matrix(matrix) => Ok(Units::Matrix(matrix.transposed())),
                 _ => Err(Reported),
             },
             ("diagonal", items) => {
@@ -658,18 +586,13 @@ impl Walk<'_> {
                 for (i, item) in items.iter().enumerate() {
                     entries[i * n + i] = self.scalar(item)?;
                 }
-                Ok(Units::Matrix(Matrix {
-                    entries,
-                    columns: n,
-                }))
+                Ok(Units::Matrix(Matrix::new(entries, n)))
             }
             (name, [angle]) => {
                 self.pure(angle, name)?;
                 let columns = if name == "rotation" { 2 } else { 3 };
-                Ok(Units::Matrix(Matrix {
-                    entries: vec![Dimension::one(); columns * columns],
-                    columns,
-                }))
+                let entries = vec![Dimension::one(); columns * columns];
+                Ok(Units::Matrix(Matrix::new(entries, columns)))
             }
             _ => Err(Reported),
         }
