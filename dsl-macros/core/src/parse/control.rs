@@ -1,6 +1,6 @@
 //! Statements of optimal control: objective, constraints, terminal conditions, free initial values.
 
-use super::cursor::{Cursor, unexpected};
+use super::cursor::Cursor;
 use super::documentation::documentation;
 use super::expression::{compared, expression};
 use super::pieces::{block, entries, name, range, target};
@@ -8,39 +8,31 @@ use crate::ast::{
     Assignment, Condition, Documentation, Expr, FreeStart, Kind, Name, Quantity, Relation,
     Statement, WrittenUnit,
 };
-use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::diagnostics::{Checked, Reported};
 use hangtime_units::Unit;
 
 /// `finally { condition, ... }`.
-pub(super) fn finally(
-    cursor: &mut Cursor,
-    word: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
-    let inner = block(cursor, word, diagnostics)?;
-    let goals = entries(inner, diagnostics, |cursor, diagnostics| {
-        let documentation = documentation(cursor, diagnostics);
-        condition(cursor, documentation, diagnostics)
+pub(super) fn finally(cursor: &mut Cursor, word: &Name) -> Checked<Statement> {
+    let inner = block(cursor, word)?;
+    let goals = entries(inner, |cursor| {
+        let documentation = documentation(cursor);
+        condition(cursor, documentation)
     });
     Ok(Statement::Finally(goals))
 }
 
 /// `constraint name: condition`.
-pub(super) fn constraint(
-    cursor: &mut Cursor,
-    documentation: Documentation,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
+pub(super) fn constraint(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
     let begin = cursor.place();
     let name = match cursor.ident() {
-        Some(_) => Some(name(cursor, "a name", diagnostics)?),
+        Some(_) => Some(name(cursor, "a name")?),
         None => None,
     };
     let Some(name) = name.filter(|_| cursor.eat_symbol(":")) else {
         let message = "a constraint has a name, as in `constraint speed: dot(y) <= 3 [m/s]`";
-        return Err(diagnostics.syntax(begin, message));
+        return Err(cursor.said().syntax(begin, message));
     };
-    let condition = condition(cursor, documentation, diagnostics)?;
+    let condition = condition(cursor, documentation)?;
     Ok(Statement::Constraint { name, condition })
 }
 
@@ -49,40 +41,35 @@ pub(super) fn when(
     cursor: &mut Cursor,
     word: &Name,
     documentation: Documentation,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Statement> {
     let place = cursor.place();
-    let condition = condition(cursor, documentation, diagnostics)?;
+    let condition = condition(cursor, documentation)?;
     if condition.relation == Relation::Equal {
         let message = format!(
             "`when` waits for a side to be passed; write `when {0} >= {1} {{ ... }}`, or `<=`",
             condition.left, condition.right
         );
-        return Err(diagnostics.syntax(place, message));
+        return Err(cursor.said().syntax(place, message));
     }
-    let inner = block(cursor, word, diagnostics)?;
-    let before = diagnostics.mistakes();
-    let assignments = entries(inner, diagnostics, |cursor, diagnostics| {
-        let (target, velocity) = target(cursor, diagnostics)?;
+    let inner = block(cursor, word)?;
+    let before = cursor.said().mistakes();
+    let assignments = entries(inner, |cursor| {
+        let (target, velocity) = target(cursor)?;
         if !cursor.eat_symbol("=") {
             let name = match velocity {
                 true => format!("dot({})", target.text),
                 false => target.text,
             };
-            return Err(unexpected(
-                cursor,
-                diagnostics,
-                &format!("`=`, as in `{name} = 1`"),
-            ));
+            return Err(cursor.unexpected(&format!("`=`, as in `{name} = 1`")));
         }
-        let value = expression(cursor, diagnostics)?;
+        let value = expression(cursor)?;
         Ok(Assignment {
             target,
             velocity,
             value,
         })
     });
-    if assignments.is_empty() && diagnostics.mistakes() > before {
+    if assignments.is_empty() && cursor.said().mistakes() > before {
         return Err(Reported);
     }
     Ok(Statement::When {
@@ -92,23 +79,19 @@ pub(super) fn when(
 }
 
 /// `at time { condition, ... }`, or `at name in lower..=upper { condition, ... }` at a time that is to be found.
-pub(super) fn at(
-    cursor: &mut Cursor,
-    word: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
-    let time = expression(cursor, diagnostics)?;
-    let gate = match range(cursor, diagnostics)? {
-        Some(bounds) => Some(Box::new(gate(cursor, &time, bounds, diagnostics)?)),
+pub(super) fn at(cursor: &mut Cursor, word: &Name) -> Checked<Statement> {
+    let time = expression(cursor)?;
+    let gate = match range(cursor)? {
+        Some(bounds) => Some(Box::new(gate(cursor, &time, bounds)?)),
         None => None,
     };
-    let inner = block(cursor, word, diagnostics)?;
-    let before = diagnostics.mistakes();
-    let conditions = entries(inner, diagnostics, |cursor, diagnostics| {
-        let documentation = documentation(cursor, diagnostics);
-        condition(cursor, documentation, diagnostics)
+    let inner = block(cursor, word)?;
+    let before = cursor.said().mistakes();
+    let conditions = entries(inner, |cursor| {
+        let documentation = documentation(cursor);
+        condition(cursor, documentation)
     });
-    if conditions.is_empty() && diagnostics.mistakes() > before {
+    if conditions.is_empty() && cursor.said().mistakes() > before {
         return Err(Reported);
     }
     Ok(Statement::At {
@@ -120,17 +103,12 @@ pub(super) fn at(
 }
 
 /// The time of conditions as a parameter that is to be found; it begins in the middle of its range unless it has a value.
-fn gate(
-    cursor: &mut Cursor,
-    time: &Expr,
-    (lower, upper): (Expr, Expr),
-    diagnostics: &mut Diagnostics,
-) -> Checked<Quantity> {
+fn gate(cursor: &mut Cursor, time: &Expr, (lower, upper): (Expr, Expr)) -> Checked<Quantity> {
     let Kind::Name(name) = &time.kind else {
         let message = format!(
             "a time that is to be found has a name, as in `at gate in {lower}..={upper} {{ ... }}`"
         );
-        return Err(diagnostics.syntax(time.place, message));
+        return Err(cursor.said().syntax(time.place, message));
     };
     let middle = match (&lower.kind, &upper.kind) {
         (
@@ -149,7 +127,7 @@ fn gate(
         _ => None,
     };
     let value = match cursor.eat_symbol("=") {
-        true => Some(expression(cursor, diagnostics)?),
+        true => Some(expression(cursor)?),
         false => middle,
     };
     if value.is_none() {
@@ -157,7 +135,7 @@ fn gate(
             "the time `{0}` needs a value to begin with, as in `at {0} in {lower}..={upper} = {upper} {{ ... }}`",
             name.text
         );
-        return Err(diagnostics.syntax(name.place(), message));
+        return Err(cursor.said().syntax(name.place(), message));
     }
     let second = WrittenUnit {
         text: "s".to_owned(),
@@ -174,26 +152,22 @@ fn gate(
 }
 
 /// `left >= right`, `left <= right` or `left == right`.
-fn condition(
-    cursor: &mut Cursor,
-    documentation: Documentation,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Condition> {
-    let left = expression(cursor, diagnostics)?;
+fn condition(cursor: &mut Cursor, documentation: Documentation) -> Checked<Condition> {
+    let left = expression(cursor)?;
     let place = cursor.place();
     let Some(relation) = relation(cursor) else {
         if cursor.at_symbol(">") || cursor.at_symbol("<") || cursor.at_symbol("=") {
-            return Err(diagnostics.syntax(
+            return Err(cursor.said().syntax(
                 place,
                 "a condition is written with `==`, `>=` or `<=`; one of them is meant here",
             ));
         }
-        return Err(unexpected(cursor, diagnostics, "`==`, `>=` or `<=`"));
+        return Err(cursor.unexpected("`==`, `>=` or `<=`"));
     };
-    let right = compared(cursor, diagnostics)?;
+    let right = compared(cursor)?;
     let place = cursor.place();
     if relation_follows(cursor) {
-        return Err(diagnostics.syntax(
+        return Err(cursor.said().syntax(
             place,
             format!(
                 "a condition compares two sides; write two conditions, the second one with `{right}` \
@@ -224,17 +198,13 @@ pub(super) fn relation_follows(cursor: &Cursor) -> bool {
 }
 
 /// `free { q in lower..=upper, dot(q), ... }`.
-pub(super) fn free(
-    cursor: &mut Cursor,
-    word: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
-    let inner = block(cursor, word, diagnostics)?;
-    let values = entries(inner, diagnostics, |cursor, diagnostics| {
-        let (target, velocity) = target(cursor, diagnostics)?;
-        let bounds = range(cursor, diagnostics)?;
+pub(super) fn free(cursor: &mut Cursor, word: &Name) -> Checked<Statement> {
+    let inner = block(cursor, word)?;
+    let values = entries(inner, |cursor| {
+        let (target, velocity) = target(cursor)?;
+        let bounds = range(cursor)?;
         if cursor.at_symbol(":") || cursor.at_symbol("=") {
-            return Err(diagnostics.syntax(
+            return Err(cursor.said().syntax(
                 cursor.place(),
                 format!(
                     "`free` says which initial values are to be found; the guess belongs to `start {{ {}: \
@@ -263,31 +233,31 @@ pub(super) fn is_parameter(cursor: &Cursor) -> bool {
 
 /// `free name: unit in lower..=upper = value`, a parameter that is to be found.
 pub(super) fn free_parameter(
+    cursor: &Cursor,
     quantity: Quantity,
     documentation: Documentation,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Statement> {
     let Quantity { name, unit, .. } = &quantity;
     let unit = unit
         .as_ref()
         .map_or(String::new(), |unit| format!(": {}", unit.text));
     if quantity.bounds.is_none() {
-        diagnostics.poison(&name.text);
+        cursor.said().poison(&name.text);
         let message = format!(
             "free parameter `{0}` needs the range in which it is looked for, as in `free {0}{unit} in 1..=10 = 2`; a \
              free initial value stands in braces, `free {{ {0} }}`",
             name.text
         );
-        return Err(diagnostics.syntax(name.place(), message));
+        return Err(cursor.said().syntax(name.place(), message));
     }
     if quantity.value.is_none() {
-        diagnostics.poison(&name.text);
+        cursor.said().poison(&name.text);
         let message = format!(
             "free parameter `{0}` needs a value to begin with, as in `free {0}{unit} in 1..=10 = 2`; a free initial \
              value stands in braces, `free {{ {0} in ... }}`",
             name.text
         );
-        return Err(diagnostics.syntax(name.place(), message));
+        return Err(cursor.said().syntax(name.place(), message));
     }
     Ok(Statement::Parameters(vec![Quantity {
         documentation,

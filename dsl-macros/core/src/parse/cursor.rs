@@ -3,6 +3,7 @@
 use crate::ast::Name;
 use crate::diagnostics::{Diagnostics, Place, Reported};
 use proc_macro2::{Delimiter, Group, Ident, Spacing, Span, TokenStream, TokenTree};
+use std::cell::{RefCell, RefMut};
 use std::ops::Range;
 use std::rc::Rc;
 
@@ -26,10 +27,14 @@ pub(crate) struct Cursor {
     limit: usize,
     /// Where to point when the tokens have run out.
     end: Span,
+    said: Said,
 }
 
+/// Mistakes found so far, which all cursors over a declaration report to.
+pub(crate) type Said = Rc<RefCell<Diagnostics>>;
+
 impl Cursor {
-    pub(crate) fn new(stream: TokenStream, end: Span) -> Self {
+    pub(crate) fn new(stream: TokenStream, end: Span, said: Said) -> Self {
         let mut flat = Flat::default();
         flat.extend(stream, 0);
         Self {
@@ -39,12 +44,45 @@ impl Cursor {
             passed: 0,
             position: 0,
             end,
+            said,
         }
     }
 
     /// The tokens inside a group.
-    pub(crate) fn inside(group: &Group) -> Self {
-        Self::new(group.stream(), group.span_close())
+    pub(crate) fn inside(&self, group: &Group) -> Self {
+        Self::new(group.stream(), group.span_close(), self.all_said())
+    }
+
+    /// Mistakes found so far.
+    pub(super) fn said(&self) -> RefMut<'_, Diagnostics> {
+        self.said.borrow_mut()
+    }
+
+    /// The same to be kept.
+    pub(super) fn all_said(&self) -> Said {
+        Rc::clone(&self.said)
+    }
+
+    /// The same position, of which no mistake is told.
+    pub(super) fn silent(&self) -> Self {
+        Self {
+            said: Said::default(),
+            ..self.clone()
+        }
+    }
+
+    /// Moves to where a silent cursor over the same tokens is.
+    pub(super) fn follow(&mut self, silent: Self) {
+        *self = Self {
+            said: self.all_said(),
+            ..silent
+        };
+    }
+
+    /// Reports what was found instead of `expected`.
+    pub(super) fn unexpected(&self, expected: &str) -> Reported {
+        let message = format!("expected {expected}, found {}", self.describe());
+        self.said().syntax(self.place(), message)
     }
 
     pub(crate) fn peek(&self) -> Option<&TokenTree> {
@@ -267,17 +305,4 @@ impl Flat {
             }
         }
     }
-}
-
-/// Reports what was found instead of `expected`.
-pub(super) fn unexpected(
-    cursor: &Cursor,
-    diagnostics: &mut Diagnostics,
-    expected: &str,
-) -> Reported {
-    let place = cursor.place();
-    diagnostics.syntax(
-        place,
-        format!("expected {expected}, found {}", cursor.describe()),
-    )
 }

@@ -2,23 +2,24 @@
 
 use super::cursor::Cursor;
 use crate::ast::Documentation;
-use crate::diagnostics::Diagnostics;
 use proc_macro2::{Delimiter, Literal, TokenStream};
 
 /// Doc comments, which reach the macro as `#[doc = "text"]`.
-pub(super) fn documentation(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Documentation {
+pub(super) fn documentation(cursor: &mut Cursor) -> Documentation {
     let mut documentation = Documentation::default();
     while cursor.at_symbol("#") {
         let place = cursor.place();
         cursor.advance();
         let Some(group) = cursor.eat_group(Delimiter::Bracket) else {
-            diagnostics.syntax(place, "unexpected `#`; only doc comments may stand here");
+            cursor
+                .said()
+                .syntax(place, "unexpected `#`; only doc comments may stand here");
             continue;
         };
         match doc_line(group.stream()) {
             Some(line) => documentation.lines.push(line),
             None => {
-                diagnostics.syntax(
+                cursor.said().syntax(
                     place,
                     "attributes are not part of the language; only doc comments may stand here",
                 );

@@ -1,11 +1,12 @@
 //! Expressions, by binding powers: `+ -` < `* /` < unary minus < `^` < components and indices.
 
-use super::cursor::{Cursor, unexpected};
+use super::cursor::{Cursor, Said};
 use super::{number, slips};
 use crate::ast::{Expr, Kind, Link, Name, Operator};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::words;
 use proc_macro2::{Delimiter, Group, Ident, TokenTree};
+use std::cell::RefMut;
 
 /// Deepest tree; deeper ones are refused so that recursion over an expression is safe.
 const DEPTH: usize = 150;
@@ -16,31 +17,26 @@ const SIGN: u8 = 5;
 const POWER: u8 = 7;
 
 /// Parses one expression and leaves the cursor behind it.
-pub(super) fn expression(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Expr> {
-    whole(cursor, diagnostics, (false, &[]))
+pub(super) fn expression(cursor: &mut Cursor) -> Checked<Expr> {
+    whole(cursor, (false, &[]))
 }
 
 /// The same where the expression ends before any of these words.
 pub(super) fn expression_before(
     words: &'static [&'static str],
     cursor: &mut Cursor,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Expr> {
-    whole(cursor, diagnostics, (false, words))
+    whole(cursor, (false, words))
 }
 
 /// The same for the right side of a comparison.
-pub(super) fn compared(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Expr> {
-    whole(cursor, diagnostics, (true, &[]))
+pub(super) fn compared(cursor: &mut Cursor) -> Checked<Expr> {
+    whole(cursor, (true, &[]))
 }
 
-fn whole(
-    cursor: &mut Cursor,
-    diagnostics: &mut Diagnostics,
-    (compared, ends): (bool, &'static [&'static str]),
-) -> Checked<Expr> {
+fn whole(cursor: &mut Cursor, (compared, ends): (bool, &'static [&'static str])) -> Checked<Expr> {
     let mut parser = Parser {
-        diagnostics,
+        said: cursor.all_said(),
         nesting: 0,
         compared,
         ends,
@@ -52,8 +48,8 @@ fn whole(
     Ok(expr)
 }
 
-struct Parser<'a> {
-    diagnostics: &'a mut Diagnostics,
+struct Parser {
+    said: Said,
     nesting: usize,
     /// Whether a comparison stands on the left.
     compared: bool,
@@ -61,7 +57,11 @@ struct Parser<'a> {
     ends: &'static [&'static str],
 }
 
-impl Parser<'_> {
+impl Parser {
+    fn said(&self) -> RefMut<'_, Diagnostics> {
+        self.said.borrow_mut()
+    }
+
     fn climb(&mut self, cursor: &mut Cursor, least: u8) -> Checked<Expr> {
         self.nesting += 1;
         if self.nesting > DEPTH {
@@ -100,7 +100,7 @@ impl Parser<'_> {
             };
             if operator == Operator::Multiply && cursor.at_symbol("*") {
                 return Err(self
-                    .diagnostics
+                    .said()
                     .syntax(place, "`**` is no operator; write powers as `x^2`"));
             }
             let operand = self.climb(cursor, own + 1)?;
@@ -118,7 +118,7 @@ impl Parser<'_> {
         let exponent = self.climb(cursor, SIGN)?;
         if stacked_power(&exponent) {
             let base = base.as_base();
-            return Err(self.diagnostics.syntax(
+            return Err(self.said().syntax(
                 place,
                 format!(
                     "two powers in a row are easily misread; put the inner one in parentheses, as in \
@@ -170,7 +170,7 @@ impl Parser<'_> {
     }
 
     fn too_deep(&mut self, place: Place) -> Reported {
-        self.diagnostics.report(
+        self.said().report(
             "E22",
             place,
             "the expression is nested too deeply; split it with `let`",
@@ -209,7 +209,7 @@ impl Parser<'_> {
                 if !cursor.at_invisible_group(0)
                     && let Some(group) = cursor.eat_group(Delimiter::Parenthesis)
                 {
-                    expr = self.method(expr, name, &group)?;
+                    expr = self.method(expr, name, (cursor, &group))?;
                     continue;
                 }
                 let (place, depth) = (expr.place.to(name.place()), expr.depth);
@@ -245,7 +245,7 @@ impl Parser<'_> {
                     depth,
                 )?;
             } else if let Some(group) = cursor.eat_group(Delimiter::Bracket) {
-                let index = self.index(&group)?;
+                let index = self.index(cursor, &group)?;
                 let (place, depth) = (expr.place.to(Place::at(group.span_close())), expr.depth);
                 expr = self.node(
                     Kind::Index {
@@ -262,8 +262,13 @@ impl Parser<'_> {
     }
 
     /// A call as in Rust, which is reported and read as what it means.
-    fn method(&mut self, object: Expr, name: Name, group: &Group) -> Checked<Expr> {
-        let mut arguments = self.items(group)?;
+    fn method(
+        &mut self,
+        object: Expr,
+        name: Name,
+        (cursor, group): (&Cursor, &Group),
+    ) -> Checked<Expr> {
+        let mut arguments = self.items(cursor.inside(group))?;
         let place = object.place.to(Place::at(group.span_close()));
         let depths = arguments.iter().map(|argument| argument.depth);
         let depth = depths.max().unwrap_or(0).max(object.depth);
@@ -287,27 +292,27 @@ impl Parser<'_> {
                     "`.{}(...)` is a call of Rust; write functions as `sin(x)`, powers as `x^2`",
                     name.text
                 );
-                return Err(self.diagnostics.syntax(place, message));
+                return Err(self.said().syntax(place, message));
             }
         };
         let meant = self.node(kind, place, depth)?;
         // What has a kink is refused for that.
         if !words::NONSMOOTH.contains(&name.text.as_str()) {
             let message = format!("`.{}(...)` is a call of Rust; write `{meant}`", name.text);
-            self.diagnostics.syntax(place, message);
+            self.said().syntax(place, message);
         }
         Ok(meant)
     }
 
-    fn index(&mut self, group: &Group) -> Checked<usize> {
-        let mut inner = Cursor::inside(group);
+    fn index(&mut self, cursor: &Cursor, group: &Group) -> Checked<usize> {
+        let mut inner = cursor.inside(group);
         if let Some(TokenTree::Literal(literal)) = inner.advance()
             && inner.is_empty()
             && let Ok(index) = literal.to_string().parse()
         {
             return Ok(index);
         }
-        Err(self.diagnostics.syntax(
+        Err(self.said().syntax(
             Place::at(group.span_open()),
             "an index is a whole number from 0; a unit in brackets stands after a number only",
         ))
@@ -319,30 +324,26 @@ impl Parser<'_> {
             let mut expr = self.climb(&mut inner, 0)?;
             self.ends_there(&inner, &expr, false)?;
             if !inner.is_empty() {
-                return Err(unexpected(&inner, self.diagnostics, "an operator"));
+                return Err(inner.unexpected("an operator"));
             }
             expr.parenthesized = true;
             return Ok(expr);
         }
         if let Some(literal) = number::literal(cursor) {
-            let (kind, place) = number::number(cursor, &literal, self.diagnostics)?;
+            let (kind, place) = number::number(cursor, &literal)?;
             return self.node(kind, place, 0);
         }
         if cursor.eat_symbol("|") {
             let inner = self.climb(cursor, 0)?;
             if !cursor.eat_symbol("|") {
                 self.ends_there(cursor, &inner, false)?;
-                return Err(unexpected(
-                    cursor,
-                    self.diagnostics,
-                    "the closing `|` of a norm",
-                ));
+                return Err(cursor.unexpected("the closing `|` of a norm"));
             }
             let (whole, depth) = (place.to(cursor.previous()), inner.depth);
             return self.node(Kind::Norm(Box::new(inner)), whole, depth);
         }
         if let Some(group) = cursor.eat_group(Delimiter::Parenthesis) {
-            let mut items = self.items(&group)?;
+            let mut items = self.items(cursor.inside(&group))?;
             let whole = Place {
                 start: group.span_open(),
                 end: group.span_close(),
@@ -350,7 +351,7 @@ impl Parser<'_> {
             let depth = items.iter().map(|item| item.depth).max().unwrap_or(0);
             return match items.len() {
                 0 => Err(self
-                    .diagnostics
+                    .said()
                     .syntax(whole, "empty parentheses; write an expression in them")),
                 1 => {
                     let mut inner = items.remove(0);
@@ -368,16 +369,16 @@ impl Parser<'_> {
         {
             return self.name(cursor, name);
         }
-        Err(unexpected(cursor, self.diagnostics, "an expression"))
+        Err(cursor.unexpected("an expression"))
     }
 
     fn name(&mut self, cursor: &mut Cursor, name: Name) -> Checked<Expr> {
-        if name.text == words::IF && !self.diagnostics.is_declared(&name.text) {
+        if name.text == words::IF && !self.said().is_declared(&name.text) {
             return self.choice(cursor, name);
         }
         let switches = name.text == "match";
-        if switches && !self.diagnostics.is_declared(&name.text) {
-            return Err(self.diagnostics.report(
+        if switches && !self.said().is_declared(&name.text) {
+            return Err(self.said().report(
                 "E12",
                 name.place(),
                 format!(
@@ -393,7 +394,7 @@ impl Parser<'_> {
             }
             if words::is_function(&name.text)
                 && name.text != "diff"
-                && !self.diagnostics.is_declared(&name.text)
+                && !self.said().is_declared(&name.text)
                 && !cursor.at_invisible_group(0)
                 && slips::is_argument(cursor)
             {
@@ -406,7 +407,7 @@ impl Parser<'_> {
         if name.text == "diff" {
             return self.derivative(cursor, &name, &group);
         }
-        let arguments = self.items(&group)?;
+        let arguments = self.items(cursor.inside(&group))?;
         let depth = arguments.iter().map(|item| item.depth).max().unwrap_or(0);
         self.node(
             Kind::Call {
@@ -430,7 +431,7 @@ impl Parser<'_> {
                 "`if` compares two numbers by `>=` or `<=`, found {}; write {SHAPE}",
                 cursor.describe()
             );
-            return Err(self.diagnostics.syntax(place, message));
+            return Err(self.said().syntax(place, message));
         }
         cursor.advance();
         cursor.eat_symbol("=");
@@ -439,7 +440,7 @@ impl Parser<'_> {
         if !cursor.eat_word("else") {
             let message =
                 format!("`else` is missing, as what acts has a value on both sides; write {SHAPE}");
-            return Err(self.diagnostics.syntax(cursor.place(), message));
+            return Err(self.said().syntax(cursor.place(), message));
         }
         let no = match cursor.at_word(words::IF) {
             // Guarded against chains without end.
@@ -472,14 +473,14 @@ impl Parser<'_> {
                 "expected a value in braces, found {}; write {shape}",
                 cursor.describe()
             );
-            return Err(self.diagnostics.syntax(cursor.place(), message));
+            return Err(self.said().syntax(cursor.place(), message));
         };
-        let mut inner = Cursor::inside(&group);
+        let mut inner = cursor.inside(&group);
         let value = self.climb(&mut inner, 0)?;
         if inner.is_empty() {
             return Ok(value);
         }
-        Err(unexpected(&inner, self.diagnostics, "an operator or `}`"))
+        Err(inner.unexpected("an operator or `}`"))
     }
 
     /// `cos theta` or `cos 2*theta`, which is reported and read as a call.
@@ -499,7 +500,7 @@ impl Parser<'_> {
             "`{0}` is a function; its argument stands in parentheses, as in `{0}({argument})`",
             name.text
         );
-        self.diagnostics.syntax(name.place(), message);
+        self.said().syntax(name.place(), message);
         let (place, depth) = (name.place().to(argument.place), argument.depth);
         let arguments = vec![argument];
         self.node(
@@ -526,47 +527,41 @@ impl Parser<'_> {
         }
         let text = &last.text;
         let message = format!("a path of Rust has no meaning here; write `{text}`");
-        self.diagnostics.syntax(place, message);
+        self.said().syntax(place, message);
         self.node(Kind::Name(last), place, 0)
     }
 
     /// `diff(f)(y)`, `diff(diff(f))(y)`.
     fn derivative(&mut self, cursor: &mut Cursor, diff: &Name, group: &Group) -> Checked<Expr> {
         let mut order = 1;
-        let mut inner = Cursor::inside(group);
+        let mut inner = cursor.inside(group);
         while inner.at_word("diff") && order < 8 {
             inner.advance();
             let Some(group) = inner.eat_group(Delimiter::Parenthesis) else {
-                return Err(unexpected(&inner, self.diagnostics, "`(` after `diff`"));
+                return Err(inner.unexpected("`(` after `diff`"));
             };
             if !inner.is_empty() {
-                return Err(unexpected(
-                    &inner,
-                    self.diagnostics,
-                    "`)` after `diff(...)`",
-                ));
+                return Err(inner.unexpected("`)` after `diff(...)`"));
             }
-            inner = Cursor::inside(&group);
+            inner = cursor.inside(&group);
             order += 1;
         }
         let Some(function) = inner.eat_name().filter(|_| inner.is_empty()) else {
-            return Err(self.diagnostics.syntax(
+            return Err(self.said().syntax(
                 diff.place(),
                 "`diff` takes the name of a declared function of one argument: `diff(f)(y)` is f'(y); \
                  the time derivative is `dot(...)`",
             ));
         };
         let Some(argument) = cursor.eat_group(Delimiter::Parenthesis) else {
-            return Err(unexpected(
-                cursor,
-                self.diagnostics,
-                &format!("the argument, as in `diff({})(y)`", function.text),
-            ));
+            return Err(
+                cursor.unexpected(&format!("the argument, as in `diff({})(y)`", function.text))
+            );
         };
         let place = diff.place().to(Place::at(argument.span_close()));
-        let mut items = self.items(&argument)?;
+        let mut items = self.items(cursor.inside(&argument))?;
         if items.len() != 1 {
-            return Err(self.diagnostics.report(
+            return Err(self.said().report(
                 "E02",
                 place,
                 format!(
@@ -592,23 +587,18 @@ impl Parser<'_> {
     /// Whether nothing follows that reads as a further factor; `list` tells whether a comma may be meant.
     fn ends_there(&mut self, cursor: &Cursor, left: &Expr, list: bool) -> Checked<()> {
         let where_it_may_end = (self.compared, self.ends);
-        slips::no_factor(cursor, (left, list), where_it_may_end, self.diagnostics)
+        slips::no_factor(cursor, (left, list), where_it_may_end)
     }
 
     /// Expressions between commas.
-    fn items(&mut self, group: &Group) -> Checked<Vec<Expr>> {
-        let mut inner = Cursor::inside(group);
+    fn items(&mut self, mut inner: Cursor) -> Checked<Vec<Expr>> {
         let mut items = Vec::new();
         while !inner.is_empty() {
             let item = self.climb(&mut inner, 0)?;
             self.ends_there(&inner, &item, true)?;
             items.push(item);
             if !inner.is_empty() && !inner.eat_symbol(",") {
-                return Err(unexpected(
-                    &inner,
-                    self.diagnostics,
-                    "an operator, `,` or `)`",
-                ));
+                return Err(inner.unexpected("an operator, `,` or `)`"));
             }
         }
         Ok(items)
@@ -624,13 +614,13 @@ impl Parser<'_> {
         cursor.advance();
         let place = begin.to(cursor.previous());
         let message = format!("a number has a decimal point, not a comma; write `{number}`");
-        let reported = self.diagnostics.syntax(place, message);
+        let reported = self.said().syntax(place, message);
         // Behind a factor it is not told what the rest of the expression is.
         let Kind::Number { .. } = left.kind else {
             return Err(reported);
         };
         let value = number.parse().map_err(|_| reported)?;
-        let (kind, place) = number::with_unit(cursor, (value, number), begin, self.diagnostics)?;
+        let (kind, place) = number::with_unit(cursor, (value, number), begin)?;
         self.node(kind, place, 0)
     }
 }

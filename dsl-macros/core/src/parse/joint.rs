@@ -1,28 +1,24 @@
 //! Joints: equations between positions, or between velocities.
 
 use super::control::relation_follows;
-use super::cursor::{Cursor, unexpected};
+use super::cursor::Cursor;
 use super::expression::{compared, expression};
 use super::pieces::name;
 use crate::ast::{Documentation, Expr, Name, Statement};
-use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::diagnostics::{Checked, Reported};
 
 /// `joint name: left == right`.
-pub(super) fn joint(
-    cursor: &mut Cursor,
-    documentation: Documentation,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
+pub(super) fn joint(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
     let begin = cursor.place();
     let named = match cursor.ident() {
-        Some(_) => Some(name(cursor, "the name of the joint", diagnostics)?),
+        Some(_) => Some(name(cursor, "the name of the joint")?),
         None => None,
     };
     let Some(name) = named.filter(|_| cursor.eat_symbol(":")) else {
         let message = "a joint has a name, as in `joint loop: left == right`";
-        return Err(diagnostics.syntax(begin, message));
+        return Err(cursor.said().syntax(begin, message));
     };
-    match sides(cursor, &name, diagnostics) {
+    match sides(cursor, &name) {
         Ok([left, right]) => Ok(Statement::Joint {
             documentation,
             name,
@@ -30,15 +26,15 @@ pub(super) fn joint(
             right,
         }),
         Err(Reported) => {
-            diagnostics.poison(&name.text);
+            cursor.said().poison(&name.text);
             Err(Reported)
         }
     }
 }
 
 /// Both sides of the equation.
-fn sides(cursor: &mut Cursor, name: &Name, diagnostics: &mut Diagnostics) -> Checked<[Expr; 2]> {
-    let left = expression(cursor, diagnostics)?;
+fn sides(cursor: &mut Cursor, name: &Name) -> Checked<[Expr; 2]> {
+    let left = expression(cursor)?;
     let place = cursor.place();
     if !cursor.eat_symbol("==") {
         if cursor.at_symbol(">=") || cursor.at_symbol("<=") {
@@ -47,21 +43,21 @@ fn sides(cursor: &mut Cursor, name: &Name, diagnostics: &mut Diagnostics) -> Che
                  `surface {0}: ...` with its law, `impact {0}: inelastic`",
                 name.text
             );
-            return Err(diagnostics.syntax(place, message));
+            return Err(cursor.said().syntax(place, message));
         }
         if cursor.at_symbol("=") {
             let message = "the two sides of a joint are joined by `==`";
-            return Err(diagnostics.syntax(place, message));
+            return Err(cursor.said().syntax(place, message));
         }
         let wanted = "`==` and the other side, as in `joint loop: left == right`";
-        return Err(unexpected(cursor, diagnostics, wanted));
+        return Err(cursor.unexpected(wanted));
     }
-    let right = compared(cursor, diagnostics)?;
+    let right = compared(cursor)?;
     if relation_follows(cursor) {
         let message = format!(
             "a joint is one equation; declare two joints, the second one with `{right}` on its left"
         );
-        return Err(diagnostics.syntax(cursor.place(), message));
+        return Err(cursor.said().syntax(cursor.place(), message));
     }
     Ok([left, right])
 }

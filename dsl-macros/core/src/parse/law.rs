@@ -1,7 +1,7 @@
 //! Impact laws: `impact surface, ...: part, part, ...`, the parts in any order; and dry friction in the same way:
 //! `dry friction name: bound f, sliding v`.
 
-use super::cursor::{Cursor, unexpected};
+use super::cursor::Cursor;
 use super::expression::expression;
 use super::pieces::name;
 use crate::ast::{Documentation, Expr, Law, Name, Statement};
@@ -14,28 +14,28 @@ pub(crate) fn law_of(surface: &str) -> String {
 }
 
 /// Parses what stands behind the word `impact`.
-pub(super) fn impact(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
+pub(super) fn impact(cursor: &mut Cursor) -> Checked<Statement> {
     if let Some(part) = cursor.ident().map(ToString::to_string)
         && words::LAW_PARTS.contains(&part.as_str())
     {
-        diagnostics.poison(&law_of(""));
+        cursor.said().poison(&law_of(""));
         let message = format!(
             "the law names its surface in front of a colon; write `impact name: {part} ...` with the name of the surface"
         );
-        return Err(diagnostics.syntax(cursor.place(), message));
+        return Err(cursor.said().syntax(cursor.place(), message));
     }
-    let mut surfaces = vec![name(cursor, "the name of a surface", diagnostics)?];
+    let mut surfaces = vec![name(cursor, "the name of a surface")?];
     while cursor.eat_symbol(",") {
-        surfaces.push(name(cursor, "the name of a surface", diagnostics)?);
+        surfaces.push(name(cursor, "the name of a surface")?);
     }
-    match law(cursor, diagnostics) {
+    match law(cursor) {
         Ok(law) => Ok(Statement::Impact {
             surfaces,
             law: Box::new(law),
         }),
         Err(Reported) => {
             for surface in &surfaces {
-                diagnostics.poison(&law_of(&surface.text));
+                cursor.said().poison(&law_of(&surface.text));
             }
             Err(Reported)
         }
@@ -55,14 +55,14 @@ struct Parts {
     sequence: Option<Place>,
 }
 
-fn law(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Law> {
+fn law(cursor: &mut Cursor) -> Checked<Law> {
     if !cursor.eat_symbol(":") {
-        return Err(unexpected(cursor, diagnostics, "`:` and an impact law"));
+        return Err(cursor.unexpected("`:` and an impact law"));
     }
     let begin = cursor.place();
     let mut parts = Parts::default();
     loop {
-        parts.read(cursor, diagnostics)?;
+        parts.read(cursor)?;
         if !cursor.eat_symbol(",") {
             break;
         }
@@ -72,51 +72,41 @@ fn law(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Law> {
         .is_some_and(|ident| words::LAW_PARTS.contains(&ident.to_string().as_str()))
     {
         let message = format!("a comma is missing before {}", cursor.describe());
-        return Err(diagnostics.syntax(cursor.place(), message));
+        return Err(cursor.said().syntax(cursor.place(), message));
     }
-    parts.law(begin, diagnostics)
+    parts.law(begin, &mut cursor.said())
 }
 
 impl Parts {
-    fn read(&mut self, cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<()> {
+    fn read(&mut self, cursor: &mut Cursor) -> Checked<()> {
         let place = cursor.place();
         let Some(word) = cursor.eat_name() else {
-            return Err(unexpected(
-                cursor,
-                diagnostics,
-                "a part of an impact law such as `inelastic`",
-            ));
+            return Err(cursor.unexpected("a part of an impact law such as `inelastic`"));
         };
         let new = match word.text.as_str() {
             "inelastic" => self.inelastic.replace(place).is_none(),
-            "restitution" => value(
-                &mut self.restitution,
-                "restitution",
-                place,
-                cursor,
-                diagnostics,
-            )?,
-            "friction" => self.friction(place, cursor, diagnostics)?,
-            "sliding" => value(&mut self.sliding, "sliding", place, cursor, diagnostics)?,
-            "along" => value(&mut self.along, "along", place, cursor, diagnostics)?,
+            "restitution" => value(&mut self.restitution, "restitution", place, cursor)?,
+            "friction" => self.friction(place, cursor)?,
+            "sliding" => value(&mut self.sliding, "sliding", place, cursor)?,
+            "along" => value(&mut self.along, "along", place, cursor)?,
             "holding" => {
-                let names = held(cursor, diagnostics)?;
+                let names = held(cursor)?;
                 self.holding.replace((place, names)).is_none()
             }
             "in" => {
                 if !cursor.eat_word("sequence") {
                     let wanted =
                         "`sequence` behind `in`, for contacts that are struck one after the other";
-                    return Err(unexpected(cursor, diagnostics, wanted));
+                    return Err(cursor.unexpected(wanted));
                 }
                 self.sequence.replace(place).is_none()
             }
-            other => return Err(unknown_part(other, place, diagnostics)),
+            other => return Err(unknown_part(other, place, &mut cursor.said())),
         };
         if new {
             return Ok(());
         }
-        Err(diagnostics.report(
+        Err(cursor.said().report(
             "E20",
             place,
             format!("`{}` stands twice in one impact law; keep one", word.text),
@@ -124,23 +114,18 @@ impl Parts {
     }
 
     /// Reads `friction mu`, or `friction static mu_s, kinetic mu_k`; whether it is new.
-    fn friction(
-        &mut self,
-        place: Place,
-        cursor: &mut Cursor,
-        diagnostics: &mut Diagnostics,
-    ) -> Checked<bool> {
+    fn friction(&mut self, place: Place, cursor: &mut Cursor) -> Checked<bool> {
         let mut ahead = cursor.clone();
         let names_two = ahead.eat_word("static") && !ahead.is_empty() && !ahead.at_any_symbol();
         let at_rest = cursor.place();
         if names_two {
             *cursor = ahead;
-            value(&mut self.at_rest, "static", at_rest, cursor, diagnostics)?;
+            value(&mut self.at_rest, "static", at_rest, cursor)?;
             let mut ahead = cursor.clone();
             if !(ahead.eat_symbol(",") && ahead.eat_word("kinetic")) {
                 let message = "`friction static mu_s` says what holds at rest only; add the coefficient of sliding, as in \
                                `friction static 0.5, kinetic 0.4`";
-                return Err(diagnostics.report("E20", at_rest, message));
+                return Err(cursor.said().report("E20", at_rest, message));
             }
             *cursor = ahead;
         } else if cursor.at_word("kinetic") && !names_two {
@@ -148,10 +133,10 @@ impl Parts {
             if ahead.eat_word("kinetic") && !ahead.is_empty() && !ahead.at_any_symbol() {
                 let message = "`friction kinetic mu_k` says nothing of rest; write `friction static mu_s, kinetic mu_k`, or \
                                `friction mu` where one coefficient holds for both";
-                return Err(diagnostics.report("E20", at_rest, message));
+                return Err(cursor.said().report("E20", at_rest, message));
             }
         }
-        value(&mut self.friction, "friction", place, cursor, diagnostics)
+        value(&mut self.friction, "friction", place, cursor)
     }
 
     /// The law, if its parts fit together.
@@ -233,7 +218,6 @@ fn value(
     word: &str,
     place: Place,
     cursor: &mut Cursor,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<bool> {
     let ends = match cursor.ident() {
         Some(word) => words::is_keyword(&word.to_string()),
@@ -241,17 +225,17 @@ fn value(
     };
     if ends {
         let message = format!("`{word}` needs {}", needed(word));
-        return Err(diagnostics.syntax(place, message));
+        return Err(cursor.said().syntax(place, message));
     }
     let sign = ["=", ":"].into_iter().find(|sign| cursor.at_symbol(sign));
     let at = cursor.place();
     if let Some(sign) = sign {
         cursor.eat_symbol(sign);
     }
-    let expr = expression(cursor, diagnostics)?;
+    let expr = expression(cursor)?;
     if let Some(sign) = sign {
         let message = format!("no `{sign}` stands behind `{word}`; write `{word} {expr}`");
-        diagnostics.syntax(at, message);
+        cursor.said().syntax(at, message);
     }
     Ok(slot.replace((place, expr)).is_none())
 }
@@ -269,8 +253,8 @@ fn needed(word: &str) -> &'static str {
 }
 
 /// Names of coordinates; a comma may also begin the next part of the law.
-fn held(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Vec<Name>> {
-    let mut names = vec![name(cursor, "a coordinate", diagnostics)?];
+fn held(cursor: &mut Cursor) -> Checked<Vec<Name>> {
+    let mut names = vec![name(cursor, "a coordinate")?];
     loop {
         let mut ahead = cursor.clone();
         let more = ahead.eat_symbol(",")
@@ -281,7 +265,7 @@ fn held(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Vec<Name>
             return Ok(names);
         }
         *cursor = ahead;
-        names.push(name(cursor, "a coordinate", diagnostics)?);
+        names.push(name(cursor, "a coordinate")?);
     }
 }
 
@@ -289,14 +273,13 @@ fn held(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Vec<Name>
 pub(super) fn dry_friction(
     cursor: &mut Cursor,
     documentation: Documentation,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Statement> {
     if !cursor.eat_word("friction") {
         let wanted = "`friction` behind `dry`, as in `dry friction hinge: bound f, sliding dot(q)`";
-        return Err(unexpected(cursor, diagnostics, wanted));
+        return Err(cursor.unexpected(wanted));
     }
-    let name = name(cursor, "the name of the friction", diagnostics)?;
-    match dry_parts(cursor, &name, diagnostics) {
+    let name = name(cursor, "the name of the friction")?;
+    match dry_parts(cursor, &name) {
         Ok([bound, sliding]) => Ok(Statement::Dry {
             documentation,
             name,
@@ -304,27 +287,23 @@ pub(super) fn dry_friction(
             sliding,
         }),
         Err(Reported) => {
-            diagnostics.poison(&name.text);
+            cursor.said().poison(&name.text);
             Err(Reported)
         }
     }
 }
 
 /// Bound and sliding velocity.
-fn dry_parts(
-    cursor: &mut Cursor,
-    name: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<[Expr; 2]> {
+fn dry_parts(cursor: &mut Cursor, name: &Name) -> Checked<[Expr; 2]> {
     if !cursor.eat_symbol(":") {
         let wanted = "`:` behind the name, as in `dry friction hinge: bound f, sliding dot(q)`";
-        return Err(unexpected(cursor, diagnostics, wanted));
+        return Err(cursor.unexpected(wanted));
     }
     let (mut bound, mut sliding) = (None, None);
     loop {
         let place = cursor.place();
         let Some(word) = cursor.eat_name() else {
-            return Err(unexpected(cursor, diagnostics, "`bound` or `sliding`"));
+            return Err(cursor.unexpected("`bound` or `sliding`"));
         };
         let slot = match word.text.as_str() {
             "bound" => &mut bound,
@@ -335,12 +314,12 @@ fn dry_parts(
                      largest force and the velocity that it brakes",
                     name.text
                 );
-                return Err(diagnostics.syntax(place, message));
+                return Err(cursor.said().syntax(place, message));
             }
         };
-        if !value(slot, &word.text, place, cursor, diagnostics)? {
+        if !value(slot, &word.text, place, cursor)? {
             let message = format!("`{}` stands twice in one dry friction; keep one", word.text);
-            return Err(diagnostics.report("E20", place, message));
+            return Err(cursor.said().report("E20", place, message));
         }
         if cursor.eat_symbol(",") {
             continue;
@@ -349,7 +328,7 @@ fn dry_parts(
             |ident: &proc_macro2::Ident| words::DRY_PARTS.contains(&ident.to_string().as_str());
         if cursor.ident().is_some_and(part) {
             let message = format!("a comma is missing before {}", cursor.describe());
-            return Err(diagnostics.syntax(cursor.place(), message));
+            return Err(cursor.said().syntax(cursor.place(), message));
         }
         break;
     }
@@ -360,14 +339,14 @@ fn dry_parts(
                 "dry friction `{}` does not say how large its force may be; add `bound f`",
                 name.text
             );
-            Err(diagnostics.report("E20", name.place(), message))
+            Err(cursor.said().report("E20", name.place(), message))
         }
         (_, None) => {
             let message = format!(
                 "dry friction `{}` does not say which velocity it brakes; add `sliding dot(q)`",
                 name.text
             );
-            Err(diagnostics.report("E20", name.place(), message))
+            Err(cursor.said().report("E20", name.place(), message))
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Measured motions: `measured name: "file" { target within deviation, ..., start { ... } }`.
 
-use super::cursor::{Cursor, unexpected};
+use super::cursor::Cursor;
 use super::expression::expression;
 use super::pieces::{block, entries, name, target};
 use crate::ast::{Assignment, Documentation, Measured, MeasuredQuantity, Name, Statement};
-use crate::diagnostics::{Checked, Diagnostics};
+use crate::diagnostics::Checked;
 use proc_macro2::TokenTree;
 
 /// The word in front of a standard deviation.
@@ -21,24 +21,23 @@ enum Entry {
 }
 
 /// Reads start values behind their word.
-type Assignments = fn(&mut Cursor, &Name, &mut Diagnostics) -> Checked<Vec<Assignment>>;
+type Assignments = fn(&mut Cursor, &Name) -> Checked<Vec<Assignment>>;
 
 /// Parses what stands behind the word `measured`.
 pub(super) fn measured(
     cursor: &mut Cursor,
     (documentation, assignments): (Documentation, Assignments),
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Statement> {
-    let name = name(cursor, "the name of the experiment", diagnostics)?;
-    let file = file(cursor, &name, diagnostics)?;
-    let inner = block(cursor, &name, diagnostics)?;
-    let entries = entries(inner, diagnostics, |cursor, diagnostics| {
+    let name = name(cursor, "the name of the experiment")?;
+    let file = file(cursor, &name)?;
+    let inner = block(cursor, &name)?;
+    let entries = entries(inner, |cursor| {
         if cursor.at_word(START)
             && let Some(word) = cursor.eat_name()
         {
-            return Ok(Entry::Start(assignments(cursor, &word, diagnostics)?));
+            return Ok(Entry::Start(assignments(cursor, &word)?));
         }
-        Ok(Entry::Quantity(Box::new(quantity(cursor, diagnostics)?)))
+        Ok(Entry::Quantity(Box::new(quantity(cursor)?)))
     });
     let mut measured = Measured {
         documentation,
@@ -57,10 +56,10 @@ pub(super) fn measured(
 }
 
 /// `: "file"`.
-fn file(cursor: &mut Cursor, name: &Name, diagnostics: &mut Diagnostics) -> Checked<String> {
+fn file(cursor: &mut Cursor, name: &Name) -> Checked<String> {
     if !cursor.eat_symbol(":") {
         let wanted = format!("`:` and the file of the measurements, as in `{EXAMPLE}`");
-        return Err(unexpected(cursor, diagnostics, &wanted));
+        return Err(cursor.unexpected(&wanted));
     }
     let place = cursor.place();
     let literal = match cursor.peek() {
@@ -69,7 +68,7 @@ fn file(cursor: &mut Cursor, name: &Name, diagnostics: &mut Diagnostics) -> Chec
     };
     let Ok(file) = syn::parse_str::<syn::LitStr>(&literal) else {
         let wanted = format!("the name of a file in quotation marks, as in `{EXAMPLE}`");
-        return Err(unexpected(cursor, diagnostics, &wanted));
+        return Err(cursor.unexpected(&wanted));
     };
     cursor.advance();
     let file = file.value();
@@ -78,22 +77,22 @@ fn file(cursor: &mut Cursor, name: &Name, diagnostics: &mut Diagnostics) -> Chec
             "`{}` has no file; write the name of the file with its measurements, as in `{EXAMPLE}`",
             name.text
         );
-        return Err(diagnostics.syntax(place, message));
+        return Err(cursor.said().syntax(place, message));
     }
     Ok(file)
 }
 
 /// `target within deviation`.
-fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<MeasuredQuantity> {
-    let (target, velocity) = target(cursor, diagnostics)?;
+fn quantity(cursor: &mut Cursor) -> Checked<MeasuredQuantity> {
+    let (target, velocity) = target(cursor)?;
     if !cursor.eat_word(WITHIN) {
         let wanted = format!(
             "`within` and the standard deviation of the measurements, as in `{} within 1 [cm]`",
             target.text
         );
-        return Err(unexpected(cursor, diagnostics, &wanted));
+        return Err(cursor.unexpected(&wanted));
     }
-    let within = expression(cursor, diagnostics)?;
+    let within = expression(cursor)?;
     Ok(MeasuredQuantity {
         target,
         velocity,

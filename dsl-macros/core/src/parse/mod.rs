@@ -22,17 +22,28 @@ pub(crate) use law::law_of;
 use crate::ast::{Name, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics};
 use crate::words;
-use cursor::Cursor;
+use cursor::{Cursor, Said};
 use documentation::documentation;
 use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
+use std::cell::RefCell;
+use std::rc::Rc;
 
 /// Parses one declaration. What could be read is returned even when mistakes were reported.
 pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checked<Scene> {
-    let mut cursor = Cursor::new(input, Span::call_site());
-    let documentation = documentation(&mut cursor, diagnostics);
+    let said = Rc::new(RefCell::new(std::mem::take(diagnostics)));
+    let scene = declaration(Cursor::new(input, Span::call_site(), Rc::clone(&said)));
+    *diagnostics = said.take();
+    let mut scene = scene?;
+    recorded::record(&mut scene.statements, diagnostics);
+    Ok(scene)
+}
+
+/// The declaration at the cursor.
+fn declaration(mut cursor: Cursor) -> Checked<Scene> {
+    let documentation = documentation(&mut cursor);
     let visibility = visibility(&mut cursor);
     let Some(name) = cursor.eat_name() else {
-        return Err(diagnostics.syntax(
+        return Err(cursor.said().syntax(
             cursor.place(),
             format!(
                 "expected the name of the scene, found {}; write `pub Name {{ ... }}`",
@@ -45,7 +56,7 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
             "model" | "hangtime" => "; leave out `model!` and its braces here",
             _ => "",
         };
-        return Err(diagnostics.syntax(
+        return Err(cursor.said().syntax(
             cursor.place(),
             format!(
                 "expected `{{` after the name `{}`, found {}{remedy}",
@@ -55,7 +66,7 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
         ));
     };
     if !cursor.is_empty() {
-        diagnostics.syntax(
+        cursor.said().syntax(
             cursor.place(),
             format!(
                 "unexpected {} after the scene; declare one scene in each `model!`",
@@ -63,9 +74,8 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
             ),
         );
     }
-    note_names(Cursor::inside(&body), diagnostics);
-    let mut statements = statement::statements(&mut Cursor::inside(&body), diagnostics);
-    recorded::record(&mut statements, diagnostics);
+    note_names(cursor.inside(&body));
+    let statements = statement::statements(&mut cursor.inside(&body));
     Ok(Scene {
         documentation,
         visibility,
@@ -75,11 +85,11 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
 }
 
 /// Notes which names the scene declares, so that messages about what stands before them know.
-fn note_names(mut cursor: Cursor, diagnostics: &mut Diagnostics) {
+fn note_names(mut cursor: Cursor) {
     while !cursor.is_empty() {
         if cursor.eat_word("let") || cursor.eat_word("fn") || cursor.eat_word("free") {
             if let Some(name) = cursor.eat_name() {
-                diagnostics.declare(&name.text);
+                cursor.said().declare(&name.text);
             }
             continue;
         }
@@ -88,12 +98,12 @@ fn note_names(mut cursor: Cursor, diagnostics: &mut Diagnostics) {
             .any(|word| cursor.at_word(word));
         cursor.advance();
         if let Some(group) = cursor.eat_group(Delimiter::Brace).filter(|_| block) {
-            let mut inner = Cursor::inside(&group);
+            let mut inner = cursor.inside(&group);
             // A name stands at the begin, behind a comma or behind documentation.
             let mut begins = true;
             while !inner.is_empty() {
                 if let Some(name) = inner.ident().filter(|_| begins) {
-                    diagnostics.declare(&name.to_string());
+                    cursor.said().declare(&name.to_string());
                 }
                 begins = inner.at_symbol(",")
                     || matches!(inner.peek(), Some(TokenTree::Group(group))
@@ -115,8 +125,8 @@ pub(crate) struct Outline {
 pub(crate) fn outline(input: TokenStream) -> Option<Outline> {
     let mut silent = Diagnostics::default();
     let Ok(scene) = scene(input.clone(), &mut silent) else {
-        let mut cursor = Cursor::new(input, Span::call_site());
-        documentation(&mut cursor, &mut silent);
+        let mut cursor = Cursor::new(input, Span::call_site(), Said::default());
+        documentation(&mut cursor);
         return Some(Outline {
             visibility: visibility(&mut cursor),
             name: cursor.eat_name().filter(is_plain)?,

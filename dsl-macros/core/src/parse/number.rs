@@ -3,7 +3,7 @@
 use super::cursor::Cursor;
 use super::{slips, unit};
 use crate::ast::Kind;
-use crate::diagnostics::{Checked, Diagnostics, Place};
+use crate::diagnostics::{Checked, Place};
 use proc_macro2::{Delimiter, Literal, TokenTree};
 
 /// A number of the tree, and where it stands.
@@ -27,11 +27,7 @@ pub(super) fn literal(cursor: &mut Cursor) -> Option<Literal> {
 }
 
 /// A number that begins with this literal, with the unit behind it.
-pub(super) fn number(
-    cursor: &mut Cursor,
-    literal: &Literal,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Number> {
+pub(super) fn number(cursor: &mut Cursor, literal: &Literal) -> Checked<Number> {
     let place = Place::at(literal.span());
     let text = literal.to_string();
     let digits = text.replace('_', "");
@@ -40,37 +36,37 @@ pub(super) fn number(
             let message = format!(
                 "the number {text} is too large for double precision, which ends at 1.8e308"
             );
-            return Err(diagnostics.report("E21", place, message));
+            return Err(cursor.said().report("E21", place, message));
         }
         Ok(value) if value < f64::MIN_POSITIVE && has_digits(&digits) => {
             let message = format!(
                 "the number {text} is too small for double precision, which begins at 2.2e-308"
             );
-            return Err(diagnostics.report("E21", place, message));
+            return Err(cursor.said().report("E21", place, message));
         }
         Ok(value) => {
             let meant = match cursor.at_invisible_group(0) {
                 true => None,
-                false => slips::unit_without_brackets(&text, "", cursor, diagnostics),
+                false => slips::unit_without_brackets(&text, "", cursor),
             };
             let Some(meant) = meant else {
-                return with_unit(cursor, (value, text), place, diagnostics);
+                return with_unit(cursor, (value, text), place);
             };
             meant
         }
-        Err(_) => slips::number(&digits, cursor, diagnostics)
-            .map_err(|message| diagnostics.syntax(place, message))?,
+        Err(_) => slips::number(&digits, cursor)
+            .map_err(|message| cursor.said().syntax(place, message))?,
     };
     for _ in 0..meant.unit.as_ref().map_or(0, |(_, tokens)| *tokens) {
         cursor.advance();
     }
     let whole = place.to(cursor.previous());
-    let reported = diagnostics.syntax(whole, meant.message);
+    let reported = cursor.said().syntax(whole, meant.message);
     let value = meant.number.parse().map_err(|_| reported)?;
     match meant.unit {
-        None => with_unit(cursor, (value, meant.number), place, diagnostics),
+        None => with_unit(cursor, (value, meant.number), place),
         Some((unit, _)) => {
-            let unit = unit::read(&unit, diagnostics, whole)?;
+            let unit = unit::read(cursor, &unit, whole)?;
             let text = meant.number;
             Ok((Kind::Number { value, text, unit }, whole))
         }
@@ -82,10 +78,9 @@ pub(super) fn with_unit(
     cursor: &mut Cursor,
     (value, text): (f64, String),
     place: Place,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Number> {
     let unit = match cursor.eat_group(Delimiter::Bracket) {
-        Some(group) => unit::bracketed(&group, diagnostics)?,
+        Some(group) => unit::bracketed(cursor, &group)?,
         None => None,
     };
     let end = cursor.previous();

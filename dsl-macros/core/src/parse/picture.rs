@@ -1,6 +1,6 @@
 //! `picture { ... }`: what is drawn, one shape an entry.
 
-use super::cursor::{Cursor, unexpected};
+use super::cursor::Cursor;
 use super::expression::{expression, expression_before};
 use super::pieces;
 use super::pieces::{block, entries, name, range};
@@ -10,38 +10,34 @@ use crate::words;
 use proc_macro2::Delimiter;
 
 /// `picture { shape, ... }`.
-pub(super) fn picture(
-    cursor: &mut Cursor,
-    word: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
-    let inner = block(cursor, word, diagnostics)?;
+pub(super) fn picture(cursor: &mut Cursor, word: &Name) -> Checked<Statement> {
+    let inner = block(cursor, word)?;
     Ok(Statement::Picture {
         keyword: word.place(),
-        shapes: entries(inner, diagnostics, shape),
+        shapes: entries(inner, shape),
     })
 }
 
-fn shape(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Shape> {
+fn shape(cursor: &mut Cursor) -> Checked<Shape> {
     let Some(kind) = cursor.eat_name() else {
         let shapes = list(words::SHAPES);
-        return Err(unexpected(cursor, diagnostics, &format!("one of {shapes}")));
+        return Err(cursor.unexpected(&format!("one of {shapes}")));
     };
     match kind.text.as_str() {
-        "point" | "circle" | "rectangle" | "polygon" => body(cursor, &kind, diagnostics),
+        "point" | "circle" | "rectangle" | "polygon" => body(cursor, &kind),
         "link" | "spring" => {
-            let from = end(cursor, diagnostics)?;
+            let from = end(cursor)?;
             if !cursor.eat_word("to") {
                 let expected = format!("`to`, as in `{} a to b`", kind.text);
-                return Err(unexpected(cursor, diagnostics, &expected));
+                return Err(cursor.unexpected(&expected));
             }
-            let to = end(cursor, diagnostics)?;
+            let to = end(cursor)?;
             Ok(Shape::Line {
                 spring: kind.text == "spring",
                 ends: Box::new([from, to]),
             })
         }
-        "curve" => curve(cursor, diagnostics),
+        "curve" => curve(cursor),
         other => {
             let message = match closest(other, words::SHAPES) {
                 Some(near) => format!("unknown shape `{other}`; did you mean `{near}`?"),
@@ -50,18 +46,18 @@ fn shape(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Shape> {
                     list(words::SHAPES)
                 ),
             };
-            Err(diagnostics.syntax(kind.place(), message))
+            Err(cursor.said().syntax(kind.place(), message))
         }
     }
 }
 
-fn end(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Expr> {
-    expression_before(&words::PICTURE, cursor, diagnostics)
+fn end(cursor: &mut Cursor) -> Checked<Expr> {
+    expression_before(&words::PICTURE, cursor)
 }
 
 /// A body, with its properties in any order.
-fn body(cursor: &mut Cursor, kind: &Name, diagnostics: &mut Diagnostics) -> Checked<Shape> {
-    let name = name(cursor, "the name of the body", diagnostics)?;
+fn body(cursor: &mut Cursor, kind: &Name) -> Checked<Shape> {
+    let name = name(cursor, "the name of the body")?;
     let wanted = match kind.text.as_str() {
         "circle" => Some("radius"),
         "rectangle" => Some("size"),
@@ -76,17 +72,17 @@ fn body(cursor: &mut Cursor, kind: &Name, diagnostics: &mut Diagnostics) -> Chec
         if !known && words::PROPERTIES.contains(&word.as_str()) {
             let own = ["at", "angle"].into_iter().chain(wanted);
             let message = format!("a {} has {}, no `{word}`", kind.text, list(own));
-            return Err(diagnostics.syntax(place, message));
+            return Err(cursor.said().syntax(place, message));
         }
         if !known {
             break;
         }
         cursor.advance();
         if word == "corners" {
-            corners = Some(corner_list(cursor, diagnostics)?);
+            corners = Some(corner_list(cursor)?);
             continue;
         }
-        let value = expression_before(&words::PICTURE, cursor, diagnostics)?;
+        let value = expression_before(&words::PICTURE, cursor)?;
         let slot = match word.as_str() {
             "at" => &mut at,
             "angle" => &mut angle,
@@ -94,7 +90,7 @@ fn body(cursor: &mut Cursor, kind: &Name, diagnostics: &mut Diagnostics) -> Chec
         };
         if slot.replace(value).is_some() {
             let message = format!("`{word}` is given twice for `{}`; keep one", name.text);
-            return Err(diagnostics.syntax(place, message));
+            return Err(cursor.said().syntax(place, message));
         }
     }
     let form = match (kind.text.as_str(), measure, corners) {
@@ -102,7 +98,7 @@ fn body(cursor: &mut Cursor, kind: &Name, diagnostics: &mut Diagnostics) -> Chec
         ("circle", Some(radius), _) => Form::Circle { radius },
         ("rectangle", Some(size), _) => Form::Rectangle { size },
         ("polygon", _, Some(corners)) => Form::Polygon { corners },
-        _ => return Err(incomplete(kind, &name, diagnostics)),
+        _ => return Err(incomplete(kind, &name, &mut cursor.said())),
     };
     Ok(Shape::Body {
         at: at.unwrap_or_else(|| named(&name)),
@@ -137,39 +133,39 @@ fn named(name: &Name) -> Expr {
 }
 
 /// `((a, b), (c, d), ...)`.
-fn corner_list(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Vec<Expr>> {
+fn corner_list(cursor: &mut Cursor) -> Checked<Vec<Expr>> {
     let place = cursor.place();
     let Some(group) = cursor.eat_group(Delimiter::Parenthesis) else {
         let expected = "the corners in parentheses, as in `((0, 0), (l, 0), (0, l))`";
-        return Err(unexpected(cursor, diagnostics, expected));
+        return Err(cursor.unexpected(expected));
     };
-    let before = diagnostics.mistakes();
-    let corners = entries(Cursor::inside(&group), diagnostics, expression);
-    if diagnostics.mistakes() > before {
+    let before = cursor.said().mistakes();
+    let corners = entries(cursor.inside(&group), expression);
+    if cursor.said().mistakes() > before {
         return Err(Reported);
     }
     if corners.len() < 3 {
         let whole = place.to(Place::at(group.span_close()));
         let message = "a polygon has three corners or more, as in `((0, 0), (l, 0), (0, l))`";
-        return Err(diagnostics.syntax(whole, message));
+        return Err(cursor.said().syntax(whole, message));
     }
     Ok(corners)
 }
 
 /// `curve name: points over w in lower..=upper`.
-fn curve(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Shape> {
-    let name = name(cursor, "the name of the curve", diagnostics)?;
+fn curve(cursor: &mut Cursor) -> Checked<Shape> {
+    let name = name(cursor, "the name of the curve")?;
     if !cursor.eat_symbol(":") {
         let expected = "`:` after the curve's name, as in `curve track: (w, h(w)) over w`";
-        return Err(unexpected(cursor, diagnostics, expected));
+        return Err(cursor.unexpected(expected));
     }
-    let points = expression_before(&words::PICTURE, cursor, diagnostics)?;
+    let points = expression_before(&words::PICTURE, cursor)?;
     if !cursor.eat_word("over") {
         let expected = "`over` and the number that runs along the curve, as in `(w, h(w)) over w`";
-        return Err(unexpected(cursor, diagnostics, expected));
+        return Err(cursor.unexpected(expected));
     }
-    let over = pieces::name(cursor, "the number that runs along the curve", diagnostics)?;
-    let range = range(cursor, diagnostics)?;
+    let over = pieces::name(cursor, "the number that runs along the curve")?;
+    let range = range(cursor)?;
     Ok(Shape::Curve {
         name,
         points,

@@ -1,24 +1,20 @@
 //! Pieces that several statements are made of: names, blocks, lists, ranges, targets.
 
-use super::cursor::{Cursor, unexpected};
+use super::cursor::Cursor;
 use super::expression::expression;
 use super::slips;
 use crate::ast::{Expr, Name};
-use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::diagnostics::{Checked, Reported};
 use crate::words;
 use proc_macro2::{Delimiter, TokenTree};
 
 /// A name that is no word of the language; `what` it names.
-pub(super) fn name(
-    cursor: &mut Cursor,
-    what: &str,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Name> {
+pub(super) fn name(cursor: &mut Cursor, what: &str) -> Checked<Name> {
     if cursor
         .ident()
         .is_some_and(|ident| words::is_keyword(&ident.to_string()))
     {
-        return Err(diagnostics.report(
+        return Err(cursor.said().report(
             "E11",
             cursor.place(),
             format!(
@@ -29,27 +25,23 @@ pub(super) fn name(
     }
     match cursor.eat_name() {
         Some(name) => Ok(name),
-        None => Err(unexpected(cursor, diagnostics, what)),
+        None => Err(cursor.unexpected(what)),
     }
 }
 
 /// The sign `=`.
-pub(super) fn equals(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<()> {
+pub(super) fn equals(cursor: &mut Cursor) -> Checked<()> {
     if cursor.eat_symbol("=") {
         Ok(())
     } else {
-        Err(unexpected(cursor, diagnostics, "`=`"))
+        Err(cursor.unexpected("`=`"))
     }
 }
 
 /// The inside of the block behind a word.
-pub(super) fn block(
-    cursor: &mut Cursor,
-    word: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Cursor> {
+pub(super) fn block(cursor: &mut Cursor, word: &Name) -> Checked<Cursor> {
     match cursor.eat_group(Delimiter::Brace) {
-        Some(group) => Ok(Cursor::inside(&group)),
+        Some(group) => Ok(cursor.inside(&group)),
         None => {
             let example = match cursor.ident() {
                 Some(first) => format!(
@@ -58,7 +50,7 @@ pub(super) fn block(
                 ),
                 None => format!("`{{` after `{}`", word.text),
             };
-            Err(unexpected(cursor, diagnostics, &example))
+            Err(cursor.unexpected(&example))
         }
     }
 }
@@ -66,22 +58,21 @@ pub(super) fn block(
 /// Entries between commas; a faulty entry is skipped, the others are kept.
 pub(super) fn entries<T>(
     mut inner: Cursor,
-    diagnostics: &mut Diagnostics,
-    mut entry: impl FnMut(&mut Cursor, &mut Diagnostics) -> Checked<T>,
+    mut entry: impl FnMut(&mut Cursor) -> Checked<T>,
 ) -> Vec<T> {
     let mut found = Vec::new();
     while !inner.is_empty() {
-        let result = entry(&mut inner, diagnostics);
+        let result = entry(&mut inner);
         match result {
             Ok(item) => {
                 found.push(item);
                 if inner.ident().is_some() {
                     let message = format!("a comma is missing before {}", inner.describe());
-                    diagnostics.syntax(inner.place(), message);
+                    inner.said().syntax(inner.place(), message);
                     continue;
                 }
                 if !inner.is_empty() && !inner.at_symbol(",") {
-                    unexpected(&inner, diagnostics, "`,` or `}`");
+                    inner.unexpected("`,` or `}`");
                     inner.skip_until(|cursor| cursor.at_symbol(","));
                 }
             }
@@ -96,51 +87,47 @@ pub(super) fn entries<T>(
 pub(super) type Bounds = Option<(Expr, Expr)>;
 
 /// `in lower..=upper`, if it stands there.
-pub(super) fn range(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Bounds> {
+pub(super) fn range(cursor: &mut Cursor) -> Checked<Bounds> {
     if !cursor.eat_word("in") {
         return Ok(None);
     }
     if let Some(message) = slips::interval(cursor) {
-        return Err(diagnostics.syntax(cursor.place(), message));
+        return Err(cursor.said().syntax(cursor.place(), message));
     }
-    let lower = expression(cursor, diagnostics)?;
+    let lower = expression(cursor)?;
     if !cursor.eat_symbol("..=") {
         if cursor.at_symbol("..") {
             let message = format!(
                 "the upper bound belongs to the range; write `{lower}..=` and the upper bound"
             );
-            return Err(diagnostics.syntax(cursor.place(), message));
+            return Err(cursor.said().syntax(cursor.place(), message));
         }
-        return Err(unexpected(
-            cursor,
-            diagnostics,
-            "`..=` between lower and upper bound",
-        ));
+        return Err(cursor.unexpected("`..=` between lower and upper bound"));
     }
-    let upper = expression(cursor, diagnostics)?;
+    let upper = expression(cursor)?;
     Ok(Some((lower, upper)))
 }
 
 /// `name` or `dot(name)`; whether it is the latter.
-pub(super) fn target(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<(Name, bool)> {
+pub(super) fn target(cursor: &mut Cursor) -> Checked<(Name, bool)> {
     let velocity = cursor.at_word("dot")
         && matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
             if group.delimiter() == Delimiter::Parenthesis);
     if cursor.peek().is_some_and(is_parenthesis) {
         let message = "each entry is of one coordinate, not of a vector; write one for each, as in `y: ..., z: ...`";
-        return Err(diagnostics.syntax(cursor.place(), message));
+        return Err(cursor.said().syntax(cursor.place(), message));
     }
     if !velocity {
-        return Ok((name(cursor, "a coordinate", diagnostics)?, false));
+        return Ok((name(cursor, "a coordinate")?, false));
     }
     cursor.advance();
     let group = cursor.eat_group(Delimiter::Parenthesis);
     let mut inner = group
         .as_ref()
-        .map_or_else(|| cursor.clone(), Cursor::inside);
-    let target = name(&mut inner, "a coordinate", diagnostics)?;
+        .map_or_else(|| cursor.clone(), |group| cursor.inside(group));
+    let target = name(&mut inner, "a coordinate")?;
     if !inner.is_empty() {
-        return Err(unexpected(&inner, diagnostics, "`)`"));
+        return Err(inner.unexpected("`)`"));
     }
     Ok((target, true))
 }

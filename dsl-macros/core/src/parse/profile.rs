@@ -1,6 +1,6 @@
 //! Functions given by points: `profile name(argument: unit): unit { (0, 0), (1, 0.2), ... }`.
 
-use super::cursor::{Cursor, unexpected};
+use super::cursor::Cursor;
 use super::expression::expression;
 use super::pieces::{entries, name};
 use super::unit;
@@ -17,32 +17,28 @@ const MOST: usize = 5_000;
 const EXAMPLE: &str = "profile track(s: m): m { (0, 0), (0.5, 0.1), (1, 0.3) }";
 
 /// Parses what stands behind the word `profile`. It is a function whose body knows the points.
-pub(super) fn profile(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
-    let name = name(cursor, "the name of the profile", diagnostics)?;
+pub(super) fn profile(cursor: &mut Cursor) -> Checked<Statement> {
+    let name = name(cursor, "the name of the profile")?;
     let text = name.text.clone();
-    let statement = after_name(cursor, name, diagnostics);
+    let statement = after_name(cursor, name);
     if statement.is_err() {
-        diagnostics.poison(&text);
+        cursor.said().poison(&text);
     }
     statement
 }
 
-fn after_name(
-    cursor: &mut Cursor,
-    function: Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
+fn after_name(cursor: &mut Cursor, function: Name) -> Checked<Statement> {
     let Some(group) = cursor.eat_group(Delimiter::Parenthesis) else {
         let wanted = format!("`(` and the argument, as in `{EXAMPLE}`");
-        return Err(unexpected(cursor, diagnostics, &wanted));
+        return Err(cursor.unexpected(&wanted));
     };
-    let mut inner = Cursor::inside(&group);
-    let argument = name(&mut inner, "the name of the argument", diagnostics)?;
-    let argument_unit = colon_and_unit(&mut inner, diagnostics)?;
+    let mut inner = cursor.inside(&group);
+    let argument = name(&mut inner, "the name of the argument")?;
+    let argument_unit = colon_and_unit(&mut inner)?;
     if !inner.is_empty() {
-        return Err(unexpected(&inner, diagnostics, "one argument"));
+        return Err(inner.unexpected("one argument"));
     }
-    let value_unit = colon_and_unit(cursor, diagnostics)?;
+    let value_unit = colon_and_unit(cursor)?;
     let place = cursor.place();
     if let Some(TokenTree::Literal(file)) = cursor.peek() {
         let file = file.to_string();
@@ -50,32 +46,28 @@ fn after_name(
             "a profile holds its points itself; `hangtime profile {}` prints the statement with the points of that table",
             file.trim_matches('"')
         );
-        return Err(diagnostics.syntax(place, message));
+        return Err(cursor.said().syntax(place, message));
     }
     let Some(group) = cursor.eat_group(Delimiter::Brace) else {
         let wanted = format!("`{{` and the points, as in `{EXAMPLE}`");
-        return Err(unexpected(cursor, diagnostics, &wanted));
+        return Err(cursor.unexpected(&wanted));
     };
-    let before = diagnostics.mistakes();
-    let points = entries(
-        Cursor::inside(&group),
-        diagnostics,
-        |cursor, diagnostics| {
-            let pair = expression(cursor, diagnostics)?;
-            point(&pair)
-                .map(|point| (point, pair.place))
-                .ok_or_else(|| {
-                    let message = format!(
-                        "`{pair}` is no point; write two numbers without units, as in `(0.5, 0.1)`"
-                    );
-                    diagnostics.syntax(pair.place, message)
-                })
-        },
-    );
-    if diagnostics.mistakes() > before {
+    let before = cursor.said().mistakes();
+    let points = entries(cursor.inside(&group), |cursor| {
+        let pair = expression(cursor)?;
+        point(&pair)
+            .map(|point| (point, pair.place))
+            .ok_or_else(|| {
+                let message = format!(
+                    "`{pair}` is no point; write two numbers without units, as in `(0.5, 0.1)`"
+                );
+                cursor.said().syntax(pair.place, message)
+            })
+    });
+    if cursor.said().mistakes() > before {
         return Err(Reported);
     }
-    in_order(&function, place, &points, diagnostics)?;
+    in_order(&function, place, &points, &mut cursor.said())?;
     let points = points.into_iter().map(|(point, _)| point).collect();
     let body = Expr {
         kind: Kind::Profile {
@@ -95,12 +87,9 @@ fn after_name(
     })
 }
 
-fn colon_and_unit(
-    cursor: &mut Cursor,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Option<WrittenUnit>> {
+fn colon_and_unit(cursor: &mut Cursor) -> Checked<Option<WrittenUnit>> {
     if cursor.eat_symbol(":") {
-        unit::declared(cursor, diagnostics)
+        unit::declared(cursor)
     } else {
         Ok(None)
     }

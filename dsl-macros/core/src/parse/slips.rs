@@ -3,7 +3,7 @@
 use super::cursor::Cursor;
 use super::unit;
 use crate::ast::{Expr, Kind};
-use crate::diagnostics::{Checked, Diagnostics, closest};
+use crate::diagnostics::{Checked, closest};
 use crate::words;
 use proc_macro2::{Delimiter, Spacing, TokenTree};
 
@@ -18,19 +18,14 @@ pub(super) struct Meant {
 }
 
 /// A unit without brackets behind a number, if what stands there is no name of the scene.
-pub(super) fn unit_without_brackets(
-    number: &str,
-    suffix: &str,
-    cursor: &Cursor,
-    diagnostics: &Diagnostics,
-) -> Option<Meant> {
+pub(super) fn unit_without_brackets(number: &str, suffix: &str, cursor: &Cursor) -> Option<Meant> {
     if suffix.is_empty() {
         cursor.ident()?;
     }
     let (unit, tokens) = unit::ahead(suffix, cursor)?;
     let words = unit.split(|c: char| !c.is_alphabetic());
     let mut words = words.filter(|word| !word.is_empty());
-    if words.all(|word| diagnostics.is_declared(word)) {
+    if words.all(|word| cursor.said().is_declared(word)) {
         return None;
     }
     Some(Meant {
@@ -41,11 +36,7 @@ pub(super) fn unit_without_brackets(
 }
 
 /// What was meant by a literal that is no decimal number, or the message alone.
-pub(super) fn number(
-    text: &str,
-    cursor: &Cursor,
-    diagnostics: &Diagnostics,
-) -> Result<Meant, String> {
+pub(super) fn number(text: &str, cursor: &Cursor) -> Result<Meant, String> {
     let end = text
         .find(|c: char| c.is_alphabetic() && !matches!(c, 'e' | 'E'))
         .unwrap_or(text.len());
@@ -67,11 +58,11 @@ pub(super) fn number(
             ),
         });
     }
-    if let Some(meant) = unit_without_brackets(number, suffix, cursor, diagnostics) {
+    if let Some(meant) = unit_without_brackets(number, suffix, cursor) {
         return Ok(meant);
     }
     let is_unit = suffix.parse::<hangtime_units::Unit>().is_ok();
-    Err(match diagnostics.is_declared(suffix) {
+    Err(match cursor.said().is_declared(suffix) {
         true if is_unit => format!(
             "`{text}` is not a number; write a unit as `{number} [{suffix}]` and a product as `{number}*{suffix}`"
         ),
@@ -198,15 +189,10 @@ pub(super) fn is_argument(cursor: &Cursor) -> bool {
 }
 
 /// What a statement that is misspelt declares, `offset` tokens further, is known by name, so that its uses give no messages.
-pub(super) fn expect_name_of(
-    statement: &str,
-    cursor: &Cursor,
-    offset: usize,
-    diagnostics: &mut Diagnostics,
-) {
+pub(super) fn expect_name_of(statement: &str, cursor: &Cursor, offset: usize) {
     let names_something = ["let", "fn", "profile", "surface"].contains(&statement);
     if let Some(TokenTree::Ident(name)) = cursor.peek_at(offset).filter(|_| names_something) {
-        diagnostics.poison(&name.to_string());
+        cursor.said().poison(&name.to_string());
     }
 }
 
@@ -260,16 +246,15 @@ pub(super) fn no_factor(
     cursor: &Cursor,
     (left, list): (&Expr, bool),
     (compared, ends): (bool, &[&str]),
-    diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
     let right = match cursor.peek() {
         _ if cursor.at_invisible_group(0) => "...".to_owned(),
         _ if cursor.at_symbol("|") => "|...|".to_owned(),
         Some(TokenTree::Punct(punct)) if punct.as_char() == '\'' => {
-            return Err(diagnostics.syntax(cursor.place(), apostrophe(left)));
+            return Err(cursor.said().syntax(cursor.place(), apostrophe(left)));
         }
         Some(TokenTree::Literal(literal)) if literal.to_string().starts_with('\'') => {
-            return Err(diagnostics.syntax(cursor.place(), apostrophe(left)));
+            return Err(cursor.said().syntax(cursor.place(), apostrophe(left)));
         }
         Some(TokenTree::Ident(ident)) => {
             let text = ident.to_string();
@@ -277,9 +262,9 @@ pub(super) fn no_factor(
                 return Ok(());
             }
             if let Some(entry) = next_entry(cursor, compared) {
-                diagnostics.poison(&text);
+                cursor.said().poison(&text);
                 let message = format!("a comma is missing before `{entry}`");
-                return Err(diagnostics.syntax(cursor.place(), message));
+                return Err(cursor.said().syntax(cursor.place(), message));
             }
             match cursor.peek_at(1) {
                 // A name with a block behind it was meant to begin a statement.
@@ -293,9 +278,9 @@ pub(super) fn no_factor(
                     let near = closest(&text, words::STATEMENTS);
                     if let Some(message) = words::unknown_statement(&text, near) {
                         if let Some(statement) = near {
-                            expect_name_of(statement, cursor, 1, diagnostics);
+                            expect_name_of(statement, cursor, 1);
                         }
-                        return Err(diagnostics.syntax(cursor.place(), message));
+                        return Err(cursor.said().syntax(cursor.place(), message));
                     }
                     text
                 }
@@ -308,5 +293,5 @@ pub(super) fn no_factor(
         _ => return Ok(()),
     };
     let message = juxtaposed(cursor, left, &right, list);
-    Err(diagnostics.syntax(cursor.place(), message))
+    Err(cursor.said().syntax(cursor.place(), message))
 }

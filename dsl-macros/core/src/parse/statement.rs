@@ -1,25 +1,25 @@
 //! Statements: keyword, then a block, a list or an expression. After a mistake parsing goes on at the
 //! next keyword, or behind the next comma of a list.
 
-use super::cursor::{Cursor, unexpected};
+use super::cursor::Cursor;
 use super::documentation::documentation;
 use super::expression::expression;
 use super::pieces::{Bounds, block, entries, equals, name, range, target};
 use super::{control, joint, law, measured, picture, profile, slips, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
+use crate::diagnostics::{Checked, Place, Reported, closest, list};
 use crate::words;
 use proc_macro2::{Delimiter, TokenTree};
 
 /// Parses the body of a scene.
-pub(super) fn statements(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Vec<Statement> {
+pub(super) fn statements(cursor: &mut Cursor) -> Vec<Statement> {
     let mut statements = Vec::new();
     while !cursor.is_empty() {
-        let documentation = documentation(cursor, diagnostics);
+        let documentation = documentation(cursor);
         if cursor.is_empty() {
             break;
         }
-        match statement(cursor, documentation, diagnostics) {
+        match statement(cursor, documentation) {
             Ok(mut statement) => {
                 if let Statement::At { gate, .. } = &mut statement {
                     let gate = gate.take().map(|gate| Statement::Parameters(vec![*gate]));
@@ -65,92 +65,76 @@ fn begins_statement(word: &str) -> bool {
 }
 
 /// An abbreviation; without its value its name is known all the same.
-fn abbreviation(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
-    let name = name(cursor, "the name of the abbreviation", diagnostics)?;
-    let value = equals(cursor, diagnostics).and_then(|()| expression(cursor, diagnostics));
+fn abbreviation(cursor: &mut Cursor) -> Checked<Statement> {
+    let name = name(cursor, "the name of the abbreviation")?;
+    let value = equals(cursor).and_then(|()| expression(cursor));
     match value {
         Ok(value) => Ok(Statement::Let { name, value }),
         Err(Reported) => {
-            diagnostics.poison(&name.text);
+            cursor.said().poison(&name.text);
             Err(Reported)
         }
     }
 }
 
-fn statement(
-    cursor: &mut Cursor,
-    documentation: Documentation,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
+fn statement(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
     let keyword = cursor.place();
     let Some(word) = cursor.eat_name() else {
-        let error = unexpected(
-            cursor,
-            diagnostics,
-            "a statement such as `parameters` or `lagrangian`",
-        );
+        let error = cursor.unexpected("a statement such as `parameters` or `lagrangian`");
         cursor.advance();
         return Err(error);
     };
     match word.text.as_str() {
-        "parameters" => Ok(Statement::Parameters(quantities(
-            cursor,
-            &word,
-            diagnostics,
-        )?)),
-        "coordinates" => Ok(Statement::Coordinates(quantities(
-            cursor,
-            &word,
-            diagnostics,
-        )?)),
-        "controls" => Ok(Statement::Controls(quantities(cursor, &word, diagnostics)?)),
-        "states" => Ok(Statement::States(quantities(cursor, &word, diagnostics)?)),
-        "rates" => Ok(Statement::Rates(assignments(cursor, &word, diagnostics)?)),
-        "let" => abbreviation(cursor, diagnostics),
-        "fn" => function(cursor, diagnostics),
-        "profile" => profile::profile(cursor, diagnostics),
+        "parameters" => Ok(Statement::Parameters(quantities(cursor, &word)?)),
+        "coordinates" => Ok(Statement::Coordinates(quantities(cursor, &word)?)),
+        "controls" => Ok(Statement::Controls(quantities(cursor, &word)?)),
+        "states" => Ok(Statement::States(quantities(cursor, &word)?)),
+        "rates" => Ok(Statement::Rates(assignments(cursor, &word)?)),
+        "let" => abbreviation(cursor),
+        "fn" => function(cursor),
+        "profile" => profile::profile(cursor),
         "lagrangian" => {
             cursor.eat_symbol("=");
-            let value = expression(cursor, diagnostics)?;
+            let value = expression(cursor)?;
             Ok(Statement::Lagrangian { keyword, value })
         }
         "dissipation" => {
             cursor.eat_symbol("=");
-            let value = expression(cursor, diagnostics)?;
+            let value = expression(cursor)?;
             Ok(Statement::Dissipation { keyword, value })
         }
-        "forces" => Ok(Statement::Forces(assignments(cursor, &word, diagnostics)?)),
-        "surface" => surface(cursor, documentation, diagnostics),
-        "impact" => law::impact(cursor, diagnostics),
-        "dry" => law::dry_friction(cursor, documentation, diagnostics),
-        "joint" => joint::joint(cursor, documentation, diagnostics),
-        "when" => control::when(cursor, &word, documentation, diagnostics),
-        "at" => control::at(cursor, &word, diagnostics),
-        "start" => Ok(Statement::Start(assignments(cursor, &word, diagnostics)?)),
+        "forces" => Ok(Statement::Forces(assignments(cursor, &word)?)),
+        "surface" => surface(cursor, documentation),
+        "impact" => law::impact(cursor),
+        "dry" => law::dry_friction(cursor, documentation),
+        "joint" => joint::joint(cursor, documentation),
+        "when" => control::when(cursor, &word, documentation),
+        "at" => control::at(cursor, &word),
+        "start" => Ok(Statement::Start(assignments(cursor, &word)?)),
         "horizon" => {
-            let value = expression(cursor, diagnostics)?;
+            let value = expression(cursor)?;
             Ok(Statement::Horizon { keyword, value })
         }
         "minimize" => {
             cursor.eat_symbol("=");
-            let value = expression(cursor, diagnostics)?;
+            let value = expression(cursor)?;
             Ok(Statement::Minimize { keyword, value })
         }
-        "constraint" => control::constraint(cursor, documentation, diagnostics),
-        "finally" => control::finally(cursor, &word, diagnostics),
+        "constraint" => control::constraint(cursor, documentation),
+        "finally" => control::finally(cursor, &word),
         "free" if control::is_parameter(cursor) => {
-            let quantity = quantity(cursor, diagnostics)?;
-            control::free_parameter(quantity, documentation, diagnostics)
+            let quantity = quantity(cursor)?;
+            control::free_parameter(cursor, quantity, documentation)
         }
-        "free" => control::free(cursor, &word, diagnostics),
-        "measured" => measured::measured(cursor, (documentation, assignments), diagnostics),
-        "outputs" => Ok(Statement::Outputs(quantities(cursor, &word, diagnostics)?)),
-        "picture" => picture::picture(cursor, &word, diagnostics),
-        _ => Err(unknown_statement(cursor, &word, diagnostics)),
+        "free" => control::free(cursor, &word),
+        "measured" => measured::measured(cursor, (documentation, assignments)),
+        "outputs" => Ok(Statement::Outputs(quantities(cursor, &word)?)),
+        "picture" => picture::picture(cursor, &word),
+        _ => Err(unknown_statement(cursor, &word)),
     }
 }
 
-fn unknown_statement(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnostics) -> Reported {
+fn unknown_statement(cursor: &mut Cursor, word: &Name) -> Reported {
     let text = word.text.as_str();
     let message = match closest(text, words::STATEMENTS) {
         _ if slips::is_equation_of_motion(cursor) => slips::EQUATIONS_FOLLOW.to_owned(),
@@ -165,7 +149,7 @@ fn unknown_statement(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnos
         ),
         near => {
             if let Some(near) = near {
-                slips::expect_name_of(near, cursor, 0, diagnostics);
+                slips::expect_name_of(near, cursor, 0);
             }
             words::unknown_statement(text, near).unwrap_or_else(|| {
                 format!(
@@ -177,34 +161,30 @@ fn unknown_statement(cursor: &mut Cursor, word: &Name, diagnostics: &mut Diagnos
     };
     // What a misspelt block declares is known by name, so that its uses give no messages.
     if let Some(group) = cursor.eat_group(Delimiter::Brace) {
-        let mut inner = Cursor::inside(&group);
+        let mut inner = cursor.inside(&group);
         while !inner.is_empty() {
             if let Some(name) = inner.eat_name() {
-                diagnostics.poison(&name.text);
+                cursor.said().poison(&name.text);
             } else {
                 inner.advance();
             }
         }
     }
-    diagnostics.syntax(word.place(), message)
+    cursor.said().syntax(word.place(), message)
 }
 
-fn quantities(
-    cursor: &mut Cursor,
-    word: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Vec<Quantity>> {
-    let inner = block(cursor, word, diagnostics)?;
-    Ok(entries(inner, diagnostics, quantity))
+fn quantities(cursor: &mut Cursor, word: &Name) -> Checked<Vec<Quantity>> {
+    let inner = block(cursor, word)?;
+    Ok(entries(inner, quantity))
 }
 
-fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quantity> {
-    let documentation = documentation(cursor, diagnostics);
+fn quantity(cursor: &mut Cursor) -> Checked<Quantity> {
+    let documentation = documentation(cursor);
     let place = cursor.place();
     if cursor.ident().is_none()
         && let Some((name, [lower, upper], message)) = between(cursor)
     {
-        diagnostics.syntax(place, message);
+        cursor.said().syntax(place, message);
         return Ok(Quantity {
             documentation,
             name,
@@ -214,16 +194,16 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
             free: false,
         });
     }
-    let name = name(cursor, "a name", diagnostics)?;
+    let name = name(cursor, "a name")?;
     let unit = if cursor.eat_symbol(":") {
         // A faulty unit has been reported and skipped; the quantity is declared all the same.
-        unit::declared(cursor, diagnostics).unwrap_or(None)
+        unit::declared(cursor).unwrap_or(None)
     } else {
-        unit::in_brackets(cursor, &name, diagnostics)
+        unit::in_brackets(cursor, &name)
     };
-    let rest = bounds_and_value(cursor, diagnostics);
+    let rest = bounds_and_value(cursor);
     let Ok((bounds, value)) = rest else {
-        diagnostics.poison(&name.text);
+        cursor.said().poison(&name.text);
         return Err(Reported);
     };
     Ok(Quantity {
@@ -236,35 +216,28 @@ fn quantity(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Quant
     })
 }
 
-fn bounds_and_value(
-    cursor: &mut Cursor,
-    diagnostics: &mut Diagnostics,
-) -> Checked<(Bounds, Option<Expr>)> {
-    let bounds = range(cursor, diagnostics)?;
+fn bounds_and_value(cursor: &mut Cursor) -> Checked<(Bounds, Option<Expr>)> {
+    let bounds = range(cursor)?;
     let value = if cursor.eat_symbol("=") {
-        Some(expression(cursor, diagnostics)?)
+        Some(expression(cursor)?)
     } else {
         None
     };
     if value.is_some() && cursor.at_word("in") {
         let message = "bounds stand before the value, as in `u: N in -1..=1 = 0`";
-        return Err(diagnostics.syntax(cursor.place(), message));
+        return Err(cursor.said().syntax(cursor.place(), message));
     }
     Ok((bounds, value))
 }
 
-fn assignments(
-    cursor: &mut Cursor,
-    word: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Vec<Assignment>> {
-    let inner = block(cursor, word, diagnostics)?;
-    Ok(entries(inner, diagnostics, |cursor, diagnostics| {
-        let (target, velocity) = target(cursor, diagnostics)?;
+fn assignments(cursor: &mut Cursor, word: &Name) -> Checked<Vec<Assignment>> {
+    let inner = block(cursor, word)?;
+    Ok(entries(inner, |cursor| {
+        let (target, velocity) = target(cursor)?;
         if !cursor.eat_symbol(":") {
-            return Err(unexpected(cursor, diagnostics, "`:`"));
+            return Err(cursor.unexpected("`:`"));
         }
-        let value = expression(cursor, diagnostics)?;
+        let value = expression(cursor)?;
         Ok(Assignment {
             target,
             velocity,
@@ -273,35 +246,29 @@ fn assignments(
     }))
 }
 
-fn function(cursor: &mut Cursor, diagnostics: &mut Diagnostics) -> Checked<Statement> {
-    let function = name(cursor, "the name of the function", diagnostics)?;
+fn function(cursor: &mut Cursor) -> Checked<Statement> {
+    let function = name(cursor, "the name of the function")?;
     let text = function.text.clone();
-    let statement = function_after_name(cursor, function, diagnostics);
+    let statement = function_after_name(cursor, function);
     if statement.is_err() {
-        diagnostics.poison(&text);
+        cursor.said().poison(&text);
     }
     statement
 }
 
-fn function_after_name(
-    cursor: &mut Cursor,
-    function: Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
+fn function_after_name(cursor: &mut Cursor, function: Name) -> Checked<Statement> {
     let Some(group) = cursor.eat_group(Delimiter::Parenthesis) else {
-        return Err(unexpected(cursor, diagnostics, "`(` and the arguments"));
+        return Err(cursor.unexpected("`(` and the arguments"));
     };
-    let before = diagnostics.mistakes();
-    let arguments = entries(
-        Cursor::inside(&group),
-        diagnostics,
-        |cursor, diagnostics| name(cursor, "the name of an argument", diagnostics),
-    );
-    if diagnostics.mistakes() > before {
+    let before = cursor.said().mistakes();
+    let arguments = entries(cursor.inside(&group), |cursor| {
+        name(cursor, "the name of an argument")
+    });
+    if cursor.said().mistakes() > before {
         return Err(Reported);
     }
     if arguments.is_empty() {
-        return Err(diagnostics.syntax(
+        return Err(cursor.said().syntax(
             Place::at(group.span_open()),
             format!(
                 "function `{}` has no argument; write `let {} = ...` instead",
@@ -309,8 +276,8 @@ fn function_after_name(
             ),
         ));
     }
-    equals(cursor, diagnostics)?;
-    let body = expression(cursor, diagnostics)?;
+    equals(cursor)?;
+    let body = expression(cursor)?;
     Ok(Statement::Function {
         name: function,
         arguments,
@@ -318,16 +285,12 @@ fn function_after_name(
     })
 }
 
-fn surface(
-    cursor: &mut Cursor,
-    documentation: Documentation,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Statement> {
-    let name = name(cursor, "the name of the surface", diagnostics)?;
+fn surface(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
+    let name = name(cursor, "the name of the surface")?;
     let text = name.text.clone();
-    let statement = surface_after_name(cursor, documentation, name, diagnostics);
+    let statement = surface_after_name(cursor, documentation, name);
     if statement.is_err() {
-        diagnostics.poison(&text);
+        cursor.said().poison(&text);
     }
     statement
 }
@@ -336,31 +299,28 @@ fn surface_after_name(
     cursor: &mut Cursor,
     documentation: Documentation,
     name: Name,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Statement> {
     if !cursor.eat_symbol(":") {
-        return Err(unexpected(
-            cursor,
-            diagnostics,
-            "`:` after the surface's name, as in `surface ground: z >= 0`",
-        ));
+        return Err(
+            cursor.unexpected("`:` after the surface's name, as in `surface ground: z >= 0`")
+        );
     }
-    let left = expression(cursor, diagnostics)?;
+    let left = expression(cursor)?;
     let relation = if cursor.eat_symbol(">=") {
         Relation::AtLeast
     } else if cursor.eat_symbol("<=") {
         Relation::AtMost
     } else if cursor.at_symbol(">") || cursor.at_symbol("<") || cursor.at_symbol("=") {
-        return Err(diagnostics.syntax(
+        return Err(cursor.said().syntax(
             cursor.place(),
             "a surface is an inequality `>=` or `<=`; equality holds in contact",
         ));
     } else {
-        return Err(unexpected(cursor, diagnostics, "`>=` or `<=`"));
+        return Err(cursor.unexpected("`>=` or `<=`"));
     };
-    let right = expression(cursor, diagnostics)?;
+    let right = expression(cursor)?;
     if control::relation_follows(cursor) {
-        return Err(diagnostics.syntax(
+        return Err(cursor.said().syntax(
             cursor.place(),
             format!("a surface compares two sides; declare two surfaces, the second one with `{right}` on its left"),
         ));
@@ -371,7 +331,7 @@ fn surface_after_name(
              the law, as in `impact {0}, {0}_2: inelastic`",
             name.text
         );
-        diagnostics.syntax(cursor.place(), message);
+        cursor.said().syntax(cursor.place(), message);
         skip_to_statement(cursor);
     }
     Ok(Statement::Surface {
@@ -386,14 +346,13 @@ fn surface_after_name(
 /// A quantity between its bounds, `lower <= name <= upper`: the name, both bounds, and what to write; the cursor moves
 /// behind it.
 fn between(cursor: &mut Cursor) -> Option<(Name, [Expr; 2], String)> {
-    let mut ahead = cursor.clone();
-    let mut silent = Diagnostics::default();
-    let mut bound = |ahead: &mut Cursor| expression(ahead, &mut silent).ok();
+    let mut ahead = cursor.silent();
+    let bound = |ahead: &mut Cursor| expression(ahead).ok();
     let at_most = |ahead: &mut Cursor| ahead.eat_symbol("<=") || ahead.eat_symbol("<");
     let lower = bound(&mut ahead)?;
     let name = at_most(&mut ahead).then(|| ahead.eat_name()).flatten()?;
     let upper = at_most(&mut ahead).then(|| bound(&mut ahead)).flatten()?;
-    *cursor = ahead;
+    cursor.follow(ahead);
     let message = format!(
         "bounds stand behind the name; write `{} in {lower}..={upper}`",
         name.text

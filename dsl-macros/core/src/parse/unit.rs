@@ -2,7 +2,7 @@
 
 use super::cursor::Cursor;
 use crate::ast::{Name, WrittenUnit};
-use crate::diagnostics::{Checked, Diagnostics};
+use crate::diagnostics::{Checked, Place};
 use crate::words;
 use hangtime_units::Unit;
 use proc_macro2::{Delimiter, Group, Spacing, TokenStream, TokenTree};
@@ -11,10 +11,7 @@ use proc_macro2::{Delimiter, Group, Spacing, TokenStream, TokenTree};
 const MOST: usize = 12;
 
 /// Reads unit tokens up to the end, `=`, `,` or the word `in`.
-pub(super) fn declared(
-    cursor: &mut Cursor,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Option<WrittenUnit>> {
+pub(super) fn declared(cursor: &mut Cursor) -> Checked<Option<WrittenUnit>> {
     let start = cursor.place();
     let mut text = String::new();
     let mut last = start;
@@ -38,42 +35,35 @@ pub(super) fn declared(
         last = cursor.place();
         cursor.advance();
     }
-    read(&text, diagnostics, start.to(last))
+    read(cursor, &text, start.to(last))
 }
 
 /// Reads the unit in brackets after a number.
-pub(super) fn bracketed(
-    group: &Group,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Option<WrittenUnit>> {
-    let cursor = Cursor::inside(group);
-    let place = crate::diagnostics::Place::at(group.span_open());
+pub(super) fn bracketed(cursor: &Cursor, group: &Group) -> Checked<Option<WrittenUnit>> {
+    let cursor = cursor.inside(group);
+    let place = Place::at(group.span_open());
     let mut text = String::new();
     let mut index = 0;
     while let Some(token) = cursor.peek_at(index) {
         append(&mut text, token);
         index += 1;
     }
-    read(&text, diagnostics, place)
+    read(&cursor, &text, place)
 }
 
 /// A unit in brackets behind the name of a quantity, which is reported and read.
-pub(super) fn in_brackets(
-    cursor: &mut Cursor,
-    name: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Option<WrittenUnit> {
+pub(super) fn in_brackets(cursor: &mut Cursor, name: &Name) -> Option<WrittenUnit> {
     let place = cursor.place();
     let group = cursor
         .eat_group(Delimiter::Parenthesis)
         .or_else(|| cursor.eat_group(Delimiter::Bracket))?;
     let whole = place.to(cursor.previous());
-    let unit = bracketed(&group, diagnostics).ok()??;
+    let unit = bracketed(cursor, &group).ok()??;
     let message = format!(
         "a unit stands behind a colon here; write `{}: {}`",
         name.text, unit.text
     );
-    diagnostics.syntax(whole, message);
+    cursor.said().syntax(whole, message);
     Some(unit)
 }
 
@@ -127,14 +117,10 @@ fn is_before(cursor: &Cursor, offset: usize, mark: char) -> bool {
             if punct.as_char() == mark && punct.spacing() == Spacing::Alone)
 }
 
-pub(super) fn read(
-    text: &str,
-    diagnostics: &mut Diagnostics,
-    place: crate::diagnostics::Place,
-) -> Checked<Option<WrittenUnit>> {
+pub(super) fn read(cursor: &Cursor, text: &str, place: Place) -> Checked<Option<WrittenUnit>> {
     let text = text.trim();
     match text.parse::<Unit>() {
-        Ok(_) if text.is_empty() => Err(diagnostics.syntax(
+        Ok(_) if text.is_empty() => Err(cursor.said().syntax(
             place,
             "a unit is missing; write e.g. `m/s`, or `1` for none",
         )),
@@ -142,7 +128,7 @@ pub(super) fn read(
             text: text.to_owned(),
             unit,
         })),
-        Err(error) => Err(diagnostics.syntax(place, error.to_string())),
+        Err(error) => Err(cursor.said().syntax(place, error.to_string())),
     }
 }
 
