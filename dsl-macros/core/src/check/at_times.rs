@@ -11,7 +11,6 @@ use super::values::of_an_instant;
 use super::{resets, states};
 use crate::ast::{Assignment, Condition, Documentation, Expr, Name, Relation};
 use crate::diagnostics::{Checked, Reported};
-use crate::evaluate::expression;
 use crate::graph::{self, Sym, Variable};
 use crate::scene;
 
@@ -80,7 +79,7 @@ pub(super) fn at(
 
 /// The time of the conditions, which depends on parameters alone.
 fn moment(checker: &mut Checker<'_>, time: &Expr) -> Checked<Moment> {
-    let value = expression::scalar(&mut checker.scope, time, checker.diagnostics)?;
+    let value = checker.scalar(time)?;
     let mut moving = graph::variables(&[value]).into_iter();
     if let Some(variable) = moving.find(|variable| !matches!(variable, Variable::Parameter(_))) {
         let message = format!(

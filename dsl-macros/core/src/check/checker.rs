@@ -2,7 +2,7 @@
 
 use crate::ast::{Assignment, Documentation, Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
-use crate::evaluate::Scope;
+use crate::evaluate::{Evaluation, Scope, Value, expression};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{self, Coordinate, Parameter};
 use crate::words;
@@ -61,6 +61,14 @@ pub(super) struct Checker<'a> {
     /// Times at which conditions hold.
     pub(super) moments: Vec<Moment>,
     pub(super) shown: Shown,
+}
+
+/// What a list of quantities is of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Of {
+    Coordinates,
+    Controls,
+    States,
 }
 
 /// Laws of contact, and joints.
@@ -167,6 +175,37 @@ pub(super) struct Free {
 }
 
 impl Checker<'_> {
+    fn evaluation(&mut self) -> Evaluation<'_> {
+        Evaluation {
+            scope: &mut self.scope,
+            diagnostics: self.diagnostics,
+        }
+    }
+
+    /// What is declared of a kind so far.
+    pub(super) fn list(&mut self, of: Of) -> &mut Vec<Coordinate> {
+        match of {
+            Of::Coordinates => &mut self.coordinates,
+            Of::Controls => &mut self.controls,
+            Of::States => &mut self.states,
+        }
+    }
+
+    /// Evaluates an expression.
+    pub(super) fn value(&mut self, expr: &Expr) -> Checked<Value> {
+        expression::value(&mut self.evaluation(), expr)
+    }
+
+    /// Evaluates an expression that must be a number.
+    pub(super) fn scalar(&mut self, expr: &Expr) -> Checked<Sym> {
+        expression::scalar(&mut self.evaluation(), expr)
+    }
+
+    /// Evaluates an expression in which a name stands for a number.
+    pub(super) fn value_over(&mut self, named: (&str, Sym), expr: &Expr) -> Checked<Value> {
+        expression::value_over(&mut self.evaluation(), named, expr)
+    }
+
     /// A variable as the user knows it.
     pub(super) fn in_words(&self, variable: Variable) -> String {
         let name = |list: &[Coordinate], i: u16| {

@@ -5,7 +5,7 @@ use super::{friction, law};
 use crate::ast::{Documentation, Expr, Name};
 use crate::derive::simplify;
 use crate::diagnostics::Checked;
-use crate::evaluate::{FIRST_DRY, Role, expression};
+use crate::evaluate::{FIRST_DRY, Role};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::Contact;
 use hangtime_units::Unit;
@@ -77,9 +77,7 @@ fn is_force(variable: Variable) -> bool {
 /// E07 and E10: the bound is linear in the forces that it follows, and not negative.
 fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
     checker.scope.role = Role::Bound;
-    let bound = friction::with_speed(checker, |checker| {
-        expression::scalar(&mut checker.scope, expr, checker.diagnostics)
-    });
+    let bound = friction::with_speed(checker, |checker| checker.scalar(expr));
     checker.scope.role = Role::Motion;
     let bound = bound?;
     for force in graph::variables(&[bound])

@@ -7,7 +7,7 @@ use super::checker::{CheckedFriction, Checker, Surface};
 use crate::ast::Expr;
 use crate::derive::simplify;
 use crate::diagnostics::Checked;
-use crate::evaluate::{Meaning, Value, expression};
+use crate::evaluate::{Meaning, Value};
 use crate::graph::{self, Compose, Function, Sym, Variable};
 use crate::scene::Friction;
 use crate::words;
@@ -50,9 +50,7 @@ pub(super) fn coefficients(
     sliding: &Expr,
     at_rest: Option<&Expr>,
 ) -> Checked<(Sym, Option<Sym>)> {
-    let value = with_speed(checker, |checker| {
-        expression::scalar(&mut checker.scope, sliding, checker.diagnostics)
-    })?;
+    let value = with_speed(checker, |checker| checker.scalar(sliding))?;
     let wrong = |variable: &Variable| match variable {
         Variable::Parameter(_) | Variable::Coordinate(_) | Variable::Time => false,
         other => *other != SPEED,
@@ -69,7 +67,7 @@ pub(super) fn coefficients(
     let Some(expr) = at_rest else {
         return Ok((value, None));
     };
-    let rest = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let rest = checker.scalar(expr)?;
     let rest = checker.constant(rest, expr, "the coefficient of friction at rest")?;
     checker.coefficient(rest, expr, "friction", f64::INFINITY)?;
     let values = (checker.at_default(rest), checker.at_default(still(value)));

@@ -5,7 +5,7 @@ use super::dry;
 use super::rules::is_velocity;
 use crate::ast::{Documentation, Expr, Name};
 use crate::diagnostics::{Checked, Place};
-use crate::evaluate::{Value, expression, velocity_direction};
+use crate::evaluate::{Value, velocity_direction};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{Contact, Joint};
 use hangtime_units::Unit;
@@ -22,8 +22,8 @@ pub(super) fn joint(
     right: &Expr,
 ) -> Checked<()> {
     dry::new_contact(checker, name, "joint")?;
-    let own = expression::value(&mut checker.scope, left, checker.diagnostics);
-    let its = expression::value(&mut checker.scope, right, checker.diagnostics);
+    let own = checker.value(left);
+    let its = checker.value(right);
     let (Ok(own), Ok(its)) = (own, its) else {
         return checker.poison(name);
     };

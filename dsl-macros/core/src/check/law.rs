@@ -7,7 +7,6 @@ use crate::ast::{Expr, Kind, Law, Name};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
 use crate::evaluate::Value;
-use crate::evaluate::expression;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::parse::law_of;
 use crate::scene::{self, Contact, Friction};
@@ -90,7 +89,7 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
 
 /// E10: a coefficient of parameters between 0 and a bound, for their defaults.
 fn coefficient(checker: &mut Checker<'_>, expr: &Expr, of: &str, most: f64) -> Checked<Sym> {
-    let sym = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let sym = checker.scalar(expr)?;
     let sym = checker.constant(sym, expr, &format!("the coefficient of {of}"))?;
     checker.coefficient(sym, expr, of, most)
 }
@@ -105,13 +104,13 @@ pub(super) fn velocities(expr: &Expr) -> &[Expr] {
 
 /// The sliding velocity, which must be `b(q, t)' v + c(q, t)`: `c` is the velocity of a ground that moves.
 pub(super) fn sliding(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
-    let sliding = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let sliding = checker.scalar(expr)?;
     is_sliding(checker, expr, sliding)
 }
 
 /// The sliding velocities of a piece of a surface: one in the plane, two in space.
 fn of_piece(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
-    let value = expression::value(&mut checker.scope, expr, checker.diagnostics)?;
+    let value = checker.value(expr)?;
     let components = value.components().to_vec();
     if components.len() > 2 || matches!(value, Value::Matrix(_)) {
         let message = format!(
@@ -199,7 +198,7 @@ fn held(checker: &mut Checker<'_>, names: &[Name]) -> Checked<Vec<usize>> {
 
 /// The impulse direction as velocities in declared units.
 fn direction(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
-    let value = expression::value(&mut checker.scope, expr, checker.diagnostics)?;
+    let value = checker.value(expr)?;
     let n = checker.coordinates.len();
     let components = value.components();
     if components.len() != n

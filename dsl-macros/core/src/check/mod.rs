@@ -33,11 +33,10 @@ pub(crate) use start::inertia_at_start;
 
 use crate::ast::{Documentation, Expr, Name, Relation, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
-use crate::evaluate::expression;
 use crate::evaluate::{Meaning, Role, Scope, UserFunction};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, CheckedScene};
-use checker::{Abbreviation, Checker, Laws, Shown, Surface, Task};
+use checker::{Abbreviation, Checker, Laws, Of, Shown, Surface, Task};
 use std::collections::HashSet;
 use std::rc::Rc;
 
@@ -83,9 +82,9 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
 fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()> {
     match statement {
         Statement::Parameters(quantities) => design::bounds(checker, quantities),
-        Statement::Coordinates(quantities) => values::bounds(checker, quantities, false),
-        Statement::Controls(quantities) => values::bounds(checker, quantities, true),
-        Statement::States(quantities) => values::bounds_of_states(checker, quantities),
+        Statement::Coordinates(quantities) => values::bounds(checker, quantities, Of::Coordinates),
+        Statement::Controls(quantities) => values::bounds(checker, quantities, Of::Controls),
+        Statement::States(quantities) => values::bounds(checker, quantities, Of::States),
         Statement::Rates(assignments) => states::rates(checker, assignments),
         Statement::Let { name, value } => abbreviation(checker, name, value),
         Statement::Function {
@@ -148,7 +147,7 @@ fn abbreviation(checker: &mut Checker<'_>, name: &Name, value: &Expr) -> Checked
     let free = checker.new_name(name, "abbreviation");
     checker.scope.later.remove(&name.text);
     checker.scope.defers = true;
-    let value = expression::value(&mut checker.scope, value, checker.diagnostics);
+    let value = checker.value(value);
     checker.scope.defers = false;
     free?;
     let meaning = match value {
@@ -218,8 +217,8 @@ fn surface(
 ) -> Checked<()> {
     dry::new_contact(checker, name, "surface")?;
     checker.scope.role = Role::Surface;
-    let left_value = expression::scalar(&mut checker.scope, left, checker.diagnostics);
-    let right_value = expression::scalar(&mut checker.scope, right, checker.diagnostics);
+    let left_value = checker.scalar(left);
+    let right_value = checker.scalar(right);
     checker.scope.role = Role::Motion;
     let (Ok(left_value), Ok(right_value)) = (left_value, right_value) else {
         return checker.poison(name);

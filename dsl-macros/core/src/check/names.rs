@@ -1,6 +1,6 @@
 //! Names: what is declared, what may not be, what is taken.
 
-use super::checker::Checker;
+use super::checker::{Checker, Of};
 use super::{states, values};
 use crate::ast::{Condition, Documentation, Expr, Name, Quantity, Statement};
 use crate::diagnostics::{Checked, Reported};
@@ -22,19 +22,15 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
     }
     for statement in statements {
         match statement {
-            Statement::Parameters(quantities) => {
-                declare(checker, quantities, |checker, quantity| {
-                    parameter(checker, quantity)
-                });
-            }
+            Statement::Parameters(quantities) => declare(checker, quantities, parameter),
             Statement::Coordinates(quantities) => {
                 declare(checker, quantities, |checker, quantity| {
-                    coordinate(checker, quantity, false)
+                    listed(checker, quantity, Of::Coordinates)
                 });
             }
             Statement::Controls(quantities) => {
                 declare(checker, quantities, |checker, quantity| {
-                    coordinate(checker, quantity, true)
+                    listed(checker, quantity, Of::Controls)
                 });
             }
             Statement::Let { name, .. } | Statement::Function { name, .. } => {
@@ -52,7 +48,9 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
     checker.scope.first_state = checker.coordinates.len() as u16;
     for statement in statements {
         if let Statement::States(quantities) = statement {
-            declare(checker, quantities, state);
+            declare(checker, quantities, |checker, quantity| {
+                listed(checker, quantity, Of::States)
+            });
         }
     }
     declare_recorded(checker, statements);
@@ -121,72 +119,39 @@ fn parameter(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
     Ok(())
 }
 
-fn coordinate(checker: &mut Checker<'_>, quantity: &Quantity, control: bool) -> Checked<()> {
+/// A coordinate, a control or a state.
+fn listed(checker: &mut Checker<'_>, quantity: &Quantity, of: Of) -> Checked<()> {
     let name = &quantity.name;
-    let what = if control { "control" } else { "coordinate" };
-    checker.new_name(name, what)?;
-    let known = if control {
-        &checker.controls
-    } else {
-        &checker.coordinates
+    let what = match of {
+        Of::Coordinates => "coordinate",
+        Of::Controls => "control",
+        Of::States => "state",
     };
-    let index = known.len();
+    checker.new_name(name, what)?;
+    let index = checker.list(of).len();
     room(checker, name, index)?;
     if let Some(value) = &quantity.value {
-        checker.diagnostics.syntax(
-            value.place,
-            if control {
-                format!(
-                    "control `{}` has no value of its own; leave `= ...` out",
-                    name.text
-                )
-            } else {
-                format!(
-                    "initial values belong to `start {{ {}: ... }}`; leave `= ...` out",
-                    name.text
-                )
-            },
-        );
-    }
-    let unit = quantity.unit.clone();
-    let variable = if control {
-        Variable::Control(index as u16)
-    } else {
-        Variable::Coordinate(index as u16)
-    };
-    let sym = Sym::variable(variable).scaled(scene::scale(unit.as_ref()));
-    declare_value(checker, name, sym);
-    let declared = Coordinate {
-        name: name.clone(),
-        unit,
-        documentation: quantity.documentation.clone(),
-        bounds: None,
-    };
-    if control {
-        checker.controls.push(declared);
-    } else {
-        checker.coordinates.push(declared);
-    }
-    Ok(())
-}
-
-fn state(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
-    let name = &quantity.name;
-    checker.new_name(name, "state")?;
-    room(checker, name, checker.states.len())?;
-    if let Some(value) = &quantity.value {
-        let message = format!(
-            "initial values belong to `start {{ {}: ... }}`; leave `= ...` out",
-            name.text
-        );
+        let text = &name.text;
+        let message = match of {
+            Of::Controls => {
+                format!("control `{text}` has no value of its own; leave `= ...` out")
+            }
+            Of::Coordinates | Of::States => {
+                format!("initial values belong to `start {{ {text}: ... }}`; leave `= ...` out")
+            }
+        };
         checker.diagnostics.syntax(value.place, message);
     }
-    let unit = quantity.unit.clone();
-    let sym = Sym::variable(states::variable(checker, checker.states.len()));
-    declare_value(checker, name, sym.scaled(scene::scale(unit.as_ref())));
-    checker.states.push(Coordinate {
+    let variable = match of {
+        Of::Coordinates => Variable::Coordinate(index as u16),
+        Of::Controls => Variable::Control(index as u16),
+        Of::States => states::variable(checker, index),
+    };
+    let scale = scene::scale(quantity.unit.as_ref());
+    declare_value(checker, name, Sym::variable(variable).scaled(scale));
+    checker.list(of).push(Coordinate {
         name: name.clone(),
-        unit,
+        unit: quantity.unit.clone(),
         documentation: quantity.documentation.clone(),
         bounds: None,
     });

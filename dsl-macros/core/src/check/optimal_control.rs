@@ -6,7 +6,6 @@ use super::{epigraph, pieces, states, units, values};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::declaration::Over;
 use crate::diagnostics::{Checked, Place, Reported};
-use crate::evaluate::expression;
 use crate::evaluate::{Kink, Role, at_impacts};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, OptimalControl};
@@ -95,9 +94,7 @@ fn meaningless(checker: &mut Checker<'_>, place: Place, message: String) -> Repo
 
 /// What an integral is multiplied by.
 fn factor(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
-    let value = in_role(checker, Role::Running, |checker| {
-        expression::scalar(&mut checker.scope, expr, checker.diagnostics)
-    })?;
+    let value = in_role(checker, Role::Running, |checker| checker.scalar(expr))?;
     let moving = graph::variables(&[value])
         .into_iter()
         .find(|variable| !matches!(variable, Variable::Parameter(_)));
@@ -121,9 +118,7 @@ fn running_term(
     cost: &mut Cost,
 ) -> Checked<()> {
     checker.scope.takes_apart = true;
-    let value = in_role(checker, Role::Running, |checker| {
-        expression::scalar(&mut checker.scope, expr, checker.diagnostics)
-    });
+    let value = in_role(checker, Role::Running, |checker| checker.scalar(expr));
     checker.scope.takes_apart = false;
     let value = value?;
     if !moves(checker, value) {
@@ -176,9 +171,7 @@ fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Co
 /// A number at the final instant, where a control has no value.
 fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym> {
     let known = checker.scope.sums.len();
-    let value = in_role(checker, Role::End, |checker| {
-        expression::scalar(&mut checker.scope, expr, checker.diagnostics)
-    })?;
+    let value = in_role(checker, Role::End, |checker| checker.scalar(expr))?;
     let control = within(value, &checker.scope.kinks)
         .into_iter()
         .find(|variable| matches!(variable, Variable::Control(_)));
@@ -260,7 +253,7 @@ pub(super) fn constraint(
     }
     let side = |checker: &mut Checker<'_>, expr: &Expr| {
         in_role(checker, Role::Constraint, |checker| {
-            let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+            let value = checker.scalar(expr)?;
             smooth(value, expr, checker)?;
             Ok(value)
         })

@@ -4,7 +4,6 @@ use super::checker::Checker;
 use super::{units, values};
 use crate::ast::{Expr, Quantity};
 use crate::diagnostics::{Checked, Reported};
-use crate::evaluate::expression;
 use crate::evaluate::{Contents, Meaning, Role, Value, has_edge};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Contact};
@@ -76,7 +75,7 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
 
 fn recorded(checker: &mut Checker<'_>, expr: &Expr, quantity: &Quantity) -> Checked<Sym> {
     checker.scope.role = Role::Record;
-    let value = expression::value(&mut checker.scope, expr, checker.diagnostics);
+    let value = checker.value(expr);
     let value = match value {
         Ok(Value::Vector(components)) => {
             let message = format!(
@@ -88,7 +87,7 @@ fn recorded(checker: &mut Checker<'_>, expr: &Expr, quantity: &Quantity) -> Chec
             Err(checker.diagnostics.report("E02", expr.place, message))
         }
         Ok(_) => {
-            let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics);
+            let value = checker.scalar(expr);
             let scale = scene::scale(quantity.unit.as_ref());
             value.map(|value| match values::is_bare(expr) {
                 true => value.scaled(scale),

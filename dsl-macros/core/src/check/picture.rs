@@ -3,7 +3,6 @@
 use super::checker::Checker;
 use crate::ast::{self, Expr, Kind, Name};
 use crate::diagnostics::{Checked, Place, Reported};
-use crate::evaluate::expression;
 use crate::evaluate::{Meaning, Role, Value};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Form, Picture, Point, Shape};
@@ -112,7 +111,7 @@ fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> 
             let free = new_shape(checker, picture, name);
             let at = place(checker, at);
             let angle = match angle {
-                Some(angle) => expression::scalar(&mut checker.scope, angle, checker.diagnostics),
+                Some(angle) => checker.scalar(angle),
                 None => Ok(Sym::ZERO),
             };
             let form = checked_form(checker, name, form);
@@ -140,7 +139,7 @@ fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> 
             let free = new_shape(checker, picture, name);
             let range = range.as_ref().map(|(lower, upper)| {
                 let [lower, upper] = [lower, upper].map(|bound| {
-                    let value = expression::scalar(&mut checker.scope, bound, checker.diagnostics)?;
+                    let value = checker.scalar(bound)?;
                     fixed(checker, value, bound, &name.text)
                 });
                 Ok([lower?, upper?])
@@ -152,8 +151,7 @@ fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> 
                 _ => 1.0,
             };
             let along = (over.text.as_str(), Sym::variable(ALONG).scaled(scale));
-            let value =
-                expression::value_over(&mut checker.scope, along, points, checker.diagnostics);
+            let value = checker.value_over(along, points);
             let point = value.and_then(|value| two(checker, points, &value));
             free?;
             let point = point?;
@@ -186,7 +184,7 @@ fn checked_form(checker: &mut Checker<'_>, name: &Name, form: &ast::Form) -> Che
     Ok(match form {
         ast::Form::Point => Form::Point,
         ast::Form::Circle { radius } => {
-            let value = expression::scalar(&mut checker.scope, radius, checker.diagnostics)?;
+            let value = checker.scalar(radius)?;
             Form::Circle {
                 radius: fixed(checker, value, radius, &name.text)?,
             }
@@ -255,7 +253,7 @@ fn end(checker: &mut Checker<'_>, picture: &Picture, expr: &Expr) -> Checked<Poi
 }
 
 fn place(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Point> {
-    let value = expression::value(&mut checker.scope, expr, checker.diagnostics)?;
+    let value = checker.value(expr)?;
     two(checker, expr, &value)
 }
 

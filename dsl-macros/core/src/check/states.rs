@@ -6,7 +6,6 @@
 use super::checker::Checker;
 use crate::ast::{Assignment, Name, WrittenUnit};
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
-use crate::evaluate::expression;
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Condition, Coordinate};
 use hangtime_units::Unit;
@@ -26,7 +25,7 @@ pub(super) fn index(checker: &Checker<'_>, name: &Name) -> Option<usize> {
 pub(super) fn rates(checker: &mut Checker<'_>, assignments: &[Assignment]) -> Checked<()> {
     for assignment in assignments {
         checker.scope.acts = true;
-        let value = expression::scalar(&mut checker.scope, &assignment.value, checker.diagnostics);
+        let value = checker.scalar(&assignment.value);
         checker.scope.acts = false;
         let (Ok(state), Ok(value)) = (of_rate(checker, assignment), value) else {
             continue;

@@ -1,14 +1,13 @@
 //! Numbers of the declaration: defaults, bounds, start, horizon; and the formulas of the dynamics.
 
-use super::checker::Checker;
+use super::checker::{Checker, Of};
 use super::states;
 use crate::ast::{Assignment, Expr, Kind, Name, Quantity, WrittenUnit};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Place, Reported};
-use crate::evaluate::expression;
 use crate::evaluate::unrepresentable;
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{self, Coordinate};
+use crate::scene;
 
 /// The default of a parameter, in its declared unit: a constant expression. Without a unit of its
 /// own it is meant in the declared one.
@@ -49,7 +48,7 @@ pub(super) fn in_declared_unit(
     expr: &Expr,
     unit: Option<&WrittenUnit>,
 ) -> Checked<Sym> {
-    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let value = checker.scalar(expr)?;
     if is_bare(expr) {
         return Ok(value);
     }
@@ -60,39 +59,17 @@ pub(super) fn in_declared_unit(
     }
 }
 
-/// Bounds of coordinates or controls.
-pub(super) fn bounds(
-    checker: &mut Checker<'_>,
-    quantities: &[Quantity],
-    control: bool,
-) -> Checked<()> {
+/// Bounds of coordinates, controls or states.
+pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity], of: Of) -> Checked<()> {
     for quantity in quantities {
-        let known = declared(checker, control);
-        let index = known
-            .iter()
-            .position(|known| known.name.text == quantity.name.text);
+        let (name, unit) = (&quantity.name.text, quantity.unit.as_ref());
+        let mut known = checker.list(of).iter();
+        let index = known.position(|known| known.name.text == *name);
         let (Some(index), Some(bounds)) = (index, &quantity.bounds) else {
             continue;
         };
-        let (name, unit) = (&quantity.name.text, quantity.unit.as_ref());
-        let Ok(range) = range(checker, bounds, unit, name) else {
-            continue;
-        };
-        declared(checker, control)[index].bounds = Some(range);
-    }
-    Ok(())
-}
-
-/// Bounds of states.
-pub(super) fn bounds_of_states(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Checked<()> {
-    for quantity in quantities {
-        let state = states::index(checker, &quantity.name);
-        let (Some(state), Some(bounds)) = (state, &quantity.bounds) else {
-            continue;
-        };
-        let (name, unit) = (&quantity.name.text, quantity.unit.as_ref());
         if let Ok(range) = range(checker, bounds, unit, name) {
-            checker.states[state].bounds = Some(range);
+            checker.list(of)[index].bounds = Some(range);
         }
     }
     Ok(())
@@ -134,16 +111,8 @@ pub(super) fn range(
     Ok((low, high))
 }
 
-fn declared<'a>(checker: &'a mut Checker<'_>, control: bool) -> &'a mut Vec<Coordinate> {
-    if control {
-        &mut checker.controls
-    } else {
-        &mut checker.coordinates
-    }
-}
-
 pub(super) fn lagrangian(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
-    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let value = checker.scalar(expr)?;
     if checker.lagrangian.is_some() {
         return Err(checker.diagnostics.syntax(
             keyword,
@@ -168,7 +137,7 @@ pub(super) fn lagrangian(checker: &mut Checker<'_>, keyword: Place, expr: &Expr)
 }
 
 pub(super) fn dissipation(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
-    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let value = checker.scalar(expr)?;
     if checker.dissipation.is_some() {
         return Err(checker.diagnostics.syntax(
             keyword,
@@ -242,7 +211,7 @@ fn damping_is_not_negative(
 pub(super) fn forces(checker: &mut Checker<'_>, assignments: &[Assignment]) -> Checked<()> {
     for assignment in assignments {
         checker.scope.acts = true;
-        let value = expression::scalar(&mut checker.scope, &assignment.value, checker.diagnostics);
+        let value = checker.scalar(&assignment.value);
         checker.scope.acts = false;
         let (Ok(index), Ok(value)) = (checker.coordinate_index(&assignment.target), value) else {
             continue;
@@ -433,7 +402,7 @@ pub(super) fn shown(assignment: &Assignment) -> String {
 }
 
 pub(super) fn horizon(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
-    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let value = checker.scalar(expr)?;
     let value = checker.constant(value, expr, "the horizon")?;
     if checker.horizon.is_some() {
         return Err(checker
@@ -487,7 +456,7 @@ pub(crate) fn is_bare(expr: &Expr) -> bool {
 
 /// E07: a value of an instant, at which a control may jump.
 pub(super) fn of_an_instant(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
-    let value = expression::scalar(&mut checker.scope, expr, checker.diagnostics)?;
+    let value = checker.scalar(expr)?;
     let mut variables = graph::variables(&[value]).into_iter();
     let Some(control) = variables.find(|variable| matches!(variable, Variable::Control(_))) else {
         return Ok(value);

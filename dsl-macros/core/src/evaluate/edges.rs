@@ -1,7 +1,7 @@
 //! `max`, `min` and `|x|`, which may stand in a surface, and in what is recorded and drawn.
 
 use super::kink::{Kink, has_switch};
-use super::scope::{Role, Scope};
+use super::scope::{Evaluation, Role, Scope};
 use super::value::Value;
 use crate::ast::{Expr, Kind};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
@@ -15,18 +15,17 @@ pub(super) fn admitted(scope: &Scope) -> bool {
 
 /// Whether a function with a kink or a jump may stand here, with so many arguments; E12 otherwise.
 pub(super) fn admit(
-    scope: &Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     (text, arguments): (&str, usize),
-    diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
     let known = words::EDGES.contains(&text);
-    if !known || !admitted(scope) {
+    if !known || !admitted(eval.scope) {
         let message = format!(
             "`{text}` has a kink or a jump, {}",
-            remedy(scope.role, known)
+            remedy(eval.scope.role, known)
         );
-        return Err(diagnostics.report("E12", whole.place, message));
+        return Err(eval.diagnostics.report("E12", whole.place, message));
     }
     let (wanted, fits) = match text {
         "abs" => ("1 argument", arguments == 1),
@@ -37,7 +36,7 @@ pub(super) fn admit(
         return Ok(());
     }
     let message = format!("`{text}` takes {wanted}, found {arguments}");
-    Err(diagnostics.report("E02", whole.place, message))
+    Err(eval.diagnostics.report("E02", whole.place, message))
 }
 
 /// Why there must be no kink or jump, and what to write instead of one, or of one that a surface may have.
@@ -67,13 +66,8 @@ fn remedy(role: Role, surface: bool) -> &'static str {
 }
 
 /// E12: a bar around a number that is neither in a surface nor in what is shown.
-pub(super) fn refuse_size(
-    scope: &Scope,
-    inner: &Expr,
-    part: Sym,
-    diagnostics: &mut Diagnostics,
-) -> Reported {
-    let why = match scope.role {
+pub(super) fn refuse_size(eval: &mut Evaluation<'_>, inner: &Expr, part: Sym) -> Reported {
+    let why = match eval.scope.role {
         Role::Motion | Role::Bound if is_velocity(part) => format!(
             "a kink at 0; for a drag write `sqrt({}^2 + v_0^2)` in its place, with a small speed `v_0`, and for dry \
              friction `dry friction name: bound f, sliding {inner}`",
@@ -83,12 +77,12 @@ pub(super) fn refuse_size(
             }
         ),
         Role::Running | Role::Impact | Role::Constraint | Role::End => {
-            format!("a kink at 0, {}", remedy(scope.role, false))
+            format!("a kink at 0, {}", remedy(eval.scope.role, false))
         }
-        _ => format!("a kink at 0, {}", remedy(scope.role, true)),
+        _ => format!("a kink at 0, {}", remedy(eval.scope.role, true)),
     };
     let message = format!("`|{inner}|` of a number has {why}");
-    diagnostics.report("E12", inner.place, message)
+    eval.diagnostics.report("E12", inner.place, message)
 }
 
 /// Whether a value moves with velocities.
@@ -164,12 +158,16 @@ pub(crate) fn has_edge(components: &[Sym]) -> bool {
 
 /// E12: what has an edge has no derivative there.
 pub(super) fn differentiable(
-    scope: &Scope,
+    eval: &mut Evaluation<'_>,
     components: &[Sym],
     (shown, place): (&str, Place),
-    diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
-    let edge = |variable| scope.kinks.iter().any(|kink| kink.variable == variable);
+    let edge = |variable| {
+        eval.scope
+            .kinks
+            .iter()
+            .any(|kink| kink.variable == variable)
+    };
     let switches = has_switch(components);
     if !switches && !graph::variables(components).into_iter().any(edge) && !has_edge(components) {
         return Ok(());
@@ -177,5 +175,5 @@ pub(super) fn differentiable(
     let message = format!(
         "`{shown}` contains `max`, `min` or `|x|`, which have no derivative at the edge; differentiate the pieces"
     );
-    Err(diagnostics.report("E12", place, message))
+    Err(eval.diagnostics.report("E12", place, message))
 }

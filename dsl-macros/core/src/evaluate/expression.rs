@@ -8,11 +8,11 @@ use super::named;
 use super::number::{number, unrepresentable};
 use super::recorded;
 use super::remembered;
-use super::scope::{Meaning, Role, Scope};
+use super::scope::{Evaluation, Meaning, Role};
 use super::switch;
 use super::value::Value;
 use crate::ast::{Expr, Kind, Link, Name, Prefix, WrittenUnit};
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported, list};
+use crate::diagnostics::{Checked, Place, Reported, list};
 use crate::graph::{self, Compose, Fault, Function, Function2, Sym, Variable};
 use crate::words;
 use std::rc::Rc;
@@ -33,50 +33,42 @@ const TOO_LARGE: &str = "the declaration grows too large to be derived: abbrevia
 const TOO_DEEP: &str = "abbreviations or functions build on each other too many times; use fewer, or make an intermediate quantity a coordinate of its own";
 
 /// Evaluates an expression.
-pub(crate) fn value(
-    scope: &mut Scope,
-    expr: &Expr,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    if scope.depth == 0 {
+pub(crate) fn value(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Value> {
+    if eval.scope.depth == 0 {
         // What happened to constants elsewhere is not this expression's fault.
         graph::take_fault();
     }
-    scope.depth += 1;
-    let value = if scope.depth > DEPTH {
-        Err(diagnostics.report(
+    eval.scope.depth += 1;
+    let value = if eval.scope.depth > DEPTH {
+        Err(eval.diagnostics.report(
             "E22",
             expr.place,
             "the functions used here are nested too deeply; simplify them",
         ))
     } else {
-        value_unguarded(scope, expr, diagnostics)
+        value_unguarded(eval, expr)
     };
-    scope.depth -= 1;
+    eval.scope.depth -= 1;
     let value = value?;
     if graph::is_exhausted() {
-        return Err(diagnostics.report("E22", expr.place, TOO_LARGE));
+        return Err(eval.diagnostics.report("E22", expr.place, TOO_LARGE));
     }
     if value.components().iter().any(|part| part.depth() > DEEPEST) {
-        return Err(diagnostics.report("E22", expr.place, TOO_DEEP));
+        return Err(eval.diagnostics.report("E22", expr.place, TOO_DEEP));
     }
     // A derivative may cancel up to rounding; that is zero on paper.
     match graph::take_fault() {
         Some(fault) if fault.is_of_range() || !is_derivative(expr) => {
-            Err(unrepresentable(fault, expr, diagnostics))
+            Err(unrepresentable(fault, expr, eval.diagnostics))
         }
         _ => Ok(value),
     }
 }
 
-fn value_unguarded(
-    scope: &mut Scope,
-    expr: &Expr,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    scope.evaluated += 1;
-    if scope.evaluated > BUDGET {
-        return Err(diagnostics.report(
+fn value_unguarded(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Value> {
+    eval.scope.evaluated += 1;
+    if eval.scope.evaluated > BUDGET {
+        return Err(eval.diagnostics.report(
             "E22",
             expr.place,
             "the declaration grows too large when its functions are inserted; simplify it",
@@ -95,42 +87,42 @@ fn value_unguarded(
                 false => checked,
             }))
         }
-        Kind::Name(name) => scope.name(name, diagnostics),
+        Kind::Name(name) => eval.scope.name(name, eval.diagnostics),
         Kind::Negate(inner) => {
-            let inner = value(scope, inner, diagnostics)?;
+            let inner = value(eval, inner)?;
             Ok(inner.map(|&component| -component))
         }
-        Kind::Chain(first, rest) => chain(scope, first, rest, diagnostics),
+        Kind::Chain(first, rest) => chain(eval, first, rest),
         Kind::Power {
             base,
             place,
             exponent,
         } => {
-            let values = [base, exponent].map(|expr| value(scope, expr, diagnostics));
+            let values = [base, exponent].map(|expr| value(eval, expr));
             let [base_value, exponent_value] = values;
             let values = [base_value?, exponent_value?];
-            power(base, exponent, values, *place, diagnostics)
+            power(base, exponent, values, *place, eval.diagnostics)
         }
         Kind::Call {
             function,
             arguments,
-        } => call(scope, expr, function, arguments, diagnostics),
+        } => call(eval, expr, function, arguments),
         Kind::Derivative {
             function,
             order,
             argument,
-        } => derivative(scope, function, *order, argument, diagnostics),
-        Kind::Norm(inner) => norm(scope, expr, inner, diagnostics),
-        Kind::Vector(items) => vector(scope, items, diagnostics),
-        Kind::Component { vector, name } => component(scope, vector, name, diagnostics),
-        Kind::Index { vector, index } => component_at(scope, expr, vector, *index, diagnostics),
+        } => derivative(eval, function, *order, argument),
+        Kind::Norm(inner) => norm(eval, expr, inner),
+        Kind::Vector(items) => vector(eval, items),
+        Kind::Component { vector, name } => component(eval, vector, name),
+        Kind::Index { vector, index } => component_at(eval, expr, vector, *index),
         Kind::Profile {
             profile,
             argument,
             argument_unit,
             value_unit,
         } => {
-            let at = scope.name(argument, diagnostics)?;
+            let at = eval.scope.name(argument, eval.diagnostics)?;
             let of = |unit: &Option<WrittenUnit>| unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
             let (from, to) = (of(argument_unit), of(value_unit));
             let function = Function::Profile(*profile);
@@ -139,17 +131,17 @@ fn value_unguarded(
     }
 }
 
-fn vector(scope: &mut Scope, items: &[Expr], diagnostics: &mut Diagnostics) -> Checked<Value> {
+fn vector(eval: &mut Evaluation<'_>, items: &[Expr]) -> Checked<Value> {
     let mut values: Vec<Value> = Vec::with_capacity(items.len());
     let mut failed = false;
     for item in items {
         // The first item decides between a vector and the rows of a matrix.
         let rows = matches!(values.first(), Some(Value::Vector(_)));
-        let value = value(scope, item, diagnostics).and_then(|value| {
+        let value = value(eval, item).and_then(|value| {
             if rows || values.is_empty() && matches!(value, Value::Vector(_)) {
                 return Ok(value);
             }
-            Ok(Value::Scalar(number(item, &value, diagnostics)?))
+            Ok(Value::Scalar(number(item, &value, eval.diagnostics)?))
         });
         match value {
             Ok(value) => values.push(value),
@@ -159,39 +151,31 @@ fn vector(scope: &mut Scope, items: &[Expr], diagnostics: &mut Diagnostics) -> C
     if failed {
         return Err(Reported);
     }
-    matrix::stacked(items, values, diagnostics)
+    matrix::stacked(items, values, eval.diagnostics)
 }
 
 fn component_at(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     expr: &Expr,
     vector: &Expr,
     index: usize,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
-    let value = value(scope, vector, diagnostics)?;
+    let value = value(eval, vector)?;
     if let Some(part) = value.at(index) {
         return Ok(part);
     }
     let (count, parts) = match &value {
-        Value::Scalar(_) => return Err(not_a_vector(vector, &value, diagnostics)),
+        Value::Scalar(_) => return Err(not_a_vector(vector, &value, eval.diagnostics)),
         Value::Vector(components) => (components.len(), "components"),
         Value::Matrix(matrix) => (matrix.rows(), "rows"),
     };
     let message = format!("`{vector}` has {count} {parts}, counted from 0; there is no [{index}]");
-    Err(diagnostics.report("E02", expr.place, message))
+    Err(eval.diagnostics.report("E02", expr.place, message))
 }
 
-fn chain(
-    scope: &mut Scope,
-    first: &Expr,
-    rest: &[Link],
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
+fn chain(eval: &mut Evaluation<'_>, first: &Expr, rest: &[Link]) -> Checked<Value> {
     let operands = std::iter::once(first).chain(rest.iter().map(|link| &link.operand));
-    let values: Vec<Checked<Value>> = operands
-        .map(|operand| value(scope, operand, diagnostics))
-        .collect();
+    let values: Vec<Checked<Value>> = operands.map(|operand| value(eval, operand)).collect();
     let values: Vec<Value> = values.into_iter().collect::<Checked<_>>()?;
     // What a function makes small beside another constant was not written small: far from a bump its exponential is nothing.
     let fading = std::iter::once(first)
@@ -206,10 +190,10 @@ fn chain(
         for (i, link) in rest.iter().enumerate() {
             of_numbers(&values[..i + 2], &rest[..=i]);
             if let Some(fault) = graph::take_fault() {
-                return Err(unrepresentable(fault, &link.operand, diagnostics));
+                return Err(unrepresentable(fault, &link.operand, eval.diagnostics));
             }
         }
-        return Err(unrepresentable(fault, first, diagnostics));
+        return Err(unrepresentable(fault, first, eval.diagnostics));
     }
     let mut total = values[0].clone();
     for (i, (link, value)) in rest.iter().zip(&values[1..]).enumerate() {
@@ -217,10 +201,10 @@ fn chain(
             first,
             rest: &rest[..i],
         };
-        total = step(&left, &total, link, value, diagnostics)?;
+        total = step(&left, &total, link, value, eval.diagnostics)?;
         match fault() {
             Some(fault) if fault.is_of_range() || link.operator.is_additive() => {
-                return Err(unrepresentable(fault, &link.operand, diagnostics));
+                return Err(unrepresentable(fault, &link.operand, eval.diagnostics));
             }
             _ => {}
         }
@@ -229,40 +213,31 @@ fn chain(
 }
 
 /// Evaluates an expression that must be a number.
-pub(crate) fn scalar(
-    scope: &mut Scope,
-    expr: &Expr,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Sym> {
-    let value = value(scope, expr, diagnostics)?;
-    number(expr, &value, diagnostics)
+pub(crate) fn scalar(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Sym> {
+    let value = value(eval, expr)?;
+    number(expr, &value, eval.diagnostics)
 }
 
-fn component(
-    scope: &mut Scope,
-    vector: &Expr,
-    name: &Name,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    let value = value(scope, vector, diagnostics)?;
+fn component(eval: &mut Evaluation<'_>, vector: &Expr, name: &Name) -> Checked<Value> {
+    let value = value(eval, vector)?;
     let Value::Vector(components) = &value else {
         if name.text == "dot" {
             let message = format!("`{vector}.dot`: the velocity is `dot({vector})`");
             let place = vector.place.to(name.place());
-            return Err(diagnostics.report("E02", place, message));
+            return Err(eval.diagnostics.report("E02", place, message));
         }
-        return Err(not_a_vector(vector, &value, diagnostics));
+        return Err(not_a_vector(vector, &value, eval.diagnostics));
     };
-    if let Some(index) = named::position(scope, components, &name.text) {
+    if let Some(index) = named::position(eval.scope, components, &name.text) {
         return Ok(Value::Scalar(components[index]));
     }
-    let names = named::names(scope, components);
+    let names = named::names(eval.scope, components);
     // `a . b` with two vectors is their inner product.
-    if !named::NAMES.contains(&name.text.as_str()) && scope.names.contains_key(&name.text) {
-        let other = scope.name(name, diagnostics)?;
-        return inner_product(&value, &other, name.place(), diagnostics);
+    if !named::NAMES.contains(&name.text.as_str()) && eval.scope.names.contains_key(&name.text) {
+        let other = eval.scope.name(name, eval.diagnostics)?;
+        return inner_product(&value, &other, name.place(), eval.diagnostics);
     }
-    Err(diagnostics.report(
+    Err(eval.diagnostics.report(
         "E02",
         name.place(),
         if names.is_empty() {
@@ -281,26 +256,23 @@ fn component(
     ))
 }
 
-fn norm(
-    scope: &mut Scope,
-    whole: &Expr,
-    inner: &Expr,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    match value(scope, inner, diagnostics)? {
-        Value::Scalar(part) if scope.may_switch() => switch::size(scope, whole, part, diagnostics),
-        Value::Scalar(part) if edges::admitted(scope) => Ok(edges::call(scope, "abs", vec![part])),
-        Value::Scalar(part) => Err(edges::refuse_size(scope, inner, part, diagnostics)),
+fn norm(eval: &mut Evaluation<'_>, whole: &Expr, inner: &Expr) -> Checked<Value> {
+    match value(eval, inner)? {
+        Value::Scalar(part) if eval.scope.may_switch() => switch::size(eval, whole, part),
+        Value::Scalar(part) if edges::admitted(eval.scope) => {
+            Ok(edges::call(eval.scope, "abs", vec![part]))
+        }
+        Value::Scalar(part) => Err(edges::refuse_size(eval, inner, part)),
         Value::Vector(components) => {
             let square: Sym = components.iter().map(|component| component.square()).sum();
             let is_velocity = |variable| matches!(variable, Variable::Velocity(_));
-            let may_rest = scope.may_switch() && graph::contains(square, is_velocity);
+            let may_rest = eval.scope.may_switch() && graph::contains(square, is_velocity);
             Ok(Value::Scalar(match may_rest {
                 true => square.call(graph::Function::Root),
                 false => square.power(1),
             }))
         }
-        Value::Matrix(_) => Err(diagnostics.report(
+        Value::Matrix(_) => Err(eval.diagnostics.report(
             "E02",
             inner.place,
             format!("`{inner}` is a matrix; only vectors have a length"),
@@ -309,30 +281,28 @@ fn norm(
 }
 
 fn derivative(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     function: &Name,
     order: usize,
     argument: &Expr,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
-    let at = scalar(scope, argument, diagnostics)?;
-    scope.arguments += 1;
-    let place_holder = Variable::Argument(scope.arguments);
+    let at = scalar(eval, argument)?;
+    eval.scope.arguments += 1;
+    let place_holder = Variable::Argument(eval.scope.arguments);
     let variable = Sym::variable(place_holder);
     let value = if let Some(elementary) = elementary(&function.text) {
         Value::Scalar(elementary(variable))
     } else {
         apply(
-            scope,
+            eval,
             function,
             vec![Value::Scalar(variable)],
             function.place(),
-            diagnostics,
         )?
     };
     let mut components = value.components().to_vec();
     let shown = (function.text.as_str(), function.place());
-    edges::differentiable(scope, &components, shown, diagnostics)?;
+    edges::differentiable(eval, &components, shown)?;
     for _ in 0..order {
         components = graph::partial(&components, place_holder);
     }
@@ -341,23 +311,22 @@ fn derivative(
 }
 
 fn call(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     function: &Name,
     arguments: &[Expr],
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let text = function.text.as_str();
-    if scope.names.contains_key(text) || scope.is_local(text) {
+    if eval.scope.names.contains_key(text) || eval.scope.is_local(text) {
         let values: Vec<Checked<Value>> = arguments
             .iter()
-            .map(|argument| value(scope, argument, diagnostics))
+            .map(|argument| value(eval, argument))
             .collect();
         let values = values.into_iter().collect::<Checked<_>>()?;
-        return apply(scope, function, values, whole.place, diagnostics);
+        return apply(eval, function, values, whole.place);
     }
     if text == words::INTEGRAL {
-        return Err(diagnostics.report(
+        return Err(eval.diagnostics.report(
             "E15",
             whole.place,
             "`integral` is the running cost and stands in `minimize` only, as a term by itself, \
@@ -365,52 +334,51 @@ fn call(
              is its velocity then",
         ));
     }
-    if switch::is_switch(text) && scope.may_switch() || switch::may_jump(scope, text) {
-        return switched(scope, whole, (text, arguments), diagnostics);
+    if switch::is_switch(text) && eval.scope.may_switch() || switch::may_jump(eval.scope, text) {
+        return switched(eval, whole, (text, arguments));
     }
     if words::NONSMOOTH.contains(&text) || text == words::IF {
         if let ("sign" | "signum", [argument]) = (text, arguments)
-            && matches!(scope.role, Role::Motion | Role::Bound)
+            && matches!(eval.scope.role, Role::Motion | Role::Bound)
         {
-            let part = scalar(scope, argument, diagnostics)?;
-            edges::refuse_sign(whole, argument, part, diagnostics)?;
+            let part = scalar(eval, argument)?;
+            edges::refuse_sign(whole, argument, part, eval.diagnostics)?;
         }
-        edges::admit(scope, whole, (text, arguments.len()), diagnostics)?;
+        edges::admit(eval, whole, (text, arguments.len()))?;
         let parts: Vec<Checked<Sym>> = arguments
             .iter()
-            .map(|argument| scalar(scope, argument, diagnostics))
+            .map(|argument| scalar(eval, argument))
             .collect();
         let parts = parts.into_iter().collect::<Checked<_>>()?;
-        return Ok(edges::call(scope, text, parts));
+        return Ok(edges::call(eval.scope, text, parts));
     }
     if words::MATRIX_FUNCTIONS.contains(&text) {
         let mut values = Vec::with_capacity(arguments.len());
         for argument in arguments {
-            values.push((argument, value(scope, argument, diagnostics)?));
+            values.push((argument, value(eval, argument)?));
         }
-        return matrix::call(function, &values, diagnostics);
+        return matrix::call(function, &values, eval.diagnostics);
     }
-    if text == words::SUM && !diagnostics.is_poisoned(text) {
-        return sum(scope, whole, arguments, diagnostics);
+    if text == words::SUM && !eval.diagnostics.is_poisoned(text) {
+        return sum(eval, whole, arguments);
     }
     if text == words::START {
-        return at_start(scope, whole, arguments, diagnostics);
+        return at_start(eval, whole, arguments);
     }
-    if text == words::PEAK && !diagnostics.is_poisoned(text) {
-        return peak(scope, whole, arguments, diagnostics);
+    if text == words::PEAK && !eval.diagnostics.is_poisoned(text) {
+        return peak(eval, whole, arguments);
     }
     if words::CONTACT_FUNCTIONS.contains(&text) {
-        return recorded::of_contact(scope, whole, text, arguments, diagnostics);
+        return recorded::of_contact(eval, whole, text, arguments);
     }
-    by_arity(scope, whole, (function, arguments), diagnostics)
+    by_arity(eval, whole, (function, arguments))
 }
 
 /// A call of a function of numbers or vectors, with as many arguments as it takes.
 fn by_arity(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     (function, arguments): (&Name, &[Expr]),
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let text = function.text.as_str();
     let wanted = match text {
@@ -419,120 +387,102 @@ fn by_arity(
         _ => 1,
     };
     let known = elementary(text).is_some() || words::SPECIAL_FUNCTIONS.contains(&text);
-    if !known && diagnostics.is_poisoned(text) {
+    if !known && eval.diagnostics.is_poisoned(text) {
         return Err(Reported);
     }
     if !known {
-        return Err(scope.undeclared_function(function, diagnostics));
+        return Err(eval.scope.undeclared_function(function, eval.diagnostics));
     }
     if arguments.len() != wanted {
         let plural = if wanted == 1 { "" } else { "s" };
         let found = arguments.len();
         let message = format!("`{text}` takes {wanted} argument{plural}, found {found}");
-        return Err(diagnostics.report("E02", whole.place, message));
+        return Err(eval.diagnostics.report("E02", whole.place, message));
     }
-    known_function(scope, whole, text, arguments, diagnostics)
+    known_function(eval, whole, text, arguments)
 }
 
 /// `sum(expression)`, over all impacts.
-fn sum(
-    scope: &mut Scope,
-    whole: &Expr,
-    arguments: &[Expr],
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    let argument = recorded::summand(scope, whole, arguments, diagnostics)?;
-    let takes_apart = std::mem::take(&mut scope.takes_apart);
-    scope.role = Role::Impact;
-    let summed = scalar(scope, argument, diagnostics);
-    scope.role = Role::End;
-    scope.takes_apart = takes_apart;
-    recorded::sum(scope, argument, summed?, diagnostics)
+fn sum(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<Value> {
+    let argument = recorded::summand(eval, whole, arguments)?;
+    let takes_apart = std::mem::take(&mut eval.scope.takes_apart);
+    eval.scope.role = Role::Impact;
+    let summed = scalar(eval, argument);
+    eval.scope.role = Role::End;
+    eval.scope.takes_apart = takes_apart;
+    recorded::sum(eval, argument, summed?)
 }
 
 /// `start(expression)`.
-fn at_start(
-    scope: &mut Scope,
-    whole: &Expr,
-    arguments: &[Expr],
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    let argument = remembered::argument(scope, whole, arguments, diagnostics)?;
-    let known = value(scope, argument, diagnostics)?;
-    remembered::at_start(scope, (whole, argument), &known, diagnostics)
+fn at_start(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<Value> {
+    let argument = remembered::argument(eval, whole, arguments)?;
+    let known = value(eval, argument)?;
+    remembered::at_start(eval, (whole, argument), &known)
 }
 
 /// `peak(expression)`, the largest value over the motion.
-fn peak(
-    scope: &mut Scope,
-    whole: &Expr,
-    arguments: &[Expr],
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    let argument = remembered::over_the_motion(scope, whole, arguments, diagnostics)?;
-    let takes_apart = std::mem::replace(&mut scope.takes_apart, true);
-    scope.role = Role::Constraint;
-    let known = scalar(scope, argument, diagnostics);
-    scope.role = Role::End;
-    scope.takes_apart = takes_apart;
-    Ok(remembered::peak(scope, whole, known?))
+fn peak(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<Value> {
+    let argument = remembered::over_the_motion(eval, whole, arguments)?;
+    let takes_apart = std::mem::replace(&mut eval.scope.takes_apart, true);
+    eval.scope.role = Role::Constraint;
+    let known = scalar(eval, argument);
+    eval.scope.role = Role::End;
+    eval.scope.takes_apart = takes_apart;
+    Ok(remembered::peak(eval.scope, whole, known?))
 }
 
 /// A switch of these arguments.
 fn switched(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     (text, arguments): (&str, &[Expr]),
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let parts: Vec<Checked<Sym>> = arguments
         .iter()
-        .map(|argument| scalar(scope, argument, diagnostics))
+        .map(|argument| scalar(eval, argument))
         .collect();
     let parts = parts.into_iter().collect::<Checked<Vec<Sym>>>()?;
-    switch::call(scope, whole, (text, arguments), &parts, diagnostics)
+    switch::call(eval, whole, (text, arguments), &parts)
 }
 
 /// Evaluates an expression in which `name` stands for a number.
 pub(crate) fn value_over(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     (name, number): (&str, Sym),
     expr: &Expr,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let frame = vec![(name.to_owned(), Value::Scalar(number))];
-    scope.frames.push(frame);
-    let value = value(scope, expr, diagnostics);
-    scope.frames.pop();
+    eval.scope.frames.push(frame);
+    let value = value(eval, expr);
+    eval.scope.frames.pop();
     value
 }
 
 /// A function of the language with as many arguments as it takes.
 fn known_function(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     text: &str,
     arguments: &[Expr],
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     match (text, arguments) {
-        ("dot", [argument]) => time_derivative(scope, argument, diagnostics),
+        ("dot", [argument]) => time_derivative(eval, argument),
         ("dot" | "cross", [left, right]) => {
-            let left_value = value(scope, left, diagnostics);
-            let right_value = value(scope, right, diagnostics);
+            let left_value = value(eval, left);
+            let right_value = value(eval, right);
             let (left_value, right_value) = (left_value?, right_value?);
             if text == "dot" {
-                inner_product(&left_value, &right_value, whole.place, diagnostics)
+                inner_product(&left_value, &right_value, whole.place, eval.diagnostics)
             } else {
-                cross_product(&left_value, &right_value, whole.place, diagnostics)
+                cross_product(&left_value, &right_value, whole.place, eval.diagnostics)
             }
         }
         ("atan2", [y, x]) => {
-            let (y, x) = (scalar(scope, y, diagnostics), scalar(scope, x, diagnostics));
+            let (y, x) = (scalar(eval, y), scalar(eval, x));
             Ok(Value::Scalar(y?.call2(Function2::Atan2, x?)))
         }
         (_, [argument]) => {
-            let argument = scalar(scope, argument, diagnostics)?;
+            let argument = scalar(eval, argument)?;
             match elementary(text) {
                 Some(elementary) => Ok(Value::Scalar(elementary(argument))),
                 None => Err(Reported),
@@ -544,19 +494,20 @@ fn known_function(
 
 /// A declared function at given arguments.
 fn apply(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     function: &Name,
     values: Vec<Value>,
     place: Place,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
-    let declared = match scope.names.get(&function.text) {
-        Some(Meaning::Function(declared)) if !scope.is_local(&function.text) => Rc::clone(declared),
-        None if !scope.is_local(&function.text) => {
-            return Err(scope.undeclared(function, diagnostics));
+    let declared = match eval.scope.names.get(&function.text) {
+        Some(Meaning::Function(declared)) if !eval.scope.is_local(&function.text) => {
+            Rc::clone(declared)
+        }
+        None if !eval.scope.is_local(&function.text) => {
+            return Err(eval.scope.undeclared(function, eval.diagnostics));
         }
         _ => {
-            return Err(diagnostics.report(
+            return Err(eval.diagnostics.report(
                 "E02",
                 function.place(),
                 format!(
@@ -566,9 +517,9 @@ fn apply(
             ));
         }
     };
-    scope.used.insert(function.text.clone());
-    if scope.active.contains(&function.text) {
-        return Err(diagnostics.syntax(
+    eval.scope.used.insert(function.text.clone());
+    if eval.scope.active.contains(&function.text) {
+        return Err(eval.diagnostics.syntax(
             function.place(),
             format!(
                 "function `{}` uses itself; functions are inserted where they are used and cannot do \
@@ -578,7 +529,7 @@ fn apply(
         ));
     }
     if declared.arguments.len() != values.len() {
-        return Err(diagnostics.report(
+        return Err(eval.diagnostics.report(
             "E02",
             place,
             format!(
@@ -600,24 +551,20 @@ fn apply(
         .map(|argument| argument.text.clone())
         .zip(values)
         .collect();
-    scope.frames.push(frame);
-    scope.active.push(function.text.clone());
-    let value = value(scope, &declared.body, diagnostics);
-    scope.active.pop();
-    scope.frames.pop();
+    eval.scope.frames.push(frame);
+    eval.scope.active.push(function.text.clone());
+    let value = value(eval, &declared.body);
+    eval.scope.active.pop();
+    eval.scope.frames.pop();
     value
 }
 
 /// `dot(e)`: the total time derivative along the motion.
-fn time_derivative(
-    scope: &mut Scope,
-    argument: &Expr,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    let value = value(scope, argument, diagnostics)?;
+fn time_derivative(eval: &mut Evaluation<'_>, argument: &Expr) -> Checked<Value> {
+    let value = value(eval, argument)?;
     for variable in graph::variables(value.components()) {
         let message = match variable {
-            Variable::Velocity(i) if i >= scope.first_state => format!(
+            Variable::Velocity(i) if i >= eval.scope.first_state => format!(
                 "`dot({argument})` is the rate of a state; give what stands in `rates` a name by `let`, and use that"
             ),
             Variable::Velocity(_) => format!(
@@ -637,15 +584,15 @@ fn time_derivative(
             ),
             _ => continue,
         };
-        return Err(match (variable, scope.role) {
+        return Err(match (variable, eval.scope.role) {
             (Variable::Control(_), Role::Running | Role::Constraint | Role::End) => {
-                diagnostics.report("E15", argument.place, message)
+                eval.diagnostics.report("E15", argument.place, message)
             }
-            _ => diagnostics.syntax(argument.place, message),
+            _ => eval.diagnostics.syntax(argument.place, message),
         });
     }
     let shown = (&*argument.to_string(), argument.place);
-    edges::differentiable(scope, value.components(), shown, diagnostics)?;
+    edges::differentiable(eval, value.components(), shown)?;
     let rates = graph::directional(value.components(), velocity_direction);
     Ok(value.with_components(rates))
 }

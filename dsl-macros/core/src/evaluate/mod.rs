@@ -21,5 +21,5 @@ pub(crate) use kink::{Kink, Peak, Switch};
 pub(crate) use matrix::stacked;
 pub(crate) use number::unrepresentable;
 pub(crate) use recorded::{FIRST_DRY, at_impacts};
-pub(crate) use scope::{Contents, Meaning, Role, Scope, UserFunction};
+pub(crate) use scope::{Contents, Evaluation, Meaning, Role, Scope, UserFunction};
 pub(crate) use value::{Matrix, Value};

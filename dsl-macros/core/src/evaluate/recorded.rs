@@ -1,6 +1,6 @@
 //! Forces and impulses of contacts, in what is recorded and in optimal control.
 
-use super::scope::{Role, Scope};
+use super::scope::{Evaluation, Role};
 use super::value::Value;
 use crate::ast::{Expr, Kind};
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
@@ -53,43 +53,37 @@ fn admit(role: Role, whole: &Expr, text: &str, diagnostics: &mut Diagnostics) ->
 
 /// What `sum(expression)` adds up over all impacts, where that has a meaning.
 pub(super) fn summand<'e>(
-    scope: &Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     arguments: &'e [Expr],
-    diagnostics: &mut Diagnostics,
 ) -> Checked<&'e Expr> {
-    if scope.role != Role::End {
+    if eval.scope.role != Role::End {
         let message = "`sum` adds a function of impulses up over all impacts; it stands in `minimize` and \
                        `finally` only, and not within `integral` or another `sum`";
-        return Err(diagnostics.report("E24", whole.place, message));
+        return Err(eval.diagnostics.report("E24", whole.place, message));
     }
     match arguments {
         [argument] => Ok(argument),
         _ => {
             let message = format!("`sum` takes 1 argument, found {}", arguments.len());
-            Err(diagnostics.report("E02", whole.place, message))
+            Err(eval.diagnostics.report("E02", whole.place, message))
         }
     }
 }
 
 /// The sum of a value over all impacts.
-pub(super) fn sum(
-    scope: &mut Scope,
-    argument: &Expr,
-    value: Sym,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
+pub(super) fn sum(eval: &mut Evaluation<'_>, argument: &Expr, value: Sym) -> Checked<Value> {
     if !graph::depends_on(value, Variable::is_impulse) {
         let message = format!(
             "`{argument}` contains no impulse, and `sum` adds up over impacts; use `impulse(...)` of a surface in it"
         );
-        return Err(diagnostics.report("E24", argument.place, message));
+        return Err(eval.diagnostics.report("E24", argument.place, message));
     }
-    at_impacts(value, argument, diagnostics)?;
-    let known = scope.sums.iter().position(|sum| *sum == value);
+    at_impacts(value, argument, eval.diagnostics)?;
+    let known = eval.scope.sums.iter().position(|sum| *sum == value);
     let index = known.unwrap_or_else(|| {
-        scope.sums.push(value);
-        scope.sums.len() - 1
+        eval.scope.sums.push(value);
+        eval.scope.sums.len() - 1
     });
     Ok(Value::Scalar(Sym::variable(Variable::Sum(index as u16))))
 }
@@ -147,11 +141,10 @@ fn of_joint(
 
 /// `force(surface)`, `friction_force(surface)`, `impulse(surface)` or `friction_impulse(surface)`.
 pub(super) fn of_contact(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     text: &str,
     arguments: &[Expr],
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let surface = match arguments {
         [
@@ -162,20 +155,30 @@ pub(super) fn of_contact(
         ] => surface,
         _ => {
             let message = format!("`{text}` takes the name of a surface, as in `{text}(ground)`");
-            return Err(diagnostics.report("E02", whole.place, message));
+            return Err(eval.diagnostics.report("E02", whole.place, message));
         }
     };
     let (variable, normal) = quantity(text);
-    let joint = scope.joints.iter().find(|(name, _)| *name == surface.text);
+    let joint = eval
+        .scope
+        .joints
+        .iter()
+        .find(|(name, _)| *name == surface.text);
     if let Some((name, rows)) = joint.cloned() {
-        let force = of_joint(scope.role, whole, (text, &name), rows, diagnostics)?;
-        if !matches!(scope.role, Role::Record | Role::Bound) {
-            scope.planned.get_or_insert(whole.place);
+        let force = of_joint(
+            eval.scope.role,
+            whole,
+            (text, &name),
+            rows,
+            eval.diagnostics,
+        )?;
+        if !matches!(eval.scope.role, Role::Record | Role::Bound) {
+            eval.scope.planned.get_or_insert(whole.place);
         }
         return Ok(force);
     }
-    admit(scope.role, whole, text, diagnostics)?;
-    if let Some(index) = scope.dry.iter().position(|name| *name == surface.text) {
+    admit(eval.scope.role, whole, text, eval.diagnostics)?;
+    if let Some(index) = eval.scope.dry.iter().position(|name| *name == surface.text) {
         if text != "friction_force" {
             let message = format!(
                 "dry friction `{0}` has no {1}; its own is `friction_force({0})`",
@@ -186,23 +189,24 @@ pub(super) fn of_contact(
                     "impulse, as its force is bounded"
                 }
             );
-            return Err(diagnostics.report("E24", whole.place, message));
+            return Err(eval.diagnostics.report("E24", whole.place, message));
         }
         let force = Variable::FrictionForce(FIRST_DRY + index as u16);
         return Ok(Value::Scalar(Sym::variable(force)));
     }
-    let known = scope
+    let known = eval
+        .scope
         .surfaces
         .iter()
         .find(|(name, _)| *name == surface.text);
     let Some((_, contacts)) = known.cloned() else {
-        if diagnostics.is_poisoned(&surface.text) {
+        if eval.diagnostics.is_poisoned(&surface.text) {
             return Err(Reported);
         }
-        let known = || scope.surfaces.iter().map(|(name, _)| name.as_str());
+        let known = || eval.scope.surfaces.iter().map(|(name, _)| name.as_str());
         let name = &surface.text;
         let message = match closest(name, known()) {
-            _ if scope.surfaces.is_empty() => {
+            _ if eval.scope.surfaces.is_empty() => {
                 format!("no surface `{name}` stands above this statement; declare it there")
             }
             Some(near) => format!("there is no surface `{name}` above; did you mean `{near}`?"),
@@ -211,10 +215,10 @@ pub(super) fn of_contact(
                 list(known())
             ),
         };
-        return Err(diagnostics.report("E01", surface.place(), message));
+        return Err(eval.diagnostics.report("E01", surface.place(), message));
     };
     if !normal {
-        scope
+        eval.scope
             .rubbing
             .push((contacts.start, text.to_owned(), whole.place));
     }

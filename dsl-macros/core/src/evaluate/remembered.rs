@@ -1,39 +1,40 @@
 //! `start(...)` and `peak(...)`: what a quantity is at the start of the motion, and at most over all of it, in what is judged of it.
 
 use super::kink::Peak;
-use super::scope::{Role, Scope};
+use super::scope::{Evaluation, Role, Scope};
 use super::value::Value;
 use crate::ast::Expr;
-use crate::diagnostics::{Checked, Diagnostics};
+use crate::diagnostics::Checked;
 use crate::graph::{self, Sym, Variable};
 
 /// What `start(...)` is asked of, where that has a meaning.
 pub(super) fn argument<'e>(
-    scope: &Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     arguments: &'e [Expr],
-    diagnostics: &mut Diagnostics,
 ) -> Checked<&'e Expr> {
-    if !matches!(scope.role, Role::Running | Role::Constraint | Role::End) {
+    if !matches!(
+        eval.scope.role,
+        Role::Running | Role::Constraint | Role::End
+    ) {
         let message = format!(
             "`{whole}` is known to `minimize`, `constraint` and `finally` only, which judge a motion as a whole; elsewhere a \
              parameter that `start` names says the same"
         );
-        return Err(diagnostics.report("E15", whole.place, message));
+        return Err(eval.diagnostics.report("E15", whole.place, message));
     }
     let [argument] = arguments else {
         let message = format!("`start` takes 1 argument, found {}", arguments.len());
-        return Err(diagnostics.report("E02", whole.place, message));
+        return Err(eval.diagnostics.report("E02", whole.place, message));
     };
     Ok(argument)
 }
 
 /// The value of the argument with the start of the motion in the place of its coordinates and velocities.
 pub(super) fn at_start(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     (whole, argument): (&Expr, &Expr),
     known: &Value,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     for variable in graph::variables(known.components()) {
         let what = match variable {
@@ -46,9 +47,9 @@ pub(super) fn at_start(
         let message = format!(
             "`{whole}` contains {what}; `start` takes coordinates, velocities, states and what follows from them"
         );
-        return Err(diagnostics.report("E15", argument.place, message));
+        return Err(eval.diagnostics.report("E15", argument.place, message));
     }
-    let size = scope.state_size;
+    let size = eval.scope.state_size;
     let place = |variable| match variable {
         Variable::Coordinate(i) => Some(i),
         Variable::Velocity(i) => Some(size + i),
@@ -57,7 +58,7 @@ pub(super) fn at_start(
     let read = graph::variables(known.components());
     let read = read.into_iter().filter_map(place);
     let read = read.map(|k| (k, whole.to_string(), whole.place));
-    scope.starts.extend(read);
+    eval.scope.starts.extend(read);
     let components = graph::substitute(known.components(), |variable| {
         place(variable).map(|k| Sym::variable(Variable::Start(k)))
     });
@@ -66,16 +67,15 @@ pub(super) fn at_start(
 
 /// What `peak(...)` is asked of, where that has a meaning.
 pub(super) fn over_the_motion<'e>(
-    scope: &Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     arguments: &'e [Expr],
-    diagnostics: &mut Diagnostics,
 ) -> Checked<&'e Expr> {
     let [argument] = arguments else {
         let message = format!("`peak` takes 1 argument, found {}", arguments.len());
-        return Err(diagnostics.report("E02", whole.place, message));
+        return Err(eval.diagnostics.report("E02", whole.place, message));
     };
-    let why = match scope.role {
+    let why = match eval.scope.role {
         Role::End => return Ok(argument),
         Role::Constraint => {
             "a `constraint` holds all the time by itself; write what is inside of `peak` in its place"
@@ -86,7 +86,7 @@ pub(super) fn over_the_motion<'e>(
         _ => "it judges a motion as a whole, in `minimize` and `finally`",
     };
     let message = format!("`{whole}` is the largest value over the motion: {why}");
-    Err(diagnostics.report("E15", whole.place, message))
+    Err(eval.diagnostics.report("E15", whole.place, message))
 }
 
 /// The unknown that is the largest value of this one over the motion.

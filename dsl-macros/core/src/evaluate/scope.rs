@@ -112,6 +112,12 @@ pub(crate) struct Scope {
     pub(super) arguments: u16,
 }
 
+/// An evaluation of expressions over the names in force, which reports its mistakes.
+pub(crate) struct Evaluation<'a> {
+    pub(crate) scope: &'a mut Scope,
+    pub(crate) diagnostics: &'a mut Diagnostics,
+}
+
 impl Scope {
     pub(super) fn name(&mut self, name: &Name, diagnostics: &mut Diagnostics) -> Checked<Value> {
         let local = self

@@ -2,10 +2,10 @@
 //! act on.
 
 use super::kink::Switch;
-use super::scope::{Role, Scope};
+use super::scope::{Evaluation, Role, Scope};
 use super::value::Value;
 use crate::ast::Expr;
-use crate::diagnostics::{Checked, Diagnostics, Place};
+use crate::diagnostics::{Checked, Place};
 use crate::graph::{self, Compose, Function, Sym, Variable};
 use crate::words;
 
@@ -22,11 +22,10 @@ pub(super) fn is_switch(text: &str) -> bool {
 
 /// The value of a switch of these arguments.
 pub(super) fn call(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     whole: &Expr,
     (text, arguments): (&str, &[Expr]),
     parts: &[Sym],
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let wanted = match text {
         "max" | "min" => 2,
@@ -48,20 +47,20 @@ pub(super) fn call(
                 parts.len()
             )
         };
-        return Err(diagnostics.report("E02", whole.place, message));
+        return Err(eval.diagnostics.report("E02", whole.place, message));
     }
     let half = |value: Sym| value.scaled(0.5);
     let value = match (text, parts) {
-        ("abs", &[part]) => switch(scope, shown(whole), (part, true), diagnostics)?,
+        ("abs", &[part]) => switch(eval, shown(whole), (part, true))?,
         ("max" | "min", &[a, b]) => {
-            let apart = switch(scope, shown(whole), (a - b, true), diagnostics)?;
+            let apart = switch(eval, shown(whole), (a - b, true))?;
             let sign = if text == "min" { -1.0 } else { 1.0 };
             half(a + b + apart.scaled(sign))
         }
         ("clamp", &[part, low, high]) => {
             let mut side = |sign: &str, bound: usize, apart: Sym| {
                 let shown = format!("{} {sign} {}", arguments[0], arguments[bound]);
-                switch(scope, (shown, whole.place), (apart, true), diagnostics)
+                switch(eval, (shown, whole.place), (apart, true))
             };
             let above = side(">=", 1, part - low)?;
             let beyond = side("<=", 2, part - high)?;
@@ -70,12 +69,12 @@ pub(super) fn call(
         (words::IF, &[left, right, yes, no]) => {
             let shown = format!("{} >= {}", arguments[0], arguments[1]);
             let place = arguments[0].place.to(arguments[1].place);
-            let sign = switch(scope, (shown, place), (left - right, false), diagnostics)?;
+            let sign = switch(eval, (shown, place), (left - right, false))?;
             half(yes + no + (yes - no) * sign)
         }
-        ("sign" | "signum", &[part]) => switch(scope, shown(whole), (part, false), diagnostics)?,
+        ("sign" | "signum", &[part]) => switch(eval, shown(whole), (part, false))?,
         (_, &[part]) => {
-            let sign = switch(scope, shown(whole), (part, false), diagnostics)?;
+            let sign = switch(eval, shown(whole), (part, false))?;
             half(sign + Sym::ONE)
         }
         _ => Sym::ZERO,
@@ -84,13 +83,8 @@ pub(super) fn call(
 }
 
 /// The size of a number in what acts.
-pub(super) fn size(
-    scope: &mut Scope,
-    whole: &Expr,
-    part: Sym,
-    diagnostics: &mut Diagnostics,
-) -> Checked<Value> {
-    switch(scope, shown(whole), (part, true), diagnostics).map(Value::Scalar)
+pub(super) fn size(eval: &mut Evaluation<'_>, whole: &Expr, part: Sym) -> Checked<Value> {
+    switch(eval, shown(whole), (part, true)).map(Value::Scalar)
 }
 
 /// An expression as written, and its place.
@@ -100,16 +94,20 @@ fn shown(expr: &Expr) -> (String, Place) {
 
 /// What stands for the sign of a function, or for its size; the same for the same function.
 fn switch(
-    scope: &mut Scope,
+    eval: &mut Evaluation<'_>,
     (shown, place): (String, Place),
     (function, kink): (Sym, bool),
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Sym> {
     if let Some(value) = function.as_number() {
         let sign = if value == 0.0 { 0.0 } else { value.signum() };
         return Ok(Sym::number(if kink { value.abs() } else { sign }));
     }
-    for known in scope.switches.iter().filter(|known| known.kink == kink) {
+    for known in eval
+        .scope
+        .switches
+        .iter()
+        .filter(|known| known.kink == kink)
+    {
         let variable = Sym::variable(known.variable);
         if known.function == function {
             return Ok(variable);
@@ -128,7 +126,7 @@ fn switch(
                 | Variable::Parameter(_)
         )
     };
-    if scope.role == Role::Record && !variables.iter().all(moving) {
+    if eval.scope.role == Role::Record && !variables.iter().all(moving) {
         return Ok(function.call(Function::Sign));
     }
     let wrong = variables.iter().find_map(|variable| match variable {
@@ -150,13 +148,13 @@ fn switch(
         )
     });
     let still = "depends on nothing that changes, so that it never switches; write a parameter of 1 or -1 in its place";
-    let still = (!moves && scope.role != Role::Record).then_some(("E07", still));
+    let still = (!moves && eval.scope.role != Role::Record).then_some(("E07", still));
     if let Some((code, why)) = wrong.or(still) {
         let message = format!("what `{shown}` switches by {why}");
-        return Err(diagnostics.report(code, place, message));
+        return Err(eval.diagnostics.report(code, place, message));
     }
-    let variable = Variable::Switch(scope.switches.len() as u16);
-    scope.switches.push(Switch {
+    let variable = Variable::Switch(eval.scope.switches.len() as u16);
+    eval.scope.switches.push(Switch {
         variable,
         function,
         kink,
