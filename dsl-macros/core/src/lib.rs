@@ -8,8 +8,7 @@
 //!   them are reported in one run.
 //! - `check`: names, lengths of vectors, units, and the rules of mechanics; every expression becomes a
 //!   node of the expression graph.
-//! - `graph`: hash-consed expressions in normal form behind a `Copy` handle that is a number to
-//!   [`num_dual`]; dual numbers over it differentiate.
+//! - `graph`: hash-consed expressions in normal form behind a `Copy` handle that is a number, and their derivatives.
 //! - `derive`: equations of motion, contact quantities, sparse Jacobians and Hessians.
 //! - `tape`, `emit`: straight-line Rust in chunks, a static description, documentation.
 

@@ -12,8 +12,9 @@
 //! it comes, as that of a body in space by its rotation matrix is, gives far fewer operations so than the momenta, whose
 //! derivatives hold again all that cancels in it.
 
+use super::explicit::columns;
 use super::simplify;
-use crate::graph::{self, Compose, Sym, Variable};
+use crate::graph::{self, Compose, Sweeps, Sym, Variable};
 
 /// What the formula above reads.
 pub(super) struct Bias<'a> {
@@ -68,8 +69,8 @@ impl Bias<'_> {
 /// Derivatives of the entries of a mass matrix.
 struct Inertia {
     moving: usize,
-    /// `dM_ij/dq_k` of `i >= j`, at `(i (i + 1) / 2 + j) moving + k`.
-    slopes: Vec<Sym>,
+    /// `dM_ij/dq_k` of `i >= j`, for each `k` at `i (i + 1) / 2 + j`.
+    slopes: Vec<Vec<Sym>>,
     /// `dM_ij/dt` at `i (i + 1) / 2 + j`.
     by_time: Vec<Sym>,
 }
@@ -78,22 +79,16 @@ impl Inertia {
     fn of(mass: &[Sym], n: usize, moving: usize) -> Self {
         let lower = (0..moving).flat_map(|i| (0..=i).map(move |j| i * n + j));
         let entries: Vec<Sym> = lower.map(|place| mass[place]).collect();
-        let known = graph::variables(&entries);
-        let derivatives = |variable: Variable| match known.contains(&variable) {
-            true => graph::partial(&entries, variable),
-            false => vec![Sym::ZERO; entries.len()],
-        };
-        let mut slopes = vec![Sym::ZERO; entries.len() * moving];
-        for k in 0..moving {
-            let column = derivatives(Variable::Coordinate(k as u16));
-            for (entry, value) in column.into_iter().enumerate() {
-                slopes[entry * moving + k] = value;
-            }
-        }
+        let mut by: Vec<Variable> = (0..moving)
+            .map(|k| Variable::Coordinate(k as u16))
+            .collect();
+        by.push(Variable::Time);
+        let mut slopes = columns(&Sweeps::over(&entries), &entries, &by);
+        let by_time = slopes.pop().unwrap_or_default();
         Self {
             moving,
             slopes,
-            by_time: derivatives(Variable::Time),
+            by_time,
         }
     }
 
@@ -103,7 +98,7 @@ impl Inertia {
     }
 
     fn slope(&self, i: usize, j: usize, k: usize) -> Sym {
-        self.slopes[Self::place(i, j) * self.moving + k]
+        self.slopes[k][Self::place(i, j)]
     }
 
     fn by_time(&self, i: usize, k: usize) -> Sym {

@@ -1,7 +1,7 @@
 //! Functions as formulas, with their derivatives.
 
 use super::simplify::simplify_all;
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Sweeps, Sym, Variable};
 use crate::tape;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -138,22 +138,19 @@ impl Explicit {
 
 /// Nonzero derivatives of `outputs` with respect to `inputs`, row by row.
 pub(crate) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
-    let columns = columns(outputs, inputs);
+    let columns = columns(&Sweeps::over(outputs), outputs, inputs);
     let entries = (0..outputs.len())
         .flat_map(|i| (0..inputs.len()).map(move |j| (i, j)))
         .map(|(i, j)| ((i, j), columns[j][i]));
     sparse(outputs.len(), inputs.len(), entries)
 }
 
-/// Derivatives of `outputs` by each input; of most inputs of a contact nothing depends.
-fn columns(outputs: &[Sym], inputs: &[Variable]) -> Vec<Vec<Sym>> {
+/// Derivatives of `outputs` by each input, from their `sweeps`; of most inputs of a contact nothing depends.
+pub(super) fn columns(sweeps: &Sweeps, outputs: &[Sym], inputs: &[Variable]) -> Vec<Vec<Sym>> {
     let known = graph::variables(outputs);
-    let column = |&input: &Variable| {
-        if known.contains(&input) {
-            graph::partial(outputs, input)
-        } else {
-            vec![Sym::ZERO; outputs.len()]
-        }
+    let column = |&input: &Variable| match known.contains(&input) {
+        true => sweeps.partial(input),
+        false => vec![Sym::ZERO; outputs.len()],
     };
     inputs.iter().map(column).collect()
 }
@@ -173,7 +170,7 @@ pub(super) fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
         .map(|(i, &output)| Sym::variable(Variable::Multiplier(i as u16)) * output)
         .sum();
     let gradient = simplify_all(&graph::gradient(weighted, inputs));
-    let columns = columns(&gradient, inputs);
+    let columns = columns(&Sweeps::over(&gradient), &gradient, inputs);
     let entries = (0..inputs.len())
         .flat_map(|i| (0..=i).map(move |j| (i, j)))
         .map(|(i, j)| ((i, j), columns[j][i]));

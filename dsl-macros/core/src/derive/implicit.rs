@@ -13,8 +13,7 @@ use super::explicit::{Sparse, hessian, jacobian};
 use super::joint_row::Row;
 use super::ldl::Factorization;
 use super::stepwise;
-use crate::graph::stepwise::Sweeps;
-use crate::graph::{self, Sym, Variable};
+use crate::graph::{self, Sweeps, Sym, Variable};
 use crate::tape;
 use std::collections::BTreeSet;
 
@@ -269,11 +268,11 @@ impl Locked<'_> {
 
     /// Rates of the momenta where each variable moves by `direction`.
     fn rates(&self, direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
-        if self.in_steps {
-            Sweeps::over(self.momenta).directional(direction)
-        } else {
-            graph::directional(self.momenta, direction)
-        }
+        let sweeps = match self.in_steps {
+            true => graph::stepwise::sweeps(self.momenta),
+            false => Sweeps::over(self.momenta),
+        };
+        sweeps.directional(direction)
     }
 
     /// Product with a vector, by the momenta if that takes fewer operations.

@@ -37,7 +37,6 @@ pub(crate) use joint::JointEquations;
 pub(crate) use shared::{Columns, Directed, SharedInertia};
 pub(crate) use simplify::simplify;
 
-use crate::graph::stepwise::Sweeps;
 use crate::graph::{self, Stage, Sym, Variable};
 use crate::scene::{CheckedScene, OptimalControl};
 use crate::tape;
@@ -263,7 +262,7 @@ fn motion_in_steps(
     if !evaluation.is_worth_it(&applied, moving, inputs) {
         return None;
     }
-    let sweeps = Sweeps::over(&evaluation.momenta);
+    let sweeps = graph::stepwise::sweeps(&evaluation.momenta);
     let transport = sweeps.directional(held::along_motion(moving));
     let pairs = applied.iter().zip(transport);
     let right = pairs.map(|(&acts, transport)| acts - transport).collect();

@@ -6,9 +6,9 @@
 //! sum one quantity: `n` operations for the momenta, `n^2` for what has `n^2` entries.
 
 use super::Sparse;
-use super::explicit::by_parameters;
-use crate::graph::stepwise::{Sweeps, gradient, kept_sum};
-use crate::graph::{self, Sym, Variable};
+use super::explicit::{by_parameters, columns};
+use crate::graph::stepwise::{gradient, kept_sum, sweeps};
+use crate::graph::{Sym, Variable};
 use crate::tape;
 
 /// How many times as long momenta have to be before they are derived in steps; what is simplified entry by entry is shorter
@@ -56,7 +56,7 @@ impl Evaluation {
             return true;
         }
         let along = along_unknowns(self.momenta.len(), moving);
-        let rates = Sweeps::over(&self.momenta).directional(along);
+        let rates = sweeps(&self.momenta).directional(along);
         let residual = rates.iter().zip(applied);
         let residual: Vec<Sym> = residual.map(|(&rate, &acts)| rate - acts).collect();
         let derivatives = jacobian(&residual, inputs).values;
@@ -77,7 +77,7 @@ pub(super) fn along_unknowns(size: usize, moving: usize) -> impl Fn(Variable) ->
 
 /// Nonzero derivatives of `outputs` with respect to `inputs`, row by row.
 pub(super) fn jacobian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
-    let columns = columns(outputs, inputs);
+    let columns = columns(&sweeps(outputs), outputs, inputs);
     let entries = (0..outputs.len()).flat_map(|i| (0..inputs.len()).map(move |j| (i, j)));
     let entries = entries.map(|(i, j)| ((i, j), columns[j][i]));
     Sparse::nonzeros(outputs.len(), inputs.len(), entries)
@@ -93,18 +93,9 @@ pub(super) fn hessian(outputs: &[Sym], inputs: &[Variable]) -> Sparse {
     let weighted: Sym = terms
         .map(|(i, &output)| Sym::variable(Variable::Multiplier(i as u16)) * kept_sum(output))
         .sum();
-    let columns = columns(&gradient(weighted, inputs), inputs);
+    let gradient = gradient(weighted, inputs);
+    let columns = columns(&sweeps(&gradient), &gradient, inputs);
     let entries = (0..n).flat_map(|i| (0..=i).map(move |j| (i, j)));
     let entries = entries.map(|(i, j)| ((i, j), columns[j][i]));
     Sparse::nonzeros(n, n, entries)
-}
-
-fn columns(outputs: &[Sym], inputs: &[Variable]) -> Vec<Vec<Sym>> {
-    let known = graph::variables(outputs);
-    let sweeps = Sweeps::over(outputs);
-    let column = |&input: &Variable| match known.contains(&input) {
-        true => sweeps.partial(input),
-        false => vec![Sym::ZERO; outputs.len()],
-    };
-    inputs.iter().map(column).collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! Sums are flat lists of (term, coefficient), products flat lists of (factor, exponent), both
 //! sorted and merged, so that structural zeros and equal subexpressions show by themselves. The
-//! handle [`Sym`] implements [`num_dual::DualNum`]; dual numbers over it differentiate.
+//! handle [`Sym`] is a number, and its derivatives are expressions again.
 //!
 //! Nodes live in an arena of the thread. It outlives one expansion, as one compiler process runs
 //! many; [`reset`] empties it at the start of each.
@@ -27,8 +27,8 @@ pub(crate) use limits::{Fault, Stage, allowed, begin, is_exhausted, spend, stage
 pub(crate) use node::{Node, Sym, Variable, children, generation, reset};
 pub(crate) use normal::{factors_of, product, sum};
 pub(crate) use passes::{
-    contains, degree, depends_on, directional, gradient, is_longer_than, partial, reachable,
-    substitute, variables, with_roots,
+    Sweeps, contains, degree, depends_on, directional, gradient, is_longer_than, partial,
+    reachable, substitute, variables, with_roots,
 };
 pub use profile::{Profile, piecewise};
 pub(crate) use second_order::hessian;

@@ -1,9 +1,8 @@
-//! Passes over the graph: dual numbers forward, adjoints backward, substitution, dependence.
+//! Passes over the graph: rates forward, adjoints backward, substitution, dependence.
 
 use super::function::{Compose, derivative, derivatives};
 use super::table::{Set, Table};
 use super::{Node, Sym, Variable, children, product, spend, sum};
-use num_dual::Dual;
 use std::collections::BTreeSet;
 
 /// All expressions that `roots` consist of, parts before wholes.
@@ -116,54 +115,87 @@ pub(crate) fn degree(root: Sym, test: impl Fn(Variable) -> bool) -> Option<u32> 
     degrees.get(&root).copied()
 }
 
-/// Derivatives of `roots` in the direction in which each variable moves by `direction`: one sweep of
-/// dual numbers over the graph.
-pub(crate) fn directional(roots: &[Sym], direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
-    let mut duals: Table<Sym, Dual<Sym>> = Table::default();
-    for sym in reachable(roots) {
-        let dual = dual_of(sym, &duals, &direction);
-        duals.insert(sym, dual);
+/// An evaluation that is differentiated in several directions.
+pub(crate) struct Sweeps {
+    nodes: Vec<Node>,
+    /// Places of the parts of each node.
+    parts: Vec<Vec<usize>>,
+    place: Table<Sym, usize>,
+    /// Places of the roots; none where there was too much to look at.
+    roots: Vec<Option<usize>>,
+    /// What becomes of the rate of what is one quantity.
+    keep: fn(Sym) -> Sym,
+}
+
+impl Sweeps {
+    /// Of the evaluation of `roots`, with `keep` applied to the rate of each part that is one quantity.
+    pub(super) fn keeping(roots: &[Sym], keep: fn(Sym) -> Sym) -> Self {
+        let order = reachable(roots);
+        let place: Table<Sym, usize> = order.iter().enumerate().map(|(i, &sym)| (sym, i)).collect();
+        let nodes: Vec<Node> = order.iter().map(|sym| sym.node()).collect();
+        let parts = nodes.iter().map(|node| {
+            let parts = children(node).into_iter();
+            parts.filter_map(|part| place.get(&part).copied()).collect()
+        });
+        Self {
+            parts: parts.collect(),
+            roots: roots.iter().map(|root| place.get(root).copied()).collect(),
+            nodes,
+            place,
+            keep,
+        }
     }
-    roots
-        .iter()
-        .map(|root| duals.get(root).map_or(Sym::ZERO, |dual| dual.eps))
-        .collect()
+
+    /// Of the evaluation of `roots`.
+    pub(crate) fn over(roots: &[Sym]) -> Self {
+        Self::keeping(roots, |rate| rate)
+    }
+
+    /// Derivatives of the roots in the direction in which each variable moves by `direction`.
+    pub(crate) fn directional(&self, direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
+        let mut rates = vec![Sym::ZERO; self.nodes.len()];
+        for (i, node) in self.nodes.iter().enumerate() {
+            let own = match *node {
+                Node::Variable(variable) => direction(variable),
+                _ if self.parts[i].iter().all(|&part| rates[part] == Sym::ZERO) => Sym::ZERO,
+                _ if !spend(1 + self.parts[i].len()) => return vec![Sym::ZERO; self.roots.len()],
+                _ => {
+                    let of = |part| self.place.get(&part).map_or(Sym::ZERO, |&at| rates[at]);
+                    let own = rate(node, of);
+                    match node {
+                        Node::Kept(_) => (self.keep)(own),
+                        _ => own,
+                    }
+                }
+            };
+            rates[i] = own;
+        }
+        let roots = self.roots.iter();
+        roots
+            .map(|root| root.map_or(Sym::ZERO, |at| rates[at]))
+            .collect()
+    }
+
+    /// Partial derivatives of the roots with respect to one variable.
+    pub(crate) fn partial(&self, variable: Variable) -> Vec<Sym> {
+        self.directional(|other| {
+            if other == variable {
+                Sym::ONE
+            } else {
+                Sym::ZERO
+            }
+        })
+    }
+}
+
+/// Derivatives of `roots` in the direction in which each variable moves by `direction`.
+pub(crate) fn directional(roots: &[Sym], direction: impl Fn(Variable) -> Sym) -> Vec<Sym> {
+    Sweeps::over(roots).directional(direction)
 }
 
 /// Partial derivatives of `roots` with respect to one variable.
 pub(crate) fn partial(roots: &[Sym], variable: Variable) -> Vec<Sym> {
-    directional(roots, |other| {
-        if other == variable {
-            Sym::ONE
-        } else {
-            Sym::ZERO
-        }
-    })
-}
-
-fn dual_of(
-    sym: Sym,
-    duals: &Table<Sym, Dual<Sym>>,
-    direction: &impl Fn(Variable) -> Sym,
-) -> Dual<Sym> {
-    let of = |part: Sym| {
-        duals
-            .get(&part)
-            .copied()
-            .unwrap_or_else(|| Dual::from_re(part))
-    };
-    let node = sym.node();
-    if let Node::Variable(variable) = node {
-        return Dual::new(sym, direction(variable));
-    }
-    if children(&node)
-        .into_iter()
-        .all(|part| of(part).eps.is_structural_zero())
-    {
-        return Dual::from_re(sym);
-    }
-    // The value is the node itself, so that it is not built a second time in another order.
-    Dual::new(sym, rate(&node, |part| of(part).eps))
+    Sweeps::over(roots).partial(variable)
 }
 
 /// The rate of a node by the rates of its parts.
