@@ -146,39 +146,28 @@ pub(super) fn of_contact(
     text: &str,
     arguments: &[Expr],
 ) -> Checked<Value> {
-    let surface = match arguments {
-        [
-            Expr {
-                kind: Kind::Name(surface),
-                ..
-            },
-        ] => surface,
-        _ => {
-            let message = format!("`{text}` takes the name of a surface, as in `{text}(ground)`");
-            return Err(eval.diagnostics.report("E02", whole.place, message));
-        }
+    let Evaluation { scope, diagnostics } = eval;
+    let [
+        Expr {
+            kind: Kind::Name(surface),
+            ..
+        },
+    ] = arguments
+    else {
+        let message = format!("`{text}` takes the name of a surface, as in `{text}(ground)`");
+        return Err(diagnostics.report("E02", whole.place, message));
     };
     let (variable, normal) = quantity(text);
-    let joint = eval
-        .scope
-        .joints
-        .iter()
-        .find(|(name, _)| *name == surface.text);
+    let joint = scope.joints.iter().find(|(name, _)| *name == surface.text);
     if let Some((name, rows)) = joint.cloned() {
-        let force = of_joint(
-            eval.scope.role,
-            whole,
-            (text, &name),
-            rows,
-            eval.diagnostics,
-        )?;
-        if !matches!(eval.scope.role, Role::Record | Role::Bound) {
-            eval.scope.planned.get_or_insert(whole.place);
+        let force = of_joint(scope.role, whole, (text, &name), rows, diagnostics)?;
+        if !matches!(scope.role, Role::Record | Role::Bound) {
+            scope.planned.get_or_insert(whole.place);
         }
         return Ok(force);
     }
-    admit(eval.scope.role, whole, text, eval.diagnostics)?;
-    if let Some(index) = eval.scope.dry.iter().position(|name| *name == surface.text) {
+    admit(scope.role, whole, text, diagnostics)?;
+    if let Some(index) = scope.dry.iter().position(|name| *name == surface.text) {
         if text != "friction_force" {
             let message = format!(
                 "dry friction `{0}` has no {1}; its own is `friction_force({0})`",
@@ -189,24 +178,23 @@ pub(super) fn of_contact(
                     "impulse, as its force is bounded"
                 }
             );
-            return Err(eval.diagnostics.report("E24", whole.place, message));
+            return Err(diagnostics.report("E24", whole.place, message));
         }
         let force = Variable::FrictionForce(FIRST_DRY + index as u16);
         return Ok(Value::Scalar(Sym::variable(force)));
     }
-    let known = eval
-        .scope
+    let known = scope
         .surfaces
         .iter()
         .find(|(name, _)| *name == surface.text);
     let Some((_, contacts)) = known.cloned() else {
-        if eval.diagnostics.is_poisoned(&surface.text) {
+        if diagnostics.is_poisoned(&surface.text) {
             return Err(Reported);
         }
-        let known = || eval.scope.surfaces.iter().map(|(name, _)| name.as_str());
+        let known = || scope.surfaces.iter().map(|(name, _)| name.as_str());
         let name = &surface.text;
         let message = match closest(name, known()) {
-            _ if eval.scope.surfaces.is_empty() => {
+            _ if scope.surfaces.is_empty() => {
                 format!("no surface `{name}` stands above this statement; declare it there")
             }
             Some(near) => format!("there is no surface `{name}` above; did you mean `{near}`?"),
@@ -215,10 +203,10 @@ pub(super) fn of_contact(
                 list(known())
             ),
         };
-        return Err(eval.diagnostics.report("E01", surface.place(), message));
+        return Err(diagnostics.report("E01", surface.place(), message));
     };
     if !normal {
-        eval.scope
+        scope
             .rubbing
             .push((contacts.start, text.to_owned(), whole.place));
     }
