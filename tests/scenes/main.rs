@@ -2,7 +2,6 @@
 
 mod agreement;
 mod air_drag;
-mod ball_on_slope;
 mod bike_on_two_wheels;
 mod both;
 mod charts;

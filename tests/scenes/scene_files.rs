@@ -5,7 +5,7 @@ use hangtime::prelude::*;
 use hangtime_models::scenes;
 use hangtime_scene_files::{SceneError, TextScene, of_text};
 
-use crate::{ball_on_slope, bike_on_two_wheels, own_command_line, teaching_models};
+use crate::{bike_on_two_wheels, own_command_line, teaching_models};
 
 #[path = "../declarations/same.rs"]
 mod same;
@@ -111,7 +111,7 @@ fn example_from_its_text_moves_as_the_compiled_one() {
     let examples: [(&str, Box<dyn Model>); 9] = [
         (
             include_str!("../../examples/ball_on_slope.rs"),
-            Box::new(ball_on_slope::example::BallOnSlope::default()),
+            Box::new(teaching_models::ball_on_slope::BallOnSlope::default()),
         ),
         (
             include_str!("../../examples/bike_on_two_wheels.rs"),

@@ -5,50 +5,8 @@
 
 use hangtime::model::Model;
 use hangtime::simulation::{
-    EventDriven, EventKind, InitialValueProblem, Simulation, SimulationStatus, Simulator,
+    EventDriven, InitialValueProblem, Simulation, SimulationStatus, Simulator,
 };
-
-hangtime::model! {
-    /// A mass on a cubic guide, no gravity.
-    pub Cubic {
-        parameters { m: kg = 7, c: 1/m^2 = 0.3, x0: m = -1.7, v: m/s = 2.1, shift: m = 0 }
-        coordinates { x: m, z: m }
-        // The mass is above where the guide bends upwards, which ends at the origin.
-        fn f(p) = -c*p^3
-        lagrangian m/2*|dot((x, z))|^2
-        surface guide: z - f(x - shift) >= 0
-        impact guide: inelastic
-        start { x: shift + x0, z: f(x0), dot(x): v, dot(z): v*diff(f)(x0) }
-        horizon 2 [s]
-    }
-}
-
-hangtime::model! {
-    /// A block that slides on a rough floor and is lifted by a little more than its weight.
-    pub Lifted {
-        parameters { m: kg = 1, g: m/s^2 = 10, mu = 0.25, more: N = 1e-6, v: m/s = 3 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*|dot((y, z))|^2 - m*g*z
-        forces { z: m*g + more }
-        surface floor: z >= 0
-        impact floor: inelastic, friction mu
-        start { dot(y): v }
-        horizon 0.5 [s]
-    }
-}
-
-hangtime::model! {
-    /// A ball flies into a thin post without gravity: its gap is constant up to there.
-    pub Post {
-        parameters { m: kg = 1, width: m = 0.01, place: m = 0.777, e = 0.5, height: m = 0.5, v: m/s = 1 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*|dot((y, z))|^2
-        surface post: z - 1 [m]*exp(-((y - place)/width)^2) >= 0
-        impact post: restitution e
-        start { z: height, dot(y): v }
-        horizon 1.5 [s]
-    }
-}
 
 hangtime::model! {
     /// A mass on a track of sines.
@@ -87,43 +45,6 @@ hangtime::model! {
     }
 }
 
-hangtime::model! {
-    /// A fall beside a ground that ends where its root does.
-    pub Root {
-        coordinates { y, z }
-        lagrangian (dot(y)^2 + dot(z)^2)/2 - 2*z
-        surface ground: z - sqrt(0.8 - y) >= -3
-        impact ground: inelastic
-        start { z: 2, dot(y): 1.5 }
-        horizon 2
-    }
-}
-
-hangtime::model! {
-    /// A flight through the pole of a gap.
-    pub GapPole {
-        coordinates { y, z }
-        lagrangian (dot(y)^2 + dot(z)^2)/2 - 2*z
-        surface ground: z + tan(2*y) >= -30
-        impact ground: inelastic
-        start { z: 2, dot(y): 1.5 }
-        horizon 2
-    }
-}
-
-hangtime::model! {
-    /// A force with a pole.
-    pub ForcePole {
-        coordinates { y, z }
-        lagrangian (dot(y)^2 + dot(z)^2)/2 - 2*z
-        forces { y: tan(2*y) }
-        surface ground: z >= 0
-        impact ground: inelastic
-        start { z: 2, dot(y): 1.5 }
-        horizon 2
-    }
-}
-
 fn simulate(model: &dyn Model, tolerance: f64) -> Simulation {
     let problem = InitialValueProblem::of(model, None).unwrap();
     let simulator = EventDriven {
@@ -131,43 +52,6 @@ fn simulate(model: &dyn Model, tolerance: f64) -> Simulation {
         ..EventDriven::default()
     };
     simulator.simulate(model, &problem, &mut |_| true).unwrap()
-}
-
-#[test]
-fn release_without_gravity_is_where_the_guide_ceases_to_bend_upwards() {
-    for (c, x0, v, shift) in [
-        (0.3_f64, -1.7_f64, 2.1_f64, 0.0_f64),
-        (0.05, -0.4, 0.3, 0.0),
-        (2.0, -0.9, 11.0, 0.0),
-        (0.3, -1.7, 2.1, 1e5),
-    ] {
-        let model = Cubic {
-            c,
-            x0,
-            v,
-            shift,
-            ..Cubic::default()
-        };
-        for tolerance in [1e-6, 1e-9, 1e-12] {
-            let simulation = simulate(&model, tolerance);
-            assert_eq!(simulation.status, SimulationStatus::Solved);
-            assert_eq!(simulation.events.len(), 1);
-            let release = &simulation.events[0];
-            assert_eq!(release.kind, EventKind::LiftOff);
-            // The root is located to rounding error of the place.
-            let rounding = 1e-14 * shift.max(1.0);
-            assert!(
-                (release.q[0] - shift).abs() < 10.0 * rounding,
-                "{release:?}"
-            );
-            // Nothing but the guide acts: the speed stays that of the start, up to the tolerance of some 20 steps.
-            let speed = v * (1.0 + (3.0 * c * x0 * x0).powi(2)).sqrt();
-            let found = release.v_after[0].hypot(release.v_after[1]);
-            assert!((found - speed).abs() < 100.0 * tolerance.max(rounding) * speed);
-            // A force that pulls is none.
-            assert!(simulation.residuals.dual < 1e-9 * speed * speed);
-        }
-    }
 }
 
 #[test]
@@ -324,63 +208,4 @@ fn rod_in_the_mirror_has_the_same_events() {
     let (expected, found) = (simulate(&base, 1e-9), simulate(&model, 1e-9));
     // Signs are exact; sums are taken in another order.
     same_events(&expected, &found, |i| 1 - i, 1e-11);
-}
-
-#[test]
-fn gap_that_ends_or_jumps_through_infinity_ends_the_run_by_name() {
-    let ended = [
-        (simulate(&Root::default(), 1e-9), Some(0), "`ground`"),
-        (simulate(&GapPole::default(), 1e-9), Some(0), "`ground`"),
-        (simulate(&ForcePole::default(), 1e-9), None, "`y`"),
-    ];
-    for (simulation, contact, name) in ended {
-        let SimulationStatus::NotFinite(diagnosis) = &simulation.status else {
-            panic!("{name}: {:?}", simulation.status);
-        };
-        assert_eq!(diagnosis.contact, contact);
-        assert!(diagnosis.message.contains(name), "{}", diagnosis.message);
-    }
-}
-
-#[test]
-fn block_lifted_by_little_more_than_its_weight_leaves_the_floor_at_once() {
-    for more in [1e-3, 1e-6, 1e-7] {
-        let model = Lifted {
-            more,
-            ..Lifted::default()
-        };
-        let run = simulate(&model, 1e-9);
-        let (q, v) = (&run.trajectory.q, &run.trajectory.v);
-        let (q, v) = (q.last().unwrap(), v.last().unwrap());
-        // The difference of two forces of 10 N has an error of 2e-15 N.
-        let height = more / model.m * 0.5 * 0.5 / 2.0;
-        assert!((q[1] - height).abs() < 1e-7 * height, "{more}: {q:?}");
-        assert!(
-            (q[0] - 0.5 * model.v).abs() < 1e-12 && v[0] == model.v,
-            "{more}: {q:?}, {v:?}"
-        );
-    }
-}
-
-#[test]
-fn ball_bounces_off_a_post_that_is_steep_where_its_gap_first_changes() {
-    for width in [0.02, 0.01] {
-        let model = Post {
-            width,
-            ..Post::default()
-        };
-        let run = simulate(&model, 1e-9);
-        assert!(run.status.is_solved(), "{:?}", run.status);
-        let steep = 2.0_f64.ln().sqrt() / width;
-        let push = (1.0 + model.e) * steep / (1.0 + steep * steep);
-        let left = 1.5 - (model.place - width * 2.0_f64.ln().sqrt()) / model.v;
-        let end = [
-            model.place - width * 2.0_f64.ln().sqrt() + left * (1.0 - steep * push),
-            model.height + left * push,
-        ];
-        let q = run.trajectory.q.last().unwrap();
-        // Rounding of the place where the normal turns by a part in `width`.
-        let error = (q[0] - end[0]).abs().max((q[1] - end[1]).abs());
-        assert!(error < 1e-12 / width, "{width}: {error:e}");
-    }
 }

@@ -387,54 +387,6 @@ fn order_is_kept_through_impacts_in_states_and_event_times() {
 }
 
 #[test]
-fn ball_with_friction_and_dome_follow_their_closed_forms() {
-    let cases = inelastic();
-    let ball = solved(&time_freezing(), &cases[0]);
-    let fall = (2.0 / GRAVITY).sqrt();
-    let (slowed, mu) = (2.0 - 0.3 * GRAVITY * fall, 0.3);
-    let stop = fall + slowed / (mu * GRAVITY);
-    assert!(
-        (ball.events[0].time - fall).abs() < 1e-14 && (ball.events[1].time - stop).abs() < 1e-14
-    );
-    let (q, v) = last(&ball.trajectory);
-    let way = 2.0 * fall + 0.5 * slowed * slowed / (mu * GRAVITY);
-    assert!(distance(q, &[way, 0.0]) < 1e-14 && distance(v, &[0.0; 2]) < 1e-14);
-    // A mass leaves a disc where its height is a third of that of its energy above the centre.
-    let dome = cases.iter().find(|case| case.name == "dome").unwrap();
-    let run = solved(&time_freezing().with_tolerance(1e-12), dome);
-    let height = (0.7 * 0.7 + 2.0 * GRAVITY) / (3.0 * GRAVITY);
-    assert!((run.events[0].q[1] - height).abs() < 1e-12);
-}
-
-#[test]
-fn bounces_end_as_those_of_the_default_formulation() {
-    let e: f64 = 0.6;
-    let ball = case(
-        "bouncing ball",
-        Ground {
-            e,
-            ..Ground::default()
-        },
-        start(&[0.0, 1.0], &[0.5, 0.0], 3.0),
-    );
-    let [frozen, default] =
-        [time_freezing(), Fesd::default()].map(|simulator| solved(&simulator, &ball));
-    assert!(
-        frozen
-            .notes
-            .iter()
-            .any(|note| note.contains("rest velocity")),
-        "{:?}",
-        frozen.notes
-    );
-    assert_eq!(event::sequence(&frozen), event::sequence(&default));
-    let rest = (2.0 / GRAVITY).sqrt() * (1.0 + e) / (1.0 - e);
-    assert!((frozen.events.last().unwrap().time - rest).abs() < 1e-5);
-    let (q, v) = last(&frozen.trajectory);
-    assert!(distance(q, &[1.5, 0.0]) < 1e-12 && distance(v, &[0.5, 0.0]) < 1e-12);
-}
-
-#[test]
 fn auxiliary_acceleration_changes_numerical_time_only() {
     let cases = inelastic();
     let track = cases
@@ -487,23 +439,6 @@ fn forces_beyond_the_auxiliary_acceleration_cost_no_elements() {
         (numerical / expected - 1.0).abs() <= 1e-5,
         "{numerical} {expected}"
     );
-}
-
-#[test]
-fn jam_ends_with_a_named_status() {
-    // n' (d - mu e) < 0 while the rod slides forward and presses: no force holds it.
-    let (angle, half) = (-0.9_f64, 1.0);
-    let rod = Rod {
-        arm: half,
-        mu: 2.5,
-        ..Rod::default()
-    };
-    let q = [0.0, -half * angle.sin(), angle];
-    let rod = case("rod", rod, start(&q, &[3.0, 0.0, 0.0], 1.0));
-    let run = run(&time_freezing(), &rod);
-    assert_eq!(run.status.name(), "ambiguous_contact");
-    let message = &run.status.diagnosis().unwrap().message;
-    assert!(message.contains("jamming"), "{message}");
 }
 
 /// Where the published auxiliary dynamics of one contact end: `a_bar (d -+ mu e)` by the sign of the sliding velocity,

@@ -36,20 +36,6 @@ hangtime::model! {
     }
 }
 
-hangtime::model! {
-    /// A point over a surface that ends where its root does.
-    pub Cliff {
-        parameters { m: kg = 1, g: m/s^2 = 9.81, edge: m = 0.7 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-        surface ground: z >= 0
-        surface roof: 9 [m] - z + 1 [m^(1/2)]*sqrt(edge - y) >= 0
-        impact ground, roof: inelastic
-        start { z: 3 [m], dot(y): 2 [m/s] }
-        horizon 0.6 [s]
-    }
-}
-
 /// Largest errors of coordinate and velocity between the points, against `cos(2 t)`.
 fn spring_errors(steps: usize) -> (f64, f64) {
     let method = Fesd::default().with_grid(steps, 1);
@@ -393,36 +379,6 @@ fn long_trajectory_is_thinned_with_a_note_and_keeps_its_motion() {
             .to_string()
             .contains("output times = 401: must be at most 400; raise")
     );
-}
-
-#[test]
-fn gap_that_is_no_number_ends_a_run_by_name() {
-    let cliff = Cliff::default();
-    let methods: [&dyn Simulator; 3] = [
-        &Moreau::default(),
-        &FixedStep::default(),
-        &Smooth::default(),
-    ];
-    for method in methods {
-        let problem = InitialValueProblem::of(&cliff, None).unwrap();
-        let run = method.simulate(&cliff, &problem, &mut |_| true).unwrap();
-        let name = method.name();
-        let SimulationStatus::NotFinite(diagnosis) = &run.status else {
-            panic!("{name}: {}", run.status)
-        };
-        assert_eq!(diagnosis.contact, Some(1), "{name}: {}", run.status);
-        assert!(
-            diagnosis.message.contains("the gap of `roof`"),
-            "{name}: {}",
-            run.status
-        );
-        // The edge is at 0.7 m, passed with 2 m/s.
-        assert!(
-            (diagnosis.time - 0.35).abs() < 2e-3,
-            "{name}: {}",
-            run.status
-        );
-    }
 }
 
 #[test]

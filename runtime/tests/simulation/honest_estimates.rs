@@ -56,19 +56,6 @@ hangtime::model! {
     }
 }
 
-hangtime::model! {
-    /// The same with a post that throws back.
-    pub ElasticPost {
-        parameters { m: kg = 1, place: m = 1.037, width: m = 2e-3, h: m = 1, v: m/s = 1, e = 0.5 }
-        coordinates { x: m, z: m }
-        lagrangian m/2*|dot((x, z))|^2
-        surface ground: z >= h*exp(-((x - place)/width)^2)
-        impact ground: restitution e
-        start { z: h/2, dot(x): v }
-        horizon 2 [s]
-    }
-}
-
 fn run(simulator: &dyn Simulator, model: &dyn Model, horizon: Option<f64>) -> Simulation {
     let problem = InitialValueProblem::of(model, horizon).unwrap();
     simulator.simulate(model, &problem, &mut |_| true).unwrap()
@@ -128,39 +115,6 @@ fn what_long_elements_damp_alike_counts_as_error() {
     let error = error(&found, &exact.0, &exact.1);
     let estimate = found.error_estimate.unwrap();
     assert!(error < 10.0 * estimate, "{error:e} {estimate:e}");
-}
-
-hangtime::model! {
-    /// A box at rest on two corners, whose angle only rounding turns.
-    pub RestingBox {
-        parameters { m: kg = 4, b: m = 0.2, h: m = 0.4, g: m/s^2 = 9.81 }
-        coordinates { y: m, z: m, phi: rad }
-        let low = (y, z) + rotation(-phi)*(b, -h)
-        let near = (y, z) + rotation(-phi)*(-b, -h)
-        lagrangian m/2*|dot((y, z))|^2 + m*(b^2 + h^2)/6*dot(phi)^2 - m*g*z
-        surface left: near.z >= 0
-        surface toe: low.z >= 0
-        impact left, toe: inelastic
-        start { z: h }
-        horizon 1.5 [s]
-    }
-}
-
-#[test]
-fn box_at_rest_is_at_rest() {
-    let model = RestingBox::default();
-    for formulation in [StepFormulation::ActiveSet, StepFormulation::TimeFreezing] {
-        let found = run(&fesd(6, formulation), &model, None);
-        assert!(found.status.is_solved(), "{}", found.status);
-        let end = (found.trajectory.q.last(), found.trajectory.v.last());
-        let (q, v) = (end.0.unwrap(), end.1.unwrap());
-        assert!(
-            (q[1] - model.h).abs() < 1e-12 && q[2].abs() < 1e-12,
-            "{q:?}"
-        );
-        assert!(v.iter().all(|v| v.abs() < 1e-12), "{v:?}");
-        assert!(found.error_estimate.unwrap() < 1e-6);
-    }
 }
 
 #[test]
@@ -303,35 +257,6 @@ fn a_run_of_few_stages_that_is_accurate_is_confirmed_by_one_that_is_hardly_longe
     let error = error(&found, &exact.0, &exact.1);
     let estimate = found.error_estimate.unwrap();
     assert!(error < 10.0 * estimate && error < 1e-6, "{error:e}");
-}
-
-#[test]
-fn thin_post_is_struck_wherever_it_stands() {
-    for place in [0.3, 0.5, 0.713, 1.037, 1.3, 1.71] {
-        let model = ElasticPost {
-            place,
-            ..ElasticPost::default()
-        };
-        let ElasticPost { width, h, v, e, .. } = model;
-        // Half the height is reached at `place - width sqrt(ln 2)`, with the slope `h sqrt(ln 2) / width`.
-        let root = 2.0_f64.ln().sqrt();
-        let (x, slope) = (place - width * root, h * root / width);
-        let thrown = (1.0 + e) * v * slope / (1.0 + slope * slope);
-        let (vx, vz) = (v - thrown * slope, thrown);
-        let left = 2.0 - x / v;
-        let methods: [&dyn Simulator; 2] = [&EventDriven::default(), &Fesd::default()];
-        for method in methods {
-            let found = run(method, &model, None);
-            let name = method.name();
-            assert!(
-                found.status.is_solved(),
-                "{name}, {place}: {}",
-                found.status
-            );
-            let error = error(&found, &[x + left * vx, h / 2.0 + left * vz], &[vx, vz]);
-            assert!(error < 1e-6, "{name}, {place}: {error:e}");
-        }
-    }
 }
 
 #[test]

@@ -5,22 +5,9 @@ use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::model::Model;
 use hangtime::rk::Scheme;
 use hangtime::simulation::{
-    ControlSignal, EventDriven, EventKind, Fesd, InitialValueProblem, InputError, Simulation,
-    SimulationStatus, Simulator, StepFormulation,
+    ControlSignal, EventDriven, Fesd, InitialValueProblem, InputError, Simulation,
+    SimulationStatus, Simulator,
 };
-
-hangtime::model! {
-    /// A mass that is lifted and pushed aside.
-    Crane {
-        parameters { m: kg = 2, g: m/s^2 = 9.81 }
-        coordinates { y: m, z: m }
-        controls { push: N, lift: N }
-        lagrangian m/2*(dot(y)^2 + dot(z)^2) - m*g*z
-        forces { y: push, z: lift }
-        surface ground: z >= 0
-        impact ground: inelastic
-    }
-}
 
 hangtime::model! {
     /// A pendulum with a motor.
@@ -33,50 +20,7 @@ hangtime::model! {
     }
 }
 
-const GRAVITY: f64 = 9.81;
-const WEIGHT: f64 = 2.0 * GRAVITY;
-
-/// The lift grows beyond the weight at 2/3 s, falls below it at 2 s and stays at half of it from 3 s on.
-fn lifting() -> InitialValueProblem {
-    InitialValueProblem {
-        controls: ControlSignal::PiecewiseLinear {
-            times: vec![0.0, 1.0, 3.0],
-            values: vec![
-                vec![1.0, 0.0],
-                vec![-2.0, 1.5 * WEIGHT],
-                vec![4.0, 0.5 * WEIGHT],
-            ],
-        },
-        ..start(&[0.0, 0.0], &[0.0, 0.0], 5.0)
-    }
-}
-
-/// Instants of lift-off and landing.
-fn switches() -> [f64; 2] {
-    // z'' / g is 3 s / 2 for s = 1/3 after the lift-off, 1/2 - s / 2 for the next 2 s, and then -1/2.
-    let (z, v): (f64, f64) = (0.25 / 27.0, 0.75 / 9.0);
-    let (z, v) = (z + 2.0 * v + 1.0 - 8.0 / 12.0, v + 1.0 - 1.0);
-    [2.0 / 3.0, 3.0 + 2.0 * (v + (v * v + z).sqrt())]
-}
-
-/// Position and velocity along the ground at 5 s: `y'' = push / 2`.
-fn pushed() -> [f64; 2] {
-    let ramp = |(y, v): (f64, f64), from: f64, to: f64, t: f64| {
-        let slope = (to - from) / t;
-        let velocity = v + (from * t + slope * t * t / 2.0) / 2.0;
-        (
-            y + v * t + (from * t * t / 2.0 + slope * t * t * t / 6.0) / 2.0,
-            velocity,
-        )
-    };
-    let end = ramp(
-        ramp(ramp((0.0, 0.0), 1.0, -2.0, 1.0), -2.0, 4.0, 2.0),
-        4.0,
-        4.0,
-        2.0,
-    );
-    [end.0, end.1]
-}
+const WEIGHT: f64 = 2.0 * 9.81;
 
 fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProblem) -> Simulation {
     let simulation = simulator
@@ -89,108 +33,6 @@ fn run(simulator: &dyn Simulator, model: &dyn Model, problem: &InitialValueProbl
         simulator.name()
     );
     simulation
-}
-
-/// Largest error of the times of the switches and of the state at the end.
-fn crane_error(simulator: &dyn Simulator) -> f64 {
-    let model = Crane::default();
-    let problem = lifting();
-    let simulation = run(simulator, &model, &problem);
-    let events = &simulation.events;
-    let kinds: Vec<EventKind> = events.iter().map(|event| event.kind).collect();
-    assert_eq!(
-        kinds,
-        [EventKind::LiftOff, EventKind::Impact],
-        "{}",
-        simulator.name()
-    );
-    let times: Vec<f64> = events.iter().map(|event| event.time).collect();
-    let (q, v) = last(&simulation.trajectory);
-    let end = pushed();
-    distance(&times, &switches())
-        .max(distance(q, &[end[0], 0.0]))
-        .max(distance(v, &[end[1], 0.0]))
-}
-
-#[test]
-fn event_driven_lift_under_ramps_agrees_with_the_closed_form() {
-    let simulator = EventDriven {
-        tolerance: 1e-12,
-        ..EventDriven::default()
-    };
-    // Numbers of the order of 10, to the tolerance of a step.
-    assert!(
-        crane_error(&simulator) < 1e-11,
-        "{:e}",
-        crane_error(&simulator)
-    );
-}
-
-#[test]
-fn elements_integrate_ramps_and_locate_switches_exactly() {
-    // Cubic motions are within every scheme with three stages; event times follow to rounding error. The steps of
-    // 5/11 s do not meet the nodes.
-    for (scheme, stages) in [(Scheme::RadauIia, 3), (Scheme::GaussLegendre, 3)] {
-        let simulator = Fesd::default().with_scheme(scheme, stages).with_grid(11, 2);
-        let error = crane_error(&simulator);
-        assert!(error < 1e-11, "{scheme:?}: {error:e}");
-    }
-}
-
-#[test]
-fn steps_as_complementarity_problems_follow_the_ramps() {
-    // The mass stays on the ground until 2/3 s and flies until 3 s: no impact, which only the length of an
-    // element would locate.
-    let simulator = Fesd::default()
-        .with_grid(9, 2)
-        .with_formulation(StepFormulation::Complementarity);
-    let problem = InitialValueProblem {
-        horizon: 3.0,
-        ..lifting()
-    };
-    let simulation = run(&simulator, &Crane::default(), &problem);
-    let (q, v) = last(&simulation.trajectory);
-    let (z, rate) = (0.25 / 27.0, 0.75 / 9.0);
-    let height = GRAVITY * (z + 2.0 * rate + 1.0 / 3.0);
-    // The programs are solved to 1e-9, and nine of them follow each other.
-    assert!((q[1] - height).abs() < 1e-7, "{} {height}", q[1]);
-    assert!((v[1] - GRAVITY * rate).abs() < 1e-7, "{}", v[1]);
-    // The ramps of the push shift it by 0 and by -1/4 * 2 m.
-    assert!((q[0] + 0.5).abs() < 1e-7, "{}", q[0]);
-}
-
-#[test]
-fn trajectories_record_the_controls_of_each_instant() {
-    let (model, problem) = (Crane::default(), lifting());
-    let simulators: [&dyn Simulator; 5] = [
-        &EventDriven {
-            output_times: 40,
-            ..EventDriven::default()
-        },
-        &Fesd::default().with_grid(10, 2),
-        &FixedStep {
-            steps: 500,
-            ..FixedStep::default()
-        },
-        &Moreau {
-            steps: 500,
-            ..Moreau::default()
-        },
-        &Smooth::default(),
-    ];
-    for simulator in simulators {
-        let trajectory = run(simulator, &model, &problem).trajectory;
-        let mut expected = [0.0; 2];
-        for (time, u) in trajectory.time.iter().zip(&trajectory.u) {
-            problem.controls.write(*time, &mut expected).unwrap();
-            let error = distance(u, &expected);
-            assert!(
-                error < 1e-12 * WEIGHT,
-                "{} at {time}: {u:?}",
-                simulator.name()
-            );
-        }
-    }
 }
 
 /// Error of the motor-driven pendulum at 2 s, against the event-driven simulator at 1e-13.

@@ -4,7 +4,7 @@ use crate::document::{Line, Section};
 use crate::run::methods;
 use crate::setting::{Setting, settings};
 use crate::statement::{Claim, Expectation, Expressions, Id, TextKind, expectations};
-use crate::words::{behind, split};
+use crate::words::{behind, parts, split};
 
 /// One scene with one set of settings.
 #[derive(Debug, Clone)]
@@ -48,8 +48,8 @@ struct Reader<'a> {
     section: &'a Section,
     definitions: Vec<Definition>,
     expressions: Expressions,
-    /// For each item of `with` the settings it stands for.
-    choices: Vec<Vec<Setting>>,
+    /// The runs that stand behind `with`, each as for each of its items the settings it stands for.
+    choices: Vec<Vec<Vec<Setting>>>,
     shown: Vec<String>,
     expectations: Vec<Expectation>,
     blocks: Vec<Block>,
@@ -117,8 +117,10 @@ impl Reader<'_> {
         } else if let Some(text) = behind(&line.text, "with") {
             self.finish()?;
             self.shown.push(text.to_owned());
-            let read = settings(line.number, text, &mut self.expressions)?;
-            self.choices.extend(read);
+            for run in parts(text, ";") {
+                let read = settings(line.number, run, &mut self.expressions)?;
+                self.choices.push(read);
+            }
         } else if let Some(text) = behind(&line.text, "root") {
             let root = self.root(line.number, text)?;
             self.definitions.push(Definition::Root(root));
@@ -160,7 +162,11 @@ impl Reader<'_> {
         }
         let expectations = std::mem::take(&mut self.expectations);
         let shown = std::mem::take(&mut self.shown).join(", ");
-        for settings in combinations(&std::mem::take(&mut self.choices)) {
+        let mut choices = std::mem::take(&mut self.choices);
+        if choices.is_empty() {
+            choices.push(Vec::new());
+        }
+        for settings in choices.iter().flat_map(|choices| combinations(choices)) {
             let mut scene = self.section.scene.clone();
             for setting in &settings {
                 if let Setting::Replaced(from, to) = setting {

@@ -47,13 +47,14 @@ pub(crate) fn check(block: &Block, results: &Results, expectation: &Expectation)
     };
     match results {
         Results::Refused(mistakes, report) => once(refused(block, expectation, mistakes, report)),
-        Results::Solved(prepared, solution) => once(match solution {
+        Results::Solved(prepared, solution, theirs) => once(match solution {
             Err(error) => not_run(expectation, error),
             Ok(solution) => check_one(&Found {
                 prepared,
                 expectation,
                 result: Of::Solution(solution),
                 theirs: None,
+                their_optimum: theirs.as_deref(),
             }),
         }),
         Results::Simulated(prepared, runs, theirs) => {
@@ -67,6 +68,7 @@ pub(crate) fn check(block: &Block, results: &Results, expectation: &Expectation)
                         expectation,
                         result: Of::Run(&method, runs),
                         theirs: theirs.as_deref(),
+                        their_optimum: None,
                     }),
                 };
                 let (why, found) = unmet.err()?;
@@ -257,6 +259,10 @@ fn one_value(
             result.constant_of(*right)?
         }
         Right::Their(right) => result.their(*right, instant)?,
+        Right::TheirObjective => match result.their_optimum {
+            Some(solution) => solution.objective,
+            None => return because("there is no optimum to compare with"),
+        },
         Right::Derived(right, by) => {
             let derived = result.prepared.derived(*right, by);
             derived.map_err(|why| (why, None))?
@@ -276,9 +282,7 @@ fn one_value(
 
 fn same_events(result: &Found<'_>) -> Result<(), Unmet> {
     let motion = result.motion()?;
-    let Some(theirs) = result.theirs.map(|theirs| &theirs.whole) else {
-        return because("there is no scene to compare with; a fence `hang like` has one");
-    };
+    let theirs = result.their_motion()?;
     let kinds = |run: &Simulation| -> Vec<EventKind> {
         run.events.iter().map(|event| event.kind).collect()
     };

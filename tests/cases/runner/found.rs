@@ -21,6 +21,7 @@ pub(crate) struct Found<'a> {
     pub(crate) expectation: &'a Expectation,
     pub(crate) result: Of<'a>,
     pub(crate) theirs: Option<&'a Theirs>,
+    pub(crate) their_optimum: Option<&'a Solution>,
 }
 
 #[derive(Clone, Copy)]
@@ -43,6 +44,16 @@ impl Found<'_> {
 
     pub(crate) fn constant_of(&self, id: Id) -> Result<f64, Unmet> {
         self.prepared.constant(id).map_err(|why| (why, None))
+    }
+
+    /// The motion that this one is compared with.
+    pub(crate) fn their_motion(&self) -> Result<&Simulation, Unmet> {
+        let optimal = || self.their_optimum.and_then(|their| their.motion.as_ref());
+        let found = self.theirs.map(|theirs| &theirs.whole).or_else(optimal);
+        match found {
+            Some(motion) => Ok(motion),
+            None => because("there is no scene to compare with; a fence `hang like` has one"),
+        }
     }
 
     /// A value of the motion that this one is compared with.
@@ -277,6 +288,7 @@ fn of_motion(run: &Simulation, name: &str) -> Option<f64> {
         "counts.events" => run.counts.events as f64,
         "counts.evaluations" => run.counts.evaluations as f64,
         "counts.factorizations" => run.counts.factorizations as f64,
+        "counts.fallbacks" => run.counts.fallbacks as f64,
         "counts.newton" => run.counts.newton as f64,
         _ => return None,
     })

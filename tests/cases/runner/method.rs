@@ -1,5 +1,6 @@
 //! Methods by their names.
 
+use crate::setting::Setting;
 use hangtime::baselines::{FixedStep, Moreau, Smooth};
 use hangtime::prelude::*;
 use hangtime::simulation::StepFormulation;
@@ -13,11 +14,12 @@ pub(crate) struct Method {
 }
 
 /// Names of methods, and whether they locate events.
-const NAMES: [(&str, bool); 7] = [
+const NAMES: [(&str, bool); 8] = [
     ("default", true),
     ("event", true),
     ("fesd", true),
     ("freezing", true),
+    ("complementarity", true),
     ("moreau", false),
     ("smooth", false),
     ("fixed", false),
@@ -61,20 +63,46 @@ impl Method {
         NAMES.contains(&(self.name, true))
     }
 
-    /// The simulation by it.
-    pub(crate) fn chosen<'a>(&self, run: Simulate<'a>) -> Simulate<'a> {
+    /// Whether a tolerance sets its accuracy.
+    pub(crate) fn has_tolerance(&self) -> bool {
+        self.locates() || self.name == "smooth"
+    }
+
+    /// The simulation by it, with those of the settings that it alone has.
+    pub(crate) fn chosen<'a>(&self, run: Simulate<'a>, settings: &[Setting]) -> Simulate<'a> {
+        let rest_velocity = settings.iter().find_map(|setting| match setting {
+            Setting::Rest(speed) => Some(*speed),
+            _ => None,
+        });
+        let width = settings.iter().find_map(|setting| match setting {
+            Setting::Width(width) => Some(*width),
+            _ => None,
+        });
         let run = match self.name {
-            "event" => run.method(EventDriven::default()),
+            "event" => run.method(EventDriven {
+                rest_velocity,
+                ..EventDriven::default()
+            }),
             "fesd" => run.method(Fesd {
                 elements: self.elements.unwrap_or(Fesd::default().elements),
+                rest_velocity,
                 ..Fesd::default()
             }),
             "freezing" => run.method(Fesd {
                 formulation: StepFormulation::TimeFreezing,
+                rest_velocity,
+                ..Fesd::default()
+            }),
+            "complementarity" => run.method(Fesd {
+                formulation: StepFormulation::Complementarity,
+                elements: self.elements.unwrap_or(Fesd::default().elements),
                 ..Fesd::default()
             }),
             "moreau" => run.method(Moreau::default()),
-            "smooth" => run.method(Smooth::default()),
+            "smooth" => run.method(Smooth {
+                width: width.unwrap_or(Smooth::default().width),
+                ..Smooth::default()
+            }),
             "fixed" => run.method(FixedStep::default()),
             _ => run,
         };

@@ -8,7 +8,7 @@ use crate::statement::{Claim, Expectation, Instant, Left, Which};
 use hangtime::ocp::Solution;
 use hangtime::prelude::*;
 use hangtime::simulation::{Gradient, GradientMode};
-use hangtime_scene_files::TextMistake;
+use hangtime_scene_files::{TextMistake, TextScene};
 use std::collections::BTreeMap;
 
 /// What a block gave.
@@ -17,7 +17,12 @@ pub(crate) enum Results {
     /// The scene is refused: its mistakes, and the report on them.
     Refused(Vec<TextMistake>, String),
     Simulated(Prepared, BTreeMap<Method, Runs>, Option<Box<Theirs>>),
-    Solved(Prepared, Result<Box<Solution>, String>),
+    /// With the optimum of the scene that it is compared with.
+    Solved(
+        Prepared,
+        Result<Box<Solution>, String>,
+        Option<Box<Solution>>,
+    ),
 }
 
 /// The motion that a block is compared with.
@@ -75,8 +80,17 @@ pub(crate) fn results(block: &Block) -> Result<Results, String> {
     };
     let solves = |setting: &Setting| matches!(setting, Setting::Intervals(_));
     if block.settings.iter().any(solves) {
-        let solution = solved(block, &prepared)?;
-        return Ok(Results::Solved(prepared, solution));
+        let solution = solved(block, &prepared, &prepared.scene)?;
+        let theirs = match Prepared::theirs(block, &prepared)? {
+            Some(theirs) => Some(solved(block, &prepared, &theirs.scene)??),
+            None => None,
+        };
+        return match theirs {
+            Some(theirs) if !theirs.status.is_solved() => {
+                Err(format!("what it is compared with: {theirs}"))
+            }
+            theirs => Ok(Results::Solved(prepared, solution, theirs)),
+        };
     }
     let mut runs = BTreeMap::new();
     for method in methods(block) {
@@ -172,13 +186,13 @@ fn begun<'a>(
     prepared: &'a Prepared,
     method: &Method,
 ) -> Result<Simulate<'a>, String> {
-    let mut run = method.chosen(simulate(&prepared.scene));
+    let mut run = method.chosen(simulate(&prepared.scene), &block.settings);
     let declaration = prepared.scene.declaration();
     let mut controls = Vec::new();
     for setting in &block.settings {
         run = match setting {
             Setting::Horizon(id) => run.horizon(prepared.in_unit(*id, "s")?),
-            Setting::Tolerance(tolerance) if method.locates() => run.tolerance(*tolerance),
+            Setting::Tolerance(tolerance) if method.has_tolerance() => run.tolerance(*tolerance),
             Setting::Steps(steps) => run.steps(*steps),
             Setting::Start(name, id) => {
                 let unit = unit_of_start(declaration, name);
@@ -340,8 +354,13 @@ pub(crate) fn event(run: &Simulation, which: &Which) -> Option<usize> {
     Some(found.0)
 }
 
-fn solved(block: &Block, prepared: &Prepared) -> Result<Result<Box<Solution>, String>, String> {
-    let mut task = solve(&prepared.scene);
+/// The optimum of a scene, of the block itself or of what it is compared with.
+fn solved(
+    block: &Block,
+    prepared: &Prepared,
+    scene: &TextScene,
+) -> Result<Result<Box<Solution>, String>, String> {
+    let mut task = solve(scene);
     for setting in &block.settings {
         task = match setting {
             Setting::Intervals(intervals) => task.intervals(*intervals),

@@ -15,6 +15,10 @@ pub(crate) enum Setting {
     TheirStart(String, Id),
     Horizon(Id),
     Tolerance(f64),
+    /// Speed below which nothing bounces.
+    Rest(f64),
+    /// Width of smoothed steps.
+    Width(f64),
     Steps(usize),
     Intervals(usize),
     Starts(usize),
@@ -76,8 +80,17 @@ fn one(item: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Vec<Setting>, Stri
         let each = parts(text, " or ").into_iter();
         return Ok(each.map(|text| Setting::Horizon(add(text))).collect());
     }
-    if let Some(text) = behind(item, "tolerance") {
-        return Ok(vec![Setting::Tolerance(number(text)?)]);
+    type Measured = fn(f64) -> Setting;
+    let numbers: [(&str, Measured); 3] = [
+        ("tolerance", Setting::Tolerance),
+        ("rest", Setting::Rest),
+        ("width", Setting::Width),
+    ];
+    for (word, setting) in numbers {
+        if let Some(text) = behind(item, word) {
+            let each = parts(text, " or ").into_iter();
+            return each.map(|text| number(text).map(setting)).collect();
+        }
     }
     type Counted = fn(usize) -> Setting;
     let counts: [(&str, Counted); 3] = [

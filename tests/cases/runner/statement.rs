@@ -45,6 +45,8 @@ impl Expressions {
 pub(crate) enum Right {
     Own(Id),
     Their(Id),
+    /// The optimum of the scene that this one is compared with.
+    TheirObjective,
     /// The derivative of a number that hangs on parameters by one of these.
     Derived(Id, String),
 }
@@ -397,12 +399,11 @@ fn value(text: &str, add: &mut dyn FnMut(&str) -> Id) -> Result<Claim, String> {
         };
         left = Left::Derivative(Box::new(left), by.trim().to_owned(), side);
     }
-    let right = parts(right, " or ").into_iter().map(|text| {
-        let id = add(text);
-        match behind(text, "their") {
-            Some(_) => Right::Their(id),
-            None => Right::Own(id),
-        }
+    let right = parts(right, " or ").into_iter();
+    let right = right.map(|text| match behind(text, "their") {
+        Some("objective") => Right::TheirObjective,
+        Some(_) => Right::Their(add(text)),
+        None => Right::Own(add(text)),
     });
     let right = right.collect();
     Ok(Claim::Value(left, when, comparison, right))

@@ -49,20 +49,6 @@ hangtime::model! {
 }
 
 hangtime::model! {
-    /// The room without friction.
-    pub(crate) SmoothRoom {
-        parameters { mass: kg = 2, gravity: m/s^2 = 0, e = 1 }
-        coordinates { y: m, z: m }
-        lagrangian mass/2*|dot((y, z))|^2 - mass*gravity*z
-        surface floor: z >= 0
-        surface ceiling: z <= 1[m]
-        surface left: y >= 0
-        surface right: y <= 1[m]
-        impact floor, ceiling, left, right: restitution e
-    }
-}
-
-hangtime::model! {
     /// A round body of unit mass on ground that falls by `slope`; the angle grows such that the lowest point moves with
     /// `v_y + radius angle'`. Its moment of inertia is `shape` times mass and radius squared.
     pub(crate) Disc {
@@ -122,31 +108,6 @@ hangtime::model! {
 }
 
 hangtime::model! {
-    /// A point mass in a round bowl of unit radius.
-    pub(crate) Bowl {
-        parameters { m: kg = 1, g: m/s^2 = 9.81, radius: m = 1, mu = 0 }
-        coordinates { y: m, z: m }
-        let r = |(y, z)|
-        lagrangian m/2*|dot((y, z))|^2 - m*g*z
-        surface bowl: r <= radius
-        impact bowl: inelastic, friction mu, sliding (y*dot(z) - z*dot(y))/r
-        start { z: -radius }
-    }
-}
-
-hangtime::model! {
-    /// A carriage of unit mass, pressed onto its rail by its weight, that drags a brake by a crank: the brake's velocity
-    /// is `y' cos(k y)`, zero at the dead points of the crank.
-    pub(crate) CrankBrake {
-        parameters { m: kg = 1, g: m/s^2 = 9.81, k: 1/m = 1, mu = 0 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*|dot((y, z))|^2 - m*g*z
-        surface brake: z >= 0
-        impact brake: inelastic, friction mu, sliding cos(k*y)*dot(y)
-    }
-}
-
-hangtime::model! {
     /// A mass on the floor, pulled by a hardening spring whose other end `p` moves freely.
     pub(crate) Pulled {
         parameters { m: kg = 1, g: m/s^2 = 9.81, stiffness: N/m = 1, hardening: N/m^3 = 0, mu = 0 }
@@ -191,17 +152,4 @@ pub(crate) fn rough_crate(half_width: f64, half_height: f64, mu: f64) -> Assembl
         })
     };
     Assembled::joining(CORNERS.map(corner).into())
-}
-
-hangtime::model! {
-    /// A unit mass between the surfaces `z + y >= 0` and `z - 2 y >= 0`.
-    pub(crate) Wedge {
-        parameters { m: kg = 1, g: m/s^2 = 9.81, e = 0, mu = 0 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*|dot((y, z))|^2 - m*g*z
-        surface left: z + y >= 0
-        surface right: z >= 2*y
-        impact left: restitution e, friction mu, sliding dot(y) - dot(z)
-        impact right: restitution e, friction mu, sliding dot(y) + 2*dot(z)
-    }
 }

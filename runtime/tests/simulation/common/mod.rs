@@ -1,15 +1,9 @@
-//! What the tests of the simulators share: scenes, certified values, measures.
+//! What the tests of the simulators share: scenes and measures.
 
 pub(crate) mod assembled;
 pub(crate) mod event;
-pub(crate) mod gold;
 pub(crate) mod laws;
-pub(crate) mod located;
-#[path = "../../shared/root.rs"]
-mod root;
 pub(crate) mod scenes;
-
-pub(crate) use root::root;
 
 use hangtime::model::Model;
 use hangtime::simulation::{ControlSignal, InitialValueProblem, Simulation, Trajectory};
@@ -43,16 +37,6 @@ pub(crate) fn last(trajectory: &Trajectory) -> (&[f64], &[f64]) {
         trajectory.q.last().expect("a trajectory has a start"),
         trajectory.v.last().expect("a trajectory has a start"),
     )
-}
-
-/// Index of the point of the trajectory that is closest to `time`.
-pub(crate) fn index_at(trajectory: &Trajectory, time: f64) -> usize {
-    (0..trajectory.time.len())
-        .min_by(|&a, &b| {
-            let distance = |k: usize| (trajectory.time[k] - time).abs();
-            distance(a).total_cmp(&distance(b))
-        })
-        .expect("a trajectory has a start")
 }
 
 /// Largest distance between two vectors' components.

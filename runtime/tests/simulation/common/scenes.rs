@@ -48,24 +48,19 @@ hangtime::model! {
     }
 }
 
+/// Where the figure's ride begins at rest on the table, `(y, z)` \[m\].
+pub(crate) const SKI_JUMP_START: [f64; 2] = [10.2759, 45.001_581_073_295_69];
+
+/// Where it is after 5 s, `(y, z, v_y, v_z)`, by quadrature in two precisions.
+pub(crate) const SKI_JUMP_END: [f64; 4] = [
+    59.373_066_742_926_91,
+    15.313_466_628_536_545,
+    19.390_549_109_241_256,
+    -9.695_274_554_620_628,
+];
+
 pub(crate) fn ski_jump() -> SkiJump {
     SkiJump::default()
-}
-
-hangtime::model! {
-    /// A point mass on the unit disc; the gap is in square metres.
-    pub(crate) UnitDisc {
-        parameters { mass: kg = 3, g: m/s^2 = 9.81 }
-        coordinates { y: m, z: m }
-        lagrangian mass/2*|dot((y, z))|^2 - mass*g*z
-        surface disc: y^2 + z^2 >= 1[m^2]
-        impact disc: inelastic
-        start { z: 1[m] }
-    }
-}
-
-pub(crate) fn disc() -> UnitDisc {
-    UnitDisc::default()
 }
 
 hangtime::model! {
@@ -102,24 +97,6 @@ pub(crate) fn thirteen_floors() -> Assembled {
     let mut contacts = [0; 14];
     contacts[1] = 1;
     Assembled::repeating(&corner(), &contacts)
-}
-
-hangtime::model! {
-    /// A pendulum of unit mass and length, `angle` from the vertical, beside a wall at `angle = wall`.
-    pub(crate) Pendulum {
-        parameters { m: kg = 1, l: m = 1, g: m/s^2 = 9.81, wall = 0.25 }
-        coordinates { angle }
-        lagrangian m*l^2/2*dot(angle)^2 + m*g*l*cos(angle)
-        surface stop: sin(wall) >= sin(angle)
-        impact stop: inelastic
-    }
-}
-
-pub(crate) fn pendulum(wall: f64) -> Pendulum {
-    Pendulum {
-        wall,
-        ..Pendulum::default()
-    }
 }
 
 hangtime::model! {
@@ -186,37 +163,6 @@ pub(crate) fn track_scene() -> Track {
 }
 
 hangtime::model! {
-    /// A point mass on which a force `sqrt(1 - y)` acts: not a number beyond `y = 1`.
-    pub(crate) Edge {
-        parameters { m: kg = 1, reach: m = 1, f: N = 1 }
-        coordinates { y: m }
-        lagrangian m/2*dot(y)^2
-        forces { y: f*sqrt(1 - y/reach) }
-    }
-}
-
-pub(crate) fn edge() -> Edge {
-    Edge::default()
-}
-
-hangtime::model! {
-    /// A ball of unit mass at height `z` that a control pulls up.
-    pub(crate) LiftedBall {
-        parameters { m: kg = 1, g: m/s^2 = 9.81 }
-        coordinates { z: m }
-        controls { u: N }
-        lagrangian m/2*dot(z)^2 - m*g*z
-        forces { z: u }
-        surface ground: z >= 0
-        impact ground: inelastic
-    }
-}
-
-pub(crate) fn lifted_ball() -> LiftedBall {
-    LiftedBall::default()
-}
-
-hangtime::model! {
     /// One corner of a rectangular crate of unit mass, against floor, left wall and right wall.
     pub(crate) CrateCorner {
         parameters {
@@ -252,20 +198,3 @@ pub(crate) fn crate_in_room(half_width: f64, half_height: f64, half_room: f64) -
 
 /// Signs of the corners of a rectangle.
 pub(super) const CORNERS: [(f64, f64); 4] = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
-
-hangtime::model! {
-    /// A block in a corner whose contact directions push it into the other surface: `D = [1, -2; -2, 1]`.
-    pub(crate) JammingCorner {
-        parameters { m: kg = 1, g: m/s^2 = 9.81 }
-        coordinates { y: m, z: m }
-        lagrangian m/2*|dot((y, z))|^2 - m*g*z
-        surface floor: z >= 0
-        surface wall: y >= 0
-        impact floor: inelastic, along (-2, 1)
-        impact wall: inelastic, along (1, -2)
-    }
-}
-
-pub(crate) fn jamming_corner() -> JammingCorner {
-    JammingCorner::default()
-}
