@@ -1,7 +1,6 @@
 //! Shipped scenes and examples: certified solutions, closed forms, and each other.
 
 mod agreement;
-mod air_drag;
 mod bike_on_two_wheels;
 mod both;
 mod charts;
