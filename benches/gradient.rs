@@ -4,11 +4,10 @@
 
 use std::time::{Duration, Instant};
 
+use hangtime::derivative::{GradientMode, differentiate, differentiate_values};
 use hangtime::model::Model;
 use hangtime::prelude::*;
-use hangtime::simulation::{
-    GradientMode, InitialValueProblem, Simulator, differentiate, differentiate_values,
-};
+use hangtime::simulation::{InitialValueProblem, Simulator};
 use hangtime_scene_files::of_text;
 
 /// Scenes and their names.

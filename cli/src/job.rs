@@ -7,9 +7,10 @@ use std::fmt;
 use std::ops::Range;
 
 use hangtime::Progress;
+use hangtime::derivative::Gradient;
 use hangtime::estimation::Estimate;
 use hangtime::ocp::{Previous, Solution};
-use hangtime::simulation::{EventKind, Gradient, Simulation};
+use hangtime::simulation::{EventKind, Simulation};
 
 use crate::Quantity;
 use crate::arguments::{

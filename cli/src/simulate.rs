@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
+use hangtime::derivative::{Gradient, SequenceRange, Side};
 use hangtime::model::{Declaration, Model};
-use hangtime::simulation::{Event, Gradient, SequenceRange, Side, Simulation};
+use hangtime::simulation::{Event, Simulation};
 
 use crate::ending::Ending;
 use crate::table::{counted, described, headed, number, per_second, residual_line, seconds, table};

@@ -55,8 +55,22 @@ fn gradient(declaration: &Declaration, solution: &Solution) -> String {
         headed(known.name, known.unit)
     });
     let names: Vec<String> = names.collect();
+    let mut notes = String::new();
+    for (name, (obstacle, sides)) in names
+        .iter()
+        .zip(gradient.obstacles.iter().zip(&gradient.sides))
+    {
+        if let (Some(why), Some(sides)) = (obstacle, sides) {
+            let [left, right] = sides.objective.map(digits);
+            let _ = writeln!(
+                notes,
+                "note        no derivative by {name}: {why}; objective {left} from below, {right} from above"
+            );
+        }
+    }
     table(header, rows)
         + "  (as long as the contact sequence stays)\n"
+        + &notes
         + &ranges(&names, &gradient.ranges)
         + "\n"
 }

@@ -73,8 +73,13 @@ class Gradient:
         self.range: List[Dict[str, Any]] = list(entry.get("range", ()))
         """How far each quantity may go until the events are others, to first order: ``below`` and ``above``, each with ``change``
         and ``because``, or ``None``."""
-        self.obstacle: Optional[str] = None if exists is True else exists
-        """Why there are no derivatives, if there are none."""
+        by: List[Any] = entry.get("exists_by", exists if isinstance(exists, list) else [exists] * count)
+        self.obstacles: List[Optional[str]] = [None if exists is True else exists for exists in by]
+        """Why there is no derivative, a word a column; ``None`` where there is one."""
+        self.obstacle: Optional[str] = next((why for why in self.obstacles if why), None)
+        """The first of :attr:`obstacles`, if there is one."""
+        self.sides: Dict[str, Any] = entry.get("sides") or entry.get("one_sided") or {}
+        """Derivatives to both sides where there are no others, as in the JSON."""
 
     def __repr__(self) -> str:
         return f"<hangtime gradient by {', '.join(self.with_respect_to)}{': ' + self.obstacle if self.obstacle else ''}>"

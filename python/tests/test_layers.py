@@ -1,4 +1,4 @@
-"""Motions in JAX, against closed forms and differences."""
+"""Motions in PyTorch and JAX, against closed forms and differences."""
 
 import numpy as np
 import pytest
@@ -88,6 +88,35 @@ def test_jax_simulates_batches():
     np.testing.assert_allclose(times, np.sqrt(2 * heights / 9.81), rtol=1e-9)
     by = jax.vmap(jax.grad(lambda h: hangtime.jax.simulate(scene, {"h": h}, "event_times[0]", **TIGHT)[0]))(heights)
     np.testing.assert_allclose(by, np.sqrt(0.5 / 9.81 / heights), rtol=1e-9)
+
+
+@pytest.mark.parametrize("text, parameters, of", SCENES)
+def test_torch_passes_its_check_of_gradients(text, parameters, of):
+    torch = pytest.importorskip("torch")
+    import hangtime.torch
+
+    scene = ht.scene(text)
+    tensors = [torch.tensor(value, dtype=torch.float64, requires_grad=True) for value in parameters.values()]
+
+    def values(*known):
+        return hangtime.torch.simulate(scene, dict(zip(parameters, known)), of, **TIGHT)
+
+    assert torch.autograd.gradcheck(values, tensors, eps=1e-5, atol=1e-5, check_forward_ad=True)
+
+
+def test_torch_learns_a_throw():
+    torch = pytest.importorskip("torch")
+    import hangtime.torch
+
+    scene = ht.scene(BALL)
+    push = torch.tensor(0.0, dtype=torch.float64, requires_grad=True)
+    adam = torch.optim.Adam([push], lr=0.1)
+    for _ in range(50):
+        adam.zero_grad()
+        loss = (hangtime.torch.simulate(scene, {"push": push}, "z")[0] - 0.3) ** 2
+        loss.backward()
+        adam.step()
+    assert float(loss) < 1e-4
 
 
 def test_what_a_layer_cannot_have_is_refused():

@@ -41,6 +41,7 @@
 //! |---|---|
 //! | [`model`](mod@model) | the interface between scenes and solvers; [`model!`] implements it, and so may you |
 //! | [`simulation`] | one trait, [`Simulator`](simulation::Simulator), one result, several methods: finite elements with switch detection, event-driven, and three to compare with |
+//! | [`derivative`] | derivatives of a motion, forwards and backwards |
 //! | [`ocp`] | optimal control: a search for the contact sequence, collocation with that sequence, a certificate, an independent re-simulation |
 //! | [`estimation`] | parameters from measured motions: least squares with exact derivatives through impacts |
 //! | [`scene`] | the one model of all that the language derived, compiled or read from a text |
@@ -67,6 +68,7 @@ pub mod baselines {
 }
 mod contact;
 mod dcs;
+pub mod derivative;
 pub mod estimation;
 mod fesd;
 mod front;

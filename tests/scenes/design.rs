@@ -391,6 +391,115 @@ fn gradient_of_an_optimum_agrees_with_differences_of_solves() {
     compare_gradient(&waves, 4, &[("w", 0.002), ("m", 0.01), ("a", 0.002)]);
 }
 
+/// A pendulum that a force swings, as a point on a rod.
+fn swung(start: &str) -> String {
+    format!(
+        "
+        parameters {{ m: kg = 1.6, g: m/s^2 = 9.7, l: m = 1.3 }}
+        coordinates {{ x: m, z: m }}
+        controls {{ u: N in -40..=40 }}
+        lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
+        forces {{ x: u }}
+        joint rod: x^2 + z^2 == l^2
+        start {{ {start} }}
+        minimize integral(u^2)
+        finally {{ x == -0.2 [m] }}
+        horizon 0.8 [s]
+        "
+    )
+}
+
+#[test]
+fn optimum_whose_start_joints_complete_moves_with_what_moves_the_joints() {
+    // The same by its angle, which is that of the guess whatever the length is.
+    let angle = "
+        parameters { m: kg = 1.6, g: m/s^2 = 9.7, l: m = 1.3 }
+        coordinates { phi: rad }
+        controls { u: N in -40..=40 }
+        lagrangian m/2*l^2*dot(phi)^2 + m*g*l*cos(phi)
+        forces { phi: u*l*cos(phi) }
+        start { phi: atan2(0.8, 0.6) }
+        minimize integral(u^2)
+        finally { l*sin(phi) == -0.2 [m] }
+        horizon 0.8 [s]
+    ";
+    let by = |text: &str| {
+        let scene = scene(text);
+        let solution = solve(&scene).intervals(4).gradient(["l", "m", "g"]).run();
+        let solution = solution.expect("accepted");
+        assert!(solution.status.is_solved(), "{solution}");
+        solution.gradient.expect("asked for").objective
+    };
+    let right = by(angle);
+    for start in [
+        "x: 0.8, z: -0.6",
+        "x: 1.04, z: -0.78",
+        "x: 0.8*l, z: -0.6*l",
+    ] {
+        for (found, right) in by(&swung(start)).iter().zip(&right) {
+            // Both are collocations of the same order in other coordinates.
+            let close = (found - right).abs() < 1e-5 * right.abs();
+            assert!(close, "{start}: {found} {right}");
+        }
+    }
+}
+
+#[test]
+fn optimum_without_controls_has_the_derivatives_of_its_motion() {
+    // A rod that joints put into its place swings against a wall.
+    let text = "
+        parameters { m: kg = 2, g: m/s^2 = 9.6, l: m = 1.4, e = 0.6 }
+        coordinates { x: m, z: m }
+        lagrangian m/2*(dot(x)^2 + dot(z)^2) - m*g*z
+        joint rod: x^2 + z^2 == l^2
+        surface wall: x >= 0.15 [m]
+        impact wall: restitution e
+        start { x: 1.2, z: -0.9 }
+        minimize x
+        horizon 0.8 [s]
+    ";
+    let (scene, names) = (scene(text), ["l", "g", "e"]);
+    let (run, of_motion) = simulate(&scene).tolerance(1e-12).gradient(names).unwrap();
+    assert_eq!(of_motion.obstacle, None, "{run}");
+    let right = of_motion.objective.expect("declared");
+    let solution = solve(&scene).intervals(4).gradient(names).run();
+    let solution = solution.expect("accepted");
+    let found = &solution.gradient.as_ref().expect("asked for").objective;
+    for (found, right) in found.iter().zip(&right) {
+        let close = (found - right).abs() < 1e-6 * right.abs().max(1.0);
+        assert!(close, "{found} {right}\n{solution}");
+    }
+}
+
+#[test]
+fn optimum_with_two_bounds_that_are_one_has_a_derivative_to_each_side() {
+    // Pushed and braked by a, T = 2 sqrt(d/a); more than 1 is not allowed in any case.
+    let text = "
+        parameters { d: m = 1.2, a: N = 1 }
+        coordinates { y: m }
+        controls { u: N in -1..=1 }
+        constraint up: u <= a
+        lagrangian 1[kg]/2*dot(y)^2
+        forces { y: u }
+        minimize time
+        finally { y == d, dot(y) == 0 }
+    ";
+    let solution = solve(&scene(text)).intervals(2).gradient(["d", "a"]).run();
+    let solution = solution.expect("accepted");
+    let gradient = solution.gradient.as_ref().expect("asked for");
+    let close = |found: f64, right: f64| (found - right).abs() < 1e-5;
+    assert_eq!(gradient.obstacles[0], None, "{gradient:?}");
+    assert!(
+        close(gradient.objective[0], 1.0 / 1.2_f64.sqrt()),
+        "{gradient:?}"
+    );
+    assert!(gradient.obstacles[1].is_some() && gradient.objective[1].is_nan());
+    let sides = gradient.sides[1].expect("to both sides");
+    assert_eq!(Some(sides.objective), sides.final_time);
+    assert!(close(sides.objective[0], -1.2_f64.sqrt()), "{sides:?}");
+    assert!(close(sides.objective[1], 0.0), "{sides:?}");
+}
+
 hangtime::model! {
     /// The ramp, compiled.
     pub Ramp {

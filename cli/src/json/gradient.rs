@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use hangtime::derivative::{Gradient, GradientMode, SequenceLimit, SequenceRange, Side};
 use hangtime::model::Model;
-use hangtime::simulation::{Gradient, GradientMode, SequenceLimit, SequenceRange, Side};
 use serde::{Serialize, Serializer};
 
 /// Matrices with a row for each value, and a column for each quantity that it is differentiated by.
@@ -31,9 +31,12 @@ pub(super) struct GradientEntry<'a> {
     /// How far each quantity may go until the motion has another sequence of events, to first order. Only of `forward` derivatives.
     #[serde(skip_serializing_if = "Option::is_none")]
     range: Option<Vec<RangeEntry<'a>>>,
-    /// `true`, or why there is no derivative.
+    /// `true`, or why there is no derivative by some quantity.
     exists: Existence<'a>,
-    /// Of the end to both sides, only where there are no others.
+    /// The same by quantity. Only where there is none by some of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exists_by: Option<Vec<Existence<'a>>>,
+    /// Of the end to both sides, only where there are no others; null by other quantities.
     #[serde(skip_serializing_if = "Option::is_none")]
     one_sided: Option<OneSidedEntry<'a>>,
 }
@@ -148,7 +151,14 @@ impl<'a> LastEntry<'a> {
 }
 
 /// Why there are no derivatives, if there are none.
-struct Existence<'a>(Option<&'a str>);
+pub(super) struct Existence<'a>(Option<&'a str>);
+
+impl<'a> Existence<'a> {
+    /// What an obstacle, if there is one, says of it.
+    pub(super) fn of(obstacle: &'a Option<String>) -> Self {
+        Self(obstacle.as_deref())
+    }
+}
 
 impl Serialize for Existence<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -186,7 +196,11 @@ impl<'a> GradientEntry<'a> {
             objective: gradient.objective.as_deref(),
             range: (!gradient.ranges.is_empty())
                 .then(|| gradient.ranges.iter().map(RangeEntry::new).collect()),
-            exists: Existence(gradient.obstacle.as_deref()),
+            exists: Existence::of(&gradient.obstacle),
+            exists_by: gradient.obstacle.is_some().then(|| {
+                let obstacles = gradient.obstacles.iter();
+                obstacles.map(Existence::of).collect()
+            }),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The JSON document of a simulation.
 
+use hangtime::derivative::Gradient;
 use hangtime::model::Model;
-use hangtime::simulation::{Counts, Gradient, ProblemSize, Residuals, Seconds, Simulation};
+use hangtime::simulation::{Counts, ProblemSize, Residuals, Seconds, Simulation};
 use serde::Serialize;
 
 use super::columns::kept_instants;

@@ -2,8 +2,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    ControlNodes, Excess, Formulation, FoundParameter, Improvement, Margin, Optimum, RelaxedReport,
-    Settings, Solution, TimeFreezingReport,
+    ControlNodes, Excess, Formulation, FoundParameter, Improvement, Margin, Optimum,
+    OptimumGradient, RelaxedReport, Settings, Solution, TimeFreezingReport,
 };
 use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
@@ -11,7 +11,7 @@ use serde::{Serialize, Serializer};
 
 use crate::table::counted;
 
-use super::gradient::RangeEntry;
+use super::gradient::{Existence, RangeEntry};
 use super::parts::{
     EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, SCHEMA,
     TrajectoryEntry, to_line,
@@ -208,12 +208,45 @@ fn at_bounds(solution: &Solution) -> impl Iterator<Item = String> {
 struct OptimumGradientEntry<'a> {
     /// The parameters.
     with_respect_to: &'a [&'static str],
-    /// Derivatives of the objective.
+    /// Derivatives of the objective; null where there is none.
     objective: &'a [f64],
     /// Derivatives of the final time.
     final_time: &'a [Option<f64>],
     /// How far each may go until other conditions of the plan hold, to first order.
     range: Vec<RangeEntry<'a>>,
+    /// By parameter: `true`, or why there is no derivative.
+    exists: Vec<Existence<'a>>,
+    /// Derivatives towards smaller and larger values, where there is none; null by other parameters.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    sides: Option<SidesEntry>,
+}
+
+/// Derivatives to both sides, by parameter.
+#[derive(Serialize)]
+struct SidesEntry {
+    /// Of the objective; null to a side on which there is no plan of this kind.
+    objective: Vec<Option<[f64; 2]>>,
+    /// Of the final time, where the objective depends on that alone.
+    final_time: Vec<Option<[f64; 2]>>,
+}
+
+impl<'a> OptimumGradientEntry<'a> {
+    fn new(gradient: &'a OptimumGradient) -> Self {
+        let sides = || gradient.sides.iter();
+        Self {
+            with_respect_to: &gradient.names,
+            objective: &gradient.objective,
+            final_time: &gradient.final_time,
+            range: gradient.ranges.iter().map(RangeEntry::new).collect(),
+            exists: gradient.obstacles.iter().map(Existence::of).collect(),
+            sides: sides().any(Option::is_some).then(|| SidesEntry {
+                objective: sides()
+                    .map(|sides| Some(sides.as_ref()?.objective))
+                    .collect(),
+                final_time: sides().map(|sides| sides.as_ref()?.final_time).collect(),
+            }),
+        }
+    }
 }
 
 /// The document of an optimal control problem: that of the re-simulated motion, and what belongs to the plan; its
@@ -349,15 +382,7 @@ impl<'a> SolutionDocument<'a> {
             starts: solution.starts,
             controls: &solution.controls,
             control_times: Some(&solution.control_times[..]).filter(|_| method.aligned),
-            gradient: solution
-                .gradient
-                .as_ref()
-                .map(|gradient| OptimumGradientEntry {
-                    with_respect_to: &gradient.names,
-                    objective: &gradient.objective,
-                    final_time: &gradient.final_time,
-                    range: gradient.ranges.iter().map(RangeEntry::new).collect(),
-                }),
+            gradient: solution.gradient.as_ref().map(OptimumGradientEntry::new),
             residuals: solution.residuals,
             size: solution.size,
             iterations: SolutionCounts {

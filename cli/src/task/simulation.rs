@@ -1,8 +1,9 @@
 //! One simulation.
 
 use hangtime::Observer;
+use hangtime::derivative::{self, Gradient, GradientMode};
 use hangtime::model::Model;
-use hangtime::simulation::{self, Gradient, GradientMode, InitialValueProblem, Simulation};
+use hangtime::simulation::{InitialValueProblem, Simulation};
 
 use crate::arguments::{GradientModeName, Method, SimulateArguments};
 use crate::ending::Ending;
@@ -65,7 +66,7 @@ impl SimulationTask {
             return Ok(None);
         }
         let model = self.chosen.model.as_ref();
-        let gradient = simulation::differentiate_values(
+        let gradient = derivative::differentiate_values(
             model,
             (&self.problem, simulation),
             &self.gradient,
@@ -76,7 +77,7 @@ impl SimulationTask {
             self.method.simulate(model, problem, &mut |_| true)
         };
         let scene = (model, &self.problem);
-        simulation::add_one_sided(&mut gradient, scene, simulation, &mut neighbour);
+        derivative::add_one_sided(&mut gradient, scene, simulation, &mut neighbour);
         Ok(Some(gradient))
     }
 

@@ -10,7 +10,7 @@
 //!
 //! Each experiment is a motion of its own, with the free parameters that all share; its residuals `(z(t_k) - z_k)/within` are
 //! continuous functions of these, whatever the order of impacts, and their derivatives are those of the motion
-//! ([`differentiate`](crate::simulation::differentiate)).
+//! ([`differentiate`](crate::derivative::differentiate)).
 //!
 //! `measurements` is the data, `motions` the residuals of all experiments, `least_squares` the method (with the singular values of
 //! `svd`), `covariance` how well the parameters are known, `result` what is found, and `solve` the order of work.

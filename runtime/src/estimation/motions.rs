@@ -2,9 +2,10 @@
 
 use super::least_squares::{Evaluation, Residuals};
 use super::measurements::Measurements;
+use crate::derivative::{Observed, observe};
 use crate::model::{Experiment, Measured, Model};
 use crate::simulation::{
-    EventDriven, Fesd, InitialValueProblem, Observed, Simulation, Simulator, observe, simulate_once,
+    EventDriven, Fesd, InitialValueProblem, Simulation, Simulator, simulate_once,
 };
 use crate::{InputError, Observer, Progress};
 use hangtime_solver::clock::Instant;

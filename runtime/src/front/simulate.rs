@@ -1,10 +1,10 @@
 //! `simulate(&model)`.
 
 use super::StartValues;
+use crate::derivative::{Gradient, GradientMode, add_one_sided, differentiate_values};
 use crate::model::Model;
 use crate::simulation::{
-    ControlSignal, Fesd, Gradient, GradientMode, InitialValueProblem, InputError, Simulation,
-    Simulator, add_one_sided, differentiate_values,
+    ControlSignal, Fesd, InitialValueProblem, InputError, Simulation, Simulator,
 };
 use crate::{Observer, Progress};
 
@@ -171,7 +171,7 @@ impl<'a> Simulate<'a> {
     }
 
     /// Simulates, and differentiates the motion by the quantities of these names, as
-    /// [`differentiate`](crate::simulation::differentiate) says, with derivatives to one side where there are no others. The method is to be one that locates events.
+    /// [`differentiate`](crate::derivative::differentiate) says, with derivatives to one side where there are no others. The method is to be one that locates events.
     ///
     /// # Errors
     /// As of [`run`](Self::run), and [`InputError`] for names that are unknown and scenes without derivatives by parameters.

@@ -3,10 +3,12 @@
 //! Free initial values are guesses and are moved first, so that what is given stays as it is where they can fulfil the joints by
 //! themselves.
 
-use super::problem::{Problem, has_free_start};
+use super::problem::{CompletedStart, Problem, has_free_start};
 use super::program::joint_rows::at_start;
 use super::solution::Solution;
-use crate::model::Model;
+use crate::derivative::{completed, differences};
+use crate::model::held::{complete_start, is_held, moving};
+use crate::model::{Given, Model};
 use crate::refusal;
 use crate::simulation::{ClosedStart, ControlSignal, InputError};
 use nalgebra::{DMatrix, DVector};
@@ -47,6 +49,7 @@ pub(in crate::ocp) fn joined(
     let problem = Problem {
         q: complete.q.clone(),
         v: complete.v.clone(),
+        completed: how_completed(scene, problem, &start)?,
         ..problem.clone()
     };
     let units = vec![1.0; start.len()];
@@ -67,6 +70,62 @@ pub(in crate::ocp) fn joined(
         notes: closed.notes().to_vec(),
         problem,
     }))
+}
+
+/// How joints move a start with the given parameters that are variables.
+fn how_completed(
+    model: &dyn Model,
+    problem: &Problem,
+    start: &[f64],
+) -> Result<Vec<CompletedStart>, InputError> {
+    let Some(held) = model.held() else {
+        return Ok(Vec::new());
+    };
+    let (n, first) = (problem.q.len(), moving(model));
+    let ranges = problem.start_ranges(model);
+    let is_given = |k: &usize| ranges[*k].0 >= ranges[*k].1;
+    let parameters = first..first + held.count().min(held.parameters.len());
+    let (given, unknown): (Vec<usize>, Vec<usize>) = parameters.partition(is_given);
+    let declared = model.declaration().optimal_control;
+    let free = |k: &usize| declared.is_some_and(|declared| declared.free_start.contains(k));
+    let by_unknown = |k: &usize| {
+        let own = held
+            .given
+            .iter()
+            .position(|known| *known == Given::Start(*k));
+        let mut entries = held.jacobian.entries.iter();
+        own.is_some_and(|own| {
+            entries.any(|&(of, by)| of as usize == own && unknown.contains(&(by as usize)))
+        })
+    };
+    let components = (0..2 * n).filter(|k| !is_held(model, *k) && !free(k) && !by_unknown(k));
+    let mut found: Vec<CompletedStart> = components
+        .map(|component| CompletedStart {
+            component,
+            by: Vec::new(),
+        })
+        .collect();
+    for parameter in given {
+        let size = if start[parameter] == 0.0 {
+            1.0
+        } else {
+            start[parameter].abs()
+        };
+        let by = differences(size, &mut |way| {
+            let mut moved = start.to_vec();
+            moved[parameter] += way;
+            complete_start(model, &mut moved);
+            completed(
+                model,
+                &problem.initial_value_problem(&moved, 1.0, ControlSignal::Zero),
+            )
+        })?;
+        for known in &mut found {
+            known.by.push((parameter, by[known.component]));
+        }
+    }
+    found.retain(|known| known.by.iter().any(|(_, by)| *by != 0.0));
+    Ok(found)
 }
 
 impl Joined {

@@ -99,9 +99,9 @@ mod words;
 pub use global::time_freezing::TimeFreezing;
 pub use hangtime_solver::mpcc::Stationarity;
 pub use motion::control_grid::ControlShape;
-pub use parameters::{FoundParameter, OptimumGradient};
+pub use parameters::{FoundParameter, OptimumGradient, OptimumSides};
 pub use previous::Previous;
-pub use problem::{Horizon, Problem};
+pub use problem::{CompletedStart, Horizon, Problem};
 pub use rules::{RULES, Rule, RulePart};
 pub use settings::{
     ControlNodes, Formulation, Guess, PathPoints, SearchSpace, Settings, TimeFreezingSettings,

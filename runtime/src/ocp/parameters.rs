@@ -1,6 +1,7 @@
 //! Parameters of a solution: the free ones that were found, and how the optimum moves with given ones.
 
-use crate::simulation::{SequenceRange, number};
+use crate::derivative::SequenceRange;
+use crate::simulation::number;
 
 /// A free parameter that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,20 +50,35 @@ impl std::fmt::Display for FoundParameter {
 }
 
 /// Derivatives of an optimum by given parameters, in their units, on its control grid and as long as its contact sequence stays.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct OptimumGradient {
     /// Indices of the parameters.
     pub parameters: Vec<usize>,
     /// Their names.
     pub names: Vec<&'static str>,
-    /// Derivatives of the objective, by the multipliers.
+    /// Derivatives of the objective, by the multipliers; not a number where there is none.
     pub objective: Vec<f64>,
+    /// For each parameter why there is no derivative by it: multipliers are not unique, or something holds without one.
+    pub obstacles: Vec<Option<String>>,
+    /// Derivatives to both sides where there is no other one.
+    pub sides: Vec<Option<OptimumSides>>,
     /// Derivatives of the final time \[s\]; none where the optimum leaves it open to first order.
     pub final_time: Vec<Option<f64>>,
     /// How far each may go, to first order, until other bounds and conditions of the plan hold, among them gaps, forces and lengths of
     /// phases: until the contact sequence is another one, or the optimum has a kink.
     pub ranges: Vec<SequenceRange>,
+}
+
+/// Derivatives of an optimum by a parameter towards smaller values, and towards larger ones; not a number to a side on which there is no
+/// plan with the same contact sequence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct OptimumSides {
+    /// Of the objective.
+    pub objective: [f64; 2],
+    /// Of the final time \[s\], where the objective is a function of that alone.
+    pub final_time: Option<[f64; 2]>,
 }
 
 impl OptimumGradient {
@@ -74,6 +90,8 @@ impl OptimumGradient {
             parameters: places.iter().map(|&k| self.parameters[k]).collect(),
             names: places.iter().map(|&k| self.names[k]).collect(),
             objective: places.iter().map(|&k| self.objective[k]).collect(),
+            obstacles: places.iter().map(|&k| self.obstacles[k].clone()).collect(),
+            sides: places.iter().map(|&k| self.sides[k]).collect(),
             final_time: places.iter().map(|&k| self.final_time[k]).collect(),
             ranges: places.iter().map(|&k| self.ranges[k].clone()).collect(),
         };

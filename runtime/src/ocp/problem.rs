@@ -40,6 +40,18 @@ pub struct Problem {
     pub horizon: Horizon,
     /// Number of control intervals, 1 to 10 000.
     pub intervals: usize,
+    /// How joints move the start with given parameters that are variables; nothing but while an optimum is differentiated.
+    pub completed: Vec<CompletedStart>,
+}
+
+/// How a component of the start of a scene with joints, which complete it, goes with given parameters: to first order, which is all that
+/// derivatives read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CompletedStart {
+    /// Index of the component of `(q, v)`.
+    pub component: usize,
+    /// Indices of coordinates that stand for parameters, and the derivatives by these.
+    pub by: Vec<(usize, f64)>,
 }
 
 /// Length of the motion.
@@ -81,6 +93,7 @@ impl Problem {
             v,
             horizon,
             intervals,
+            completed: Vec::new(),
         }
     }
 
@@ -291,6 +304,9 @@ impl Problem {
             if let Given::Start(k) = *given {
                 ranges[k] = (f64::NEG_INFINITY, f64::INFINITY);
             }
+        }
+        for known in &self.completed {
+            ranges[known.component] = (f64::NEG_INFINITY, f64::INFINITY);
         }
         let Some(declared) = model.declaration().optimal_control else {
             return ranges;

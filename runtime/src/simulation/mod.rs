@@ -13,12 +13,10 @@ mod event;
 mod event_log;
 mod explicit_time;
 mod fesd;
-mod gradient;
 mod hand_over;
 mod hidden_force;
 mod impulse;
 mod joints;
-mod one_sided;
 mod order_of_impacts;
 mod other_grid;
 mod problem;
@@ -38,14 +36,8 @@ pub use crate::joints::joint_forces;
 pub use crate::size::{FormulationSize, SizeGroup};
 pub use event::EventDriven;
 pub use fesd::{Fesd, StepFormulation, step_sizes};
-pub use gradient::{
-    Gradient, GradientMode, OneSided, SequenceLimit, SequenceRange, Side, differentiate,
-    differentiate_values,
-};
-pub(crate) use gradient::{Observed, observe};
 pub use hangtime_solver::nlp::Residuals;
 pub use hangtime_solver::{ProblemSize, Seconds};
-pub use one_sided::{Simulate as SimulateNeighbour, add_one_sided};
 pub use problem::{ControlSignal, InitialValueProblem};
 pub use result::{Counts, Diagnosis, Event, EventKind, Simulation, SimulationStatus};
 pub use state::State;

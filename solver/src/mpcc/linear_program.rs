@@ -17,6 +17,7 @@ use crate::nlp::IterationInfo;
 use crate::seconds::timed;
 
 /// `min g'd` subject to `r_l <= J d <= r_u`, `d_l <= d <= d_u` with finite bounds of `d`.
+#[derive(Clone)]
 pub(crate) struct LinearProgram {
     pub(crate) gradient: Vec<f64>,
     pub(crate) pattern: Vec<(usize, usize)>,

@@ -5,9 +5,9 @@ use crate::method::Method;
 use crate::prepared::{Prepared, Refused, output};
 use crate::setting::{Control, Setting};
 use crate::statement::{Claim, Expectation, Instant, Left, Which};
+use hangtime::derivative::{Gradient, GradientMode};
 use hangtime::ocp::Solution;
 use hangtime::prelude::*;
-use hangtime::simulation::{Gradient, GradientMode};
 use hangtime_scene_files::{TextMistake, TextScene};
 use std::collections::BTreeMap;
 

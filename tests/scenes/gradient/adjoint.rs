@@ -1,7 +1,8 @@
 //! Derivatives of values at the end, backwards along the motion, against those forwards and against closed forms.
 
+use hangtime::derivative::{Gradient, GradientMode};
 use hangtime::prelude::*;
-use hangtime::simulation::{Gradient, GradientMode, Simulator};
+use hangtime::simulation::Simulator;
 use hangtime_scene_files::TextScene;
 
 use super::support::{TOLERANCE, assert_close, assert_exists, scene};

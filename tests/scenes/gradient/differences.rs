@@ -251,3 +251,60 @@ fn motions_of_many_coordinates_have_the_derivatives_that_differences_show() {
         }
     }
 }
+
+/// Two bodies that fall side by side and land at once, one of them on a rough floor, with a spring between them.
+const SIDE_BY_SIDE: &str = "
+    parameters { m: kg = 2, k: N/m = 9, e1 = 0.8, e2 = 0.5, mu = 0.1, h: m = 1, u: m/s = 1, apart: m = 0, later: m = 0 }
+    coordinates { x: m, a: m, b: m }
+    lagrangian 1[kg]/2*(dot(x)^2 + dot(a)^2) + m/2*dot(b)^2 - 9.81[m/s^2]*(1[kg]*a + m*b) - k/2*(a - b)^2
+    surface rough: a >= 0
+    surface smooth: b - later >= 0
+    impact rough: restitution e1, friction mu, sliding dot(x)
+    impact smooth: restitution e2
+    start { a: h, b: h + apart, dot(x): u }
+    horizon 0.7 [s]
+";
+
+#[test]
+fn random_landings_at_once_have_the_derivatives_that_differences_to_both_sides_show() {
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let ranges = [
+        ("m", 0.5, 3.0),
+        ("k", 2.0, 30.0),
+        ("e1", 0.5, 0.9),
+        ("e2", 0.5, 0.9),
+        ("mu", 0.02, 0.1),
+        ("h", 0.7, 1.2),
+        ("u", 2.0, 3.0),
+    ];
+    let mut compared = 0;
+    for number in 0..10 {
+        let drawn = ranges.map(|(name, low, high)| (name, random.within(low, high)));
+        let known = scene(SIDE_BY_SIDE, &drawn);
+        let names = ["h", "apart", "later", "e1", "m"];
+        for (run, gradient) in super::support::by_both(&known, &names) {
+            assert_eq!(gradient.obstacle, None, "{number} {drawn:?}\n{run}");
+            let (middle, _) = end(&known).unwrap();
+            for (k, name) in names.iter().enumerate() {
+                let column: Vec<f64> = gradient.q.iter().map(|row| row[k]).collect();
+                for sense in [-1.0, 1.0] {
+                    // The error of second order to one side is about a thousandth of the square of the step over the scale of a bounce.
+                    let step = sense * 2e-5;
+                    let at = |steps: f64| {
+                        let mut beside = known.clone();
+                        let parameter = super::support::parameter(&known, name);
+                        beside.set_parameter(parameter, known.parameter(parameter) + steps * step);
+                        end(&beside).unwrap().0
+                    };
+                    let (one, two) = (at(1.0), at(2.0));
+                    for (i, found) in column.iter().enumerate() {
+                        let right = (4.0 * one[i] - two[i] - 3.0 * middle[i]) / (2.0 * step);
+                        compared += 1;
+                        assert_close(*found, right, 1e-6, &format!("{number} row {i} by {name}"));
+                    }
+                }
+            }
+        }
+    }
+    assert_eq!(compared, 10 * 2 * 5 * 2 * 3);
+}

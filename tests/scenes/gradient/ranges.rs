@@ -1,7 +1,7 @@
 //! How far parameters may go until the events are others, to first order, against closed forms.
 
+use hangtime::derivative::{Gradient, SequenceLimit};
 use hangtime::prelude::*;
-use hangtime::simulation::{Gradient, SequenceLimit};
 
 use super::support::{assert_close, assert_exists, by_both, scene};
 use super::texts::CEILING;

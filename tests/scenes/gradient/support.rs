@@ -1,7 +1,8 @@
 //! Scenes, and derivatives to compare with.
 
+use hangtime::derivative::Gradient;
 use hangtime::prelude::*;
-use hangtime::simulation::{Gradient, Simulator};
+use hangtime::simulation::Simulator;
 use hangtime_scene_files::{TextScene, of_text};
 
 /// The scene of a text, with some of its parameters changed.

@@ -176,6 +176,76 @@ fn struck_side_of_a_graze_has_the_number_of_its_root() {
 }
 
 #[test]
+fn quantity_without_a_derivative_leaves_those_of_others() {
+    // A ball that does not bounce: below a restitution of 0 there is nothing.
+    let words = [
+        "simulate",
+        "bouncing-ball",
+        "--set",
+        "e=0",
+        "--horizon",
+        "0.3",
+    ];
+    let words = [
+        &words[..],
+        &["--set", "height=0.2", "--gradient", "e,height", "--json"],
+    ]
+    .concat();
+    let document = json(&words);
+    let gradient = &document["gradient"];
+    assert!(
+        gradient["exists"]
+            .as_str()
+            .unwrap()
+            .contains("restitution of 0")
+    );
+    assert_eq!(gradient["exists_by"][0], gradient["exists"]);
+    assert_eq!(gradient["exists_by"][1], true);
+    let times = gradient["event_times"][0].as_array().unwrap();
+    assert!(times[0].is_null() && times[1].is_f64(), "{gradient}");
+}
+
+#[test]
+fn optimum_with_bounds_that_are_one_has_sides() {
+    let scratch = Scratch::new("sides");
+    fs::create_dir_all(&scratch.0).unwrap();
+    let file = scratch.0.join("cart.hang");
+    let text = "
+        parameters { d: m = 1, a: N = 1 }
+        coordinates { y: m }
+        controls { u: N in -1..=1 }
+        constraint up: u <= a
+        lagrangian 1[kg]/2*dot(y)^2
+        forces { y: u }
+        minimize time
+        finally { y == d, dot(y) == 0 }
+    ";
+    fs::write(&file, text).unwrap();
+    let words = [
+        "solve",
+        file.to_str().unwrap(),
+        "--intervals",
+        "2",
+        "--gradient",
+        "d,a",
+    ];
+    let document = json(&[&words[..], &["--json"]].concat());
+    let gradient = &document["gradient"];
+    // T = 2 sqrt(d/a), and more than 1 is not allowed.
+    assert_eq!(gradient["exists"][0], true);
+    assert!(gradient["exists"][1].is_string() && gradient["objective"][1].is_null());
+    let sides = &gradient["sides"];
+    assert!(sides["objective"][0].is_null());
+    let found = numbers(&sides["objective"][1]);
+    assert!(
+        (found[0] + 1.0).abs() < 1e-5 && found[1].abs() < 1e-5,
+        "{found:?}"
+    );
+    assert_eq!(sides["objective"][1], sides["final_time"][1]);
+    assert!(solved(&words).contains("no derivative by a"));
+}
+
+#[test]
 fn gradient_without_sense_is_refused() {
     for (words, refusal) in [
         (&["--gradient-of", "z"][..], "--gradient <NAME>"),

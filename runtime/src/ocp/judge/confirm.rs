@@ -172,6 +172,7 @@ impl Plan {
             let solution = Solution {
                 counts,
                 seconds,
+                gradient: polished.gradient,
                 ..solution
             };
             return Ok((plan, solution));

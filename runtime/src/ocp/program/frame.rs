@@ -74,7 +74,7 @@ impl<'a> Frame<'a> {
                 program.variable(name, range, guess.states[0][k], units.states[k])
             })
             .collect();
-        given::add(program, model, (horizon, &start), units);
+        given::add(program, (model, problem), (horizon, &start), units);
         joint_rows::add_at_start(program, model, problem, (&start, &units.states));
         Self {
             model,

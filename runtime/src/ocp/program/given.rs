@@ -5,6 +5,7 @@ use super::laws::Laws;
 use super::sparse_program::Program;
 use super::units::Units;
 use crate::model::{Given, Model, held};
+use crate::ocp::problem::Problem;
 use hangtime_solver::nlp::NlpProblem as _;
 
 /// Bounds of what a row decides.
@@ -14,10 +15,22 @@ const FREE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 /// a law. `start` are the variables of `(q, v)` at the start.
 pub(in crate::ocp) fn add(
     program: &mut Program,
-    model: &dyn Model,
+    (model, problem): (&dyn Model, &Problem),
     (horizon, start): (usize, &[usize]),
     units: &Units,
 ) {
+    for known in &problem.completed {
+        let (k, variable) = (known.component, start[known.component]);
+        let name = format!("{} by joints", program.variable_name(variable));
+        let rest = known.by.iter();
+        let rest = rest.map(|&(parameter, by)| by * program.guessed(start[parameter]));
+        let value = problem.start()[k] - rest.sum::<f64>();
+        let row = program.row_in(units.states[k], name, value, value);
+        program.linear(row, variable, 1.0);
+        for &(parameter, by) in &known.by {
+            program.linear(row, start[parameter], -by);
+        }
+    }
     let Some(known) = model.held().filter(|held| !held.given.is_empty()) else {
         return;
     };
@@ -35,6 +48,9 @@ pub(in crate::ocp) fn add(
             (program.variable(name.clone(), FREE, guess, 1.0), name, 1.0)
         };
         let (variable, name, unit) = match *given {
+            Given::Start(k) if problem.completed.iter().any(|known| known.component == k) => {
+                continue;
+            }
             Given::Start(k) => {
                 let name = format!("{} by parameters", program.variable_name(start[k]));
                 (start[k], name, units.states[k])

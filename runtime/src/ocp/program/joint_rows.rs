@@ -138,11 +138,14 @@ pub(in crate::ocp) fn at_start(
         return found;
     }
     let jacobian = Jacobian::at(model, joints, start, 0.0);
-    let mut pivots: Vec<(Vec<f64>, usize)> = given_rows(model, start, units);
+    let mut pivots: Vec<(Vec<f64>, usize)> = given_rows(model, problem, (start, units));
     let held = (0..2 * jacobian.count).filter(|row| model.joint_row_held(row % jacobian.count));
     for output in held {
         let mut row: Vec<f64> = (0..ranges.len())
-            .map(|k| if free(k) { jacobian.of(output)[k] } else { 0.0 })
+            .map(|k| match free(k) || is_held(model, k) {
+                true => jacobian.of(output)[k],
+                false => 0.0,
+            })
             .collect();
         for (entry, unit) in row.iter_mut().zip(units) {
             *entry *= unit;
@@ -173,10 +176,27 @@ pub(in crate::ocp) fn at_start(
 }
 
 /// The rows by which parameters decide components of the start, with the columns of these.
-fn given_rows(model: &dyn Model, start: &[f64], units: &[f64]) -> Vec<(Vec<f64>, usize)> {
+fn given_rows(
+    model: &dyn Model,
+    problem: &Problem,
+    (start, units): (&[f64], &[f64]),
+) -> Vec<(Vec<f64>, usize)> {
     let Some(held) = model.held() else {
         return Vec::new();
     };
+    let in_units = |k: usize, mut row: Vec<f64>| {
+        row[k] += 1.0;
+        for (entry, unit) in row.iter_mut().zip(units) {
+            *entry *= unit;
+        }
+        (row, k)
+    };
+    let completed = problem.completed.iter().map(|known| {
+        let mut row = vec![0.0; start.len()];
+        known.by.iter().for_each(|&(by, slope)| row[by] -= slope);
+        in_units(known.component, row)
+    });
+    let is_completed = |k: usize| problem.completed.iter().any(|known| known.component == k);
     let mut x = start.to_vec();
     x.resize(model.declaration().inputs(), 0.0);
     let mut values = vec![0.0; held.jacobian.entries.len()];
@@ -184,19 +204,18 @@ fn given_rows(model: &dyn Model, start: &[f64], units: &[f64]) -> Vec<(Vec<f64>,
     let decided = held.given.iter().enumerate();
     let rows = decided.filter_map(|(index, given)| {
         let Given::Start(k) = *given else { return None };
+        if is_completed(k) {
+            return None;
+        }
         let mut row = vec![0.0; start.len()];
-        row[k] = 1.0;
         for (&(of, by), value) in held.jacobian.entries.iter().zip(&values) {
             if of as usize == index && (by as usize) < row.len() {
                 row[by as usize] -= value;
             }
         }
-        for (entry, unit) in row.iter_mut().zip(units) {
-            *entry *= unit;
-        }
-        Some((row, k))
+        Some(in_units(k, row))
     });
-    rows.collect()
+    completed.chain(rows).collect()
 }
 
 /// Adds the rows of joints at a free start, whose variables are these.

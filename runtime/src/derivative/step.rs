@@ -5,12 +5,11 @@
 //! dA_m = A_q dq_m + A_v dv_m + A_p        dv_m = dv_0 + h sum_j a_mj dA_j        dq_m = dq_0 + h c_m dv_0 + h^2 sum_j (a^2)_mj dA_j
 //! ```
 //!
-//! in which each quantity is one right-hand side of the system of the last Newton iteration.
+//! in which each column is one right-hand side of the system of the last Newton iteration, forwards and backwards.
 
-use super::acceleration::{Acceleration, input, solved};
 use super::cost::Cost;
-use super::matrix::{Covector, Matrix, add, largest};
-use super::wanted::Wanted;
+use super::mode::{Acceleration, input, solved};
+use super::tangent::{Layout, Matrix, Tangent, add, largest};
 use crate::linalg::dense;
 use crate::model::ControlPiece;
 use crate::rk::{ButcherTableau, Scheme};
@@ -50,8 +49,8 @@ impl Step<'_> {
     }
 }
 
-/// The steps of a walk.
-pub(super) struct Arc {
+/// The steps of a motion.
+pub(super) struct Steps {
     tableau: ButcherTableau,
     /// Accelerations of the stages, and of each the input vector and the derivatives of the acceleration.
     stages: Vec<f64>,
@@ -66,7 +65,6 @@ pub(super) struct Arc {
 
 /// What is linear in a step that was solved: its Newton matrix, and the derivatives of its stages.
 pub(super) struct Linear {
-    n: usize,
     h: f64,
     factors: (Matrix, Vec<usize>),
     /// Of the acceleration, by stage.
@@ -75,7 +73,7 @@ pub(super) struct Linear {
     cost_by: Vec<Vec<f64>>,
 }
 
-impl Arc {
+impl Steps {
     pub(super) fn new() -> Option<Self> {
         Some(Self {
             tableau: ButcherTableau::new(Scheme::RadauIia, STAGES)?,
@@ -88,16 +86,14 @@ impl Arc {
         })
     }
 
-    /// Carries the derivatives `state` of `(q, v)` over the step, and counts its cost. The largest distances of coordinates
-    /// and velocities at its end from the known ones; none if it has no solution. Newton's method asks the `lean` acceleration,
-    /// if there is one, which knows fewer derivatives.
+    /// Carries derivatives over the step, and counts its cost. The largest distances of coordinates and velocities at its end from the known
+    /// ones; none if it has no solution. Newton's method asks the `lean` acceleration, if there is one, which knows fewer derivatives.
     pub(super) fn step(
         &mut self,
         (acceleration, lean): (&mut Acceleration<'_>, Option<&mut Acceleration<'_>>),
-        wanted: &Wanted,
         step: Step<'_>,
-        state: &mut Matrix,
-        cost: Option<&mut Cost<'_>>,
+        tangent: &mut Tangent,
+        cost: Option<&Cost<'_>>,
     ) -> Option<[f64; 2]> {
         let (matrix, pivots) = match lean {
             None => self.solve(acceleration, step)?,
@@ -114,34 +110,30 @@ impl Arc {
                 factors
             }
         };
-        let n = acceleration.n;
-        let right = self.right(wanted, (n, step.length()), state);
-        let change = solved(&matrix, &pivots, right);
+        let (n, h) = (acceleration.n, step.length());
+        let right = self.right((n, h), tangent);
+        self.change = solved(&matrix, &pivots, right);
         if let Some(cost) = cost {
+            let row = tangent.layout.cost();
             for (m, x) in self.inputs.iter().enumerate() {
-                let weight = step.length() * self.tableau.b()[m];
-                let stage = self.stage_state((n, step.length()), state, &change, m);
-                cost.pass(acceleration.columns, (x, weight), &stage);
+                if let Some(by) = cost.running(x) {
+                    let theta = self.tableau.c()[m];
+                    let running = self.derivatives_within((n, h), tangent, theta).of(&by);
+                    add(tangent.all.row_mut(row), h * self.tableau.b()[m], &running);
+                }
             }
         }
         let missed = self.missed(n, step);
-        self.carry((n, step.length()), state, &change);
-        self.change = change;
+        *tangent = self.derivatives_within((n, h), tangent, 1.0);
         self.factors = (matrix, pivots);
         Some(missed)
     }
 
     /// What is linear in the step that was passed last.
-    pub(super) fn linear(
-        &mut self,
-        acceleration: &Acceleration<'_>,
-        step: Step<'_>,
-        cost: Option<&Cost<'_>>,
-    ) -> Linear {
+    pub(super) fn linear(&mut self, step: Step<'_>, cost: Option<&Cost<'_>>) -> Linear {
         let inputs = self.inputs.iter();
-        let cost_by = cost.map(|cost| inputs.filter_map(|x| cost.running(acceleration.columns, x)));
+        let cost_by = cost.map(|cost| inputs.filter_map(|x| cost.running(x)));
         Linear {
-            n: acceleration.n,
             h: step.length(),
             factors: std::mem::take(&mut self.factors),
             by: std::mem::take(&mut self.by),
@@ -149,38 +141,40 @@ impl Arc {
         }
     }
 
-    /// Carries what depends on the state at the end of a step back to its start: the transpose of [`step`](Self::step).
+    /// Carries what depends on everything at the end of a step, a number for each row of a [`Tangent`], back to its start: the transpose of
+    /// [`step`](Self::step).
     ///
     /// ```text
     /// mu_j = h^2 (b a)_j lambda_q + h b_j lambda_v        (I - dA)' nu = mu
     /// lambda_q <- lambda_q + sum_m A_q' nu_m              lambda_v <- lambda_v + h lambda_q + sum_m (h c_m A_q + A_v)' nu_m
     /// ```
     ///
-    /// and each quantity gains `sum_m A_p' nu_m`; running costs add their own terms to each.
-    pub(super) fn back(&self, linear: &Linear, wanted: &Wanted, to: &mut Covector) {
-        let Linear { n, h, .. } = *linear;
-        let (tableau, stages) = (&self.tableau, self.tableau.stages());
+    /// and what else accelerations read gains its own part; running costs add their own terms to each.
+    pub(super) fn back(&self, linear: &Linear, layout: Layout, to: &mut [f64]) {
+        let (n, h, stages) = (layout.n, linear.h, self.tableau.stages());
+        let tableau = &self.tableau;
         let (b, b_times_a, c) = (tableau.b(), tableau.b_times_a(), tableau.c());
-        let (of_q, of_v) = to.state.split_at_mut(n);
+        let cost = to[layout.cost()];
         let mut nu = vec![0.0; n * stages];
         for (j, nu) in nu.chunks_exact_mut(n).enumerate() {
-            add(nu, h * h * b_times_a[j], of_q);
-            add(nu, h * b[j], of_v);
+            add(nu, h * h * b_times_a[j], &to[..n]);
+            add(nu, h * b[j], &to[n..2 * n]);
             for (m, by) in linear.cost_by.iter().enumerate() {
-                let weight = to.cost * h * b[m];
+                let weight = cost * h * b[m];
                 add(nu, weight * h * h * tableau.a_squared(m, j), &by[..n]);
                 add(nu, weight * h * tableau.a(m, j), &by[n..2 * n]);
             }
         }
         let (matrix, pivots) = &linear.factors;
         dense::solve_transposed(&matrix.values, pivots, &mut nu);
-        add(of_v, h, of_q);
+        let (of_q, rest) = to.split_at_mut(n);
+        add(&mut rest[..n], h, of_q);
         let mut pass = |factor: f64, by: &[f64], m: usize| {
-            add(of_q, factor, &by[..n]);
-            add(of_v, factor * c[m] * h, &by[..n]);
-            add(of_v, factor, &by[n..2 * n]);
-            for (column, sum) in to.by.iter_mut().enumerate() {
-                *sum += factor * wanted.own(by, column);
+            for (row, by) in layout.read().zip(by) {
+                to[row] += factor * by;
+                if row < n {
+                    to[n + row] += factor * c[m] * h * by;
+                }
             }
         };
         for (m, by) in linear.by.iter().enumerate() {
@@ -189,7 +183,7 @@ impl Arc {
             }
         }
         for (m, by) in linear.cost_by.iter().enumerate() {
-            pass(to.cost * h * b[m], by, m);
+            pass(cost * h * b[m], by, m);
         }
     }
 
@@ -310,46 +304,6 @@ impl Arc {
         missed
     }
 
-    /// The derivatives at the end of the step.
-    fn carry(&self, (n, h): (usize, f64), state: &mut Matrix, change: &Matrix) {
-        let (b, b_times_a) = (self.tableau.b(), self.tableau.b_times_a());
-        let (coordinates, velocities) = state.values.split_at_mut(n * change.columns);
-        for k in 0..n {
-            let own = k * change.columns..(k + 1) * change.columns;
-            let (coordinates, velocities) = (&mut coordinates[own.clone()], &mut velocities[own]);
-            add(coordinates, h, velocities);
-            for j in 0..self.tableau.stages() {
-                add(coordinates, h * h * b_times_a[j], change.row(j * n + k));
-                add(velocities, h * b[j], change.row(j * n + k));
-            }
-        }
-    }
-
-    /// The derivatives at stage `m`.
-    fn stage_state(
-        &self,
-        (n, h): (usize, f64),
-        state: &Matrix,
-        change: &Matrix,
-        m: usize,
-    ) -> Matrix {
-        let c = self.tableau.c()[m];
-        let mut stage = state.clone();
-        for k in 0..n {
-            add(stage.row_mut(k), c * h, state.row(n + k));
-            for j in 0..self.tableau.stages() {
-                let change = change.row(j * n + k);
-                add(
-                    stage.row_mut(k),
-                    h * h * self.tableau.a_squared(m, j),
-                    change,
-                );
-                add(stage.row_mut(n + k), h * self.tableau.a(m, j), change);
-            }
-        }
-        stage
-    }
-
     /// The state at the share `theta` of the step that was solved last.
     pub(super) fn within(&self, step: Step<'_>, theta: f64) -> (Vec<f64>, Vec<f64>) {
         let (n, h, stages) = (step.from.q.len(), step.length(), self.tableau.stages());
@@ -367,28 +321,29 @@ impl Arc {
         (q, v)
     }
 
-    /// Derivatives of the state at the share `theta` of the step that was solved last, from those at its start.
+    /// Derivatives at the share `theta` of the step that was solved last, of length `h`, from those at its start.
     pub(super) fn derivatives_within(
         &self,
         (n, h): (usize, f64),
-        start: &Matrix,
+        start: &Tangent,
         theta: f64,
-    ) -> Matrix {
+    ) -> Tangent {
         let stages = self.tableau.stages();
         let mut weights = vec![0.0; stages];
         self.tableau.dense_weights(theta, &mut weights);
-        let mut state = start.clone();
-        for (j, weight) in weights.iter().enumerate() {
-            for k in 0..n {
-                add(state.row_mut(k), h * weight, start.row(n + k));
-                for i in 0..stages {
-                    let factor = h * h * weight * self.tableau.a(j, i);
-                    add(state.row_mut(k), factor, self.change.row(i * n + k));
-                }
-                add(state.row_mut(n + k), h * weight, self.change.row(j * n + k));
+        // Of velocities by accelerations, and of coordinates by them.
+        let twice = |j: usize| (0..stages).map(|m| weights[m] * self.tableau.a(m, j)).sum();
+        let twice: Vec<f64> = (0..stages).map(twice).collect();
+        let mut tangent = start.clone();
+        for k in 0..n {
+            add(tangent.all.row_mut(k), theta * h, start.all.row(n + k));
+            for j in 0..stages {
+                let change = self.change.row(j * n + k);
+                add(tangent.all.row_mut(k), h * h * twice[j], change);
+                add(tangent.all.row_mut(n + k), h * weights[j], change);
             }
         }
-        state
+        tangent
     }
 
     /// Accelerations of the stages on the cubic through both ends.
@@ -457,20 +412,21 @@ impl Arc {
     }
 
     /// Right-hand sides of the variational equations of the stages.
-    fn right(&self, wanted: &Wanted, (n, h): (usize, f64), state: &Matrix) -> Matrix {
+    fn right(&self, (n, h): (usize, f64), tangent: &Tangent) -> Matrix {
         let stages = self.tableau.stages();
-        let mut right = Matrix::zeros(n * stages, state.columns);
+        let mut right = Matrix::zeros(n * stages, tangent.all.columns);
         for (m, by) in self.by.iter().enumerate() {
             let c = self.tableau.c()[m];
             for k in 0..n {
-                let by = by.row(k);
                 let row = right.row_mut(m * n + k);
-                for i in 0..n {
-                    add(row, by[i], state.row(i));
-                    add(row, c * h * by[i] + by[n + i], state.row(n + i));
-                }
-                for (column, value) in row.iter_mut().enumerate() {
-                    *value += wanted.own(by, column);
+                for (of, by) in tangent.layout.read().zip(by.row(k)) {
+                    if *by == 0.0 {
+                        continue;
+                    }
+                    add(row, *by, tangent.all.row(of));
+                    if of < n {
+                        add(row, c * h * by, tangent.all.row(n + of));
+                    }
                 }
             }
         }

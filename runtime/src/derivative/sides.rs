@@ -1,6 +1,6 @@
 //! Derivatives to one side, where there are no others.
 
-/// Derivatives of the end of a motion to both sides, with a column for each quantity.
+/// Derivatives of the end of a motion to both sides, with a column for each quantity; not numbers by those by which there are others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OneSided {
     /// Towards smaller values.

@@ -13,10 +13,12 @@
 //!
 //! without what the two next terms leave; those at half of the distances have to give the same. Where neither do there is no limit.
 
-use super::gradient::{Gradient, GradientMode, OneSided, Side, differentiate_values};
-use super::quantity::Quantity;
-use super::{ControlSignal, InitialValueProblem, InputError, Simulation};
+use super::gradient::{Gradient, GradientMode, differentiate_values};
+use super::quantities::By;
+use super::sides::{OneSided, Side};
+use crate::InputError;
 use crate::model::Model;
+use crate::simulation::{InitialValueProblem, Quantity, Simulation};
 
 /// Distance of the farthest motion that is looked at, as a share of the value.
 const DISTANCE: f64 = 1e-4;
@@ -28,6 +30,8 @@ const JUMP: f64 = 4.0;
 const SAME_TIME: f64 = 1e-12;
 /// Share of the largest value that is the error of a motion.
 const ERROR: f64 = 1e-7;
+/// Size below which all that a motion does is rounding, in the units of the scene: where a body rests at 0 nothing else tells.
+const LEAST: f64 = 1e-9;
 /// Share of the largest derivative that counts as none where limits are compared.
 const NONE: f64 = 1e-9;
 
@@ -35,8 +39,8 @@ const NONE: f64 = 1e-9;
 pub type Simulate<'s> =
     dyn FnMut(&dyn Model, &InitialValueProblem) -> Result<Simulation, InputError> + 's;
 
-/// Adds the derivatives to one side to a `gradient` of the motion `run` of a scene from a start, if it has none from some instant on,
-/// by simulating its neighbours.
+/// Adds the derivatives to one side to a `gradient` of the motion `run` of a scene from a start, by the quantities by which it has none from
+/// some instant on, by simulating neighbours.
 pub fn add_one_sided(
     gradient: &mut Gradient,
     (model, problem): (&dyn Model, &InitialValueProblem),
@@ -58,9 +62,12 @@ pub fn add_one_sided(
         of,
     };
     let mut side = |sense: f64| {
-        let columns = gradient.with_respect_to.iter();
+        let columns = gradient.with_respect_to.iter().zip(&gradient.obstacles);
         let columns: Vec<Vec<Limit>> = columns
-            .map(|name| limits((model, problem), &known, (name, sense), simulate))
+            .map(|(name, obstacle)| match obstacle {
+                Some(_) => limits((model, problem), &known, (name, sense), simulate),
+                None => Vec::new(),
+            })
             .collect();
         known.side(problem.q.len(), &columns)
     };
@@ -117,7 +124,7 @@ impl Known {
         let states = near.end.iter().enumerate().map(|(i, value)| {
             let mut ends = self.ends.iter();
             ends.any(|end| {
-                let error = ERROR * largest(end);
+                let error = ERROR * largest(end).max(LEAST);
                 (value - end[i]).abs() <= JUMP * near.distance * size + error
             })
         });
@@ -236,14 +243,16 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| value.abs().max(most))
 }
 
-/// The motion with a quantity that is changed by that share of it.
+/// The motion with a quantity that is changed by that share of its size.
 fn neighbour(
     (model, problem): (&dyn Model, &InitialValueProblem),
     (name, of): (&str, &[String]),
     share: f64,
     simulate: &mut Simulate<'_>,
 ) -> Option<Neighbour> {
-    let (model, problem, distance) = moved(model, problem, name, share)?;
+    let quantity = By::named(model, name).ok()?;
+    let way = share * quantity.size(model, problem);
+    let (model, problem) = quantity.moved(model, problem, way);
     let run = simulate(&*model, &problem).ok()?;
     let of = (of, Some(GradientMode::Forward));
     let by = [name.to_owned()];
@@ -260,92 +269,6 @@ fn neighbour(
     Some(Neighbour {
         end: ends(&run).pop()?,
         by,
-        distance,
+        distance: way.abs(),
     })
-}
-
-/// Scene and start with a quantity that is changed by that share of it, or by the share itself where it is 0; and by how much.
-fn moved(
-    model: &dyn Model,
-    problem: &InitialValueProblem,
-    name: &str,
-    share: f64,
-) -> Option<(Box<dyn Model>, InitialValueProblem, f64)> {
-    let by = |value: f64| {
-        if value == 0.0 {
-            share
-        } else {
-            share * value.abs()
-        }
-    };
-    let (mut scene, mut problem) = (model.boxed(), problem.clone());
-    let declaration = model.declaration();
-    let mut parameters = declaration.parameters.iter();
-    if let Some(index) = parameters.position(|known| known.name == name) {
-        let (start, horizon) = (start_of(model), model.horizon());
-        let value = model.parameter(index);
-        scene.set_parameter(index, value + by(value));
-        // What is that of the scene moves with it.
-        let (q, v) = start_of(&*scene);
-        for (own, (before, after)) in problem.q.iter_mut().zip(start.0.iter().zip(q)) {
-            *own = if own == before { after } else { *own };
-        }
-        for (own, (before, after)) in problem.v.iter_mut().zip(start.1.iter().zip(v)) {
-            *own = if own == before { after } else { *own };
-        }
-        if horizon == Some(problem.horizon) {
-            problem.horizon = scene.horizon()?;
-        }
-        return Some((scene, problem, by(value).abs()));
-    }
-    let distance = match Quantity::named(declaration, &[], name)? {
-        Quantity::Coordinate(k) => add_share(&mut problem.q[k], share),
-        Quantity::Velocity(k) => add_share(&mut problem.v[k], share),
-        Quantity::Control(k) => {
-            let count = declaration.controls.len();
-            add_control(&mut problem.controls, k, (count, share))
-        }
-        _ => return None,
-    };
-    Some((scene, problem, distance))
-}
-
-/// Adds a share of a value to it; how much that is.
-fn add_share(value: &mut f64, share: f64) -> f64 {
-    let by = if *value == 0.0 {
-        share
-    } else {
-        share * value.abs()
-    };
-    *value += by;
-    by.abs()
-}
-
-fn start_of(model: &dyn Model) -> (Vec<f64>, Vec<f64>) {
-    let n = model.declaration().coordinates.len();
-    let (mut q, mut v) = (vec![0.0; n], vec![0.0; n]);
-    model.start(&mut q, &mut v);
-    (q, v)
-}
-
-/// Adds a share of the largest value of a control to it at all times; how much that is.
-fn add_control(controls: &mut ControlSignal, control: usize, (count, share): (usize, f64)) -> f64 {
-    if matches!(controls, ControlSignal::Zero) {
-        *controls = ControlSignal::constant(&vec![0.0; count]);
-    }
-    if let ControlSignal::PiecewiseConstant { values, .. }
-    | ControlSignal::PiecewiseLinear { values, .. } = controls
-    {
-        let largest = values
-            .iter()
-            .fold(0.0_f64, |most, u| u[control].abs().max(most));
-        let by = if largest == 0.0 {
-            share
-        } else {
-            share * largest
-        };
-        values.iter_mut().for_each(|u| u[control] += by);
-        return by.abs();
-    }
-    share.abs()
 }

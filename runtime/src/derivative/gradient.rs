@@ -1,55 +1,17 @@
-//! Derivatives of a simulated motion by parameters, initial values and controls: forward sensitivities.
-//!
-//! Between events the motion is smooth, and its derivatives solve the variational equations (`arc`, with the acceleration of a
-//! contact mode and all its derivatives from `acceleration`). An event moves with what the motion is differentiated by
-//! (`cause`), and with it the instant at which one mode follows the other. With the derivative `tau'` of its time, rates `f-`
-//! and `f+` of the state before and after, and the derivative `J` of what happens to the state there (`jump`),
-//!
-//! ```text
-//! S+ = J (S- + f- tau') - f+ tau'
-//! ```
-//!
-//! Source: Aizerman, Gantmacher, *On the stability of periodic motions* (J. Appl. Math. Mech. 22, 1958).
-//!
-//! Where few values of many quantities are asked for, the same is multiplied from the other side (`adjoint`).
-//!
-//! `walk` goes along a motion that a simulator has found, `outputs` differentiates what is recorded, `wanted` knows by what.
+//! A motion's derivatives, by name.
 
-mod acceleration;
-mod adjoint;
-mod arc;
-mod cause;
-mod cost;
-mod front;
-mod joint_rows;
-mod jump;
-mod margins;
-mod matrix;
-mod outputs;
-mod place;
-mod projection;
-mod ranges;
-mod reset;
-mod samples;
-mod sides;
-mod tape;
-mod walk;
-mod wanted;
-
-use super::quantity::Quantity;
-use super::{InitialValueProblem, InputError, Simulation};
+use super::adjoint::{Value, adjoint};
+use super::quantities::Quantities;
+use super::ranges::{Ranges, SequenceRange};
+use super::samples::Samples;
+use super::sides::OneSided;
+use super::start::start;
+use super::tangent::Tangent;
+use super::walk::Walk;
+use crate::InputError;
 use crate::joints::Joints;
 use crate::model::{Measured, Model, joint_rows};
-use adjoint::{Value, adjoint};
-use ranges::Ranges;
-pub use ranges::{SequenceLimit, SequenceRange};
-use samples::Samples;
-pub use sides::{OneSided, Side};
-use walk::Walk;
-use wanted::Wanted;
-
-/// Share of the largest coordinate, or velocity, by which joints move a start that fulfils them: rounding.
-const COMPLETED: f64 = 1e-9;
+use crate::simulation::{InitialValueProblem, Quantity, Simulation};
 
 /// From which side derivatives of a motion are multiplied.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,9 +64,11 @@ pub struct Gradient {
     /// How far each quantity may go until the motion has another sequence of events, to first order; none without derivatives, and
     /// in [`GradientMode::Adjoint`].
     pub ranges: Vec<SequenceRange>,
-    /// Why there are no derivatives from some instant on; values behind that are not numbers.
+    /// Why there are no derivatives by some quantity from some instant on, the first of [`obstacles`](Self::obstacles).
     pub obstacle: Option<String>,
-    /// Derivatives to one side where there are no others, see [`add_one_sided`](super::add_one_sided).
+    /// For each quantity why there are no derivatives by it from some instant on; values behind that are not numbers.
+    pub obstacles: Vec<Option<String>>,
+    /// Derivatives to one side where there are no others, see [`add_one_sided`].
     pub one_sided: Option<Box<OneSided>>,
 }
 
@@ -121,10 +85,12 @@ pub fn differentiate(
     run: &Simulation,
     names: &[String],
 ) -> Result<Gradient, InputError> {
-    let reduced = held_by_joints(model, (problem, run))?;
-    let model = reduced.as_deref().unwrap_or(model);
-    let wanted = Wanted::of(model, names)?;
-    Ok(forward(model, (problem, run), &wanted, &[]))
+    differentiate_values(
+        model,
+        (problem, run),
+        names,
+        (&[], Some(GradientMode::Forward)),
+    )
 }
 
 /// Name of the objective among the values at the end.
@@ -144,31 +110,26 @@ pub fn differentiate_values(
     names: &[String],
     (of, mode): (&[String], Option<GradientMode>),
 ) -> Result<Gradient, InputError> {
-    let reduced = held_by_joints(model, (problem, run))?;
-    let model = reduced.as_deref().unwrap_or(model);
-    let wanted = Wanted::of(model, names)?;
+    let known = Known::of(model, (problem, run), names)?;
+    let model = known.model(model);
+    let quantities = &known.quantities;
     let values: Vec<(&str, Value)> = of
         .iter()
         .map(|name| Ok((name.as_str(), value(model, run, name)?)))
         .collect::<Result<_, InputError>>()?;
-    let fewer = values.len() < wanted.count() && !values.is_empty();
+    let fewer = values.len() < quantities.count() && !values.is_empty();
     let backwards = mode.map_or(fewer, |mode| mode == GradientMode::Adjoint);
-    let known = run.status.is_solved() && !run.trajectory.time.is_empty();
-    let rows = (backwards && known)
-        .then(|| {
-            adjoint(
-                model,
-                (problem, run),
-                &wanted,
-                values.iter().map(|known| known.1),
-            )
-        })
-        .flatten();
-    let Some(rows) = rows else {
-        let gradient = forward(model, (problem, run), &wanted, &values);
-        let unknown = |row: &[f64]| row.iter().any(|by| by.is_nan());
-        let open = gradient.values.iter().find(|(_, row)| unknown(row));
-        return match open.filter(|_| gradient.obstacle.is_none()) {
+    let goes = run.status.is_solved() && !run.trajectory.time.is_empty();
+    let chosen = || values.iter().map(|known| known.1);
+    let from = (quantities, &known.start);
+    let rows = (backwards && goes).then(|| adjoint(model, (problem, run), from, chosen()));
+    let Some(rows) = rows.flatten() else {
+        let gradient = forward(model, (problem, run), &known, &values);
+        let unknown = |row: &[f64]| {
+            let mut pairs = row.iter().zip(&gradient.obstacles);
+            pairs.any(|(by, obstacle)| by.is_nan() && obstacle.is_none())
+        };
+        return match gradient.values.iter().find(|(_, row)| unknown(row)) {
             None => Ok(gradient),
             Some((name, _)) => Err(InputError::unsupported(format!(
                 "a gradient of `{name}` at the end of `{}` is not supported: it reads forces of joints, or of contacts of a \
@@ -177,23 +138,34 @@ pub fn differentiate_values(
             ))),
         };
     };
-    let objective = values
-        .iter()
-        .position(|(_, value)| *value == Value::Objective);
+    let objective = chosen().position(|value| value == Value::Objective);
     Ok(Gradient {
         objective: objective.map(|place| rows[place].clone()),
         mode: GradientMode::Adjoint,
         values: of.iter().cloned().zip(rows).collect(),
-        with_respect_to: wanted.names,
-        q: Vec::new(),
-        v: Vec::new(),
-        event_times: Vec::new(),
-        states: Vec::new(),
-        outputs: Vec::new(),
-        ranges: Vec::new(),
-        obstacle: None,
-        one_sided: None,
+        ..Gradient::without(&quantities.names)
     })
+}
+
+impl Gradient {
+    /// Of nothing by these.
+    fn without(names: &[String]) -> Self {
+        Self {
+            with_respect_to: names.to_vec(),
+            mode: GradientMode::Forward,
+            values: Vec::new(),
+            q: Vec::new(),
+            v: Vec::new(),
+            event_times: Vec::new(),
+            states: Vec::new(),
+            outputs: Vec::new(),
+            objective: None,
+            ranges: Vec::new(),
+            obstacle: None,
+            obstacles: vec![None; names.len()],
+            one_sided: None,
+        }
+    }
 }
 
 /// The event whose time has this name: `k` of `event_times[k]`.
@@ -265,63 +237,63 @@ fn value(model: &dyn Model, run: &Simulation, name: &str) -> Result<Value, Input
 fn forward(
     model: &dyn Model,
     (problem, run): (&InitialValueProblem, &Simulation),
-    wanted: &Wanted,
+    Known {
+        quantities, start, ..
+    }: &Known,
     values: &[(&str, Value)],
 ) -> Gradient {
     let trajectory = &run.trajectory;
-    let (n, columns) = (problem.q.len(), wanted.count());
-    let unknown = || vec![vec![f64::NAN; columns]; n];
+    let (n, columns) = (problem.q.len(), quantities.count());
+    let unknown = || vec![f64::NAN; columns];
+    let instants = trajectory.time.len();
     let mut gradient = Gradient {
-        with_respect_to: wanted.names.clone(),
-        mode: GradientMode::Forward,
-        values: values
-            .iter()
-            .map(|(name, _)| ((*name).to_owned(), vec![f64::NAN; columns]))
-            .collect(),
-        q: unknown(),
-        v: unknown(),
-        event_times: vec![vec![f64::NAN; columns]; run.events.len()],
-        states: vec![vec![vec![f64::NAN; columns]; 2 * n]; trajectory.time.len()],
-        outputs: vec![vec![vec![f64::NAN; columns]; trajectory.time.len()]; model.outputs().len()],
-        objective: None,
-        ranges: Vec::new(),
-        obstacle: None,
-        one_sided: None,
+        values: (values.iter().map(|known| (known.0.to_owned(), unknown()))).collect(),
+        q: vec![unknown(); n],
+        v: vec![unknown(); n],
+        event_times: vec![unknown(); run.events.len()],
+        states: vec![vec![unknown(); 2 * n]; instants],
+        outputs: vec![vec![unknown(); instants]; model.outputs().len()],
+        ..Gradient::without(&quantities.names)
     };
-    if !run.status.is_solved() {
-        gradient.obstacle = Some(format!(
-            "the motion is not known to its end: {}",
-            run.status
-        ));
-        return gradient;
-    }
-    let walk = Walk::new(model, problem, run, wanted);
-    let Some(mut walk) = walk.filter(|_| !trajectory.time.is_empty()) else {
-        gradient.obstacle = Some("there is no motion".to_owned());
+    let motion = (problem, run);
+    let begin = (start.clone(), &quantities.names[..]);
+    let walk = Walk::new(model, motion, quantities, begin);
+    let walk = walk.filter(|_| run.status.is_solved() && instants > 0);
+    let Some(mut walk) = walk else {
+        let why = match run.status.is_solved() {
+            true => "there is no motion".to_owned(),
+            false => format!("the motion is not known to its end: {}", run.status),
+        };
+        gradient.obstacles.fill(Some(why.clone()));
+        gradient.obstacle = Some(why);
         return gradient;
     };
     walk.ranges = Some(Ranges::new(columns));
-    match walk.run() {
-        Ok(()) => {
-            gradient.ranges = walk.ranges();
-            let end = walk.end();
-            (gradient.q, gradient.v) = (end.state.rows(0..n), end.state.rows(n..2 * n));
-            for ((_, row), (_, value)) in gradient.values.iter_mut().zip(values) {
-                *row = value.of(&end).map_or_else(Vec::new, <[f64]>::to_vec);
+    let end = walk.run().then(|| walk.end());
+    for ((_, row), (_, value)) in gradient.values.iter_mut().zip(values) {
+        // Times of events before that are known where the end is not.
+        let found = match (&end, value) {
+            (Some(end), value) => value.of(end, &walk.event_times),
+            (None, Value::EventTime(k)) => walk.event_times.get(*k).map(Vec::as_slice),
+            (None, _) => None,
+        };
+        if let Some(found) = found {
+            row.copy_from_slice(found);
+            if !matches!(value, Value::EventTime(_)) {
+                walk.existence.mask(row);
             }
-            gradient.objective = end.objective;
         }
-        Err(why) => {
-            // Times of events before that are known.
-            for ((_, row), (_, value)) in gradient.values.iter_mut().zip(values) {
-                if let Value::EventTime(k) = *value
-                    && let Some(times) = walk.event_times.get(k)
-                {
-                    row.clone_from(times);
-                }
-            }
-            gradient.obstacle = Some(why);
-        }
+    }
+    if let Some(end) = end {
+        let ranges = walk.ranges.take();
+        gradient.ranges =
+            ranges.map_or_else(Vec::new, |known| known.finish(&walk.at, &walk.ends()));
+        gradient.q = end.tangent.all.rows(0..n);
+        gradient.v = end.tangent.all.rows(n..2 * n);
+        gradient.objective = end.objective;
+        let rows = gradient.q.iter_mut().chain(&mut gradient.v);
+        rows.chain(&mut gradient.objective)
+            .for_each(|row| walk.existence.mask(row));
     }
     for (to, times) in gradient.event_times.iter_mut().zip(walk.event_times) {
         *to = times;
@@ -334,51 +306,60 @@ fn forward(
             rows[k] = values.row(output).to_vec();
         }
     }
+    gradient.obstacles = walk.existence.lost;
+    gradient.obstacle = gradient.obstacles.iter().flatten().next().cloned();
     gradient
 }
 
-/// The scene with those equations of joints that hold the motion, where others follow from them.
-///
-/// # Errors
-/// A start that joints have completed: how that depends on the guess is not known.
-fn held_by_joints(
-    model: &dyn Model,
-    (problem, run): (&InitialValueProblem, &Simulation),
-) -> Result<Option<Box<dyn Model>>, InputError> {
-    let rows = joint_rows(model);
-    let trajectory = &run.trajectory;
-    let (Some(q), Some(v)) = (trajectory.q.first(), trajectory.v.first()) else {
-        return Ok(None);
-    };
-    if rows == 0 {
-        return Ok(None);
-    }
-    let size = |values: &[f64]| {
-        values
-            .iter()
-            .fold(0.0_f64, |most, value| value.abs().max(most))
-    };
-    let moved = |given: &[f64], found: &[f64]| {
-        let least = COMPLETED * size(found).max(size(given));
-        let mut pairs = given.iter().zip(found);
-        pairs.any(|(given, found)| (given - found).abs() > least)
-    };
-    if moved(&problem.q, q) || moved(&problem.v, v) {
-        return Err(InputError::unsupported(format!(
-            "a gradient of `{}` is not supported: joints complete its start, which is a guess; give a start that fulfils them",
-            model.declaration().name
-        )));
-    }
-    let mut joints = Joints::with_rows(model, (0..rows).collect());
-    let held = joints.independent_rows(&problem.input(model));
-    let held = held.map_err(|_| InputError::new("the start does not fulfil the joints"))?;
-    Ok((held.len() < rows).then(|| {
-        let mut reduced = model.boxed();
-        for row in 0..rows {
-            reduced.hold_joint_row(row, held.contains(&row));
+/// What a motion is differentiated by, and how it starts.
+struct Known {
+    /// The scene with those equations of joints that hold the motion, where others follow from them.
+    reduced: Option<Box<dyn Model>>,
+    quantities: Quantities,
+    /// Derivatives at the start, which joints have completed.
+    start: Tangent,
+}
+
+impl Known {
+    /// # Errors
+    /// [`InputError`] for names that are unknown, and for scenes and starts whose derivatives are not known.
+    fn of(
+        model: &dyn Model,
+        (problem, run): (&InitialValueProblem, &Simulation),
+        names: &[String],
+    ) -> Result<Self, InputError> {
+        let (rows, trajectory) = (joint_rows(model), &run.trajectory);
+        let mut reduced = None;
+        let first = trajectory.q.first().zip(trajectory.v.first());
+        if let Some((q, v)) = first.filter(|_| rows > 0) {
+            let closed = InitialValueProblem {
+                q: q.clone(),
+                v: v.clone(),
+                ..problem.clone()
+            };
+            let mut joints = Joints::with_rows(model, (0..rows).collect());
+            let held = joints.independent_rows(&closed.input(model));
+            let held = held.map_err(|_| InputError::new("the start does not fulfil the joints"))?;
+            reduced = (held.len() < rows).then(|| {
+                let mut reduced = model.boxed();
+                for row in 0..rows {
+                    reduced.hold_joint_row(row, held.contains(&row));
+                }
+                reduced
+            });
         }
-        reduced
-    }))
+        let scene = reduced.as_deref().unwrap_or(model);
+        let quantities = Quantities::of(scene, names)?;
+        Ok(Self {
+            start: start(scene, problem, &quantities)?,
+            quantities,
+            reduced,
+        })
+    }
+
+    fn model<'m>(&'m self, model: &'m dyn Model) -> &'m dyn Model {
+        self.reduced.as_deref().unwrap_or(model)
+    }
 }
 
 /// What is measured of a motion at given times.
@@ -403,9 +384,8 @@ pub(crate) fn observe(
     names: &[String],
     (measured, times): (&[Measured], &[f64]),
 ) -> Result<Observed, InputError> {
-    let reduced = held_by_joints(model, (problem, run))?;
-    let model = reduced.as_deref().unwrap_or(model);
-    let wanted = Wanted::of(model, names)?;
+    let known = Known::of(model, (problem, run), names)?;
+    let model = known.model(model);
     let mut observed = Observed {
         values: Vec::new(),
         by: Vec::new(),
@@ -414,11 +394,14 @@ pub(crate) fn observe(
     if run.trajectory.time.is_empty() {
         return Ok(observed);
     }
-    let Some(mut walk) = Walk::new(model, problem, run, &wanted) else {
+    let quantities = &known.quantities;
+    let begin = (known.start.clone(), &quantities.names[..]);
+    let Some(mut walk) = Walk::new(model, (problem, run), quantities, begin) else {
         return Ok(observed);
     };
     walk.samples = Some(Samples::new(measured, times));
-    observed.obstacle = walk.run().err();
+    walk.run();
+    observed.obstacle = walk.existence.lost.iter().flatten().next().cloned();
     if let Some(samples) = walk.observed() {
         (observed.values, observed.by) = (samples.values, samples.by);
     }

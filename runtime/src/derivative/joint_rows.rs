@@ -10,10 +10,9 @@
 //!
 //! These are the derivatives of Newton's steps where `g = 0` and `w = 0`.
 
-use super::matrix::{Matrix, add};
-use super::wanted::Wanted;
+use super::tangent::{Matrix, Tangent, add};
 use crate::joints::Joints;
-use crate::model::Model;
+use crate::model::{Model, ParameterDerivatives};
 
 /// The equations of joints with their derivatives.
 pub(super) struct JointRows<'a> {
@@ -32,30 +31,25 @@ impl<'a> JointRows<'a> {
     }
 
     /// Evaluates them at `x`; `false` where they depend on each other.
-    pub(super) fn evaluate(&mut self, wanted: &Wanted, x: &[f64]) -> bool {
+    pub(super) fn evaluate(&mut self, derivatives: &dyn ParameterDerivatives, x: &[f64]) -> bool {
         self.joints.evaluate(x);
-        wanted.derivatives.joints(x, &mut self.by.values);
+        derivatives.joints(x, &mut self.by.values);
         self.joints.direct(x).is_ok()
     }
 
-    /// Moves the derivatives `state` of `(q, v)` onto them, where they were evaluated.
-    pub(super) fn project(&self, wanted: &Wanted, state: &mut Matrix) {
+    /// Moves derivatives of `(q, v)` onto them, where they were evaluated.
+    pub(super) fn project(&self, tangent: &mut Tangent) {
         let rows = self.by.values.len() / self.by.columns / 2;
+        let n = tangent.layout.n;
         let positions: Vec<usize> = self.joints.positions().collect();
         let all: Vec<usize> = (0..self.joints.count()).collect();
-        for (places, first) in [(positions, 0), (all, rows)] {
-            let off = |&place: &usize| {
-                let by = self.by.row(first + self.joints.held()[place]);
-                let columns = 0..wanted.count();
-                columns.map(|k| wanted.along(by, state, k)).collect()
-            };
+        for (places, first, to) in [(positions, 0, 0), (all, rows, n)] {
+            let off = |&place: &usize| tangent.of(self.by.row(first + self.joints.held()[place]));
             let off: Vec<Vec<f64>> = places.iter().map(off).collect();
-            let n = self.joints.directions().len() / self.joints.count().max(1);
-            let to = if first == 0 { 0 } else { n };
             for (place, off) in places.iter().zip(&off) {
                 let direction = &self.joints.directions()[place * n..(place + 1) * n];
                 for (k, component) in direction.iter().enumerate() {
-                    add(state.row_mut(to + k), -component, off);
+                    add(tangent.all.row_mut(to + k), -component, off);
                 }
             }
         }

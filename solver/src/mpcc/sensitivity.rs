@@ -10,9 +10,23 @@
 //!
 //! and the objective by the derivative of the Lagrangian, `f_p + y' c_p` (Fiacco, *Introduction to sensitivity and stability
 //! analysis in nonlinear programming*, 1983).
+//!
+//! That asks for multipliers which are unique, and for none that vanishes together with the distance to its bound. Where rows and bounds
+//! that hold depend on each other, or some of them hold without a multiplier, the objective has a derivative to each side (Gauvin and
+//! Dubeau, *Differential properties of the marginal function in mathematical programming*, Mathematical Programming Study 19, 1982): the
+//! value of the linear program of directions
+//!
+//! ```text
+//! V'(+-1) = min f_x d +- f_p   subject to   c_x d +- c_p = 0 or >= 0 of the rows that hold,  d >= 0 of the bounds that do
+//! ```
+//!
+//! whose dual asks all multipliers. Where both are the same it is the derivative after all.
 
-use super::{NlpProblem, Solution};
+use super::Settings;
+use super::linear_program::LinearProgram;
+use super::watch::Watch;
 use crate::linalg::{MultifrontalLdl, RefinedSolver, SymmetricPattern};
+use crate::nlp::{NlpProblem, Solution};
 
 /// Relative residual of the linear system up to which its solution counts.
 const SOLVED: f64 = 1e-8;
@@ -23,8 +37,9 @@ const SHIFT: f64 = 1e-11;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Moved {
-    /// Derivative of the objective.
-    pub objective: f64,
+    /// Derivatives of the objective towards smaller and towards larger values: the same where there is one. Not a number to a side on
+    /// which no solution is near, or where none was found.
+    pub objective: [f64; 2],
     /// Derivatives of all variables, 1 for the fixed one; none where the held rows and bounds leave them undetermined.
     pub x: Option<Vec<f64>>,
     /// How far the fixed variable may move, to first order, until other rows or bounds hold: down and up; none where nothing ends that,
@@ -56,6 +71,13 @@ pub enum RangeLimit {
 
 /// Derivatives below this share of the largest one are rounding, and end nothing.
 const MOVES: f64 = 1e-7;
+/// Distance and multiplier up to which a bound or row may hold without one: what an interior point method leaves of both where their product
+/// is at its tolerance.
+const WEAK: f64 = 1e-4;
+/// Share of a derivative by which those to both sides may differ: the tolerance of the linear program.
+const SAME: f64 = 1e-5;
+/// Largest change of a variable for one of the fixed variable: beyond it no solution is near.
+const FARTHEST: f64 = 1e4;
 
 /// A matrix by its entries.
 struct Entries {
@@ -85,18 +107,37 @@ pub fn moved(problem: &mut dyn NlpProblem, solution: &Solution, fixed: &[usize])
     problem.hessian_values(&solution.x, 1.0, &solution.multipliers, &mut hessian.values);
     let free = numbered(&free_variables(problem, solution, n));
     let held = numbered(&held_rows(problem, solution, m));
-    let mut directions = directions([&hessian, &jacobian], [&free, &held], fixed);
+    let found = directions([&hessian, &jacobian], [&free, &held], fixed);
     let ranges = Ranges::of(problem, solution, [&hessian, &jacobian], [&free, &held]);
-    let moved = fixed.iter().enumerate().map(|(k, &p)| {
+    let independent = found.as_ref().is_some_and(|(_, independent)| *independent);
+    let program = (!independent || ranges.any_weak()).then(|| ranges.program(problem));
+    let mut directions = found.map(|(directions, _)| directions);
+    let mut moved = |(k, &p): (usize, &usize)| {
         let direction = directions.as_mut().map(|all| std::mem::take(&mut all[k]));
+        let own = [gradient[p]; 2];
+        let sides = program.as_ref().map_or(own, |program| sides(program, p));
+        let least = SAME * sides[0].abs().max(sides[1].abs()).max(gradient[p].abs());
+        let exists = (sides[1] - sides[0]).abs() <= least;
+        let direction = direction.filter(|_| exists);
         let known = direction.as_ref();
         Moved {
-            objective: gradient[p],
+            objective: if exists { own } else { sides },
             range: known.map_or([None; 2], |(x, y)| ranges.range(x, y, p)),
             x: direction.map(|(x, _)| x),
         }
-    });
-    moved.collect()
+    };
+    fixed.iter().enumerate().map(&mut moved).collect()
+}
+
+/// Derivatives of the objective by a fixed variable to both sides, from the program of directions.
+fn sides(program: &LinearProgram, fixed: usize) -> [f64; 2] {
+    [-1.0, 1.0].map(|sense| {
+        let mut program = program.clone();
+        (program.lower[fixed], program.upper[fixed]) = (sense, sense);
+        let mut observer = |_: &crate::nlp::IterationInfo| true;
+        let found = program.solve(&mut Watch::new(&Settings::default(), &mut observer));
+        found.map_or(f64::NAN, |(_, value)| sense * value)
+    })
 }
 
 /// What the rows and bounds of a solution have left.
@@ -137,6 +178,79 @@ impl<'r> Ranges<'r> {
             jacobian,
             free,
             held,
+        }
+    }
+
+    /// Distances of a variable from its bounds, of one that is not fixed.
+    fn room(&self, i: usize) -> Option<[f64; 2]> {
+        let [lower, upper] = [self.bounds[0][i], self.bounds[1][i]];
+        let x = self.solution.x[i];
+        (lower < upper).then_some([x - lower, upper - x])
+    }
+
+    /// The same of a row that is no equation.
+    fn row_room(&self, row: usize) -> Option<[f64; 2]> {
+        let [lower, upper] = [self.row_bounds[0][row], self.row_bounds[1][row]];
+        let c = self.rows[row];
+        (lower < upper).then_some([c - lower, upper - c])
+    }
+
+    /// Whether some row or bound holds without a multiplier.
+    fn any_weak(&self) -> bool {
+        let multipliers = [
+            &self.solution.multipliers_lower,
+            &self.solution.multipliers_upper,
+        ];
+        let mut variables = (0..self.free.len()).filter_map(|i| Some((i, self.room(i)?)));
+        let weak = |room: f64, multiplier: f64| room <= WEAK && multiplier.abs() <= WEAK;
+        let mut rows = (0..self.held.len()).filter_map(|row| Some((row, self.row_room(row)?)));
+        variables.any(|(i, room)| (0..2).any(|side| weak(room[side], multipliers[side][i])))
+            || rows.any(|(row, room)| weak(room[0].min(room[1]), self.solution.multipliers[row]))
+    }
+
+    /// The linear program of directions, in which no fixed variable moves: rows and bounds that do not hold are left out.
+    fn program(&self, problem: &mut dyn NlpProblem) -> LinearProgram {
+        let (n, m) = (self.free.len(), self.held.len());
+        let mut gradient = vec![0.0; n];
+        problem.gradient(&self.solution.x, &mut gradient);
+        let (mut lower, mut upper) = (vec![0.0; n], vec![0.0; n]);
+        for i in 0..n {
+            let Some(room) = self.room(i) else { continue };
+            let held = self.free[i].is_none();
+            let sides = [
+                self.solution.multipliers_lower[i],
+                self.solution.multipliers_upper[i],
+            ];
+            let holds = |side: usize| room[side] <= WEAK || held && sides[side] >= room[side];
+            lower[i] = if holds(0) { 0.0 } else { -FARTHEST };
+            upper[i] = if holds(1) { 0.0 } else { FARTHEST };
+        }
+        let mut largest = vec![0.0_f64; m];
+        for (&(row, _), value) in self.jacobian.places.iter().zip(&self.jacobian.values) {
+            largest[row] += value.abs() * FARTHEST;
+        }
+        let (mut row_lower, mut row_upper) = (vec![0.0; m], vec![0.0; m]);
+        for row in 0..m {
+            let Some(room) = self.row_room(row) else {
+                continue;
+            };
+            let held = self.held[row].is_some();
+            let nearer = usize::from(room[1] < room[0]);
+            let holds = |side: usize| room[side] <= WEAK || held && side == nearer;
+            row_lower[row] = if holds(0) { 0.0 } else { -largest[row] };
+            row_upper[row] = if holds(1) { 0.0 } else { largest[row] };
+            if !holds(0) && !holds(1) {
+                (row_lower[row], row_upper[row]) = (f64::NEG_INFINITY, f64::INFINITY);
+            }
+        }
+        LinearProgram {
+            gradient,
+            pattern: self.jacobian.places.clone(),
+            values: self.jacobian.values.clone(),
+            row_lower,
+            row_upper,
+            lower,
+            upper,
         }
     }
 
@@ -249,12 +363,12 @@ fn numbered(chosen: &[bool]) -> Vec<Option<usize>> {
 /// Derivatives of all variables, and of the multipliers of all rows.
 type Direction = (Vec<f64>, Vec<f64>);
 
-/// These by each fixed variable; none where the system has no solution.
+/// These by each fixed variable, and whether the rows that hold are independent; none where the system has no solution.
 fn directions(
     [hessian, jacobian]: [&Entries; 2],
     [free, held]: [&[Option<usize>]; 2],
     fixed: &[usize],
-) -> Option<Vec<Direction>> {
+) -> Option<(Vec<Direction>, bool)> {
     let count = free.iter().flatten().count();
     let size = count + held.iter().flatten().count();
     let mut places = Vec::new();
@@ -281,7 +395,7 @@ fn directions(
     for (&(row, column), &value) in jacobian.places.iter().zip(&jacobian.values) {
         add(held[row].map(|row| count + row), column, value);
     }
-    let solutions = solve(&places, &values, (size, count), &right)?;
+    let (solutions, independent) = solve(&places, &values, (size, count), &right)?;
     let whole = solutions.iter().zip(fixed).map(|(solution, &p)| {
         let values = free.iter().map(|place| place.map_or(0.0, |i| solution[i]));
         let mut values: Vec<f64> = values.collect();
@@ -290,16 +404,17 @@ fn directions(
         let multipliers = multipliers.map(|place| place.map_or(0.0, |row| solution[count + row]));
         (values, multipliers.collect())
     });
-    Some(whole.collect())
+    Some((whole.collect(), independent))
 }
 
-/// Solutions of a symmetric system, given by the entries of one triangle, whose first `primal` rows belong to variables.
+/// Solutions of a symmetric system, given by the entries of one triangle, whose first `primal` rows belong to variables, and whether it is
+/// regular.
 fn solve(
     places: &[(usize, usize)],
     values: &[f64],
     (size, primal): (usize, usize),
     right: &[Vec<f64>],
-) -> Option<Vec<Vec<f64>>> {
+) -> Option<(Vec<Vec<f64>>, bool)> {
     let (pattern, map) = SymmetricPattern::with_map(size, places.iter().copied())?;
     let factors = MultifrontalLdl::new(&pattern, primal).ok()?;
     let mut solver = RefinedSolver::new(pattern, primal, factors);
@@ -321,9 +436,9 @@ fn solve(
     if exact.is_some()
         && let Some(found) = solutions(&mut solver)
     {
-        return Some(found);
+        return Some((found, true));
     }
     // Rows that say the same twice leave their multipliers open, not the variables.
     solver.factor(0.0, SHIFT).ok()?;
-    solutions(&mut solver)
+    Some((solutions(&mut solver)?, false))
 }

@@ -1,8 +1,7 @@
 //! Derivatives of what a scene records.
 
-use super::acceleration::{Acceleration, Hold};
-use super::matrix::Matrix;
-use super::wanted::Wanted;
+use super::mode::{Acceleration, Hold};
+use super::tangent::{Matrix, Tangent, add};
 use crate::joints::joint_forces;
 use crate::model::{Model, contact_point, joint_rows};
 use crate::simulation::Trajectory;
@@ -55,39 +54,31 @@ impl Instant {
 /// Derivatives of the outputs at an instant, a row an output. The `acceleration` is evaluated there.
 pub(super) fn outputs(
     acceleration: &Acceleration<'_>,
-    wanted: &Wanted,
     instant: &Instant,
-    state: &Matrix,
-    impulses: &Matrix,
+    tangent: &Tangent,
 ) -> Matrix {
-    let model = acceleration.model;
-    let declaration = model.declaration();
-    let (n, controls) = (declaration.coordinates.len(), declaration.controls.len());
-    let contacts = declaration.contacts.len();
-    let Instant { x, read } = instant;
-    let behind = 2 * n + controls + 1;
-    let joints = behind + 4 * contacts..behind + 4 * contacts + joint_rows(model);
-    let count = model.outputs().len();
-    let mut by = Matrix::zeros(count, joints.end + wanted.parameters);
-    wanted.derivatives.outputs(x, read, &mut by.values);
-    let mut values = Matrix::zeros(count, wanted.count());
-    for column in 0..wanted.count() {
-        let forces = forces(acceleration, wanted, state, column);
-        for output in 0..count {
-            let by = by.row(output);
-            let mut sum: f64 = (0..2 * n).map(|i| by[i] * state.row(i)[column]).sum();
-            for (i, force) in forces.iter().enumerate() {
-                sum += times(by[behind + i], *force);
-            }
-            for i in 0..2 * contacts {
-                sum += times(by[behind + 2 * contacts + i], impulses.row(i)[column]);
-            }
-            sum += wanted.of_output(by, (behind - 1, joints.end), column);
-            if by[joints.clone()].iter().any(|by| *by != 0.0) {
-                // How forces of joints change is not known.
-                sum = f64::NAN;
-            }
-            values.row_mut(output)[column] = sum;
+    let (model, layout) = (acceleration.model, tangent.layout);
+    let columns = tangent.all.columns;
+    let forces = forces(acceleration, tangent);
+    // How forces of joints change is not known.
+    let unknown = vec![f64::NAN; columns];
+    let row = |i: usize| tangent.all.row(i);
+    let inputs = (0..layout.first_parameter()).map(row);
+    let provided = (0..forces.values.len() / columns.max(1)).map(|i| forces.row(i));
+    let impulses = (layout.impulses()..layout.cost()).map(row);
+    let joints = (0..joint_rows(model)).map(|_| &unknown[..]);
+    let parameters = (layout.first_parameter()..layout.impulses()).map(row);
+    let read = inputs.chain(provided).chain(impulses).chain(joints);
+    let read: Vec<&[f64]> = read.chain(parameters).collect();
+    let mut by = Matrix::zeros(model.outputs().len(), read.len());
+    let derivatives = &acceleration.derivatives;
+    derivatives.outputs(&instant.x, &instant.read, &mut by.values);
+    let mut values = Matrix::zeros(model.outputs().len(), columns);
+    for output in 0..model.outputs().len() {
+        let pairs = by.row(output).iter().zip(&read);
+        // What is not read may be unknown.
+        for (by, row) in pairs.filter(|(by, _)| **by != 0.0) {
+            add(values.row_mut(output), *by, row);
         }
     }
     values
@@ -100,11 +91,6 @@ fn of_joints(model: &dyn Model, x: &[f64], read: &[f64]) -> Vec<f64> {
     }
     let contacts = model.declaration().contacts.len();
     joint_forces(model, x, &read[..contacts], &read[contacts..2 * contacts])
-}
-
-/// A product in which what is not read may be unknown.
-fn times(factor: f64, value: f64) -> f64 {
-    if factor == 0.0 { 0.0 } else { factor * value }
 }
 
 /// The normal forces of all contacts and then their tangential ones, where the `acceleration` is evaluated.
@@ -135,48 +121,50 @@ fn force_values(acceleration: &Acceleration<'_>) -> Vec<f64> {
     forces
 }
 
-/// Derivatives of the normal forces of all contacts and then of the tangential ones, by one quantity at a fixed time.
-fn forces(
-    acceleration: &Acceleration<'_>,
-    wanted: &Wanted,
-    state: &Matrix,
-    column: usize,
-) -> Vec<f64> {
+/// Derivatives of the normal forces of all contacts and then of the tangential ones.
+fn forces(acceleration: &Acceleration<'_>, tangent: &Tangent) -> Matrix {
     let contacts = acceleration.model.declaration().contacts.len();
-    let mut forces = vec![0.0; 2 * contacts];
-    let of = |contact: usize, (provided, by): (f64, &[f64])| {
+    let mut forces = Matrix::zeros(2 * contacts, tangent.all.columns);
+    // A force, and its change.
+    let of = |contact: usize, (provided, by): (f64, &[f64]), sense: f64| {
         let (inertia, inertia_by) = acceleration.point(contact, contact_point::INVERSE_INERTIA);
-        let force = provided / inertia;
-        let inertia_by = wanted.along(inertia_by, state, column);
-        (
-            force,
-            (wanted.along(by, state, column) - force * inertia_by) / inertia,
-        )
+        let force = sense * provided / inertia;
+        let mut change: Vec<f64> = tangent.of(by).iter().map(|by| sense * by).collect();
+        if force != 0.0 {
+            add(&mut change, -force, &tangent.of(inertia_by));
+        }
+        change.iter_mut().for_each(|by| *by /= inertia);
+        (force, change)
     };
-    let slides = |contact: usize, sense: f64, (force, change): (f64, f64)| {
+    let slides = |contact: usize, sense: f64, (force, change): &(f64, Vec<f64>)| {
         let (mu, mu_by) = acceleration.friction(contact);
-        let mu_by = wanted.of_parameters(mu_by, column);
-        sense * (mu * change + mu_by * force)
+        let mut rubs: Vec<f64> = change.iter().map(|by| sense * mu * by).collect();
+        add(&mut rubs, sense * force, &tangent.of_parameters(mu_by));
+        rubs
     };
     for (j, &hold) in acceleration.holds.iter().enumerate() {
         let provided = (acceleration.forces[j], acceleration.forces_by.row(j));
+        let (Hold::Normal { contact, .. } | Hold::Tangent { contact }) = hold;
+        let own = of(contact, provided, 1.0);
         match hold {
-            Hold::Normal { contact, sense } => {
-                let normal = of(contact, provided);
-                forces[contact] = normal.1;
+            Hold::Tangent { .. } => {
+                forces.row_mut(contacts + contact).copy_from_slice(&own.1);
+            }
+            Hold::Normal { sense, .. } => {
+                forces.row_mut(contact).copy_from_slice(&own.1);
                 if sense != 0.0 {
-                    forces[contacts + contact] = slides(contact, sense, normal);
+                    let rubs = slides(contact, sense, &own);
+                    forces.row_mut(contacts + contact).copy_from_slice(&rubs);
                 }
             }
-            Hold::Tangent { contact } => forces[contacts + contact] = of(contact, provided).1,
         }
     }
     for &(contact, sense) in &acceleration.given {
-        let (curvature, by) = acceleration.point(contact, contact_point::CURVATURE);
-        let negative: Vec<f64> = by.iter().map(|by| -by).collect();
-        let normal = of(contact, (-curvature, &negative));
-        forces[contact] = normal.1;
-        forces[contacts + contact] = slides(contact, sense, normal);
+        let curvature = acceleration.point(contact, contact_point::CURVATURE);
+        let normal = of(contact, curvature, -1.0);
+        let rubs = slides(contact, sense, &normal);
+        forces.row_mut(contact).copy_from_slice(&normal.1);
+        forces.row_mut(contacts + contact).copy_from_slice(&rubs);
     }
     forces
 }

@@ -12,10 +12,13 @@
 //! dA = w + C dy,   w = da + dG + sum_j dC_j y_j        rho' C dy = -(rho' w + drho' A + dkappa)
 //! ```
 
-use super::matrix::{Matrix, add};
-use super::wanted::Wanted;
+use std::sync::Arc;
+
+use super::tangent::{Layout, Matrix, add};
 use crate::linalg::dense;
-use crate::model::{Model, contact_point, friction_coefficients, tangent_point};
+use crate::model::{
+    Model, ParameterDerivatives, contact_point, friction_coefficients, tangent_point,
+};
 use crate::simulation::ContactMode;
 
 /// What a force of a mode holds.
@@ -40,7 +43,8 @@ struct Sides {
 // Many fields: the memory of an evaluation.
 pub(super) struct Acceleration<'a> {
     pub(super) model: &'a dyn Model,
-    wanted: &'a Wanted,
+    pub(super) derivatives: Arc<dyn ParameterDerivatives>,
+    pub(super) layout: Layout,
     pub(super) n: usize,
     pub(super) columns: usize,
     friction: Vec<f64>,
@@ -60,18 +64,20 @@ pub(super) struct Acceleration<'a> {
 }
 
 impl<'a> Acceleration<'a> {
-    pub(super) fn new(model: &'a dyn Model, wanted: &'a Wanted) -> Self {
-        let declaration = model.declaration();
-        let n = declaration.coordinates.len();
-        let contacts = declaration.contacts.len();
-        let mut friction_by = Matrix::zeros(contacts, wanted.parameters);
+    pub(super) fn new(
+        model: &'a dyn Model,
+        (derivatives, layout): (Arc<dyn ParameterDerivatives>, Layout),
+    ) -> Self {
+        let contacts = model.declaration().contacts.len();
+        let mut friction_by = Matrix::zeros(contacts, layout.parameters);
         for i in 0..contacts {
-            wanted.derivatives.friction(i, friction_by.row_mut(i));
+            derivatives.friction(i, friction_by.row_mut(i));
         }
-        let columns = wanted.columns();
+        let (n, columns) = (layout.n, layout.columns());
         Self {
             model,
-            wanted,
+            derivatives,
+            layout,
             n,
             columns,
             friction: friction_coefficients(model),
@@ -179,7 +185,7 @@ impl<'a> Acceleration<'a> {
             self.model.tangent(contact, x, &mut sides.tangent);
         }
         if derivatives {
-            let known = &self.wanted.derivatives;
+            let known = &self.derivatives;
             known.contact(contact, x, &mut sides.point_by.values);
             if rough {
                 known.tangent(contact, x, &mut sides.tangent_by.values);
@@ -209,6 +215,26 @@ impl<'a> Acceleration<'a> {
             Hold::Normal { contact, .. } => self.point(contact, contact_point::NORMAL + k),
             Hold::Tangent { contact } => self.tangent(contact, tangent_point::TANGENT + k),
         }
+    }
+
+    /// The velocity that a force holds, with its derivatives, where it was last evaluated.
+    pub(super) fn velocity(&self, hold: Hold) -> (f64, &[f64]) {
+        match hold {
+            Hold::Normal { contact, .. } => self.point(contact, contact_point::NORMAL_VELOCITY),
+            Hold::Tangent { contact } => self.tangent(contact, tangent_point::SLIDING_VELOCITY),
+        }
+    }
+
+    /// The normal velocity of a contact at `x`, with its derivatives.
+    pub(super) fn normal_velocity(&mut self, contact: usize, x: &[f64]) -> (f64, &[f64]) {
+        self.load_contact(contact, x);
+        self.point(contact, contact_point::NORMAL_VELOCITY)
+    }
+
+    /// What a force holds of a velocity.
+    pub(super) fn held(&self, hold: Hold, velocity: &[f64]) -> f64 {
+        let terms = velocity.iter().enumerate();
+        terms.map(|(k, v)| self.covector(hold, k).0 * v).sum()
     }
 
     /// What no force changes of the rate of what a force holds, and its derivatives.
@@ -264,7 +290,7 @@ impl<'a> Acceleration<'a> {
         let (e, e_by) = self.tangent(contact, tangent_point::direction(self.n) + k);
         let (mu, mu_by) = self.friction(contact);
         add(to, factor * mu, e_by);
-        let parameters = self.columns - self.wanted.parameters;
+        let parameters = self.columns - self.layout.parameters;
         add(&mut to[parameters..], factor * e, mu_by);
     }
 
@@ -295,7 +321,7 @@ impl<'a> Acceleration<'a> {
             return false;
         };
         let mut by = std::mem::take(&mut self.by);
-        let known = &self.wanted.derivatives;
+        let known = &self.derivatives;
         known.free_acceleration(x, &mut by.values);
         self.add_given_derivatives(&mut by);
         for (&force, y) in self.holds.iter().zip(&self.forces) {
@@ -332,10 +358,10 @@ impl<'a> Acceleration<'a> {
         let mut matrix = self.coupling();
         let mut pivots = vec![0; order];
         dense::factorize(&mut matrix.values, &mut pivots).ok()?;
-        let right = self.holds.iter().map(|&held| {
-            let products = (0..n).map(|k| self.covector(held, k).0 * self.free[k]);
-            -(products.sum::<f64>() + self.curvature(held).0)
-        });
+        let right = self
+            .holds
+            .iter()
+            .map(|&held| -(self.held(held, &self.free) + self.curvature(held).0));
         self.forces = right.collect();
         dense::solve(&matrix.values, &pivots, &mut self.forces);
         self.value.clone_from(&self.free);
@@ -381,23 +407,6 @@ impl<'a> Acceleration<'a> {
             Hold::Tangent { contact: own } => own == contact && tangential,
         })?;
         Some((self.forces[place], self.forces_by.row(place)))
-    }
-
-    /// Rate of a function with these derivatives along the motion, and the sum of the sizes of its terms.
-    pub(super) fn rate(&self, by: &[f64], v: &[f64], control_rates: &[f64]) -> (f64, f64) {
-        let n = self.n;
-        let terms = by[..n]
-            .iter()
-            .zip(v)
-            .chain(by[n..2 * n].iter().zip(&self.value));
-        let terms = terms.chain(by[2 * n..].iter().zip(control_rates));
-        let terms = terms.map(|(by, rate)| by * rate);
-        let time = self.model.declaration().explicit_time;
-        let inputs = self.columns - self.wanted.parameters;
-        let terms = terms.chain(time.then(|| by[inputs - 1]));
-        terms.fold((0.0, 0.0), |(sum, size), term| {
-            (sum + term, size + term.abs())
-        })
     }
 }
 

@@ -3,9 +3,8 @@
 //! With the function `c` that the event is a zero of, its derivative `c_p` at a fixed time and its rate `c'` along the motion
 //! before, the time changes by `-c_p / c'`.
 
-use super::acceleration::{Acceleration, Hold};
-use super::matrix::{Matrix, add};
-use super::wanted::Wanted;
+use super::mode::{Acceleration, Hold};
+use super::tangent::{Tangent, add};
 use crate::model::{contact_point, tangent_point};
 use crate::simulation::{ContactMode, Event, EventKind};
 
@@ -13,28 +12,26 @@ use crate::simulation::{ContactMode, Event, EventKind};
 const GRAZING: f64 = 1e-7;
 /// Share of the sizes of its terms that a vanishing force or sliding velocity may have.
 pub(super) const VANISHED: f64 = 1e-5;
-/// Relative difference of times of events found together that are no coincidence.
-const APART: f64 = 1e-6;
+/// Share of its terms by which the derivative of what is only touched counts as one.
+const MOVED: f64 = 1e-6;
 
 /// Where an event is: the motion before it.
 pub(super) struct Before<'b> {
     pub(super) modes: &'b [ContactMode],
-    pub(super) v: &'b [f64],
-    pub(super) control_rates: &'b [f64],
-    /// Derivatives of `(q, v)` at a fixed time.
-    pub(super) state: &'b Matrix,
+    /// Rates of everything along the motion.
+    pub(super) rates: &'b [f64],
+    /// Derivatives at a fixed time.
+    pub(super) tangent: &'b Tangent,
     /// Largest normal velocity of each contact in the whole motion.
     pub(super) closing_speeds: &'b [f64],
     /// Largest coordinate and velocity in the whole motion.
     pub(super) sizes: [f64; 2],
-    /// Whether events that quantities take apart are refused.
-    pub(super) checked: bool,
 }
 
 impl Before<'_> {
     /// Size of the terms of a function with these derivatives by the input vector `x` at a time.
     fn size(&self, by: &[f64], (x, time): (&[f64], f64)) -> f64 {
-        terms(self.sizes, self.v.len(), by, (x, time))
+        terms(self.sizes, self.tangent.layout.n, by, (x, time))
     }
 }
 
@@ -64,66 +61,66 @@ struct Zero {
     size: f64,
 }
 
-/// Derivatives of the time of the events found together; none if nothing that vanishes there moves it. The `acceleration` is
-/// evaluated in the mode before.
-///
-/// # Errors
-/// Why there are none.
-pub(super) fn time(
+/// How the time of an event changes.
+pub(super) struct Cause<'e> {
+    pub(super) event: &'e Event,
+    /// By column.
+    pub(super) times: Vec<f64>,
+    /// Columns by which it has no derivative, as what vanishes is only touched.
+    pub(super) grazed: Vec<bool>,
+}
+
+/// How the times of the events found together change, of those that something of their own causes. The `acceleration` is evaluated in the mode
+/// before.
+pub(super) fn causes<'e>(
     acceleration: &mut Acceleration<'_>,
-    wanted: &Wanted,
     x: &[f64],
-    events: &[Event],
+    events: &'e [Event],
     before: &Before<'_>,
-) -> Result<Option<Vec<f64>>, String> {
-    let mut found: Option<(Vec<f64>, &Event)> = None;
+) -> Vec<Cause<'e>> {
     let jumps = events.iter().any(|event| event.kind == EventKind::Impact);
-    for event in events {
+    let happens = |event: &&Event| {
+        // What else happens in an impact follows from it.
         let causes = matches!(
             event.kind,
             EventKind::Impact | EventKind::Contact | EventKind::When
         );
-        // What else happens in an impact follows from it.
-        if jumps && !causes {
-            continue;
-        }
-        let Some(zero) = zero(acceleration, x, event, before) else {
-            continue;
-        };
-        if zero.value.abs() > VANISHED * zero.size {
-            continue;
-        }
-        let (rate, terms) = acceleration.rate(&zero.by, before.v, before.control_rates);
-        if rate.abs() <= GRAZING * terms.max(zero.rate) {
-            return Err(format!(
-                "at t = {} s `{}` only grazes: the time of this {} has no derivative",
-                event.time, event.contact_name, event.kind
-            ));
-        }
-        let moved = |k| -wanted.along(&zero.by, before.state, k) / rate;
-        let times: Vec<f64> = (0..wanted.count()).map(moved).collect();
-        match &found {
-            Some((first, other)) if before.checked && differ(first, &times) => {
-                return Err(format!(
-                    "at t = {} s `{}` and `{}` change at once, which other parameters take apart: which of them is first \
-                     decides the motion",
-                    event.time, other.contact_name, event.contact_name
-                ));
-            }
-            Some(_) => {}
-            None => found = Some((times, event)),
-        }
-    }
-    Ok(found.map(|(times, _)| times))
+        !jumps || causes
+    };
+    let events = events.iter().filter(happens);
+    events
+        .filter_map(|event| cause(acceleration, x, event, before))
+        .collect()
 }
 
-fn differ(one: &[f64], other: &[f64]) -> bool {
-    let mut pairs = one.iter().zip(other);
-    let largest = one
-        .iter()
-        .chain(other)
-        .fold(0.0_f64, |most, t| most.max(t.abs()));
-    pairs.any(|(one, other)| (one - other).abs() > APART * largest)
+/// How the time of one event changes; none if nothing that vanishes there moves it.
+pub(super) fn cause<'e>(
+    acceleration: &mut Acceleration<'_>,
+    x: &[f64],
+    event: &'e Event,
+    before: &Before<'_>,
+) -> Option<Cause<'e>> {
+    let zero = zero(acceleration, x, event, before)?;
+    if zero.value.abs() > VANISHED * zero.size {
+        return None;
+    }
+    let (rate, terms) = before.tangent.layout.rate(&zero.by, before.rates);
+    let mut times = before.tangent.of(&zero.by);
+    let mut grazed = vec![false; times.len()];
+    if rate.abs() <= GRAZING * terms.max(zero.rate) {
+        let sizes = before.tangent.sizes(&zero.by);
+        for ((grazed, change), size) in grazed.iter_mut().zip(&mut times).zip(sizes) {
+            *grazed = change.abs() > MOVED * size;
+            *change = 0.0;
+        }
+    } else {
+        times.iter_mut().for_each(|change| *change /= -rate);
+    }
+    Some(Cause {
+        event,
+        times,
+        grazed,
+    })
 }
 
 /// What vanishes at an event, if something of its own does.

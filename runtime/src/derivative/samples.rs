@@ -1,10 +1,9 @@
 //! What is measured of a motion at given times, between its instants, with its derivatives.
 
-use super::acceleration::Acceleration;
-use super::arc::{Arc, At, Step, stage_input};
-use super::matrix::Matrix;
+use super::mode::Acceleration;
 use super::outputs::{Instant, outputs};
-use super::wanted::Wanted;
+use super::step::{At, Step, Steps, stage_input};
+use super::tangent::{Matrix, Tangent};
 use crate::model::{ControlPiece, Measured};
 use crate::simulation::{ContactMode, InitialValueProblem, Simulation};
 
@@ -47,8 +46,8 @@ impl<'s> Samples<'s> {
     pub(super) fn begin(
         &mut self,
         acceleration: &Acceleration<'_>,
-        (wanted, run): (&Wanted, &Simulation),
-        (state, impulses): (&Matrix, &Matrix),
+        run: &Simulation,
+        tangent: &Tangent,
     ) {
         let trajectory = &run.trajectory;
         let at = (&trajectory.q[0][..], &trajectory.v[0][..]);
@@ -56,35 +55,37 @@ impl<'s> Samples<'s> {
         while self.next(trajectory.time[0]).is_some() {
             let outputs_by = self
                 .reads_outputs()
-                .then(|| outputs(acceleration, wanted, &instant, state, impulses));
+                .then(|| outputs(acceleration, &instant, tangent));
             self.put(at, &instant.values(acceleration));
-            self.put_derivatives(acceleration.n, state, outputs_by.as_ref());
+            self.put_derivatives(tangent, outputs_by.as_ref());
         }
     }
 
-    /// What is measured within a step that the arc has solved, from the derivatives `before` it.
+    /// What is measured within a step that was solved, from the derivatives `before` it, if there are still all of them.
     pub(super) fn within(
         &mut self,
-        (acceleration, wanted): (&mut Acceleration<'_>, &Wanted),
-        (arc, step): (&Arc, Step<'_>),
-        (before, impulses): (&Matrix, &Matrix),
+        acceleration: &mut Acceleration<'_>,
+        (steps, step): (&Steps, Step<'_>),
+        (before, whole): (&Tangent, bool),
         (run, k): (&Simulation, usize),
     ) {
         let length = step.to.time - step.from.time;
         while let Some(time) = self.next(step.to.time) {
             let theta = ((time - step.from.time) / length).clamp(0.0, 1.0);
-            let state = arc.derivatives_within((acceleration.n, length), before, theta);
-            let (q, v) = arc.within(step, theta);
+            let tangent = steps.derivatives_within((acceleration.n, length), before, theta);
+            let (q, v) = steps.within(step, theta);
             let (mut recorded, mut recorded_by) = (Vec::new(), None);
             if self.reads_outputs() {
                 let x = stage_input(acceleration, (&q, &v), time, step.controls);
                 acceleration.evaluate(&x);
                 let instant = at_time(acceleration, (&q, &v), (step, time), (run, k));
                 recorded = instant.values(acceleration);
-                recorded_by = Some(outputs(acceleration, wanted, &instant, &state, impulses));
+                recorded_by = Some(outputs(acceleration, &instant, &tangent));
             }
             self.put((&q, &v), &recorded);
-            self.put_derivatives(acceleration.n, &state, recorded_by.as_ref());
+            if whole {
+                self.put_derivatives(&tangent, recorded_by.as_ref());
+            }
         }
     }
 
@@ -97,11 +98,12 @@ impl<'s> Samples<'s> {
         self.values.push(values.collect());
     }
 
-    fn put_derivatives(&mut self, n: usize, state: &Matrix, recorded: Option<&Matrix>) {
-        let unknown = || vec![f64::NAN; state.columns];
+    fn put_derivatives(&mut self, tangent: &Tangent, recorded: Option<&Matrix>) {
+        let (n, all) = (tangent.layout.n, &tangent.all);
+        let unknown = || vec![f64::NAN; all.columns];
         let by = self.quantities.iter().map(|measured| match *measured {
-            Measured::Coordinate(k) => state.row(k).to_vec(),
-            Measured::Velocity(k) => state.row(n + k).to_vec(),
+            Measured::Coordinate(k) => all.row(k).to_vec(),
+            Measured::Velocity(k) => all.row(n + k).to_vec(),
             Measured::Output(k) => recorded.map_or_else(unknown, |by| by.row(k).to_vec()),
         });
         self.by.push(by.collect());
@@ -112,7 +114,7 @@ impl<'s> Samples<'s> {
     pub(super) fn go_on(
         &mut self,
         acceleration: &mut Acceleration<'_>,
-        arc: &mut Arc,
+        steps: &mut Steps,
         (problem, run): (&InitialValueProblem, &Simulation),
     ) {
         let trajectory = &run.trajectory;
@@ -143,11 +145,11 @@ impl<'s> Samples<'s> {
             let x = stage_input(acceleration, (step.from.q, step.from.v), from, &controls);
             acceleration.set_mode(&modes);
             acceleration.keep_independent(&x);
-            let solved = arc.values(acceleration, step).is_some();
+            let solved = steps.values(acceleration, step).is_some();
             while let Some(time) = self.next(to) {
                 let theta = ((time - from) / (to - from)).clamp(0.0, 1.0);
                 let (q, v) = match solved {
-                    true => arc.within(step, theta),
+                    true => steps.within(step, theta),
                     false => cubic(step, theta),
                 };
                 let mut recorded = Vec::new();

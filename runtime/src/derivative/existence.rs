@@ -1,0 +1,368 @@
+//! By which quantities a motion has derivatives, and where and why they end for others: what vanishes for these values only, and events that
+//! happen at once and come apart.
+
+use super::event::Cause;
+use super::margins::{Least, Margin, Of};
+use super::mode::Hold;
+use super::place::{Place, ROUNDING};
+use super::tangent::{Layout, Tangent, largest};
+use crate::model::{Switching, contact_point};
+use crate::simulation::Event;
+
+/// Share of its terms that the derivative of what a contact holds may have.
+pub(super) const HELD: f64 = 1e-6;
+/// The same after a step, which has the error of the motion.
+pub(super) const DRIFT: f64 = 1e-3;
+/// Share of the largest derivative by which those of two orders of events may differ: rounding, and the error of the motion.
+const SAME: f64 = 1e-8;
+
+/// A place of a motion with the derivatives there.
+type Here<'h, 'w> = (&'h mut Place<'w>, &'h Tangent);
+
+/// Share of the motion for which a margin has to vanish until that lasts. What begins as the cube of time, as a gap behind a lift-off, is
+/// larger than rounding by then.
+const LASTS: f64 = 1e-2;
+
+/// Why columns of derivatives are lost from some instant on.
+pub(super) struct Existence {
+    /// What the columns are by.
+    names: Vec<String>,
+    /// Why each of them has no derivative, if it has none.
+    pub(super) lost: Vec<Option<String>>,
+    /// Margins that vanished at the instant before, and since when.
+    pub(super) vanished: Vec<((usize, Of), f64)>,
+}
+
+impl Existence {
+    pub(super) fn of(names: &[String]) -> Self {
+        Self {
+            names: names.to_vec(),
+            lost: vec![None; names.len()],
+            vanished: Vec::new(),
+        }
+    }
+
+    /// Loses a column, if it is not lost yet.
+    pub(super) fn lose(&mut self, column: usize, why: impl FnOnce(&str) -> String) {
+        // What is beside the columns is a part of the first one.
+        let column = if column < self.lost.len() { column } else { 0 };
+        let name = &self.names[column];
+        self.lost[column].get_or_insert_with(|| why(name));
+    }
+
+    /// Loses all columns that are left.
+    pub(super) fn lose_all(&mut self, why: &str) {
+        for lost in &mut self.lost {
+            lost.get_or_insert_with(|| why.to_owned());
+        }
+    }
+
+    /// Whether there is none any longer.
+    pub(super) fn is_over(&self) -> bool {
+        self.lost.iter().all(Option::is_some)
+    }
+
+    /// Makes the numbers of lost columns of a row none.
+    pub(super) fn mask(&self, row: &mut [f64]) {
+        for (by, lost) in row.iter_mut().zip(&self.lost) {
+            if lost.is_some() {
+                *by = f64::NAN;
+            }
+        }
+    }
+
+    /// Contacts that are struck at the start are so for all neighbouring starts.
+    pub(super) fn check_start(&mut self, (at, tangent): Here<'_, '_>, struck: &[usize]) {
+        let x = at.input(0);
+        for &contact in struck {
+            at.acceleration.load_contact(contact, &x);
+            self.check_zero((at, tangent), (contact, contact_point::GAP), (0, HELD));
+        }
+    }
+
+    /// What contacts hold does not change with what the motion is differentiated by.
+    pub(super) fn check_holds(&mut self, (at, tangent): Here<'_, '_>, (k, share): (usize, f64)) {
+        for hold in at.acceleration.holds.clone() {
+            match hold {
+                Hold::Normal { contact, .. } => {
+                    self.check_laws((at, tangent), contact, k);
+                    self.check_zero((at, tangent), (contact, contact_point::GAP), (k, share));
+                    self.check_zero(
+                        (at, tangent),
+                        (contact, contact_point::NORMAL_VELOCITY),
+                        (k, share),
+                    );
+                }
+                Hold::Tangent { contact } => {
+                    let by = at.acceleration.velocity(hold).1.to_vec();
+                    self.check_row((at, tangent), contact, &by, (k, share));
+                }
+            }
+        }
+    }
+
+    /// No coefficient of a law stands at its limit of 0 and is moved from there: what follows differs on both sides.
+    pub(super) fn check_laws(&mut self, (at, tangent): Here<'_, '_>, contact: usize, k: usize) {
+        let acceleration = &at.acceleration;
+        let (mu, friction_by) = acceleration.friction(contact);
+        let mut restitution_by = vec![0.0; acceleration.layout.parameters];
+        acceleration
+            .derivatives
+            .restitution(contact, &mut restitution_by);
+        let e = acceleration.model.restitution(contact);
+        let laws = [
+            ("restitution", e, tangent.of_parameters(&restitution_by)),
+            ("friction", mu, tangent.of_parameters(friction_by)),
+        ];
+        let (time, contact) = (at.time(k), at.name_of(contact));
+        for (law, value, by) in laws {
+            for column in (0..self.lost.len()).filter(|&k| value == 0.0 && by[k] != 0.0) {
+                self.lose(column, |name| {
+                    format!(
+                        "at t = {time} s `{contact}` has a coefficient of {law} of 0, below which there is nothing: by `{name}` \
+                         there is a derivative to one side only"
+                    )
+                });
+            }
+        }
+    }
+
+    fn check_zero(
+        &mut self,
+        (at, tangent): Here<'_, '_>,
+        (contact, component): (usize, usize),
+        when: (usize, f64),
+    ) {
+        let by = at.acceleration.point(contact, component).1.to_vec();
+        self.check_row((at, tangent), contact, &by, when);
+    }
+
+    /// Loses the columns by which what vanishes at instant `k` does so for these values only.
+    fn check_row(
+        &mut self,
+        (at, tangent): Here<'_, '_>,
+        contact: usize,
+        by: &[f64],
+        (k, share): (usize, f64),
+    ) {
+        let most = ROUNDING * largest(tangent.state()) * largest(by);
+        let (changes, sizes) = (tangent.of(by), tangent.sizes(by));
+        let (time, contact) = (at.time(k), at.name_of(contact));
+        for column in 0..self.lost.len() {
+            if changes[column].abs() > (share * sizes[column]).max(most) {
+                self.lose(column, |name| {
+                    format!(
+                        "at t = {time} s `{contact}` is closed, or struck, for these values only: another `{name}` opens it or \
+                         presses it in"
+                    )
+                });
+            }
+        }
+    }
+
+    /// Loses the columns by which the time of an event has no derivative.
+    pub(super) fn check_grazes(&mut self, cause: &Cause<'_>) {
+        let event = cause.event;
+        for column in (0..cause.grazed.len()).filter(|&k| cause.grazed[k]) {
+            self.lose(column, |_| {
+                format!(
+                    "at t = {} s `{}` only grazes: the time of this {} has no derivative",
+                    event.time, event.contact_name, event.kind
+                )
+            });
+        }
+    }
+
+    /// Loses the columns by which margins that vanish at instant `k` change, but for those of contacts with an event of their `own` there, and
+    /// where that is right before the end of the motion, which moves by `ends`. But at the start and the end of the motion they have to
+    /// vanish for a while: what does for an instant is an event of its own, or changes nothing to first order.
+    pub(super) fn check_margins(
+        &mut self,
+        (at, tangent): Here<'_, '_>,
+        margins: &[Margin],
+        (k, own): (usize, &[usize]),
+        ends: Option<&[f64]>,
+    ) {
+        let start = k == 0 || at.time(k) <= at.time(0);
+        let mut vanished = Vec::new();
+        // At the start what begins to slide does so from rest, whatever is said of it there.
+        let has_event = |margin: &&Margin| {
+            own.contains(&margin.contact) && !(start && matches!(margin.of, Of::Sliding(_)))
+        };
+        for margin in margins.iter().filter(|margin| !has_event(margin)) {
+            let falls = match margin.of {
+                Of::Sliding(sense) if margin.resets => sense * margin.rate < 0.0,
+                _ => margin.rate < 0.0,
+            };
+            if margin.value > ROUNDING * margin.size {
+                continue;
+            }
+            let place = (margin.contact, margin.of);
+            let known = self.vanished.iter().find(|(known, _)| *known == place);
+            let since = known.map_or(at.time(k), |(_, since)| *since);
+            vanished.push((place, since));
+            let lasts = at.time(k) - since > LASTS * at.problem.horizon;
+            let counts = match margin.of {
+                Of::Force | Of::Left(_) => lasts,
+                _ if ends.is_some() && falls => true,
+                Of::Gap => start || lasts,
+                Of::Sliding(_) if margin.resets => false,
+                Of::Sliding(_) if passes(at, margin.contact) => {
+                    let x = at.input(k);
+                    lasts || start && at.jumps(margin.contact, &x)
+                }
+                Of::Sliding(_) => start || lasts,
+            };
+            if !counts {
+                continue;
+            }
+            let share = if start { HELD } else { DRIFT };
+            let (mut changes, mut sizes) = (tangent.of(&margin.by), tangent.sizes(&margin.by));
+            let ended = ends.filter(|_| falls);
+            for (column, moves) in ended.into_iter().flatten().enumerate() {
+                changes[column] += margin.rate * moves;
+                sizes[column] += (margin.rate * moves).abs();
+            }
+            let share = if ended.is_some() { ROUNDING } else { share };
+            let changed = changes.iter().zip(&sizes);
+            let changed: Vec<bool> = changed.map(|(by, size)| by.abs() > share * size).collect();
+            self.lose_by_margin(
+                at.name_of(margin.contact),
+                margin,
+                (at.time(k), ended.is_some()),
+                &changed,
+            );
+        }
+        self.vanished = vanished;
+    }
+
+    /// Loses the columns by which a margin changes whose least value within a step vanishes; whether it does.
+    pub(super) fn check_least(&mut self, at: &Place<'_>, least: &Least) -> bool {
+        let margin = &least.margin;
+        let matters = match margin.of {
+            Of::Gap => true,
+            Of::Force | Of::Left(_) => false,
+            Of::Sliding(_) => margin.resets || least.jumps,
+        };
+        if margin.value.abs() > ROUNDING * margin.size {
+            return false;
+        }
+        let pairs = least.changes.iter().zip(&least.terms);
+        let changed = pairs.map(|(by, size)| matters && by.abs() > HELD * size);
+        let changed: Vec<bool> = changed.collect();
+        let name = at.name_of(margin.contact);
+        self.lose_by_margin(name, margin, (least.time, false), &changed);
+        true
+    }
+
+    fn lose_by_margin(
+        &mut self,
+        contact: &str,
+        margin: &Margin,
+        (time, ends): (f64, bool),
+        changed: &[bool],
+    ) {
+        for column in (0..changed.len()).filter(|&k| changed[k]) {
+            self.lose(column, |name| match margin.of {
+                _ if ends => ends_with(time, contact),
+                Of::Gap => format!(
+                    "at t = {time} s `{contact}` only grazes: it touches and is not struck, but is so for another `{name}`"
+                ),
+                Of::Force => format!(
+                    "from t = {time} s on `{contact}` is closed without a force for these values only: another `{name}` opens it"
+                ),
+                Of::Left(_) => format!(
+                    "from t = {time} s on `{contact}` sticks with all of its friction for these values only: with another `{name}` \
+                     it slides"
+                ),
+                Of::Sliding(_) => format!(
+                    "at t = {time} s `{contact}` is at its edge for these values only: another `{name}` changes its side"
+                ),
+            });
+        }
+    }
+
+    /// The motion does not end with an event that moves away from its last instant.
+    pub(super) fn check_end(
+        &mut self,
+        at: &Place<'_>,
+        times: Option<&[f64]>,
+        (last, ends): (usize, &[f64]),
+    ) {
+        let (time, begin) = (at.time(last), at.time(0));
+        let late = |event: &&Event| event.time > begin && event.time >= time * (1.0 - ROUNDING);
+        let Some(event) = at.run.events.last().filter(late) else {
+            return;
+        };
+        let Some(times) = times else {
+            return;
+        };
+        let least = ROUNDING * largest(times).max(largest(ends));
+        for (column, (own, end)) in times.iter().zip(ends).enumerate() {
+            if (own - end).abs() > least {
+                self.lose(column, |_| ends_with(time, event.contact_name));
+            }
+        }
+    }
+
+    /// What becomes of the derivatives in a column by which the times of events that happen at once are different, if that is the same in
+    /// both `orders` in which they then happen; loses it otherwise.
+    pub(super) fn of_orders<'t>(
+        &mut self,
+        found: &[Cause<'_>],
+        column: usize,
+        orders: [Option<&'t Tangent>; 2],
+    ) -> Option<&'t Tangent> {
+        if let [Some(one), Some(other)] = orders {
+            let of = |tangent: &Tangent, i: usize| tangent.all.row(i)[column];
+            let mut rows = 0..one.layout.rows();
+            let most = rows
+                .clone()
+                .fold(0.0_f64, |most, i| most.max(of(one, i).abs()));
+            if rows.all(|i| (of(one, i) - of(other, i)).abs() <= SAME * most) {
+                return Some(one);
+            }
+        }
+        let (first, last) = (found[0].event, found[found.len() - 1].event);
+        self.lose(column, |_| {
+            format!(
+                "at t = {} s `{}` and `{}` change at once, which other parameters take apart: which of them is first decides the \
+                 motion",
+                first.time, first.contact_name, last.contact_name
+            )
+        });
+        None
+    }
+
+    /// Controls do not jump where an event happens that moves by `times`.
+    pub(super) fn check_controls(
+        &mut self,
+        (x_before, x_after): (&[f64], &[f64]),
+        layout: Layout,
+        (time, times): (f64, &[f64]),
+    ) {
+        let controls = 2 * layout.n..layout.time();
+        if x_before[controls.clone()] == x_after[controls] {
+            return;
+        }
+        let least = ROUNDING * largest(times);
+        for column in (0..times.len()).filter(|&k| times[k].abs() > least) {
+            self.lose(column, |_| {
+                format!("at t = {time} s controls jump together with an event: which of them is first for other parameters decides the motion")
+            });
+        }
+    }
+}
+
+/// Whether the switch of a contact is only passed.
+fn passes(at: &Place<'_>, contact: usize) -> bool {
+    let declared = &at.acceleration.model.declaration().contacts[contact];
+    declared.switch.is_some_and(Switching::passes)
+}
+
+fn ends_with(time: f64, contact: &str) -> String {
+    format!(
+        "the motion ends at t = {time} s with an event at `{contact}`, so that its end has different derivatives to both sides; \
+         take another horizon"
+    )
+}

@@ -1,0 +1,301 @@
+//! How velocities right after an impact change with those before and with where and when it happens.
+//!
+//! The law holds for neighbouring motions with the same contacts that strike, stick and slide:
+//!
+//! ```text
+//! v+ = v- + sum_j C_j y_j        v_n,i+ + e_i v_n,i- = 0        v_t,i+ = 0 where a contact sticks
+//! ```
+
+use super::mode::{Acceleration, Hold, solved};
+use super::tangent::{Matrix, Tangent, add, largest};
+use crate::linalg::dense;
+use crate::model::{contact_point, tangent_point};
+use crate::simulation::{ContactMode, Direction};
+
+/// Share of the largest velocity that counts as none after an impact.
+const AT_REST: f64 = 1e-8;
+/// Share of the jump that one impact of the contacts that strike may miss.
+const MISSED: f64 = 1e-6;
+/// Share of the velocity that the law returns below which a contact does not bounce.
+const ENDED: f64 = 1e-3;
+
+/// An impact.
+pub(super) struct Impact<'i> {
+    /// The input vectors right before and right after.
+    pub(super) before: &'i [f64],
+    pub(super) after: &'i [f64],
+    /// Contacts that strike, or that hold.
+    pub(super) struck: &'i [usize],
+    pub(super) time: f64,
+}
+
+/// What an impact leaves.
+pub(super) struct Jump {
+    /// Derivatives of the velocities right after, at the instant that moves along.
+    pub(super) velocities: Matrix,
+    /// Derivatives of the normal impulses of all contacts and then of their tangential ones.
+    pub(super) impulses: Matrix,
+}
+
+impl Jump {
+    /// Takes what the impact leaves.
+    pub(super) fn apply(&self, tangent: &mut Tangent) {
+        let n = tangent.layout.n;
+        for k in 0..n {
+            tangent
+                .all
+                .row_mut(n + k)
+                .copy_from_slice(self.velocities.row(k));
+        }
+        let first = tangent.layout.impulses();
+        for i in first..tangent.layout.cost() {
+            add(tangent.all.row_mut(i), 1.0, self.impulses.row(i - first));
+        }
+    }
+}
+
+/// The struck contacts that do not bounce though their law says so: whose bounces have ended.
+pub(super) fn ended(acceleration: &mut Acceleration<'_>, impact: &Impact<'_>) -> Vec<usize> {
+    let struck = impact.struck.iter().copied();
+    let ended = |&contact: &usize| {
+        let returned = acceleration.normal_velocity(contact, impact.after).0;
+        let speed = acceleration.normal_velocity(contact, impact.before).0;
+        speed >= 0.0 || returned <= -ENDED * acceleration.model.restitution(contact) * speed
+    };
+    struck.filter(ended).collect()
+}
+
+/// Derivatives of an impact, from those right before at the instant that moves along; the `acceleration` has another mode afterwards.
+///
+/// # Errors
+/// Why there are none.
+pub(super) fn jump(
+    acceleration: &mut Acceleration<'_>,
+    moved: &Tangent,
+    impact: &Impact<'_>,
+) -> Result<Jump, String> {
+    let n = acceleration.n;
+    let v = |x: &[f64]| x[n..2 * n].to_vec();
+    let (v_before, v_after) = (v(impact.before), v(impact.after));
+    let earlier = conditions_before(acceleration, moved, impact);
+    let modes = modes_of(acceleration, impact);
+    acceleration.set_mode(&modes);
+    acceleration.keep_independent(impact.after);
+    acceleration.load(impact.after);
+    let holds = acceleration.holds.clone();
+    let mut matrix = acceleration.coupling();
+    let mut pivots = vec![0; holds.len()];
+    dense::factorize(&mut matrix.values, &mut pivots).map_err(|_| together(impact.time))?;
+    let step: Vec<f64> = v_after.iter().zip(&v_before).map(|(a, b)| a - b).collect();
+    let impulses = holds.iter().map(|&hold| acceleration.held(hold, &step));
+    let mut impulses: Vec<f64> = impulses.collect();
+    dense::solve(&matrix.values, &pivots, &mut impulses);
+    for (k, step) in step.iter().enumerate() {
+        let terms = holds.iter().zip(&impulses);
+        let made: f64 = terms
+            .map(|(&hold, y)| acceleration.direction(hold, k) * y)
+            .sum();
+        if (made - step).abs() > MISSED * largest(&v_before).max(largest(&v_after)) {
+            return Err(together(impact.time));
+        }
+    }
+    let mut velocities = as_they_are(acceleration, moved, &impulses);
+    let right = wanted_changes(acceleration, moved, (&velocities, &earlier));
+    let change = solved(&matrix, &pivots, right);
+    for k in 0..n {
+        for (j, &hold) in holds.iter().enumerate() {
+            let component = acceleration.direction(hold, k);
+            add(velocities.row_mut(k), component, change.row(j));
+        }
+    }
+    let impulses = of_impulses(acceleration, moved, (&impulses, &change));
+    Ok(Jump {
+        velocities,
+        impulses,
+    })
+}
+
+/// The change of the velocities after the impact with the impulses as they are.
+fn as_they_are(acceleration: &Acceleration<'_>, moved: &Tangent, impulses: &[f64]) -> Matrix {
+    let n = acceleration.n;
+    let mut velocities = Matrix::zeros(n, moved.all.columns);
+    let mut by = vec![0.0; acceleration.columns];
+    for k in 0..n {
+        by.fill(0.0);
+        for (&hold, y) in acceleration.holds.iter().zip(impulses) {
+            acceleration.add_direction(hold, k, *y, &mut by);
+        }
+        let row = velocities.row_mut(k);
+        row.copy_from_slice(&place(moved, &by));
+        add(row, 1.0, moved.all.row(n + k));
+    }
+    velocities
+}
+
+/// What impulses have to change so that the law holds, with a row for each velocity that is held: with these changes of the
+/// velocities without them, and of what restitution gives back.
+fn wanted_changes(
+    acceleration: &Acceleration<'_>,
+    moved: &Tangent,
+    (velocities, earlier): (&Matrix, &Matrix),
+) -> Matrix {
+    let mut right = Matrix::zeros(acceleration.holds.len(), moved.all.columns);
+    for (i, &hold) in acceleration.holds.iter().enumerate() {
+        let (_, by) = acceleration.velocity(hold);
+        let row = right.row_mut(i);
+        add(row, -1.0, &place(moved, by));
+        if let Hold::Normal { contact, .. } = hold {
+            add(row, -1.0, earlier.row(contact));
+        }
+        for k in 0..acceleration.n {
+            add(row, -acceleration.covector(hold, k).0, velocities.row(k));
+        }
+    }
+    right
+}
+
+fn together(time: f64) -> String {
+    format!(
+        "at t = {time} s several impacts happen at one instant, or contacts share their impulses: which motion follows for \
+         other parameters is not known"
+    )
+}
+
+/// Change of a function with these derivatives by all but the velocities.
+fn place(moved: &Tangent, by: &[f64]) -> Vec<f64> {
+    let n = moved.layout.n;
+    let mut by = by.to_vec();
+    by[n..2 * n].fill(0.0);
+    moved.of(&by)
+}
+
+/// What each normal velocity after the impact must change by against its sign, because of that before: the change of
+/// `e v_n-`.
+fn conditions_before(
+    acceleration: &mut Acceleration<'_>,
+    moved: &Tangent,
+    impact: &Impact<'_>,
+) -> Matrix {
+    let contacts = acceleration.model.declaration().contacts.len();
+    let mut earlier = Matrix::zeros(contacts, moved.all.columns);
+    let mut by_parameters = vec![0.0; acceleration.layout.parameters];
+    let ended = ended(acceleration, impact);
+    for &contact in impact
+        .struck
+        .iter()
+        .filter(|contact| !ended.contains(contact))
+    {
+        let (speed, by) = acceleration.normal_velocity(contact, impact.before);
+        let change = moved.of(by);
+        let e = acceleration.model.restitution(contact);
+        acceleration
+            .derivatives
+            .restitution(contact, &mut by_parameters);
+        let row = earlier.row_mut(contact);
+        add(row, e, &change);
+        add(row, speed, &moved.of_parameters(&by_parameters));
+    }
+    earlier
+}
+
+/// The velocities that contacts which strike, or are closed, leave by the law, where their modes are these afterwards and `ended` of them do
+/// not bounce; none if one of them would pull.
+pub(super) fn struck_alone(
+    acceleration: &mut Acceleration<'_>,
+    (struck, ended): (&[usize], &[usize]),
+    modes: &[ContactMode],
+    before: &[f64],
+) -> Option<Vec<f64>> {
+    let n = acceleration.n;
+    let in_impact = |(contact, &mode): (usize, &ContactMode)| match mode {
+        ContactMode::Open if struck.contains(&contact) => ContactMode::Frictionless,
+        mode if struck.contains(&contact) => mode,
+        _ => ContactMode::Open,
+    };
+    let modes: Vec<ContactMode> = modes.iter().enumerate().map(in_impact).collect();
+    acceleration.set_mode(&modes);
+    acceleration.keep_independent(before);
+    acceleration.load(before);
+    let mut matrix = acceleration.coupling();
+    let holds = acceleration.holds.clone();
+    let mut pivots = vec![0; holds.len()];
+    dense::factorize(&mut matrix.values, &mut pivots).ok()?;
+    let right = holds.iter().map(|&hold| {
+        let speed = acceleration.velocity(hold).0;
+        match hold {
+            Hold::Normal { contact, .. } if !ended.contains(&contact) => {
+                -(1.0 + acceleration.model.restitution(contact)) * speed.min(0.0) - speed.max(0.0)
+            }
+            _ => -speed,
+        }
+    });
+    let mut impulses: Vec<f64> = right.collect();
+    let least = -MISSED * largest(&impulses);
+    dense::solve(&matrix.values, &pivots, &mut impulses);
+    let mut after = before.to_vec();
+    for (&hold, impulse) in holds.iter().zip(&impulses) {
+        if matches!(hold, Hold::Normal { .. }) && *impulse < least {
+            return None;
+        }
+        for k in 0..n {
+            after[n + k] += acceleration.direction(hold, k) * impulse;
+        }
+    }
+    Some(after)
+}
+
+/// What the struck contacts do in the impact, by how they leave it.
+pub(super) fn modes_of(
+    acceleration: &mut Acceleration<'_>,
+    impact: &Impact<'_>,
+) -> Vec<ContactMode> {
+    let (n, model) = (acceleration.n, acceleration.model);
+    let declared = model.declaration().contacts;
+    let mut modes = vec![ContactMode::Open; declared.len()];
+    let speed = largest(&impact.before[n..2 * n]);
+    for &contact in impact.struck {
+        modes[contact] = ContactMode::Frictionless;
+        if declared[contact].friction.is_some() && acceleration.friction(contact).0 > 0.0 {
+            acceleration.load_contact(contact, impact.after);
+            let (sliding, by) = acceleration.tangent(contact, tangent_point::SLIDING_VELOCITY);
+            let rest = AT_REST * speed * largest(&by[n..2 * n]);
+            modes[contact] = if sliding.abs() <= rest {
+                ContactMode::Stick
+            } else {
+                ContactMode::Slip(Direction::of(sliding))
+            };
+        }
+    }
+    modes
+}
+
+/// Derivatives of the impulses from those of the velocities that the contacts provide.
+fn of_impulses(
+    acceleration: &Acceleration<'_>,
+    moved: &Tangent,
+    (provided, change): (&[f64], &Matrix),
+) -> Matrix {
+    let contacts = acceleration.model.declaration().contacts.len();
+    let mut impulses = Matrix::zeros(2 * contacts, moved.all.columns);
+    for (j, &hold) in acceleration.holds.iter().enumerate() {
+        let (Hold::Normal { contact, .. } | Hold::Tangent { contact }) = hold;
+        let (inertia, by) = acceleration.point(contact, contact_point::INVERSE_INERTIA);
+        let impulse = provided[j] / inertia;
+        let mut changed = change.row(j).to_vec();
+        add(&mut changed, -impulse, &place(moved, by));
+        changed.iter_mut().for_each(|by| *by /= inertia);
+        match hold {
+            Hold::Tangent { .. } => add(impulses.row_mut(contacts + contact), 1.0, &changed),
+            Hold::Normal { sense, .. } => {
+                add(impulses.row_mut(contact), 1.0, &changed);
+                if sense != 0.0 {
+                    let (mu, mu_by) = acceleration.friction(contact);
+                    let rubbing = impulses.row_mut(contacts + contact);
+                    add(rubbing, sense * mu, &changed);
+                    add(rubbing, sense * impulse, &moved.of_parameters(mu_by));
+                }
+            }
+        }
+    }
+    impulses
+}
