@@ -18,7 +18,7 @@ use super::quantities::By;
 use super::sides::{OneSided, Side};
 use crate::InputError;
 use crate::model::Model;
-use crate::simulation::{InitialValueProblem, Quantity, Simulation};
+use crate::simulation::{EventDriven, InitialValueProblem, Quantity, Simulation, Simulator as _};
 
 /// Distance of the farthest motion that is looked at, as a share of the value.
 const DISTANCE: f64 = 1e-4;
@@ -28,6 +28,8 @@ const AGREE: f64 = 1e-4;
 const JUMP: f64 = 4.0;
 /// Share of the time by which instants of the end may differ: rounding.
 const SAME_TIME: f64 = 1e-12;
+/// Tolerance of a neighbour that steps between events have to find: where next to nothing moves, elements may miss theirs.
+const TOLERANCE: f64 = 1e-10;
 /// Share of the largest value that is the error of a motion.
 const ERROR: f64 = 1e-7;
 /// Size below which all that a motion does is rounding, in the units of the scene: where a body rests at 0 nothing else tells.
@@ -253,7 +255,12 @@ fn neighbour(
     let quantity = By::named(model, name).ok()?;
     let way = share * quantity.size(model, problem);
     let (model, problem) = quantity.moved(model, problem, way);
-    let run = simulate(&*model, &problem).ok()?;
+    let run = simulate(&*model, &problem).ok();
+    let run = run.filter(|run| run.status.is_solved()).or_else(|| {
+        let mut other = EventDriven::default();
+        other.set_tolerance(TOLERANCE).ok()?;
+        other.simulate(&*model, &problem, &mut |_| true).ok()
+    })?;
     let of = (of, Some(GradientMode::Forward));
     let by = [name.to_owned()];
     let gradient = differentiate_values(&*model, (&problem, &run), &by, of).ok()?;

@@ -10,7 +10,7 @@ use super::existence::{DRIFT, Existence, HELD};
 use super::joint_rows::JointRows;
 use super::margins::{Margin, least, margins};
 use super::outputs::{Instant, outputs};
-use super::place::Place;
+use super::place::{Place, ROUNDING};
 use super::projection::project;
 use super::quantities::Quantities;
 use super::ranges::Ranges;
@@ -204,8 +204,11 @@ impl<'w> Walk<'w> {
 
     /// Looks at the least values of margins within the step to instant `k`.
     fn look_within(&mut self, k: usize, [begin, end]: [&[Margin]; 2], before: &Tangent) {
-        let turns =
-            |(from, to): &(&Margin, &Margin)| from.of == to.of && from.rate < 0.0 && to.rate >= 0.0;
+        // What vanishes at its start was looked at there.
+        let turns = |(from, to): &(&Margin, &Margin)| {
+            let falls = from.rate < 0.0 && from.value > ROUNDING * from.size;
+            from.of == to.of && falls && to.rate >= 0.0
+        };
         let mut looked = false;
         for (from, to) in begin.iter().zip(end).filter(turns) {
             looked = true;

@@ -161,7 +161,7 @@ impl Plan {
     ) -> Result<(Self, Solution), InputError> {
         let plan = Self::of(&local, stationarity);
         let solution = confirm(runner, setting, elements, &local, stationarity)?;
-        if runner.effort != Effort::Conclude {
+        if runner.effort != Effort::Conclude && runner.settings.gradient.is_empty() {
             return Ok((plan, solution));
         }
         let mut local = local.polished(runner);
