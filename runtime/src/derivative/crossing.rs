@@ -1,6 +1,6 @@
 //! Across events: what they change of the derivatives, at once or one after the other.
 
-use super::event::{Before, Cause, cause};
+use super::event::{Cause, cause};
 use super::existence::Existence;
 use super::jump::{Impact, ended, jump, modes_of, struck_alone};
 use super::place::{Place, ROUNDING};
@@ -184,14 +184,7 @@ impl Crossing<'_, '_> {
                 return None;
             }
             let rates = self.at.rates(&x, control_rates);
-            let now = Before {
-                modes: &self.at.modes,
-                rates: &rates,
-                tangent: &tangent,
-                closing_speeds: &self.at.closing_speeds,
-                sizes: self.at.sizes,
-            };
-            let cause = cause(&mut self.at.acceleration, &x, event, &now)?;
+            let cause = cause(self.at, &x, event, (&rates, &tangent))?;
             tangent.shift(&rates, &cause.times, 1.0);
             match event.kind {
                 EventKind::Impact => {

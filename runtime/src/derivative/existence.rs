@@ -3,10 +3,10 @@
 
 use super::event::Cause;
 use super::margins::{Least, Margin, Of};
-use super::mode::Hold;
 use super::place::{Place, ROUNDING};
 use super::tangent::{Layout, Tangent, largest};
-use crate::model::{Switching, contact_point};
+use crate::contact::Line;
+use crate::model::contact_point;
 use crate::simulation::Event;
 
 /// Share of its terms that the derivative of what a contact holds may have.
@@ -82,9 +82,11 @@ impl Existence {
 
     /// What contacts hold does not change with what the motion is differentiated by.
     pub(super) fn check_holds(&mut self, (at, tangent): Here<'_, '_>, (k, share): (usize, f64)) {
-        for hold in at.acceleration.holds.clone() {
-            match hold {
-                Hold::Normal { contact, .. } => {
+        for line in at.acceleration.lines.clone() {
+            let contact = line.contact();
+            match line {
+                Line::Normal { .. } if at.acceleration.is_dry(contact) => {}
+                Line::Normal { .. } => {
                     self.check_laws((at, tangent), contact, k);
                     self.check_zero((at, tangent), (contact, contact_point::GAP), (k, share));
                     self.check_zero(
@@ -93,8 +95,8 @@ impl Existence {
                         (k, share),
                     );
                 }
-                Hold::Tangent { contact } => {
-                    let by = at.acceleration.velocity(hold).1.to_vec();
+                _ => {
+                    let by = at.acceleration.velocity(line).1.to_vec();
                     self.check_row((at, tangent), contact, &by, (k, share));
                 }
             }
@@ -207,7 +209,7 @@ impl Existence {
                 _ if ends.is_some() && falls => true,
                 Of::Gap => start || lasts,
                 Of::Sliding(_) if margin.resets => false,
-                Of::Sliding(_) if passes(at, margin.contact) => {
+                Of::Sliding(_) if at.acceleration.passes(margin.contact) => {
                     let x = at.input(k);
                     lasts || start && at.jumps(margin.contact, &x)
                 }
@@ -352,12 +354,6 @@ impl Existence {
             });
         }
     }
-}
-
-/// Whether the switch of a contact is only passed.
-fn passes(at: &Place<'_>, contact: usize) -> bool {
-    let declared = &at.acceleration.model.declaration().contacts[contact];
-    declared.switch.is_some_and(Switching::passes)
 }
 
 fn ends_with(time: f64, contact: &str) -> String {

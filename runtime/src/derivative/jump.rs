@@ -6,10 +6,11 @@
 //! v+ = v- + sum_j C_j y_j        v_n,i+ + e_i v_n,i- = 0        v_t,i+ = 0 where a contact sticks
 //! ```
 
-use super::mode::{Acceleration, Hold, solved};
+use super::mode::Acceleration;
+use super::outputs::of_contacts;
 use super::tangent::{Matrix, Tangent, add, largest};
-use crate::linalg::dense;
-use crate::model::{contact_point, tangent_point};
+use crate::contact::{Line, dot};
+use crate::model::tangent_point;
 use crate::simulation::{ContactMode, Direction};
 
 /// Share of the largest velocity that counts as none after an impact.
@@ -81,34 +82,29 @@ pub(super) fn jump(
     let modes = modes_of(acceleration, impact);
     acceleration.set_mode(&modes);
     acceleration.keep_independent(impact.after);
-    acceleration.load(impact.after);
-    let holds = acceleration.holds.clone();
-    let mut matrix = acceleration.coupling();
-    let mut pivots = vec![0; holds.len()];
-    dense::factorize(&mut matrix.values, &mut pivots).map_err(|_| together(impact.time))?;
+    acceleration.load(impact.after, true);
+    let factors = acceleration.factors();
+    let factors = factors.ok_or_else(|| together(impact.time))?;
     let step: Vec<f64> = v_after.iter().zip(&v_before).map(|(a, b)| a - b).collect();
-    let impulses = holds.iter().map(|&hold| acceleration.held(hold, &step));
+    let lines = acceleration.lines.iter();
+    let impulses = lines
+        .clone()
+        .map(|&line| dot(acceleration.row(line).0, &step));
     let mut impulses: Vec<f64> = impulses.collect();
-    dense::solve(&matrix.values, &pivots, &mut impulses);
-    for (k, step) in step.iter().enumerate() {
-        let terms = holds.iter().zip(&impulses);
-        let made: f64 = terms
-            .map(|(&hold, y)| acceleration.direction(hold, k) * y)
-            .sum();
-        if (made - step).abs() > MISSED * largest(&v_before).max(largest(&v_after)) {
-            return Err(together(impact.time));
-        }
+    factors.solve(&mut impulses);
+    let mut left = step;
+    for (&line, impulse) in lines.zip(&impulses) {
+        acceleration.push(line, -impulse, &mut left);
+    }
+    if largest(&left) > MISSED * largest(&v_before).max(largest(&v_after)) {
+        return Err(together(impact.time));
     }
     let mut velocities = as_they_are(acceleration, moved, &impulses);
     let right = wanted_changes(acceleration, moved, (&velocities, &earlier));
-    let change = solved(&matrix, &pivots, right);
-    for k in 0..n {
-        for (j, &hold) in holds.iter().enumerate() {
-            let component = acceleration.direction(hold, k);
-            add(velocities.row_mut(k), component, change.row(j));
-        }
-    }
-    let impulses = of_impulses(acceleration, moved, (&impulses, &change));
+    let change = factors.solve_all(right);
+    acceleration.push_rows(&change, 1.0, (&mut velocities, 0));
+    let of = |by: &[f64]| place(moved, by);
+    let (_, impulses) = of_contacts(acceleration, (&impulses, &change), moved, of);
     Ok(Jump {
         velocities,
         impulses,
@@ -122,8 +118,8 @@ fn as_they_are(acceleration: &Acceleration<'_>, moved: &Tangent, impulses: &[f64
     let mut by = vec![0.0; acceleration.columns];
     for k in 0..n {
         by.fill(0.0);
-        for (&hold, y) in acceleration.holds.iter().zip(impulses) {
-            acceleration.add_direction(hold, k, *y, &mut by);
+        for (&line, y) in acceleration.lines.iter().zip(impulses) {
+            acceleration.add_direction(line, k, *y, &mut by);
         }
         let row = velocities.row_mut(k);
         row.copy_from_slice(&place(moved, &by));
@@ -139,16 +135,16 @@ fn wanted_changes(
     moved: &Tangent,
     (velocities, earlier): (&Matrix, &Matrix),
 ) -> Matrix {
-    let mut right = Matrix::zeros(acceleration.holds.len(), moved.all.columns);
-    for (i, &hold) in acceleration.holds.iter().enumerate() {
-        let (_, by) = acceleration.velocity(hold);
+    let mut right = Matrix::zeros(acceleration.lines.len(), moved.all.columns);
+    for (i, &line) in acceleration.lines.iter().enumerate() {
+        let (_, by) = acceleration.velocity(line);
         let row = right.row_mut(i);
         add(row, -1.0, &place(moved, by));
-        if let Hold::Normal { contact, .. } = hold {
+        if let Line::Normal { contact, .. } = line {
             add(row, -1.0, earlier.row(contact));
         }
         for k in 0..acceleration.n {
-            add(row, -acceleration.covector(hold, k).0, velocities.row(k));
+            add(row, -acceleration.gradient(line, k).0, velocities.row(k));
         }
     }
     right
@@ -215,15 +211,12 @@ pub(super) fn struck_alone(
     let modes: Vec<ContactMode> = modes.iter().enumerate().map(in_impact).collect();
     acceleration.set_mode(&modes);
     acceleration.keep_independent(before);
-    acceleration.load(before);
-    let mut matrix = acceleration.coupling();
-    let holds = acceleration.holds.clone();
-    let mut pivots = vec![0; holds.len()];
-    dense::factorize(&mut matrix.values, &mut pivots).ok()?;
-    let right = holds.iter().map(|&hold| {
-        let speed = acceleration.velocity(hold).0;
-        match hold {
-            Hold::Normal { contact, .. } if !ended.contains(&contact) => {
+    acceleration.load(before, false);
+    let factors = acceleration.factors()?;
+    let right = acceleration.lines.iter().map(|&line| {
+        let speed = acceleration.velocity(line).0;
+        match line {
+            Line::Normal { contact, .. } if !ended.contains(&contact) => {
                 -(1.0 + acceleration.model.restitution(contact)) * speed.min(0.0) - speed.max(0.0)
             }
             _ => -speed,
@@ -231,15 +224,13 @@ pub(super) fn struck_alone(
     });
     let mut impulses: Vec<f64> = right.collect();
     let least = -MISSED * largest(&impulses);
-    dense::solve(&matrix.values, &pivots, &mut impulses);
+    factors.solve(&mut impulses);
     let mut after = before.to_vec();
-    for (&hold, impulse) in holds.iter().zip(&impulses) {
-        if matches!(hold, Hold::Normal { .. }) && *impulse < least {
+    for (&line, &impulse) in acceleration.lines.iter().zip(&impulses) {
+        if matches!(line, Line::Normal { .. }) && impulse < least {
             return None;
         }
-        for k in 0..n {
-            after[n + k] += acceleration.direction(hold, k) * impulse;
-        }
+        acceleration.push(line, impulse, &mut after[n..2 * n]);
     }
     Some(after)
 }
@@ -267,35 +258,4 @@ pub(super) fn modes_of(
         }
     }
     modes
-}
-
-/// Derivatives of the impulses from those of the velocities that the contacts provide.
-fn of_impulses(
-    acceleration: &Acceleration<'_>,
-    moved: &Tangent,
-    (provided, change): (&[f64], &Matrix),
-) -> Matrix {
-    let contacts = acceleration.model.declaration().contacts.len();
-    let mut impulses = Matrix::zeros(2 * contacts, moved.all.columns);
-    for (j, &hold) in acceleration.holds.iter().enumerate() {
-        let (Hold::Normal { contact, .. } | Hold::Tangent { contact }) = hold;
-        let (inertia, by) = acceleration.point(contact, contact_point::INVERSE_INERTIA);
-        let impulse = provided[j] / inertia;
-        let mut changed = change.row(j).to_vec();
-        add(&mut changed, -impulse, &place(moved, by));
-        changed.iter_mut().for_each(|by| *by /= inertia);
-        match hold {
-            Hold::Tangent { .. } => add(impulses.row_mut(contacts + contact), 1.0, &changed),
-            Hold::Normal { sense, .. } => {
-                add(impulses.row_mut(contact), 1.0, &changed);
-                if sense != 0.0 {
-                    let (mu, mu_by) = acceleration.friction(contact);
-                    let rubbing = impulses.row_mut(contacts + contact);
-                    add(rubbing, sense * mu, &changed);
-                    add(rubbing, sense * impulse, &moved.of_parameters(mu_by));
-                }
-            }
-        }
-    }
-    impulses
 }

@@ -92,9 +92,9 @@ fn margins_at(
             continue;
         }
         let acceleration = &at.acceleration;
-        if let Some((force, by)) = acceleration.force(contact, false) {
+        if let Some((force, by)) = acceleration.force(contact, false).filter(|_| !declared.dry) {
             let curvature = acceleration.point(contact, contact_point::CURVATURE).0;
-            let size = force_size(acceleration, contact, false).max(curvature.abs());
+            let size = force_size(acceleration, contact).max(curvature.abs());
             let size = size.max(at.terms(by, (x, time)));
             put(acceleration, Of::Force, force, by.to_vec(), size);
         }

@@ -1,66 +1,51 @@
 //! The acceleration in a contact mode, and its derivatives.
 //!
-//! With the directions `C_j` of the forces `y_j` and the velocities `rho_i' v` that they hold,
+//! With the directions `C_j` of the forces `y_j` of the lines that the mode holds ([`Line`]) and the velocities `rho_i' v` along these,
 //!
 //! ```text
-//! A = a + G + sum_j C_j y_j        rho_i' A + kappa_i = 0
+//! A = a + sum_j C_j y_j        rho_i' A + kappa_i = 0
 //! ```
 //!
-//! where `G` is the given friction of contacts without a surface. Each column of the derivatives solves the same system:
+//! where the line of a dry friction gives its bound. Each column of the derivatives solves the same system:
 //!
 //! ```text
-//! dA = w + C dy,   w = da + dG + sum_j dC_j y_j        rho' C dy = -(rho' w + drho' A + dkappa)
+//! dA = w + C dy,   w = da + sum_j dC_j y_j        rho' C dy = -(rho' w + drho' A + dkappa)
 //! ```
 
+use std::ops::Deref;
 use std::sync::Arc;
 
-use super::tangent::{Layout, Matrix, add};
-use crate::linalg::dense;
-use crate::model::{
-    Model, ParameterDerivatives, contact_point, friction_coefficients, tangent_point,
-};
+use super::tangent::{Factors, Layout, Matrix, add};
+use crate::contact::{Line, View};
+use crate::model::{Model, ParameterDerivatives, contact_point, tangent_point};
 use crate::simulation::ContactMode;
-
-/// What a force of a mode holds.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Hold {
-    /// The normal velocity, along `d + slope e`; the slope is `-mu` forward.
-    Normal { contact: usize, sense: f64 },
-    /// The sliding velocity.
-    Tangent { contact: usize },
-}
-
-/// Values and derivatives of one contact at a point.
-struct Sides {
-    point: Vec<f64>,
-    point_by: Matrix,
-    /// Empty without friction.
-    tangent: Vec<f64>,
-    tangent_by: Matrix,
-}
 
 /// Evaluates accelerations and their derivatives in one contact mode.
 // Many fields: the memory of an evaluation.
 pub(super) struct Acceleration<'a> {
-    pub(super) model: &'a dyn Model,
+    view: View<'a>,
     pub(super) derivatives: Arc<dyn ParameterDerivatives>,
     pub(super) layout: Layout,
-    pub(super) n: usize,
     pub(super) columns: usize,
-    friction: Vec<f64>,
     friction_by: Matrix,
-    /// The forces of the mode.
-    pub(super) holds: Vec<Hold>,
-    /// Dry frictions that slide, with the factor of their given force.
-    pub(super) given: Vec<(usize, f64)>,
-    sides: Vec<Option<Sides>>,
-    pub(super) free: Vec<f64>,
+    /// What the forces of the mode hold: normals, and then tangents.
+    pub(super) lines: Vec<Line>,
+    /// Derivatives of each contact, and of its tangential side; without rows where there is no friction.
+    sides: Vec<Option<[Matrix; 2]>>,
     /// The acceleration, and its derivatives by inputs and parameters.
     pub(super) value: Vec<f64>,
     pub(super) by: Matrix,
     /// The forces, and their derivatives.
     pub(super) forces: Vec<f64>,
     pub(super) forces_by: Matrix,
+}
+
+impl<'a> Deref for Acceleration<'a> {
+    type Target = View<'a>;
+
+    fn deref(&self) -> &View<'a> {
+        &self.view
+    }
 }
 
 impl<'a> Acceleration<'a> {
@@ -75,17 +60,13 @@ impl<'a> Acceleration<'a> {
         }
         let (n, columns) = (layout.n, layout.columns());
         Self {
-            model,
+            view: View::new(model),
             derivatives,
             layout,
-            n,
             columns,
-            friction: friction_coefficients(model),
             friction_by,
-            holds: Vec::new(),
-            given: Vec::new(),
+            lines: Vec::new(),
             sides: (0..contacts).map(|_| None).collect(),
-            free: vec![0.0; n],
             value: vec![0.0; n],
             by: Matrix::zeros(n, columns),
             forces: Vec::new(),
@@ -95,72 +76,42 @@ impl<'a> Acceleration<'a> {
 
     /// Coefficient of friction of a contact, and its derivatives by the parameters.
     pub(super) fn friction(&self, contact: usize) -> (f64, &[f64]) {
-        (self.friction[contact], self.friction_by.row(contact))
-    }
-
-    fn is_dry(&self, contact: usize) -> bool {
-        self.model.declaration().contacts[contact].dry
+        (self.view.friction(contact), self.friction_by.row(contact))
     }
 
     /// The forces of another mode from now on.
     pub(super) fn set_mode(&mut self, modes: &[ContactMode]) {
-        self.holds.clear();
-        self.given.clear();
-        let mut tangents = Vec::new();
-        for (contact, &mode) in modes.iter().enumerate() {
-            let sense = match mode {
-                ContactMode::Open => continue,
-                ContactMode::Slip(direction) => -direction.sign(),
-                ContactMode::Frictionless | ContactMode::Stick => 0.0,
+        let closed = modes.iter().enumerate();
+        let closed = closed.filter(|(_, mode)| **mode != ContactMode::Open);
+        let normals = closed.clone().map(|(contact, mode)| {
+            let slope = match mode {
+                ContactMode::Slip(direction) => -direction.sign() * self.view.friction(contact),
+                _ => 0.0,
             };
-            match (self.is_dry(contact), sense == 0.0) {
-                (true, false) => self.given.push((contact, sense)),
-                (true, true) => {}
-                (false, _) => self.holds.push(Hold::Normal { contact, sense }),
-            }
-            if mode == ContactMode::Stick {
-                tangents.push(Hold::Tangent { contact });
-            }
-        }
-        self.holds.extend(tangents);
-    }
-
-    /// Has the forces of another one from now on.
-    pub(super) fn take_mode(&mut self, of: &Acceleration<'_>) {
-        self.holds.clone_from(&of.holds);
-        self.given.clone_from(&of.given);
+            Line::Normal { contact, slope }
+        });
+        let stuck = closed.filter(|(_, mode)| **mode == ContactMode::Stick);
+        let tangents = stuck.map(|(contact, _)| Line::tangent(contact));
+        self.lines = normals.chain(tangents).collect();
     }
 
     /// Leaves out forces that hold what others hold already, at `x`: the motion is that of the others.
     pub(super) fn keep_independent(&mut self, x: &[f64]) {
-        let all = std::mem::take(&mut self.holds);
-        for hold in all {
-            self.holds.push(hold);
-            self.load(x);
-            let mut matrix = self.coupling();
-            let mut pivots = vec![0; self.holds.len()];
-            if dense::factorize(&mut matrix.values, &mut pivots).is_err() {
-                self.holds.pop();
+        self.load(x, false);
+        for line in std::mem::take(&mut self.lines) {
+            self.lines.push(line);
+            if self.factors().is_none() {
+                self.lines.pop();
             }
         }
     }
 
-    /// Evaluates the contacts of the mode at `x`.
-    pub(super) fn load(&mut self, x: &[f64]) {
-        self.load_values(x, true);
-    }
-
-    fn load_values(&mut self, x: &[f64], derivatives: bool) {
-        for slot in 0..self.holds.len() {
-            match self.holds[slot] {
-                Hold::Tangent { contact } if !self.is_dry(contact) => {}
-                Hold::Normal { contact, .. } | Hold::Tangent { contact } => {
-                    self.load_sides(contact, x, derivatives);
-                }
+    /// Evaluates the contacts of the mode at `x`, with derivatives if these are asked for.
+    pub(super) fn load(&mut self, x: &[f64], derivatives: bool) {
+        for slot in 0..self.lines.len() {
+            if let Line::Normal { contact, .. } = self.lines[slot] {
+                self.load_sides(contact, x, derivatives);
             }
-        }
-        for slot in 0..self.given.len() {
-            self.load_sides(self.given[slot].0, x, derivatives);
         }
     }
 
@@ -171,58 +122,70 @@ impl<'a> Acceleration<'a> {
 
     fn load_sides(&mut self, contact: usize, x: &[f64], derivatives: bool) {
         let (n, columns) = (self.n, self.columns);
-        let declared = &self.model.declaration().contacts[contact];
-        let rough = declared.friction.is_some();
-        let tangents = if rough { tangent_point::length(n) } else { 0 };
-        let sides = self.sides[contact].get_or_insert_with(|| Sides {
-            point: vec![0.0; contact_point::length(n)],
-            point_by: Matrix::zeros(contact_point::length(n), columns),
-            tangent: vec![0.0; tangents],
-            tangent_by: Matrix::zeros(tangents, columns),
-        });
-        self.model.contact(contact, x, &mut sides.point);
+        let rough = self.model.declaration().contacts[contact]
+            .friction
+            .is_some();
+        self.view.evaluate_normal(contact, x);
         if rough {
-            self.model.tangent(contact, x, &mut sides.tangent);
+            self.view.evaluate_tangent(contact, x);
         }
         if derivatives {
+            let tangents = if rough { tangent_point::length(n) } else { 0 };
+            let rows = [contact_point::length(n), tangents];
+            let sides = self.sides[contact]
+                .get_or_insert_with(|| rows.map(|rows| Matrix::zeros(rows, columns)));
             let known = &self.derivatives;
-            known.contact(contact, x, &mut sides.point_by.values);
+            known.contact(contact, x, &mut sides[0].values);
             if rough {
-                known.tangent(contact, x, &mut sides.tangent_by.values);
+                known.tangent(contact, x, &mut sides[1].values);
             }
         }
     }
 
     /// A component of [`Model::contact`] where that was last evaluated, and its derivatives.
     pub(super) fn point(&self, contact: usize, component: usize) -> (f64, &[f64]) {
-        match &self.sides[contact] {
-            Some(sides) => (sides.point[component], sides.point_by.row(component)),
-            None => (f64::NAN, &[]),
-        }
+        let by = self.sides[contact]
+            .as_ref()
+            .map(|[by, _]| by.row(component));
+        (self.view.point(contact)[component], by.unwrap_or_default())
     }
 
     /// A component of [`Model::tangent`] where that was last evaluated, and its derivatives.
     pub(super) fn tangent(&self, contact: usize, component: usize) -> (f64, &[f64]) {
-        match &self.sides[contact] {
-            Some(sides) => (sides.tangent[component], sides.tangent_by.row(component)),
-            None => (f64::NAN, &[]),
+        let by = self.sides[contact]
+            .as_ref()
+            .map(|[_, by]| by.row(component));
+        (
+            self.view.tangent_point(contact)[component],
+            by.unwrap_or_default(),
+        )
+    }
+
+    /// A component of a line, at its place in [`contact_point`] or in [`tangent_point`], and its derivatives.
+    fn component(&self, line: Line, [normal, tangent]: [usize; 2]) -> (f64, &[f64]) {
+        match line {
+            Line::Normal { contact, .. } => self.point(contact, normal),
+            _ => self.tangent(line.contact(), tangent),
         }
     }
 
-    /// Component `k` of what a force holds, and its derivatives.
-    pub(super) fn covector(&self, hold: Hold, k: usize) -> (f64, &[f64]) {
-        match hold {
-            Hold::Normal { contact, .. } => self.point(contact, contact_point::NORMAL + k),
-            Hold::Tangent { contact } => self.tangent(contact, tangent_point::TANGENT + k),
-        }
+    /// Component `k` of the gradient of the velocity of a line, and its derivatives.
+    pub(super) fn gradient(&self, line: Line, k: usize) -> (f64, &[f64]) {
+        self.component(
+            line,
+            [contact_point::NORMAL + k, tangent_point::TANGENT + k],
+        )
     }
 
-    /// The velocity that a force holds, with its derivatives, where it was last evaluated.
-    pub(super) fn velocity(&self, hold: Hold) -> (f64, &[f64]) {
-        match hold {
-            Hold::Normal { contact, .. } => self.point(contact, contact_point::NORMAL_VELOCITY),
-            Hold::Tangent { contact } => self.tangent(contact, tangent_point::SLIDING_VELOCITY),
-        }
+    /// The velocity of a line, with its derivatives, where it was last evaluated.
+    pub(super) fn velocity(&self, line: Line) -> (f64, &[f64]) {
+        self.component(
+            line,
+            [
+                contact_point::NORMAL_VELOCITY,
+                tangent_point::SLIDING_VELOCITY,
+            ],
+        )
     }
 
     /// The normal velocity of a contact at `x`, with its derivatives.
@@ -231,168 +194,98 @@ impl<'a> Acceleration<'a> {
         self.point(contact, contact_point::NORMAL_VELOCITY)
     }
 
-    /// What a force holds of a velocity.
-    pub(super) fn held(&self, hold: Hold, velocity: &[f64]) -> f64 {
-        let terms = velocity.iter().enumerate();
-        terms.map(|(k, v)| self.covector(hold, k).0 * v).sum()
-    }
-
-    /// What no force changes of the rate of what a force holds, and its derivatives.
-    fn curvature(&self, hold: Hold) -> (f64, &[f64]) {
-        match hold {
-            Hold::Normal { contact, .. } => self.point(contact, contact_point::CURVATURE),
-            Hold::Tangent { contact } => self.tangent(contact, tangent_point::CURVATURE),
-        }
-    }
-
-    /// Component `k` of the direction of a force.
-    pub(super) fn direction(&self, hold: Hold, k: usize) -> f64 {
+    /// Adds `factor` times the derivatives of component `k` of the direction of the force of a line.
+    pub(super) fn add_direction(&self, line: Line, k: usize, factor: f64, to: &mut [f64]) {
         let n = self.n;
-        match hold {
-            Hold::Normal { contact, sense } => {
-                let (d, _) = self.point(contact, contact_point::direction(n) + k);
-                if sense == 0.0 {
-                    return d;
-                }
-                let (e, _) = self.tangent(contact, tangent_point::direction(n) + k);
-                d + sense * self.friction[contact] * e
-            }
-            Hold::Tangent { contact } => self.tangent(contact, tangent_point::direction(n) + k).0,
+        let places = [
+            contact_point::direction(n) + k,
+            tangent_point::direction(n) + k,
+        ];
+        add(to, factor, self.component(line, places).1);
+        if let Line::Normal { contact, slope } = line
+            && slope != 0.0
+        {
+            let (e, e_by) = self.tangent(contact, places[1]);
+            let (mu, mu_by) = self.friction(contact);
+            add(to, factor * slope, e_by);
+            let parameters = self.columns - self.layout.parameters;
+            add(&mut to[parameters..], factor * slope / mu * e, mu_by);
         }
     }
 
-    /// Adds `factor` times the derivatives of component `k` of the direction of a force.
-    pub(super) fn add_direction(&self, hold: Hold, k: usize, factor: f64, to: &mut [f64]) {
-        let n = self.n;
-        match hold {
-            Hold::Normal { contact, sense } => {
-                add(
-                    to,
-                    factor,
-                    self.point(contact, contact_point::direction(n) + k).1,
-                );
-                if sense != 0.0 {
-                    self.add_rubbing(contact, k, factor * sense, to);
-                }
-            }
-            Hold::Tangent { contact } => {
-                add(
-                    to,
-                    factor,
-                    self.tangent(contact, tangent_point::direction(n) + k).1,
-                );
+    /// Adds what forces of the first lines, a row each, push with this factor to the rows of `to` from `first` on.
+    pub(super) fn push_rows(
+        &self,
+        forces: &Matrix,
+        factor: f64,
+        (to, first): (&mut Matrix, usize),
+    ) {
+        let rows = forces.values.chunks_exact(forces.columns.max(1));
+        for (&line, force) in self.lines.iter().zip(rows) {
+            let mut direction = vec![0.0; self.n];
+            self.view.push(line, factor, &mut direction);
+            for (k, component) in direction.into_iter().enumerate() {
+                add(to.row_mut(first + k), component, force);
             }
         }
     }
 
-    /// Adds `factor` times the derivatives of `mu e`, component `k`.
-    fn add_rubbing(&self, contact: usize, k: usize, factor: f64, to: &mut [f64]) {
-        let (e, e_by) = self.tangent(contact, tangent_point::direction(self.n) + k);
-        let (mu, mu_by) = self.friction(contact);
-        add(to, factor * mu, e_by);
-        let parameters = self.columns - self.layout.parameters;
-        add(&mut to[parameters..], factor * e, mu_by);
-    }
-
-    /// `rho' C`, with a row for each velocity that is held.
-    pub(super) fn coupling(&self) -> Matrix {
-        let order = self.holds.len();
-        let mut matrix = Matrix::zeros(order, order);
-        for (i, &held) in self.holds.iter().enumerate() {
-            for (j, &force) in self.holds.iter().enumerate() {
-                let products =
-                    (0..self.n).map(|k| self.covector(held, k).0 * self.direction(force, k));
-                matrix.values[i * order + j] = products.sum();
-            }
-        }
-        matrix
+    /// Factors of `rho' C`; none where the lines depend on each other.
+    pub(super) fn factors(&self) -> Option<Factors> {
+        Factors::of(self.view.couplings(&self.lines))
     }
 
     /// Evaluates acceleration and forces at `x`, without derivatives; `false` if the forces are not determined.
     pub(super) fn evaluate_values(&mut self, x: &[f64]) -> bool {
-        self.load_values(x, false);
+        self.load(x, false);
         self.balance(x).is_some()
     }
 
     /// Evaluates acceleration and forces with all derivatives at `x`; `false` if the forces are not determined.
     pub(super) fn evaluate(&mut self, x: &[f64]) -> bool {
-        self.load(x);
-        let Some((matrix, pivots)) = self.balance(x) else {
+        self.load(x, true);
+        let Some(factors) = self.balance(x) else {
             return false;
         };
         let mut by = std::mem::take(&mut self.by);
         let known = &self.derivatives;
         known.free_acceleration(x, &mut by.values);
-        self.add_given_derivatives(&mut by);
-        for (&force, y) in self.holds.iter().zip(&self.forces) {
+        for (&line, y) in self.lines.iter().zip(&self.forces) {
             for k in 0..self.n {
-                self.add_direction(force, k, *y, by.row_mut(k));
+                self.add_direction(line, k, *y, by.row_mut(k));
             }
         }
-        let right = self.rates_of_holds(&by);
-        let forces_by = solved(&matrix, &pivots, right);
-        for (j, &force) in self.holds.iter().enumerate() {
-            for k in 0..self.n {
-                let component = self.direction(force, k);
-                add(by.row_mut(k), component, forces_by.row(j));
-            }
-        }
+        let forces_by = factors.solve_all(self.rates_of_lines(&by));
+        self.push_rows(&forces_by, 1.0, (&mut by, 0));
         (self.by, self.forces_by) = (by, forces_by);
         true
     }
 
     /// Acceleration and forces where the contacts are loaded, and the factors of what balances them.
-    fn balance(&mut self, x: &[f64]) -> Option<(Matrix, Vec<usize>)> {
-        let n = self.n;
-        self.model.free_acceleration(x, &mut self.free);
-        for &(contact, sense) in &self.given {
-            // The given normal acceleration is the negative of the curvature.
-            let curvature = self.point(contact, contact_point::CURVATURE).0;
-            let force = -sense * self.friction[contact] * curvature;
-            let first = tangent_point::direction(n);
-            let components = (0..n).map(|k| force * self.tangent(contact, first + k).0);
-            let components: Vec<f64> = components.collect();
-            add(&mut self.free, 1.0, &components);
+    fn balance(&mut self, x: &[f64]) -> Option<Factors> {
+        self.view.evaluate_free_acceleration(x);
+        let factors = self.factors()?;
+        let (view, lines) = (&self.view, self.lines.iter());
+        self.forces.clear();
+        self.forces
+            .extend(lines.map(|&line| -view.free_line_acceleration(line)));
+        factors.solve(&mut self.forces);
+        self.value.copy_from_slice(view.free_acceleration());
+        for (&line, y) in self.lines.iter().zip(&self.forces) {
+            view.push(line, *y, &mut self.value);
         }
-        let order = self.holds.len();
-        let mut matrix = self.coupling();
-        let mut pivots = vec![0; order];
-        dense::factorize(&mut matrix.values, &mut pivots).ok()?;
-        let right = self
-            .holds
-            .iter()
-            .map(|&held| -(self.held(held, &self.free) + self.curvature(held).0));
-        self.forces = right.collect();
-        dense::solve(&matrix.values, &pivots, &mut self.forces);
-        self.value.clone_from(&self.free);
-        for (&force, y) in self.holds.iter().zip(&self.forces) {
-            let components: Vec<f64> = (0..n).map(|k| self.direction(force, k)).collect();
-            add(&mut self.value, *y, &components);
-        }
-        Some((matrix, pivots))
+        Some(factors)
     }
 
-    /// Adds the derivatives of the given friction of contacts without a surface.
-    fn add_given_derivatives(&self, by: &mut Matrix) {
-        for &(contact, sense) in &self.given {
-            let (curvature, curvature_by) = self.point(contact, contact_point::CURVATURE);
-            let mu = self.friction[contact];
-            for k in 0..self.n {
-                let (e, _) = self.tangent(contact, tangent_point::direction(self.n) + k);
-                self.add_rubbing(contact, k, -sense * curvature, by.row_mut(k));
-                add(by.row_mut(k), -sense * mu * e, curvature_by);
-            }
-        }
-    }
-
-    /// `-(rho' w + drho' A + dkappa)`, a row for each velocity that is held.
-    fn rates_of_holds(&self, w: &Matrix) -> Matrix {
-        let mut right = Matrix::zeros(self.holds.len(), self.columns);
-        for (i, &held) in self.holds.iter().enumerate() {
+    /// `-(rho' w + drho' A + dkappa)`, a row for each line.
+    fn rates_of_lines(&self, w: &Matrix) -> Matrix {
+        let mut right = Matrix::zeros(self.lines.len(), self.columns);
+        for (i, &line) in self.lines.iter().enumerate() {
             let row = right.row_mut(i);
-            add(row, -1.0, self.curvature(held).1);
+            let curvature = [contact_point::CURVATURE, tangent_point::CURVATURE];
+            add(row, -1.0, self.component(line, curvature).1);
             for (k, &value) in self.value.iter().enumerate() {
-                let (component, by) = self.covector(held, k);
+                let (component, by) = self.gradient(line, k);
                 add(row, -component, w.row(k));
                 add(row, -value, by);
             }
@@ -402,28 +295,12 @@ impl<'a> Acceleration<'a> {
 
     /// The force that holds the normal velocity of a contact, or its sliding velocity, with its derivatives.
     pub(super) fn force(&self, contact: usize, tangential: bool) -> Option<(f64, &[f64])> {
-        let place = self.holds.iter().position(|&hold| match hold {
-            Hold::Normal { contact: own, .. } => own == contact && !tangential,
-            Hold::Tangent { contact: own } => own == contact && tangential,
-        })?;
+        let is_normal = |line: &Line| matches!(line, Line::Normal { .. });
+        let mut lines = self.lines.iter();
+        let place =
+            lines.position(|line| line.contact() == contact && is_normal(line) != tangential)?;
         Some((self.forces[place], self.forces_by.row(place)))
     }
-}
-
-/// Solves for all columns of `right`.
-pub(super) fn solved(factors: &Matrix, pivots: &[usize], mut right: Matrix) -> Matrix {
-    let order = pivots.len();
-    let mut column = vec![0.0; order];
-    for c in 0..right.columns {
-        for (i, value) in column.iter_mut().enumerate() {
-            *value = right.values[i * right.columns + c];
-        }
-        dense::solve(&factors.values, pivots, &mut column);
-        for (i, value) in column.iter().enumerate() {
-            right.values[i * right.columns + c] = *value;
-        }
-    }
-    right
 }
 
 /// The input vector at a state.

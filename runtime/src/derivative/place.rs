@@ -1,7 +1,6 @@
 //! Where a walk along a motion is, and what is known of the motion there.
 
 use super::cost::Cost;
-use super::event::{VANISHED, terms};
 use super::mode::{Acceleration, input};
 use super::quantities::Quantities;
 use super::step::{At, Step, Steps};
@@ -11,6 +10,8 @@ use crate::simulation::{ContactMode, Direction, InitialValueProblem, Simulation}
 
 /// Share of accelerations, and of the largest velocity, that rounding may leave.
 pub(super) const ROUNDING: f64 = 1e-9;
+/// Share of the sizes of its terms that a vanishing force or sliding velocity may have.
+pub(super) const VANISHED: f64 = 1e-5;
 
 /// A place of a motion.
 // Many fields: what is known of the motion, and where in it the walk is.
@@ -161,8 +162,14 @@ impl<'w> Place<'w> {
     }
 
     /// Size of the terms of a function with these derivatives by the input vector `x` at a time.
-    pub(super) fn terms(&self, by: &[f64], at: (&[f64], f64)) -> f64 {
-        terms(self.sizes, self.acceleration.n, by, at)
+    pub(super) fn terms(&self, by: &[f64], (x, time): (&[f64], f64)) -> f64 {
+        let n = self.acceleration.n;
+        let of = |i: usize| match i {
+            i if i < n => self.sizes[0],
+            i if i < 2 * n => self.sizes[1],
+            i => x[i].abs().max(time),
+        };
+        (0..x.len()).map(|i| by[i].abs() * of(i)).sum()
     }
 
     /// Whether the function of a condition vanishes at `x`, or is positive.
@@ -180,7 +187,7 @@ impl<'w> Place<'w> {
             _ => return false,
         };
         let own = self.acceleration.value.clone();
-        let size = largest(&own).max(largest(&self.acceleration.free));
+        let size = largest(&own).max(largest(self.acceleration.free_acceleration()));
         let mut modes = self.modes.clone();
         modes[contact] = other;
         self.acceleration.set_mode(&modes);

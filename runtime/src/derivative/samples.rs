@@ -1,11 +1,11 @@
 //! What is measured of a motion at given times, between its instants, with its derivatives.
 
-use super::mode::Acceleration;
-use super::outputs::{Instant, outputs};
-use super::step::{At, Step, Steps, stage_input};
+use super::outputs::{forces, outputs};
+use super::place::Place;
+use super::step::{Step, stage_input};
 use super::tangent::{Matrix, Tangent};
-use crate::model::{ControlPiece, Measured};
-use crate::simulation::{ContactMode, InitialValueProblem, Simulation};
+use crate::model::Measured;
+use crate::simulation::Instant;
 
 /// Share of a time by which it may lie behind the last instant: rounding.
 const ROUNDING: f64 = 1e-12;
@@ -42,49 +42,61 @@ impl<'s> Samples<'s> {
         (time <= limit + ROUNDING * limit.abs()).then_some(time)
     }
 
-    /// What is measured at the start, where the `acceleration` is evaluated.
-    pub(super) fn begin(
-        &mut self,
-        acceleration: &Acceleration<'_>,
-        run: &Simulation,
-        tangent: &Tangent,
-    ) {
-        let trajectory = &run.trajectory;
-        let at = (&trajectory.q[0][..], &trajectory.v[0][..]);
-        let instant = Instant::recorded(acceleration.model, trajectory, 0);
+    /// What is measured at the start, where the acceleration is evaluated.
+    pub(super) fn begin(&mut self, at: &Place<'_>, tangent: &Tangent) {
+        let trajectory = &at.run.trajectory;
+        let state = (&trajectory.q[0][..], &trajectory.v[0][..]);
+        let impulses = trajectory.impulses(0);
+        let instant = trajectory.instant(0, &impulses);
         while self.next(trajectory.time[0]).is_some() {
-            let outputs_by = self
-                .reads_outputs()
-                .then(|| outputs(acceleration, &instant, tangent));
-            self.put(at, &instant.values(acceleration));
-            self.put_derivatives(tangent, outputs_by.as_ref());
+            let by = self.reads_outputs();
+            let by = by.then(|| outputs(&at.acceleration, instant, tangent));
+            self.put(state, &instant.outputs(at.acceleration.model));
+            self.put_derivatives(tangent, by.as_ref());
         }
     }
 
-    /// What is measured within a step that was solved, from the derivatives `before` it, if there are still all of them.
+    /// What is measured within the step to instant `k`, which was `solved`, or else on the cubic between its instants, with derivatives from
+    /// those `before` it, if there are still all of them.
     pub(super) fn within(
         &mut self,
-        acceleration: &mut Acceleration<'_>,
-        (steps, step): (&Steps, Step<'_>),
-        (before, whole): (&Tangent, bool),
-        (run, k): (&Simulation, usize),
+        at: &mut Place<'_>,
+        (k, solved): (usize, bool),
+        before: Option<&Tangent>,
     ) {
-        let length = step.to.time - step.from.time;
+        let controls = at.controls(at.time(k - 1));
+        let step = at.step_to(k, &controls);
         while let Some(time) = self.next(step.to.time) {
-            let theta = ((time - step.from.time) / length).clamp(0.0, 1.0);
-            let tangent = steps.derivatives_within((acceleration.n, length), before, theta);
-            let (q, v) = steps.within(step, theta);
+            let theta = ((time - step.from.time) / step.length()).clamp(0.0, 1.0);
+            let (q, v) = match solved {
+                true => at.steps.within(step, theta),
+                false => cubic(step, theta),
+            };
+            let size = (q.len(), step.length());
+            let tangent = before.map(|before| at.steps.derivatives_within(size, before, theta));
             let (mut recorded, mut recorded_by) = (Vec::new(), None);
             if self.reads_outputs() {
-                let x = stage_input(acceleration, (&q, &v), time, step.controls);
-                acceleration.evaluate(&x);
-                let instant = at_time(acceleration, (&q, &v), (step, time), (run, k));
-                recorded = instant.values(acceleration);
-                recorded_by = Some(outputs(acceleration, &instant, &tangent));
+                let x = stage_input(&at.acceleration, (&q, &v), time, &controls);
+                at.acceleration.evaluate(&x);
+                let (model, layout) = (at.acceleration.model, at.acceleration.layout);
+                let forces = forces(&at.acceleration, &Tangent::zeros(layout, 0)).0;
+                let (contact_force, friction_force) = forces.split_at(forces.len() / 2);
+                let instant = Instant {
+                    time,
+                    q: &q,
+                    v: &v,
+                    u: &x[2 * layout.n..layout.time()],
+                    contact_force,
+                    friction_force,
+                    impulses: &at.run.trajectory.impulses(k - 1),
+                };
+                recorded = instant.outputs(model);
+                let by = tangent.as_ref();
+                recorded_by = by.map(|by| outputs(&at.acceleration, instant, by));
             }
             self.put((&q, &v), &recorded);
-            if whole {
-                self.put_derivatives(&tangent, recorded_by.as_ref());
+            if let Some(tangent) = &tangent {
+                self.put_derivatives(tangent, recorded_by.as_ref());
             }
         }
     }
@@ -110,72 +122,27 @@ impl<'s> Samples<'s> {
     }
 
     /// Goes on behind the instant from which on there are no derivatives: with the values of the known motion, solved once more in
-    /// each step; on the cubic between its instants where that leads elsewhere.
-    pub(super) fn go_on(
-        &mut self,
-        acceleration: &mut Acceleration<'_>,
-        steps: &mut Steps,
-        (problem, run): (&InitialValueProblem, &Simulation),
-    ) {
-        let trajectory = &run.trajectory;
-        let mut modes: Vec<ContactMode> = run.initial_modes.clone();
+    /// each step.
+    pub(super) fn go_on(&mut self, at: &mut Place<'_>) {
+        let run = at.run;
+        at.modes.clone_from(&run.initial_modes);
         let mut passed = 0;
-        for k in 0..trajectory.time.len().saturating_sub(1) {
-            let [from, to] = [trajectory.time[k], trajectory.time[k + 1]];
+        for k in 1..run.trajectory.time.len() {
+            let [from, to] = [at.time(k - 1), at.time(k)];
             while let Some(event) = run.events.get(passed).filter(|event| event.time <= from) {
-                modes.clone_from(&event.modes);
+                at.modes.clone_from(&event.modes);
                 passed += 1;
             }
             if to <= from || self.next(to).is_none() {
                 continue;
             }
-            let mut controls = ControlPiece::default();
-            let count = acceleration.model.declaration().controls.len();
-            problem.controls.take_piece(from, count, &mut controls);
-            let at = |k: usize| At {
-                time: trajectory.time[k],
-                q: &trajectory.q[k],
-                v: &trajectory.v[k],
-            };
-            let step = Step {
-                from: at(k),
-                to: at(k + 1),
-                controls: &controls,
-            };
-            let x = stage_input(acceleration, (step.from.q, step.from.v), from, &controls);
-            acceleration.set_mode(&modes);
-            acceleration.keep_independent(&x);
-            let solved = steps.values(acceleration, step).is_some();
-            while let Some(time) = self.next(to) {
-                let theta = ((time - from) / (to - from)).clamp(0.0, 1.0);
-                let (q, v) = match solved {
-                    true => steps.within(step, theta),
-                    false => cubic(step, theta),
-                };
-                let mut recorded = Vec::new();
-                if self.reads_outputs() {
-                    let x = stage_input(acceleration, (&q, &v), time, &controls);
-                    acceleration.evaluate(&x);
-                    recorded = at_time(acceleration, (&q, &v), (step, time), (run, k))
-                        .values(acceleration);
-                }
-                self.put((&q, &v), &recorded);
-            }
+            let controls = at.controls(from);
+            let step = at.step_to(k, &controls);
+            let known = at.enter(k - 1).is_ok();
+            let solved = known && at.steps.values(&mut at.acceleration, step).is_some();
+            self.within(at, (k, solved), None);
         }
     }
-}
-
-/// The instant within a step behind instant `k`, where the `acceleration` is evaluated.
-fn at_time(
-    acceleration: &Acceleration<'_>,
-    (q, v): (&[f64], &[f64]),
-    (step, time): (Step<'_>, f64),
-    (run, k): (&Simulation, usize),
-) -> Instant {
-    let mut u = vec![0.0; acceleration.model.declaration().controls.len()];
-    step.controls.write(time, &mut u);
-    let x = [q, v, &u, &[time][..]].concat();
-    Instant::evaluated(acceleration, x, &run.trajectory.impulses(k))
 }
 
 /// The state at the share `theta` of a step on the cubic through both ends.

@@ -8,9 +8,8 @@
 //! in which each column is one right-hand side of the system of the last Newton iteration, forwards and backwards.
 
 use super::cost::Cost;
-use super::mode::{Acceleration, input, solved};
-use super::tangent::{Layout, Matrix, Tangent, add, largest};
-use crate::linalg::dense;
+use super::mode::{Acceleration, input};
+use super::tangent::{Factors, Layout, Matrix, Tangent, add, largest};
 use crate::model::ControlPiece;
 use crate::rk::{ButcherTableau, Scheme};
 
@@ -44,7 +43,7 @@ pub(super) struct Step<'s> {
 }
 
 impl Step<'_> {
-    fn length(&self) -> f64 {
+    pub(super) fn length(&self) -> f64 {
         self.to.time - self.from.time
     }
 }
@@ -60,13 +59,13 @@ pub(super) struct Steps {
     /// Derivatives of the accelerations of the stages, by stage and component.
     change: Matrix,
     /// Factors of the last Newton matrix.
-    factors: (Matrix, Vec<usize>),
+    factors: Factors,
 }
 
 /// What is linear in a step that was solved: its Newton matrix, and the derivatives of its stages.
 pub(super) struct Linear {
     h: f64,
-    factors: (Matrix, Vec<usize>),
+    factors: Factors,
     /// Of the acceleration, by stage.
     by: Vec<Matrix>,
     /// Of the running cost, by stage; none without one.
@@ -95,10 +94,10 @@ impl Steps {
         tangent: &mut Tangent,
         cost: Option<&Cost<'_>>,
     ) -> Option<[f64; 2]> {
-        let (matrix, pivots) = match lean {
+        let factors = match lean {
             None => self.solve(acceleration, step)?,
             Some(lean) => {
-                lean.take_mode(acceleration);
+                lean.lines.clone_from(&acceleration.lines);
                 let factors = self.solve(lean, step)?;
                 self.by.clear();
                 for x in &self.inputs {
@@ -112,7 +111,7 @@ impl Steps {
         };
         let (n, h) = (acceleration.n, step.length());
         let right = self.right((n, h), tangent);
-        self.change = solved(&matrix, &pivots, right);
+        self.change = factors.solve_all(right);
         if let Some(cost) = cost {
             let row = tangent.layout.cost();
             for (m, x) in self.inputs.iter().enumerate() {
@@ -125,7 +124,7 @@ impl Steps {
         }
         let missed = self.missed(n, step);
         *tangent = self.derivatives_within((n, h), tangent, 1.0);
-        self.factors = (matrix, pivots);
+        self.factors = factors;
         Some(missed)
     }
 
@@ -165,8 +164,7 @@ impl Steps {
                 add(nu, weight * h * tableau.a(m, j), &by[n..2 * n]);
             }
         }
-        let (matrix, pivots) = &linear.factors;
-        dense::solve_transposed(&matrix.values, pivots, &mut nu);
+        linear.factors.solve_transposed(&mut nu);
         let (of_q, rest) = to.split_at_mut(n);
         add(&mut rest[..n], h, of_q);
         let mut pass = |factor: f64, by: &[f64], m: usize| {
@@ -198,20 +196,16 @@ impl Steps {
     }
 
     /// Solves for the accelerations of the stages; the factors of the last Newton matrix.
-    fn solve(
-        &mut self,
-        acceleration: &mut Acceleration<'_>,
-        step: Step<'_>,
-    ) -> Option<(Matrix, Vec<usize>)> {
+    fn solve(&mut self, acceleration: &mut Acceleration<'_>, step: Step<'_>) -> Option<Factors> {
         let h = step.length();
         self.guess(acceleration, step)?;
-        let reached = h * largest(&self.stages).max(largest(&acceleration.free));
+        let reached = h * largest(&self.stages).max(largest(acceleration.free_acceleration()));
         let speed = largest(step.from.v).max(largest(step.to.v)).max(reached);
         let mut system = None;
         let mut last = f64::INFINITY;
         for _ in 0..MOST_ITERATIONS {
-            let (matrix, pivots) = self.linearize(acceleration, step)?;
-            dense::solve(&matrix.values, &pivots, &mut self.residual);
+            let factors = self.linearize(acceleration, step)?;
+            factors.solve(&mut self.residual);
             add(&mut self.stages, -1.0, &self.residual);
             let change = h * largest(&self.residual);
             if change.is_nan() {
@@ -219,17 +213,12 @@ impl Steps {
             }
             // Where rounding is more than that, changes stay as large as they are.
             if change <= CONVERGED * speed || (change <= ROUNDING * speed && change >= last) {
-                system = Some((matrix, pivots));
+                system = Some(factors);
                 break;
             }
             last = change;
-            self.repeat(
-                acceleration,
-                step,
-                (&matrix, &pivots),
-                (change, CONVERGED * speed),
-            )?;
-            system = Some((matrix, pivots));
+            self.repeat(acceleration, step, &factors, (change, CONVERGED * speed))?;
+            system = Some(factors);
         }
         system
     }
@@ -240,7 +229,7 @@ impl Steps {
         &mut self,
         acceleration: &mut Acceleration<'_>,
         step: Step<'_>,
-        (matrix, pivots): (&Matrix, &[usize]),
+        factors: &Factors,
         (mut change, enough): (f64, f64),
     ) -> Option<()> {
         let (from, h, n) = (step.from, step.length(), acceleration.n);
@@ -255,7 +244,7 @@ impl Steps {
                 let values = own.iter().zip(&acceleration.value);
                 self.residual.extend(values.map(|(own, value)| own - value));
             }
-            dense::solve(&matrix.values, pivots, &mut self.residual);
+            factors.solve(&mut self.residual);
             add(&mut self.stages, -1.0, &self.residual);
             let next = h * largest(&self.residual);
             if next.is_nan() {
@@ -377,7 +366,7 @@ impl Steps {
         &mut self,
         acceleration: &mut Acceleration<'_>,
         step: Step<'_>,
-    ) -> Option<(Matrix, Vec<usize>)> {
+    ) -> Option<Factors> {
         let (from, h) = (step.from, step.length());
         let (n, stages) = (acceleration.n, self.tableau.stages());
         let order = n * stages;
@@ -406,9 +395,7 @@ impl Steps {
             self.by.push(acceleration.by.clone());
             self.inputs.push(x);
         }
-        let mut pivots = vec![0; order];
-        dense::factorize(&mut matrix.values, &mut pivots).ok()?;
-        Some((matrix, pivots))
+        Factors::of(matrix.values)
     }
 
     /// Right-hand sides of the variational equations of the stages.

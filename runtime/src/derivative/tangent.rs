@@ -1,5 +1,6 @@
 //! Derivatives of everything at one place of a motion.
 
+use crate::linalg::dense;
 use crate::model::Model;
 
 /// A dense matrix, row-major.
@@ -28,6 +29,48 @@ impl Matrix {
     /// Some rows as vectors.
     pub(super) fn rows(&self, range: std::ops::Range<usize>) -> Vec<Vec<f64>> {
         range.map(|i| self.row(i).to_vec()).collect()
+    }
+}
+
+/// Factors of a square matrix.
+#[derive(Debug, Default)]
+pub(super) struct Factors {
+    matrix: Vec<f64>,
+    pivots: Vec<usize>,
+}
+
+impl Factors {
+    /// Those of a row-major matrix; none of a singular one.
+    pub(super) fn of(mut matrix: Vec<f64>) -> Option<Self> {
+        let mut pivots = vec![0; matrix.len().isqrt()];
+        dense::factorize(&mut matrix, &mut pivots).ok()?;
+        Some(Self { matrix, pivots })
+    }
+
+    pub(super) fn solve(&self, right: &mut [f64]) {
+        dense::solve(&self.matrix, &self.pivots, right);
+    }
+
+    /// Solves with the transposed matrix.
+    pub(super) fn solve_transposed(&self, right: &mut [f64]) {
+        dense::solve_transposed(&self.matrix, &self.pivots, right);
+    }
+
+    /// Solves for all columns of `right`.
+    pub(super) fn solve_all(&self, mut right: Matrix) -> Matrix {
+        let columns = right.columns;
+        let mut column = vec![0.0; self.pivots.len()];
+        for c in 0..columns {
+            let values = right.values.iter().skip(c).step_by(columns);
+            column
+                .iter_mut()
+                .zip(values)
+                .for_each(|(to, value)| *to = *value);
+            self.solve(&mut column);
+            let values = right.values.iter_mut().skip(c).step_by(columns);
+            values.zip(&column).for_each(|(to, value)| *to = *value);
+        }
+        right
     }
 }
 

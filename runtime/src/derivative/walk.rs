@@ -5,11 +5,11 @@
 //! everything by itself beside that direction.
 
 use super::crossing::{Crossing, apart, contacts_of};
-use super::event::{Before, Cause, causes};
+use super::event::{Cause, causes};
 use super::existence::{DRIFT, Existence, HELD};
 use super::joint_rows::JointRows;
 use super::margins::{Margin, least, margins};
-use super::outputs::{Instant, outputs};
+use super::outputs::outputs;
 use super::place::{Place, ROUNDING};
 use super::projection::project;
 use super::quantities::Quantities;
@@ -89,7 +89,7 @@ impl<'w> Walk<'w> {
         let (mut first, mut passed) = (0, 0);
         self.at.enter(0)?;
         if let Some(samples) = &mut self.samples {
-            samples.begin(&self.at.acceleration, run, &self.tangent);
+            samples.begin(&self.at, &self.tangent);
         }
         while !self.existence.is_over() {
             let time = times[first];
@@ -155,8 +155,10 @@ impl<'w> Walk<'w> {
             self.states.push(state);
             let count = self.at.acceleration.model.outputs().len();
             if count > 0 {
-                let at = Instant::recorded(self.at.acceleration.model, &self.at.run.trajectory, k);
-                let mut by = outputs(&self.at.acceleration, &at, &self.tangent);
+                let trajectory = &self.at.run.trajectory;
+                let impulses = trajectory.impulses(k);
+                let instant = trajectory.instant(k, &impulses);
+                let mut by = outputs(&self.at.acceleration, instant, &self.tangent);
                 (0..count).for_each(|i| self.existence.mask(by.row_mut(i)));
                 self.outputs.push(by);
             }
@@ -246,7 +248,7 @@ impl<'w> Walk<'w> {
         let missed = missed.ok_or_else(|| self.at.undetermined(k))?;
         let h = trajectory.time[k + 1] - trajectory.time[k];
         // What balances leaves its rounding.
-        let balanced = BALANCED * h * largest(&self.at.acceleration.free);
+        let balanced = BALANCED * h * largest(self.at.acceleration.free_acceleration());
         let limits = [
             ANOTHER * self.at.sizes[0] + h * balanced,
             ANOTHER * self.at.sizes[1] + balanced,
@@ -261,9 +263,8 @@ impl<'w> Walk<'w> {
             ));
         }
         if let (Some(samples), Some(before)) = (&mut self.samples, before) {
-            let known = (&self.at.steps, step);
-            let before = (&before, self.existence.lost.iter().all(Option::is_none));
-            samples.within(&mut self.at.acceleration, known, before, (self.at.run, k));
+            let whole = self.existence.lost.iter().all(Option::is_none);
+            samples.within(&mut self.at, (k + 1, true), whole.then_some(&before));
         }
         if let Some(tape) = &mut self.tape {
             tape.step(self.at.steps.linear(step, self.at.cost.as_ref()));
@@ -276,7 +277,7 @@ impl<'w> Walk<'w> {
         let x = self.at.input(k);
         let closed = match &mut self.joints {
             Some(joints) => joints.evaluate(&*self.at.acceleration.derivatives, &x),
-            None if self.at.acceleration.holds.is_empty() => return Ok(()),
+            None if self.at.acceleration.lines.is_empty() => return Ok(()),
             None => true,
         };
         if !closed {
@@ -386,14 +387,7 @@ impl<'w> Walk<'w> {
     }
 
     fn causes<'e>(&mut self, events: &'e [Event], x: &[f64], rates: &[f64]) -> Vec<Cause<'e>> {
-        let before = Before {
-            modes: &self.at.modes,
-            rates,
-            tangent: &self.tangent,
-            closing_speeds: &self.at.closing_speeds,
-            sizes: self.at.sizes,
-        };
-        let found = causes(&mut self.at.acceleration, x, events, &before);
+        let found = causes(&mut self.at, x, events, (rates, &self.tangent));
         found
             .iter()
             .for_each(|cause| self.existence.check_grazes(cause));
@@ -420,8 +414,7 @@ impl<'w> Walk<'w> {
     /// What was looked at, to the end of the motion.
     pub(super) fn observed(&mut self) -> Option<Samples<'w>> {
         let mut samples = self.samples.take()?;
-        let motion = (self.at.problem, self.at.run);
-        samples.go_on(&mut self.at.acceleration, &mut self.at.steps, motion);
+        samples.go_on(&mut self.at);
         Some(samples)
     }
 
@@ -436,10 +429,11 @@ impl<'w> Walk<'w> {
         let own = self.widen();
         let mut tangent = self.tangent.clone();
         tangent.shift(&rates, &self.ends(), 1.0);
-        let instant = Instant::recorded(model, trajectory, last);
+        let impulses = trajectory.impulses(last);
+        let instant = trajectory.instant(last, &impulses);
         let outputs = match model.outputs().is_empty() {
             true => Matrix::default(),
-            false => outputs(&self.at.acceleration, &instant, &tangent),
+            false => outputs(&self.at.acceleration, instant, &tangent),
         };
         let objective = self.at.cost.as_ref().map(|cost| {
             let (q, v) = (&trajectory.q[last], &trajectory.v[last]);

@@ -46,6 +46,7 @@ pub use trajectory::Trajectory;
 pub(crate) use event::{Ending, simulate_once, simulate_to};
 pub(crate) use joints::Closed as ClosedStart;
 pub(crate) use quantity::{Quantity, number, per_second};
+pub(crate) use recorder::Instant;
 
 use crate::Observer;
 use crate::model::Model;

@@ -12,14 +12,39 @@ pub(super) struct Recorder(Arc<dyn Model>);
 
 /// One instant of a motion.
 #[derive(Clone, Copy)]
-pub(super) struct Instant<'a> {
-    pub(super) time: f64,
-    pub(super) q: &'a [f64],
-    pub(super) v: &'a [f64],
-    pub(super) u: &'a [f64],
-    pub(super) contact_force: &'a [f64],
-    pub(super) friction_force: &'a [f64],
-    pub(super) impulses: &'a [f64],
+pub(crate) struct Instant<'a> {
+    pub(crate) time: f64,
+    pub(crate) q: &'a [f64],
+    pub(crate) v: &'a [f64],
+    pub(crate) u: &'a [f64],
+    pub(crate) contact_force: &'a [f64],
+    pub(crate) friction_force: &'a [f64],
+    pub(crate) impulses: &'a [f64],
+}
+
+impl Instant<'_> {
+    /// What outputs read: `(q, v, u, t)`, and forces and impulses so far of all contacts with forces of joints.
+    pub(crate) fn read(self, model: &dyn Model) -> [Vec<f64>; 2] {
+        let x = [self.q, self.v, self.u, &[self.time]].concat();
+        let contacts = self.contact_force.len();
+        let mut read = [self.contact_force, self.friction_force].concat();
+        read.resize(2 * contacts, 0.0);
+        read.extend(self.impulses);
+        read.resize(4 * contacts, 0.0);
+        if joint_rows(model) > 0 {
+            let forces = joint_forces(model, &x, self.contact_force, self.friction_force);
+            read.extend(forces);
+        }
+        [x, read]
+    }
+
+    /// What a scene records there.
+    pub(crate) fn outputs(self, model: &dyn Model) -> Vec<f64> {
+        let [x, read] = self.read(model);
+        let mut values = vec![f64::NAN; model.outputs().len()];
+        model.output_values(&x, &read, &mut values);
+        values
+    }
 }
 
 /// Impulses of all contacts over a motion.
@@ -65,18 +90,7 @@ impl Recorder {
 
     /// The values at an instant.
     pub(super) fn values(&self, at: Instant<'_>) -> Vec<f64> {
-        let x = [at.q, at.v, at.u, &[at.time]].concat();
-        let mut contacts = [at.contact_force, at.friction_force].concat();
-        contacts.resize(2 * at.contact_force.len(), 0.0);
-        contacts.extend(at.impulses);
-        if joint_rows(&*self.0) > 0 {
-            contacts.resize(4 * at.contact_force.len(), 0.0);
-            let forces = joint_forces(&*self.0, &x, at.contact_force, at.friction_force);
-            contacts.extend(forces);
-        }
-        let mut values = vec![f64::NAN; self.declared().len()];
-        self.0.output_values(&x, &contacts, &mut values);
-        values
+        at.outputs(&*self.0)
     }
 }
 

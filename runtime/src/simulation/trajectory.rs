@@ -192,8 +192,8 @@ impl Trajectory {
         })
     }
 
-    /// Instant `k`.
-    fn instant<'t>(&'t self, k: usize, impulses: &'t [f64]) -> Instant<'t> {
+    /// Instant `k`, with the [`impulses`](Self::impulses) until it.
+    pub(crate) fn instant<'t>(&'t self, k: usize, impulses: &'t [f64]) -> Instant<'t> {
         let friction = self.friction_force.get(k);
         Instant {
             time: self.time[k],
