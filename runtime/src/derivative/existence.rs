@@ -31,6 +31,8 @@ pub(super) struct Existence {
     pub(super) lost: Vec<Option<String>>,
     /// Margins that vanished at the instant before, and since when.
     pub(super) vanished: Vec<((usize, Of), f64)>,
+    /// Largest derivative of the state so far: what an event takes away leaves its rounding.
+    largest: f64,
 }
 
 impl Existence {
@@ -39,6 +41,7 @@ impl Existence {
             names: names.to_vec(),
             lost: vec![None; names.len()],
             vanished: Vec::new(),
+            largest: 0.0,
         }
     }
 
@@ -60,6 +63,11 @@ impl Existence {
     /// Whether there is none any longer.
     pub(super) fn is_over(&self) -> bool {
         self.lost.iter().all(Option::is_some)
+    }
+
+    /// What derivatives of a function with these by inputs and parameters may be of rounding alone.
+    fn rounding(&self, by: &[f64]) -> f64 {
+        ROUNDING * self.largest * largest(by)
     }
 
     /// Makes the numbers of lost columns of a row none.
@@ -147,7 +155,8 @@ impl Existence {
         by: &[f64],
         (k, share): (usize, f64),
     ) {
-        let most = ROUNDING * largest(tangent.state()) * largest(by);
+        self.largest = self.largest.max(largest(tangent.state()));
+        let most = self.rounding(by);
         let (changes, sizes) = (tangent.of(by), tangent.sizes(by));
         let (time, contact) = (at.time(k), at.name_of(contact));
         for column in 0..self.lost.len() {
@@ -185,6 +194,7 @@ impl Existence {
         (k, own): (usize, &[usize]),
         ends: Option<&[f64]>,
     ) {
+        self.largest = self.largest.max(largest(tangent.state()));
         let start = k == 0 || at.time(k) <= at.time(0);
         let mut vanished = Vec::new();
         // At the start what begins to slide does so from rest, whatever is said of it there.
@@ -226,8 +236,10 @@ impl Existence {
                 sizes[column] += (margin.rate * moves).abs();
             }
             let share = if ended.is_some() { ROUNDING } else { share };
+            let most = self.rounding(&margin.by);
             let changed = changes.iter().zip(&sizes);
-            let changed: Vec<bool> = changed.map(|(by, size)| by.abs() > share * size).collect();
+            let changed = changed.map(|(by, size)| by.abs() > (share * size).max(most));
+            let changed: Vec<bool> = changed.collect();
             self.lose_by_margin(
                 at.name_of(margin.contact),
                 margin,
@@ -249,8 +261,9 @@ impl Existence {
         if margin.value.abs() > ROUNDING * margin.size {
             return false;
         }
+        let most = self.rounding(&margin.by);
         let pairs = least.changes.iter().zip(&least.terms);
-        let changed = pairs.map(|(by, size)| matters && by.abs() > HELD * size);
+        let changed = pairs.map(|(by, size)| matters && by.abs() > (HELD * size).max(most));
         let changed: Vec<bool> = changed.collect();
         let name = at.name_of(margin.contact);
         self.lose_by_margin(name, margin, (least.time, false), &changed);
