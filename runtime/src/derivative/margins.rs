@@ -137,8 +137,9 @@ pub(super) fn least(
     let controls = at.controls(at.run.trajectory.time[k - 1]);
     let step = at.step_to(k, &controls);
     let h = step.to.time - step.from.time;
-    // The rate's zero by false position, with the weight of an end that stays halved (Illinois).
+    // The rate's zero by false position, with the weight of an end that stays twice halved (Illinois).
     let (mut low, mut high) = ((0.0, from.rate), (1.0, to.rate));
+    let mut fell = None;
     let mut found = None;
     for _ in 0..SEARCH {
         let theta = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
@@ -153,11 +154,14 @@ pub(super) fn least(
         let Some(margin) = margins.into_iter().find(own) else {
             break;
         };
-        if margin.rate < 0.0 {
-            (low, high.1) = ((theta, margin.rate), high.1 / 2.0);
+        let falls = margin.rate < 0.0;
+        let weight = if fell == Some(falls) { 0.5 } else { 1.0 };
+        if falls {
+            (low, high.1) = ((theta, margin.rate), weight * high.1);
         } else {
-            (high, low.1) = ((theta, margin.rate), low.1 / 2.0);
+            (high, low.1) = ((theta, margin.rate), weight * low.1);
         }
+        fell = Some(falls);
         found = Some((margin, theta, x, time));
     }
     let (margin, theta, x, time) = found?;
