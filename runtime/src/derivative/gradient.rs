@@ -68,7 +68,7 @@ pub struct Gradient {
     pub obstacle: Option<String>,
     /// For each quantity why there are no derivatives by it from some instant on; values behind that are not numbers.
     pub obstacles: Vec<Option<String>>,
-    /// Derivatives to one side where there are no others, see [`add_one_sided`].
+    /// Derivatives to one side where there are no others.
     pub one_sided: Option<Box<OneSided>>,
 }
 

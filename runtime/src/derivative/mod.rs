@@ -10,7 +10,7 @@
 //! S+ = J (S- + f- tau') - f+ tau'
 //! ```
 //!
-//! Source: Aizerman, Gantmacher, *On the stability of periodic motions* (J. Appl. Math. Mech. 22, 1958). A [`Tangent`](tangent::Tangent) `S` has a row for
+//! Source: Aizerman, Gantmacher, *On the stability of periodic motions* (J. Appl. Math. Mech. 22, 1958). A tangent `S` has a row for
 //! everything that anything depends on: state, controls, time, parameters, impulses and costs. So each function of the scene has one product, an
 //! event is one matrix, and the same factors give columns forwards and rows backwards (`adjoint`).
 //!
