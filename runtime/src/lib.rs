@@ -67,6 +67,7 @@ pub mod baselines {
 }
 mod contact;
 mod dcs;
+mod enclosure;
 pub mod estimation;
 mod fesd;
 mod front;
@@ -80,6 +81,7 @@ mod progress;
 mod random_cases;
 mod refusal;
 pub mod rk;
+mod run;
 pub mod scene;
 pub mod simulation;
 mod size;

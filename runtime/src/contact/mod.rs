@@ -80,7 +80,6 @@ pub(crate) mod least_norm;
 mod line;
 mod many;
 mod mode_error;
-pub(crate) mod passing;
 mod polyhedral;
 mod problem;
 mod rest;

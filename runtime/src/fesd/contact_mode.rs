@@ -7,19 +7,17 @@
 //! problem one derivative higher decides.
 
 use super::contacts::{Contacts, Line, ModeError, dot, norm};
-use super::switch;
 use crate::contact::sharing::{self, Share};
 use crate::contact::{
     ActiveContact, Balance, Cone, ContactState, Decision, Problem, Touching, Vanished, find, law,
     sliding, touching,
 };
 use crate::model::pair_size;
+use crate::run::Place;
+use crate::run::sides::{self, Failed, Known};
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
 const BIACTIVE: f64 = 1e-8;
-
-/// Most times that the sides of switches are chosen again, as what they change elsewhere is known.
-const ROUNDS: usize = 4;
 
 /// A condition whose two sides both vanish in accelerations.
 #[derive(Debug, Clone, Copy)]
@@ -81,7 +79,7 @@ pub(crate) fn select(
     for (contact, slip) in slips {
         contacts.align(contact, Some(slip));
     }
-    switch::is_unique(contacts, &strict)?;
+    is_unique(contacts, &strict)?;
     sharing::share_friction(contacts, &mut strict, &shares)?;
     drop_held(contacts, &mut strict, &mut undecided)?;
     if !undecided.is_empty() {
@@ -108,7 +106,8 @@ struct Sorted {
 /// Forces and accelerations of the contacts that touch.
 fn balance(contacts: &Contacts<'_>, touching: &[usize], time: f64) -> Result<Balance, ModeError> {
     let at_rest = |i: usize| {
-        !contacts.passes(i) && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
+        let free = !contacts.passes(i) && contacts.sides[i] == 0.0;
+        free && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
     };
     let touching = Touching::new(contacts, touching, at_rest);
     let free = touching.lines.iter();
@@ -125,46 +124,58 @@ fn sided(
     touching: &[usize],
     time: f64,
 ) -> Result<Balance, ModeError> {
-    contacts.sides.fill(0.0);
-    let passed: Vec<usize> = touching
+    let scales = touching
         .iter()
-        .copied()
-        .filter(|&i| contacts.passes(i))
-        .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
-        .collect();
-    let mut motion = contacts.free_acceleration().to_vec();
-    let mut chosen: Option<Vec<f64>> = None;
-    for _ in 0..ROUNDS {
-        let before = contacts.sides.clone();
-        for &i in &passed {
-            let scale = contacts.tangential_scale(i);
-            let rate = contacts.sliding_acceleration(i, &motion);
-            if rate.abs() > BIACTIVE * scale {
-                contacts.sides[i] = rate.signum();
-                continue;
-            }
-            let (_, time_scale) = difference_step(contacts, x, (&motion, scale));
-            if switch::can_choose(contacts, &passed) {
-                if chosen.is_none() {
-                    switch::choose(contacts, x, (touching, &passed), (time_scale, time))?;
-                    chosen = Some(contacts.sides.clone());
-                }
-                break;
-            }
-            let zero = BIACTIVE * scale;
-            contacts.sides[i] = switch::side(contacts, i, x, (&motion, time_scale), zero);
-        }
-        if let Some(chosen) = &chosen {
-            contacts.sides.clone_from(chosen);
-        }
-        let solved = balance(contacts, touching, time)?;
-        if contacts.sides == before || contacts.rest.is_some() {
-            return Ok(solved);
-        }
-        motion.copy_from_slice(contacts.free_acceleration());
-        solved.push(contacts, &solved.forces, &mut motion);
+        .filter(|&&i| contacts.switch_of(i).is_some())
+        .map(|&i| contacts.tangential_scale(i));
+    let Some(scale) = scales.reduce(f64::max) else {
+        return balance(contacts, touching, time);
+    };
+    let (_, moment) = difference_step(contacts, x, (contacts.free_acceleration(), scale));
+    let all = 0..contacts.sides.len();
+    let zeros: Vec<f64> = all.map(|i| contacts.rest_speed(i, time)).collect();
+    let place = Place {
+        x,
+        rates: &contacts.rates(),
+        touching,
+        zeros: &zeros,
+        moment,
+        longest: if contacts.moment.is_finite() {
+            contacts.moment
+        } else {
+            moment
+        },
+    };
+    let known = Known {
+        side: &|_: &Contacts<'_>, _, by_rate| by_rate,
+        zero: &|contacts: &Contacts<'_>, i| BIACTIVE * contacts.tangential_scale(i),
+    };
+    let solve = |contacts: &mut Contacts<'_>| balance(contacts, touching, time);
+    let solved = sides::balanced(contacts, &place, &known, solve);
+    let solved = solved.map_err(|undecided| match undecided {
+        Failed::Law(error) | Failed::Sides(error) => error,
+    })?;
+    // Elements have no force that holds a function whose jump begins to grow here.
+    let begins = |k: &usize| {
+        let (contact, own) = (touching[*k], Line::tangent(touching[*k]));
+        let switches = contacts.switch_of(contact).is_some() && solved.slip(*k).is_some();
+        switches && contacts.rest.is_none() && contacts.coupling(own, own) == 0.0
+    };
+    match (0..touching.len()).find(begins) {
+        Some(k) => Err(ModeError::SecondOrder(touching[k])),
+        None => Ok(solved),
     }
-    balance(contacts, touching, time)
+}
+
+/// Refuses a motion along the zero of a switch whose two sides both push away from it: it could leave to either at any time.
+fn is_unique(contacts: &Contacts<'_>, active: &[ActiveContact]) -> Result<(), ModeError> {
+    for held in active.iter().filter(|held| held.state.sticks()) {
+        let line = Line::tangent(held.contact);
+        if contacts.switch_of(held.contact).is_some() && contacts.coupling(line, line) <= 0.0 {
+            return Err(ModeError::NotUnique(held.contact));
+        }
+    }
+    Ok(())
 }
 
 /// Sorts the contacts by what their forces and accelerations say.

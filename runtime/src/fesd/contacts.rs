@@ -93,6 +93,17 @@ impl<'a> Contacts<'a> {
         self.control_slopes.extend(slopes);
     }
 
+    /// Rates of what the model reads besides coordinates and velocities: controls, and the time.
+    pub(crate) fn rates(&self) -> Vec<f64> {
+        let declaration = self.model.declaration();
+        let mut rates = self.control_slopes.clone();
+        rates.resize(declaration.controls.len(), 0.0);
+        if declaration.explicit_time {
+            rates.push(1.0);
+        }
+        rates
+    }
+
     /// Takes note of the speed below which the sliding of a contact in space has no direction, at `time`.
     pub(crate) fn measure_sliding(&mut self, contact: usize, time: f64) {
         if !self.is_in_space(contact) {

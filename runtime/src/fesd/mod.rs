@@ -14,5 +14,4 @@ pub(crate) mod contact_mode;
 pub(crate) mod contact_size;
 pub(crate) mod contacts;
 pub(crate) mod finite_element;
-pub(crate) mod switch;
 pub(crate) mod transcription;

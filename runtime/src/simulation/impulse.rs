@@ -339,11 +339,3 @@ impl Jump<'_> {
         lines.map(|(line, _)| (line, f64::NAN)).collect()
     }
 }
-
-/// How many impacts raise something, as the beginning of a note.
-pub(super) fn that_raise(count: usize) -> String {
-    match count {
-        1 => "1 impact raises".to_owned(),
-        _ => format!("{count} impacts raise"),
-    }
-}

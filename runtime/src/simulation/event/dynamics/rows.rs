@@ -132,8 +132,23 @@ fn couple_sparsely(dynamics: &Dynamics<'_>, (rows, slipping): (usize, bool), spa
                 sparse.entries.push((row, column, sum));
             }
         }
+        if acts_by_nothing(dynamics, row) {
+            sparse.entries.push((row, row, 1.0));
+        }
     }
     sparse.starts.push(sparse.entries.len());
+}
+
+/// Whether the force of a row that holds a switch changes nothing, as where its jump begins to grow: any force solves its row there.
+fn acts_by_nothing(dynamics: &Dynamics<'_>, row: usize) -> bool {
+    let normals = dynamics.mode.active.len();
+    let Some(&Line::Tangent { contact, .. }) =
+        dynamics.mode.sticking.get(row.wrapping_sub(normals))
+    else {
+        return false;
+    };
+    let still = |d: &f64| *d == 0.0;
+    dynamics.switch_of(contact).is_some() && dynamics.friction_direction(contact).iter().all(still)
 }
 
 /// Solves many rows by those of their couplings that do not vanish; none where they are not few.
@@ -167,6 +182,9 @@ pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: boo
     couplings.resize(rows * rows, 0.0);
     for (row, couplings) in couplings.chunks_exact_mut(rows.max(1)).enumerate() {
         couple(dynamics, (row, slipping), &mut support, couplings);
+        if acts_by_nothing(dynamics, row) {
+            couplings[row] = 1.0;
+        }
     }
     dynamics.equations.couplings = couplings;
     dynamics.equations.support = support;
