@@ -114,7 +114,7 @@ fn balance(contacts: &Contacts<'_>, touching: &[usize], time: f64) -> Result<Bal
     let free: Vec<f64> = free
         .map(|&line| contacts.free_line_acceleration(line))
         .collect();
-    Balance::first(touching, contacts, &free)
+    Ok(Balance::first(touching, contacts, &free)?.spread(contacts))
 }
 
 /// The same with the sides of the switches that are passed now.
@@ -255,8 +255,12 @@ fn drop_held(
             continue;
         }
         if let Undecided::Edge { contact, sense } = undecided.remove(k) {
+            let state = match contacts.is_in_space(contact) {
+                true => ContactState::StickInSpace,
+                false => ContactState::at_edge(sense),
+            };
             for held in active.iter_mut().filter(|held| held.contact == contact) {
-                held.state = ContactState::at_edge(sense);
+                held.state = state;
             }
         }
     }
@@ -295,6 +299,11 @@ fn select_by_jerk(
         offsets: &jerk,
         cones: &cones,
         surfaces: undecided.len(),
+        in_space: undecided.iter().any(|condition| match *condition {
+            Undecided::Normal { contact, .. } | Undecided::Edge { contact, .. } => {
+                contacts.is_in_space(contact)
+            }
+        }),
     };
     let rates = law::first(&problem)?;
     let size = lines.len();

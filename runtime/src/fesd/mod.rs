@@ -14,4 +14,5 @@ pub(crate) mod contact_mode;
 pub(crate) mod contact_size;
 pub(crate) mod contacts;
 pub(crate) mod finite_element;
+mod redundancy;
 pub(crate) mod transcription;

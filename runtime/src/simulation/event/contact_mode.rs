@@ -469,12 +469,12 @@ fn balanced(
         Line::Tangent { contact, .. } => accelerations[slot(contact)].1.0,
         Line::Across { .. } => dynamics.free_line_acceleration(line),
     });
-    ContactProblem {
+    let problem = ContactProblem {
         what: "balance of contact forces",
         offsets: offsets.collect(),
         touching,
-    }
-    .solve(dynamics)
+    };
+    Ok(problem.solve(dynamics)?.spread(dynamics))
 }
 
 /// The states of one contact that the solution leaves open; `zeros` are the normal and tangential
@@ -587,7 +587,9 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
 /// own: two feet of a rigid body cannot both have one.
 fn hold_dependent(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64]) {
     let mut mode = dynamics.mode().to_vec();
-    let sticking: Vec<usize> = (0..mode.len()).filter(|&i| mode[i].sticks()).collect();
+    // Those in space stick whatever others hold: how they share their load is asked for as long as they hold.
+    let sticks = |&i: &usize| mode[i].sticks() && !dynamics.is_in_space(i);
+    let sticking: Vec<usize> = (0..mode.len()).filter(sticks).collect();
     let Some((_, others)) = sticking.split_first() else {
         return;
     };
@@ -602,7 +604,7 @@ fn hold_dependent(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64]) {
     dynamics.derivative(t, y, &mut slope);
     for &i in others {
         if !motion::holds(dynamics, i) {
-            mode[i] = ContactState::sticking(dynamics.is_in_space(i));
+            mode[i] = ContactState::Stick;
             dynamics.set_mode(&mode);
         }
     }
