@@ -268,7 +268,7 @@ fn leading_derivative_decides_whatever_vanishes_before_it() {
             (0.6, -0.4),
             (-0.2, -0.5),
         ] {
-            let crosses = p < q || p == q && push.abs() > f64::abs(jump);
+            let crosses = p < q || p == q && f64::abs(push) > f64::abs(jump);
             let side = f64::signum(push);
             // On one side until 1 s, by integration; otherwise both sides lead back, or both lead away.
             let way = |order: i32, factor: f64| factor / f64::from(order + 1);

@@ -30,7 +30,7 @@ use crate::model::pair_size;
 /// Most switches whose sides are tried in all ways; of more, those change that contradict themselves.
 const MOST: usize = 6;
 /// Most times that sides are chosen again, as what they change elsewhere is known.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 5;
 /// Powers of ten of the longest time after which functions are looked at, the shortest first: until they have a sign.
 const POWERS: std::ops::RangeInclusive<i32> = -12..=-1;
 /// Steps to each of them, so that also what four integrations do not move has a sign.
@@ -76,7 +76,7 @@ pub(crate) fn balanced<'a, H: DerefMut<Target = View<'a>>, E>(
     let mut motion = host.free_acceleration().to_vec();
     let mut chosen: Option<Vec<f64>> = None;
     let mut solved = None;
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
         let before = host.sides.clone();
         let mut slow = Vec::new();
         for &i in &passed {
@@ -86,9 +86,11 @@ pub(crate) fn balanced<'a, H: DerefMut<Target = View<'a>>, E>(
             slow.extend(side.is_none().then_some(i));
             host.sides[i] = side.unwrap_or(1.0);
         }
+        // A rate is one of what all act on, which the first balance tells.
+        let early = round == 0 && !slow.is_empty();
         if let Some(chosen) = &chosen {
             host.sides.clone_from(chosen);
-        } else if !slow.is_empty() {
+        } else if !slow.is_empty() && !early {
             let open = |i: &usize| (known.side)(host, *i, None).is_none();
             let open: Vec<usize> = passed.iter().copied().filter(open).collect();
             choose(host, at, &open).map_err(Failed::Sides)?;
@@ -97,7 +99,11 @@ pub(crate) fn balanced<'a, H: DerefMut<Target = View<'a>>, E>(
         if solved.is_some() && host.sides == before {
             break;
         }
-        let balance = solve(host).map_err(Failed::Law)?;
+        let balance = match solve(host) {
+            Ok(balance) => balance,
+            Err(_) if early => continue,
+            Err(error) => return Err(Failed::Law(error)),
+        };
         motion.copy_from_slice(host.free_acceleration());
         balance.push(host, &balance.forces, &mut motion);
         solved = Some(balance);
