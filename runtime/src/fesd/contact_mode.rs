@@ -28,6 +28,13 @@ enum Undecided {
     Edge { contact: usize, sense: f64 },
 }
 
+impl Undecided {
+    fn contact(self) -> usize {
+        let (Self::Normal { contact, .. } | Self::Edge { contact, .. }) = self;
+        contact
+    }
+}
+
 /// The contact mode at `x` and `time`: writes the contacts that carry a force to `active`. Of the contacts
 /// that are `close`, those touch whose normal velocity is zero for their size; those of them slide whose
 /// sliding velocity is not.
@@ -286,9 +293,7 @@ fn select_by_jerk(
     contacts.constrained_acceleration(strict, &forces, &mut motion);
     let matrix = sharing::reduced_couplings(contacts, &held, &lines)?;
     let scales: Vec<f64> = lines.iter().map(|&line| contacts.scale(line)).collect();
-    let largest = scales
-        .iter()
-        .fold(0.0_f64, |largest, scale| largest.max(*scale));
+    let largest = scales.iter().copied().fold(0.0, f64::max);
     let (step, time_scale) = difference_step(contacts, x, (&motion, largest));
     // Far from the origin the step is longer and leaves fewer digits.
     let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
@@ -299,14 +304,11 @@ fn select_by_jerk(
         offsets: &jerk,
         cones: &cones,
         surfaces: undecided.len(),
-        in_space: undecided.iter().any(|condition| match *condition {
-            Undecided::Normal { contact, .. } | Undecided::Edge { contact, .. } => {
-                contacts.is_in_space(contact)
-            }
-        }),
+        in_space: undecided
+            .iter()
+            .any(|condition| contacts.is_in_space(condition.contact())),
     };
-    let rates = law::first(&problem)?;
-    let size = lines.len();
+    let (rates, size) = (law::first(&problem)?, lines.len());
     // What sticks from now on comes first: it may hold normal velocities, so that no force is needed for that.
     let mut order: Vec<usize> = (0..undecided.len()).collect();
     order.sort_by_key(|&k| matches!(undecided[k], Undecided::Normal { .. }));

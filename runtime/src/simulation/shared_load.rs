@@ -75,6 +75,11 @@ pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
         };
         told.extend(redundant);
     }
+    say(model, result, [shared, left, decided]);
+}
+
+/// Notes the contacts whose forces are the smallest of several, one way of several, or decide the motion.
+fn say(model: &dyn Model, result: &mut Simulation, told: [Vec<usize>; 3]) {
     let names = |mut contacts: Vec<usize>| {
         contacts.sort_unstable();
         contacts.dedup();
@@ -88,25 +93,15 @@ pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
             ),
         })
     };
-    let notes = [
-        (
-            shared,
-            "of the forces that give the same motion the smallest are recorded",
-        ),
-        (
-            left,
-            "the forces that are recorded are one way of several, with the same motion",
-        ),
-        (
-            decided,
-            "the motion depends on it while they slide, and is that of the smallest forces",
-        ),
+    let what = [
+        "of the forces that give the same motion the smallest are recorded",
+        "the forces that are recorded are one way of several, with the same motion",
+        "the motion depends on it while they slide, and is that of the smallest forces",
     ];
-    for (contacts, what) in notes {
+    for (contacts, what) in told.into_iter().zip(what) {
         if let Some(names) = names(contacts) {
-            result
-                .notes
-                .push(format!("{names} in more ways than one: {what}"));
+            let note = format!("{names} in more ways than one: {what}");
+            result.notes.push(note);
         }
     }
 }

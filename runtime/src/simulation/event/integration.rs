@@ -438,7 +438,12 @@ impl<'a> Integration<'a> {
                 let switch = self.dynamics.switch(found.function);
                 return Err(self.place().pole(switch, found.h));
             }
-            Outcome::Hidden => self.h = 0.5 * h,
+            Outcome::Hidden => {
+                self.h = 0.5 * h;
+                if self.h <= SHORTEST * self.t.max(self.problem.horizon) {
+                    return Err(self.place().unbounded(self.method.slope()));
+                }
+            }
             Outcome::Unresolved(function) => {
                 self.shorten(h, self.dynamics.switch(function).contact())?;
             }

@@ -27,6 +27,11 @@ pub(super) fn first_violation(
     for (i, size) in detector.sizes.iter_mut().enumerate() {
         *size = contacts.size(i, start.time);
     }
+    for i in 0..detector.sizes.len() {
+        // What an idle piece lacks to acting is the difference of two gaps, whose terms may cancel.
+        let acting = detector.sizes[contacts.pieces.acting(i)];
+        detector.sizes[i] = detector.sizes[i].as_difference_from(acting);
+    }
     detector.enclose(element, start);
     let row = detector.thetas.len() + 1;
     for (i, &gap) in start.gaps.iter().enumerate() {

@@ -14,6 +14,7 @@ use crate::rk::ButcherTableau;
 use std::collections::BTreeSet;
 
 /// Checks the sign conditions on a fixed grid of the element's dense output.
+// Many fields: buffers of one element.
 pub(super) struct Detector<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) tableau: &'a ButcherTableau,
