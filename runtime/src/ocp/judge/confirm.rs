@@ -261,7 +261,7 @@ impl Plan {
             sequence: &self.sequence,
             guess: &self.trajectory,
             cuts,
-            purpose: Purpose::Compare,
+            purpose: Purpose::Near,
         };
         attempts.attempt(runner, attempt)?;
         let Some(again) = &attempts.best else {
