@@ -331,8 +331,8 @@ fn closes(open: char, close: char) -> bool {
     matches!((open, close), ('(', ')') | ('[', ']') | ('{', '}'))
 }
 
-/// Length of a comment, which may hold others.
-fn comment(text: &str) -> Option<usize> {
+/// Length of a comment in `/* */`, which may hold others; none where it has no end.
+pub(crate) fn comment(text: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let (mut depth, mut at) = (0_usize, 0);
     while at + 1 < bytes.len() {

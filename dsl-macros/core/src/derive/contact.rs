@@ -485,15 +485,7 @@ impl Mechanism<'_> {
     /// mass matrix.
     fn couples(&self, gradient: &[Sym], action: &[Sym]) -> bool {
         let n = gradient.len();
-        let mut block: Vec<usize> = (0..n).collect();
-        for _ in 0..n {
-            for (k, entry) in self.mass.iter().enumerate() {
-                if !entry.is_structural_zero() {
-                    let least = block[k / n].min(block[k % n]);
-                    (block[k / n], block[k % n]) = (least, least);
-                }
-            }
-        }
+        let block = implicit::blocks(self.mass, n);
         let entries = |vector: &[Sym]| -> Vec<usize> {
             let nonzero = (0..n).filter(|&k| !vector[k].is_structural_zero());
             nonzero.map(|k| block[k]).collect()

@@ -1,5 +1,7 @@
 //! A text as words, symbols and comments, with where lines end.
 
+use crate::text::comment;
+
 /// One piece of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Piece {
@@ -49,7 +51,7 @@ pub(super) fn pieces(text: &str) -> Vec<Piece> {
         let (kind, length) = if trimmed.starts_with("//") {
             (Kind::Comment, trimmed.find('\n').unwrap_or(trimmed.len()))
         } else if trimmed.starts_with("/*") {
-            (Kind::Comment, block_comment(trimmed))
+            (Kind::Comment, comment(trimmed).unwrap_or(trimmed.len()))
         } else if begins_number(trimmed) {
             (Kind::Word, number(trimmed))
         } else if first.is_alphanumeric() || first == '_' {
@@ -87,28 +89,6 @@ fn set_units_apart(pieces: &mut [Piece]) {
         let before = open.checked_sub(2).and_then(|before| pieces.get(before));
         pieces[open].apart = number && !product(behind) && !product(before);
     }
-}
-
-/// Length of a comment in `/* */`, which may hold others.
-fn block_comment(text: &str) -> usize {
-    let mut depth = 0;
-    let mut at = 0;
-    while at < text.len() {
-        let rest = &text[at..];
-        if rest.starts_with("/*") {
-            depth += 1;
-            at += 2;
-        } else if rest.starts_with("*/") {
-            depth -= 1;
-            at += 2;
-            if depth == 0 {
-                return at;
-            }
-        } else {
-            at += rest.chars().next().map_or(1, char::len_utf8);
-        }
-    }
-    text.len()
 }
 
 /// Whether a number stands first, such as `2` or `.5`.

@@ -3,7 +3,7 @@
 use super::cursor::Cursor;
 use super::documentation::documentation;
 use super::expression::{compared, expression};
-use super::pieces::{block, entries, name, range, target};
+use super::pieces::{block, entries, named, range, target};
 use crate::ast::{
     Assignment, Condition, Documentation, Expr, FreeStart, Kind, Name, Quantity, Relation,
     Statement, WrittenUnit,
@@ -23,15 +23,8 @@ pub(super) fn finally(cursor: &mut Cursor, word: &Name) -> Checked<Statement> {
 
 /// `constraint name: condition`.
 pub(super) fn constraint(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
-    let begin = cursor.place();
-    let name = match cursor.ident() {
-        Some(_) => Some(name(cursor, "a name")?),
-        None => None,
-    };
-    let Some(name) = name.filter(|_| cursor.eat_symbol(":")) else {
-        let message = "a constraint has a name, as in `constraint speed: dot(y) <= 3 [m/s]`";
-        return Err(cursor.said().syntax(begin, message));
-    };
+    let message = "a constraint has a name, as in `constraint speed: dot(y) <= 3 [m/s]`";
+    let name = named(cursor, "a name", message)?;
     let condition = condition(cursor, documentation)?;
     Ok(Statement::Constraint { name, condition })
 }

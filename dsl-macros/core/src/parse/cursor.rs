@@ -1,7 +1,7 @@
 //! A cursor over token trees that never panics and always knows a place.
 
 use crate::ast::Name;
-use crate::diagnostics::{Diagnostics, Place, Reported};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use proc_macro2::{Delimiter, Group, Ident, Spacing, Span, TokenStream, TokenTree};
 use std::cell::{RefCell, RefMut};
 use std::ops::Range;
@@ -226,6 +226,14 @@ impl Cursor {
             self.position += symbol.chars().count();
         }
         found
+    }
+
+    /// Reads a symbol, in whose place something else is reported by what was `expected`.
+    pub(super) fn expect_symbol(&mut self, symbol: &str, expected: &str) -> Checked<()> {
+        match self.eat_symbol(symbol) {
+            true => Ok(()),
+            false => Err(self.unexpected(expected)),
+        }
     }
 
     pub(crate) fn at_word(&self, word: &str) -> bool {

@@ -3,21 +3,14 @@
 use super::control::relation_follows;
 use super::cursor::Cursor;
 use super::expression::{compared, expression};
-use super::pieces::name;
+use super::pieces::named;
 use crate::ast::{Documentation, Expr, Name, Statement};
 use crate::diagnostics::{Checked, Reported};
 
 /// `joint name: left == right`.
 pub(super) fn joint(cursor: &mut Cursor, documentation: Documentation) -> Checked<Statement> {
-    let begin = cursor.place();
-    let named = match cursor.ident() {
-        Some(_) => Some(name(cursor, "the name of the joint")?),
-        None => None,
-    };
-    let Some(name) = named.filter(|_| cursor.eat_symbol(":")) else {
-        let message = "a joint has a name, as in `joint loop: left == right`";
-        return Err(cursor.said().syntax(begin, message));
-    };
+    let message = "a joint has a name, as in `joint loop: left == right`";
+    let name = named(cursor, "the name of the joint", message)?;
     match sides(cursor, &name) {
         Ok([left, right]) => Ok(Statement::Joint {
             documentation,

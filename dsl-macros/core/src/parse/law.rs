@@ -56,9 +56,7 @@ struct Parts {
 }
 
 fn law(cursor: &mut Cursor) -> Checked<Law> {
-    if !cursor.eat_symbol(":") {
-        return Err(cursor.unexpected("`:` and an impact law"));
-    }
+    cursor.expect_symbol(":", "`:` and an impact law")?;
     let begin = cursor.place();
     let mut parts = Parts::default();
     loop {
@@ -295,10 +293,10 @@ pub(super) fn dry_friction(
 
 /// Bound and sliding velocity.
 fn dry_parts(cursor: &mut Cursor, name: &Name) -> Checked<[Expr; 2]> {
-    if !cursor.eat_symbol(":") {
-        let wanted = "`:` behind the name, as in `dry friction hinge: bound f, sliding dot(q)`";
-        return Err(cursor.unexpected(wanted));
-    }
+    cursor.expect_symbol(
+        ":",
+        "`:` behind the name, as in `dry friction hinge: bound f, sliding dot(q)`",
+    )?;
     let (mut bound, mut sliding) = (None, None);
     loop {
         let place = cursor.place();

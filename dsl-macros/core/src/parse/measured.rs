@@ -57,10 +57,10 @@ pub(super) fn measured(
 
 /// `: "file"`.
 fn file(cursor: &mut Cursor, name: &Name) -> Checked<String> {
-    if !cursor.eat_symbol(":") {
-        let wanted = format!("`:` and the file of the measurements, as in `{EXAMPLE}`");
-        return Err(cursor.unexpected(&wanted));
-    }
+    cursor.expect_symbol(
+        ":",
+        &format!("`:` and the file of the measurements, as in `{EXAMPLE}`"),
+    )?;
     let place = cursor.place();
     let literal = match cursor.peek() {
         Some(TokenTree::Literal(literal)) => literal.to_string(),

@@ -155,10 +155,10 @@ fn corner_list(cursor: &mut Cursor) -> Checked<Vec<Expr>> {
 /// `curve name: points over w in lower..=upper`.
 fn curve(cursor: &mut Cursor) -> Checked<Shape> {
     let name = name(cursor, "the name of the curve")?;
-    if !cursor.eat_symbol(":") {
-        let expected = "`:` after the curve's name, as in `curve track: (w, h(w)) over w`";
-        return Err(cursor.unexpected(expected));
-    }
+    cursor.expect_symbol(
+        ":",
+        "`:` after the curve's name, as in `curve track: (w, h(w)) over w`",
+    )?;
     let points = expression_before(&words::PICTURE, cursor)?;
     if !cursor.eat_word("over") {
         let expected = "`over` and the number that runs along the curve, as in `(w, h(w)) over w`";

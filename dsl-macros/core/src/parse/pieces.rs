@@ -29,13 +29,16 @@ pub(super) fn name(cursor: &mut Cursor, what: &str) -> Checked<Name> {
     }
 }
 
-/// The sign `=`.
-pub(super) fn equals(cursor: &mut Cursor) -> Checked<()> {
-    if cursor.eat_symbol("=") {
-        Ok(())
-    } else {
-        Err(cursor.unexpected("`=`"))
+/// A name with a colon behind it; `message` says what has one.
+pub(super) fn named(cursor: &mut Cursor, what: &str, message: &str) -> Checked<Name> {
+    let begin = cursor.place();
+    if cursor.ident().is_some() {
+        let name = name(cursor, what)?;
+        if cursor.eat_symbol(":") {
+            return Ok(name);
+        }
     }
+    Err(cursor.said().syntax(begin, message))
 }
 
 /// The inside of the block behind a word.

@@ -4,7 +4,7 @@
 use super::cursor::Cursor;
 use super::documentation::documentation;
 use super::expression::expression;
-use super::pieces::{Bounds, block, entries, equals, name, range, target};
+use super::pieces::{Bounds, block, entries, name, range, target};
 use super::{control, joint, law, measured, picture, profile, slips, unit};
 use crate::ast::{Assignment, Documentation, Expr, Name, Quantity, Relation, Statement};
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
@@ -67,7 +67,9 @@ fn begins_statement(word: &str) -> bool {
 /// An abbreviation; without its value its name is known all the same.
 fn abbreviation(cursor: &mut Cursor) -> Checked<Statement> {
     let name = name(cursor, "the name of the abbreviation")?;
-    let value = equals(cursor).and_then(|()| expression(cursor));
+    let value = cursor
+        .expect_symbol("=", "`=`")
+        .and_then(|()| expression(cursor));
     match value {
         Ok(value) => Ok(Statement::Let { name, value }),
         Err(Reported) => {
@@ -234,9 +236,7 @@ fn assignments(cursor: &mut Cursor, word: &Name) -> Checked<Vec<Assignment>> {
     let inner = block(cursor, word)?;
     Ok(entries(inner, |cursor| {
         let (target, velocity) = target(cursor)?;
-        if !cursor.eat_symbol(":") {
-            return Err(cursor.unexpected("`:`"));
-        }
+        cursor.expect_symbol(":", "`:`")?;
         let value = expression(cursor)?;
         Ok(Assignment {
             target,
@@ -276,7 +276,7 @@ fn function_after_name(cursor: &mut Cursor, function: Name) -> Checked<Statement
             ),
         ));
     }
-    equals(cursor)?;
+    cursor.expect_symbol("=", "`=`")?;
     let body = expression(cursor)?;
     Ok(Statement::Function {
         name: function,
@@ -300,11 +300,10 @@ fn surface_after_name(
     documentation: Documentation,
     name: Name,
 ) -> Checked<Statement> {
-    if !cursor.eat_symbol(":") {
-        return Err(
-            cursor.unexpected("`:` after the surface's name, as in `surface ground: z >= 0`")
-        );
-    }
+    cursor.expect_symbol(
+        ":",
+        "`:` after the surface's name, as in `surface ground: z >= 0`",
+    )?;
     let left = expression(cursor)?;
     let relation = if cursor.eat_symbol(">=") {
         Relation::AtLeast
