@@ -25,8 +25,8 @@ pub(crate) fn run(arguments: &NlpArguments) -> Result<Report, BadInput> {
             sol.display()
         )));
     }
-    let target = arguments.sol.as_deref().map(Target::open).transpose()?;
     let bounds = Bounds::watch(name, &arguments.limits);
+    let target = arguments.sol.as_deref().map(Target::open).transpose()?;
     let mut display = SolveProgress::new(name);
     let mut options = Options::default();
     options.warm = false;

@@ -33,9 +33,9 @@ pub(crate) fn solution(
 /// Runs a job within its limits; tells what came of it.
 fn reported(job: Job, result: &ResultArguments) -> Result<Report, BadInput> {
     let name = job.chosen().scene.name;
+    let bounds = Bounds::watch(name, job.limits());
     let directory = result.out.as_deref().map(OutputDirectory::open);
     let directory = directory.transpose()?;
-    let bounds = Bounds::watch(name, job.limits());
     let run = match job.horizon() {
         Some(horizon) => {
             let mut progress = Progress::new(name, horizon);

@@ -64,8 +64,8 @@ pub(crate) fn run(
     let points = chains.iter().flat_map(|&chain| plan.chain(chain));
     let points: Vec<usize> = points.collect();
     let mut done = 0;
-    let mut table = SweepTable::open(out, &plan, &points, arguments.resume, &mut |_| done += 1)?;
     listen();
+    let mut table = SweepTable::open(out, &plan, &points, arguments.resume, &mut |_| done += 1)?;
     let (counted, stop) = compute(&plan, &chains, &points[done..], &mut table)?;
     let mut report = Report::default();
     let new: usize = counted.values().sum();

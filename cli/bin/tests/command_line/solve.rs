@@ -321,7 +321,7 @@ fn solve_interrupted_writes_what_it_has_and_ends_with_status_3() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // The program listens before it makes its folder in the directory.
+    // The program listens before it makes its folder in the directory, so that no interrupt leaves one behind.
     wait_until("the folder of the run", || !scratch.names().is_empty());
     let killed = Command::new("kill")
         .args(["-INT", &child.id().to_string()])

@@ -58,8 +58,8 @@ pub(crate) fn run(listed: &Listed, arguments: &ChartArguments) -> Result<Report,
             Peers::measured_by(script, &names, listed.peers)?
         }
     };
-    let directory = OutputDirectory::open(&arguments.out)?;
     let bounds = Bounds::watch("chart", &arguments.limits);
+    let directory = OutputDirectory::open(&arguments.out)?;
     let mut drawn = Drawn::default();
     let many: usize = charted.iter().map(|charted| charted.studies.len()).sum();
     let mut done = 0;

@@ -79,8 +79,8 @@ pub(super) fn run(
             "this program knows no hard scenes; name scenes or scene files after `chart --stability`",
         ));
     }
-    let directory = OutputDirectory::open(&arguments.out)?;
     let bounds = Bounds::watch("chart", &arguments.limits);
+    let directory = OutputDirectory::open(&arguments.out)?;
     let mut tables = Tables {
         motions: side_by_side(
             "stability",

@@ -40,8 +40,8 @@ pub(crate) fn run(
             "none of the scenes has published results to reproduce; run `list` for the scenes, `--help` for the commands",
         ));
     }
-    let directory = OutputDirectory::open(&arguments.out)?;
     let bounds = Bounds::watch("reproduce", &arguments.limits);
+    let directory = OutputDirectory::open(&arguments.out)?;
     let cases: Vec<(&'static Scene, &'static PublishedCase)> = scenes
         .iter()
         .flat_map(|scene| scene.published.iter().map(move |case| (scene, case)))
