@@ -2,6 +2,7 @@
 
 use hangtime::model::Model;
 use hangtime_models::scenes;
+use hangtime_scene_files::of_text;
 
 use super::draw::Draw;
 use super::texts;
@@ -73,6 +74,18 @@ fn shipped_scene(name: &str, draw: &mut Draw) -> Box<dyn Model> {
     }
 }
 
+/// The scene of a text.
+///
+/// # Panics
+/// If the text is refused: every scene of these families is one.
+fn of_family(name: &str, draw: &mut Draw) -> Box<dyn Model> {
+    let text = texts::text(name, draw);
+    match of_text("scene.hang", &text) {
+        Ok(scene) => Box::new(scene),
+        Err(error) => panic!("{name} is refused: {error}\n{text}"),
+    }
+}
+
 /// Families of random scenes.
 pub(crate) fn random() -> Vec<Kind> {
     let kinds: [(&str, Scene); 6] = [
@@ -84,7 +97,7 @@ pub(crate) fn random() -> Vec<Kind> {
         ("cranes", |_, draw| Box::new(crane(draw))),
     ];
     let texts = texts::FAMILIES.iter();
-    let texts = texts.map(|(name, _)| (*name, texts::scene as Scene));
+    let texts = texts.map(|(name, _)| (*name, of_family as Scene));
     kinds
         .into_iter()
         .chain(texts)

@@ -3,9 +3,6 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-use hangtime::model::Model;
-use hangtime_scene_files::of_text;
-
 use super::draw::Draw;
 
 /// Draws a scene as a text.
@@ -21,18 +18,6 @@ pub(crate) const FAMILIES: [(&str, Family); 7] = [
     ("linkages", linkages),
     ("spatial", spatial),
 ];
-
-/// The scene of a text.
-///
-/// # Panics
-/// If the text is refused: every scene of these families is one.
-pub(crate) fn scene(name: &str, draw: &mut Draw) -> Box<dyn Model> {
-    let text = text(name, draw);
-    match of_text("scene.hang", &text) {
-        Ok(scene) => Box::new(scene),
-        Err(error) => panic!("{name} is refused: {error}\n{text}"),
-    }
-}
 
 /// The text of a scene of a family.
 pub(crate) fn text(name: &str, draw: &mut Draw) -> String {

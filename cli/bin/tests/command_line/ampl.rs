@@ -1,20 +1,13 @@
 //! The protocol by which modelling languages call solvers.
 
-use std::process::Command;
-
 use crate::nlp::file;
-use crate::support::{Scratch, hangtime, refused, solved};
+use crate::support::{Said, Scratch, hangtime, program, solved};
 
 /// Runs the protocol on a program that is written first; the status, standard output and the `.sol` file.
-fn answered(scratch: &Scratch, text: &str, options: &[&str]) -> (Option<i32>, String, String) {
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    std::fs::write(scratch.0.join("p.nl"), text).unwrap();
-    let stub = scratch.0.join("p");
-    let mut arguments = vec![stub.to_str().unwrap(), "-AMPL"];
-    arguments.extend(options);
-    let output = hangtime(&arguments);
-    let log = String::from_utf8(output.stdout).unwrap();
-    (output.status.code(), log, scratch.read("p.sol"))
+fn answered(scratch: &Scratch, text: &str, options: &str) -> (Option<i32>, String, String) {
+    let path = scratch.write("p.nl", text);
+    let said = hangtime(&format!("{} -AMPL {options}", path.trim_end_matches(".nl")));
+    (said.status, said.out, scratch.read("p.sol"))
 }
 
 fn number(sol: &str) -> usize {
@@ -25,7 +18,7 @@ fn number(sol: &str) -> usize {
 #[test]
 fn ampl_answers_by_a_file_with_suffixes_a_log_and_status_0() {
     let scratch = Scratch::new("ampl");
-    let (status, log, sol) = answered(&scratch, &file(0.0, "2 0", "3"), &[]);
+    let (status, log, sol) = answered(&scratch, &file(0.0, "2 0", "3"), "");
     assert_eq!(status, Some(0));
     assert!(
         log.contains("inf_pr") && log.contains("hangtime: solved"),
@@ -36,16 +29,16 @@ fn ampl_answers_by_a_file_with_suffixes_a_log_and_status_0() {
         sol.contains("\nstationarity\n0 2\n") && sol.contains("ipopt_zL_out"),
         "{sol}"
     );
-    let (_, log, _) = answered(&scratch, &file(0.0, "2 0", "3"), &["print_level=0"]);
+    let (_, log, _) = answered(&scratch, &file(0.0, "2 0", "3"), "print_level=0");
     assert_eq!(log, "");
 }
 
 #[test]
 fn ampl_tells_limits_infeasible_and_refused_programs_by_their_numbers() {
     let scratch = Scratch::new("ampl-numbers");
-    let (status, _, sol) = answered(&scratch, &file(3.0, "2 1", "1 1"), &[]);
+    let (status, _, sol) = answered(&scratch, &file(3.0, "2 1", "1 1"), "");
     assert_eq!((status, number(&sol)), (Some(0), 200));
-    let (status, _, sol) = answered(&scratch, &file(0.0, "2 0", "3"), &["toll=1e-7"]);
+    let (status, _, sol) = answered(&scratch, &file(0.0, "2 0", "3"), "toll=1e-7");
     assert_eq!((status, number(&sol)), (Some(0), 500));
     assert!(
         sol.starts_with("hangtime: there is no option `toll`"),
@@ -53,7 +46,7 @@ fn ampl_tells_limits_infeasible_and_refused_programs_by_their_numbers() {
     );
     // the first of the two variables is binary
     let whole = file(0.0, "2 0", "3").replacen("0 0 0 0 0", "1 0 0 0 0", 1);
-    let (status, log, sol) = answered(&scratch, &whole, &[]);
+    let (status, log, sol) = answered(&scratch, &whole, "");
     assert_eq!((status, number(&sol)), (Some(0), 500));
     assert!(
         sol.contains("whole number") && log.contains("whole number"),
@@ -61,25 +54,20 @@ fn ampl_tells_limits_infeasible_and_refused_programs_by_their_numbers() {
     );
     // log x has no value at the start 0 of a free variable
     let outside = file(0.0, "3", "3").replace("o5\no1\nv0\nn2\nn2", "o43\no5\nv0\nn2");
-    let (status, _, sol) = answered(&scratch, &outside, &[]);
+    let (status, _, sol) = answered(&scratch, &outside, "");
     assert_eq!((status, number(&sol)), (Some(0), 500));
 }
 
 #[test]
 fn ampl_takes_options_from_the_environment_and_then_from_the_line() {
     let scratch = Scratch::new("ampl-environment");
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let path = scratch.0.join("p.nl");
-    std::fs::write(&path, file(0.0, "2 0", "3")).unwrap();
+    let path = scratch.write("p.nl", file(0.0, "2 0", "3"));
     let run = |words: &[&str]| {
-        let output = Command::new(env!("CARGO_BIN_EXE_hangtime"))
-            .args([path.to_str().unwrap(), "-AMPL"])
-            .args(words)
-            .env("hangtime_options", "print_level=0 max_iter=1")
-            .output()
-            .unwrap();
-        assert!(output.status.success());
-        (output.stdout.len(), number(&scratch.read("p.sol")))
+        let mut command = program();
+        let command = command.args([&path, "-AMPL"]).args(words);
+        let said = Said::by(command.env("hangtime_options", "print_level=0 max_iter=1"));
+        assert_eq!(said.status, Some(0));
+        (said.out.len(), number(&scratch.read("p.sol")))
     };
     let (printed, limited) = run(&[]);
     assert_eq!(printed, 0);
@@ -91,22 +79,14 @@ fn ampl_takes_options_from_the_environment_and_then_from_the_line() {
 fn ampl_is_told_the_version_and_the_options_before_it_solves() {
     // Pyomo calls a solver available if `-v` says a version.
     assert_eq!(
-        solved(&["-v"]),
+        solved("-v"),
         format!("hangtime {}\n", env!("CARGO_PKG_VERSION"))
     );
-    let options = solved(&["-="]);
+    let options = solved("-=");
     for name in ["tol ", "max_iter ", "warm_start ", "print_level "] {
         assert!(
             options.lines().any(|line| line.starts_with(name)),
             "{options}"
         );
     }
-}
-
-#[test]
-fn ampl_without_a_program_is_refused_in_one_line() {
-    let scratch = Scratch::new("ampl-none");
-    let missing = scratch.0.join("missing");
-    let line = refused(&[missing.to_str().unwrap(), "-AMPL"]);
-    assert!(line.contains("missing.nl"), "{line}");
 }

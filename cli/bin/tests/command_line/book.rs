@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::thread;
 
 use hangtime_book::{
@@ -12,7 +11,7 @@ use hangtime_book::{
 use serde_json::json;
 
 use crate::browser::{Origin, browser, visit};
-use crate::support::Scratch;
+use crate::support::{Said, Scratch, program};
 
 /// The root of the repository.
 fn root() -> PathBuf {
@@ -30,13 +29,8 @@ fn pages(book: &Book) -> Vec<Page> {
 
 /// Exit status and everything that is printed.
 fn run(folder: &Path, arguments: &[String]) -> (Option<i32>, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_hangtime"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .unwrap();
-    let printed = [output.stdout, output.stderr].concat();
-    (output.status.code(), String::from_utf8(printed).unwrap())
+    let said = Said::by(program().current_dir(folder).args(arguments));
+    (said.status, said.out + &said.err)
 }
 
 /// Writes a scene and checks it; what is wrong.
@@ -469,9 +463,8 @@ fn every_field_of_a_document_has_a_line_in_the_book() {
         "simulate thermostat --json",
         "solve pump-track --intervals 6 --formulation time-freezing --json",
     ] {
-        let arguments: Vec<&str> = command.split(' ').collect();
         let mut found = Vec::new();
-        fields(&crate::support::json(&arguments), &mut found);
+        fields(&crate::support::json(command), &mut found);
         for name in found {
             // Outputs stand in gradients by their names.
             let output = name == "tip" || name == "on";

@@ -16,13 +16,13 @@ fn answers_are_what_solve_finds() {
         "bouncing-throw",
         "jump-on-sledge",
     ] {
-        let scene = &json(&["list", name, "--json"])["scenes"][0];
+        let scene = &json(&format!("list {name} --json"))["scenes"][0];
         let known = scene["known"]["objective"].as_f64().unwrap();
         let intervals = scene["known"]["intervals"].to_string();
         // An estimate plans nothing.
         let solution = match intervals.as_str() {
-            "0" => json(&["solve", name, "--json"]),
-            _ => json(&["solve", name, "--intervals", &intervals, "--json"]),
+            "0" => json(&format!("solve {name} --json")),
+            _ => json(&format!("solve {name} --intervals {intervals} --json")),
         };
         let found = solution["objective"].as_f64().unwrap();
         assert_eq!(solution["status"], "solved", "{name}");
@@ -35,7 +35,7 @@ fn answers_are_what_solve_finds() {
 
 #[test]
 fn scenes_that_ask_are_in_groups_can_be_solved_and_are_in_the_settled_style() {
-    let document = json(&["list", "--json"]);
+    let document = json("list --json");
     let scenes = document["scenes"].as_array().unwrap();
     let asking = scenes.iter().filter(|scene| !scene["question"].is_null());
     let asking: Vec<_> = asking.collect();
@@ -50,7 +50,7 @@ fn scenes_that_ask_are_in_groups_can_be_solved_and_are_in_the_settled_style() {
             scene["name"]
         );
     }
-    let alone = &json(&["list", "hop", "--json"])["scenes"][0];
+    let alone = &json("list hop --json")["scenes"][0];
     assert!(scenes.contains(alone), "{alone}");
     for scene in asking {
         let name = scene["name"].as_str().unwrap();
@@ -60,7 +60,7 @@ fn scenes_that_ask_are_in_groups_can_be_solved_and_are_in_the_settled_style() {
             "{}/../../models/gallery/{name}.hang",
             env!("CARGO_MANIFEST_DIR")
         );
-        solved(&["fmt", "--check", &file]);
+        solved(&format!("fmt --check {file}"));
     }
 }
 

@@ -1,11 +1,9 @@
 //! Joints at the command line: forces in JSON, what `explain` says, and refusals.
 
-use std::fs;
-
-use crate::support::{Scratch, json, refused, solved};
+use crate::support::{Scratch, json, solved};
 
 /// A pendulum as a point on a rod, that also is held by its velocity along a line in space.
-const ROD: &str = "
+pub(crate) const ROD: &str = "
     parameters { m: kg = 2, g: m/s^2 = 9.81, l: m = 1.5 }
     coordinates { x: m, y: m, z: m }
     lagrangian m/2*|dot((x, y, z))|^2 - m*g*z
@@ -16,21 +14,12 @@ const ROD: &str = "
     horizon 1 [s]
 ";
 
-fn written(scratch: &Scratch, text: &str) -> String {
-    fs::create_dir_all(&scratch.0).unwrap();
-    let path = scratch.0.join("rod.hang");
-    fs::write(&path, text).unwrap();
-    path.to_str().unwrap().to_owned()
-}
-
 #[test]
 fn forces_of_joints_stand_beside_the_trajectory() {
     let scratch = Scratch::new("joints");
-    let file = written(
-        &scratch,
-        &ROD.replace("joint still: dot(y) == 0", "joint still: dot(x) == 0"),
-    );
-    let run = json(&["simulate", &file, "--json"]);
+    let held = ROD.replace("joint still: dot(y) == 0", "joint still: dot(x) == 0");
+    let file = scratch.write("rod.hang", held);
+    let run = json(&format!("simulate {file} --json"));
     let rows = run["trajectory"]["time"].as_array().unwrap().len();
     let rod = run["joints"]["rod"]["force"].as_array().unwrap();
     let still = run["joints"]["still"]["force"].as_array().unwrap();
@@ -42,15 +31,15 @@ fn forces_of_joints_stand_beside_the_trajectory() {
         assert!(rod[1].as_f64().unwrap().abs() < 1e-12);
         assert!(still.as_f64().unwrap().abs() < 1e-12);
     }
-    let free = json(&["simulate", "ski-jump", "--json", "--horizon", "0.1"]);
+    let free = json("simulate ski-jump --json --horizon 0.1");
     assert!(free.get("joints").is_none());
 }
 
 #[test]
 fn explain_names_joints_and_what_they_add() {
     let scratch = Scratch::new("joints-explained");
-    let file = written(&scratch, ROD);
-    let text = solved(&["explain", &file]);
+    let file = scratch.write("rod.hang", ROD);
+    let text = solved(&format!("explain {file}"));
     assert!(
         text.contains("joint       rod [m^2]: 2 equations between positions, and their rates"),
         "{text}"
@@ -60,10 +49,6 @@ fn explain_names_joints_and_what_they_add() {
         "{text}"
     );
     assert!(text.contains("joint(rod.1)' = 0"), "{text}");
-    let size = solved(&["explain", &file, "--size"]);
+    let size = solved(&format!("explain {file} --size"));
     assert!(size.contains("joints"), "{size}");
-    assert!(
-        refused(&["simulate", &file, "--method", "smooth"])
-            .contains("joint `rod` by smoothed steps is not supported")
-    );
 }

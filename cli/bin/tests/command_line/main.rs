@@ -5,19 +5,18 @@
 mod ampl;
 mod book;
 mod browser;
-mod contact_scenes;
 mod design;
 mod fit;
 mod gallery;
 mod gradients;
 mod joints;
-mod mixed_scenes;
 mod nlp;
 mod play;
 #[cfg(feature = "play")]
 mod play_page;
 mod player;
 mod random;
+mod random_scenes;
 mod refusals;
 mod scene_files;
 mod simulate;

@@ -1,6 +1,6 @@
 //! `nlp`: programs from `.nl` files.
 
-use crate::support::{Scratch, hangtime, json, refused, solved};
+use crate::support::{Scratch, hangtime, json, refused, solved, unsolved};
 
 /// `min (x - 2)^2 + (y - 1)^2` where `y - s >= 0` complements `x >= 0`: 1 at `(2, 0)` for `s = 0`; no point for `y <= 1`,
 /// `x >= 1` and `s = 3`.
@@ -12,19 +12,11 @@ pub(crate) fn file(s: f64, x: &str, y: &str) -> String {
     heading.to_owned() + &words.replace(['"'], "").replace(' ', "\n") + "\n"
 }
 
-/// Writes a file and returns its path.
-fn written(scratch: &Scratch, name: &str, text: &str) -> String {
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let path = scratch.0.join(name);
-    std::fs::write(&path, text).unwrap();
-    path.to_str().unwrap().to_owned()
-}
-
 #[test]
 fn nlp_prints_a_summary_and_one_json_object_with_the_keys_of_solve() {
     let scratch = Scratch::new("nlp");
-    let path = written(&scratch, "two.nl", &file(0.0, "2 0", "3"));
-    let text = solved(&["nlp", &path]);
+    let path = scratch.write("two.nl", &file(0.0, "2 0", "3"));
+    let text = solved(&format!("nlp {path}"));
     for words in [
         "1 pair",
         "status        solved",
@@ -33,7 +25,7 @@ fn nlp_prints_a_summary_and_one_json_object_with_the_keys_of_solve() {
     ] {
         assert!(text.contains(words), "`{words}` is missing in\n{text}");
     }
-    let document = json(&["nlp", &path, "--json"]);
+    let document = json(&format!("nlp {path} --json"));
     assert_eq!(document["schema"], 1);
     assert_eq!(document["status"], "solved");
     assert_eq!(document["size"]["complementarities"], 1);
@@ -47,9 +39,9 @@ fn nlp_prints_a_summary_and_one_json_object_with_the_keys_of_solve() {
 #[test]
 fn nlp_writes_the_solution_file_that_modelling_languages_read() {
     let scratch = Scratch::new("nlp-sol");
-    let path = written(&scratch, "two.nl", &file(0.0, "2 0", "3"));
+    let path = scratch.write("two.nl", &file(0.0, "2 0", "3"));
     let sol = scratch.0.join("two.sol");
-    let text = solved(&["nlp", &path, "--sol", sol.to_str().unwrap()]);
+    let text = solved(&format!("nlp {path} --sol {}", sol.display()));
     assert!(text.contains("wrote "), "{text}");
     let lines: Vec<String> = scratch.read("two.sol").lines().map(str::to_owned).collect();
     assert_eq!(
@@ -63,53 +55,30 @@ fn nlp_writes_the_solution_file_that_modelling_languages_read() {
 #[test]
 fn nlp_without_a_feasible_point_says_what_is_violated_and_ends_with_status_3() {
     let scratch = Scratch::new("nlp-infeasible");
-    let path = written(&scratch, "none.nl", &file(3.0, "2 1", "1 1"));
-    written(&scratch, "none.row", "balance\n");
-    let output = hangtime(&["nlp", &path, "--json"]);
-    assert_eq!(output.status.code(), Some(3));
-    let stderr = String::from_utf8(output.stderr).unwrap();
+    let path = scratch.write("none.nl", &file(3.0, "2 1", "1 1"));
+    scratch.write("none.row", "balance\n");
+    let (document, stderr) = unsolved(&format!("nlp {path} --json"));
     assert!(
         stderr.contains("infeasible") && stderr.contains("balance"),
         "{stderr}"
     );
-    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     // y <= 1, but y >= 3
     assert!((document["residuals"]["primal"].as_f64().unwrap() - 2.0).abs() < 1e-3);
 }
 
 #[test]
-fn nlp_refuses_what_is_no_program_in_one_line() {
-    let scratch = Scratch::new("nlp-refused");
-    let path = written(&scratch, "cut.nl", &file(0.0, "2 0", "3")[..120]);
-    let line = refused(&["nlp", &path]);
-    assert!(line.contains("cut.nl") && line.contains("line "), "{line}");
-    let whole = file(0.0, "2 0", "3");
-    let short = written(&scratch, "short.nl", whole[..whole.len() - 2].trim_end());
-    let line = refused(&["nlp", &short]);
-    assert!(
-        line.contains("line ") && line.contains("it is cut off"),
-        "{line}"
-    );
-    let line = refused(&["nlp", scratch.text()]);
-    assert!(line.contains("give a .nl file that can be read"), "{line}");
-    let missing = scratch.0.join("missing.nl");
-    let line = refused(&["nlp", missing.to_str().unwrap()]);
-    assert!(line.contains("missing.nl"), "{line}");
-}
-
-#[test]
 fn nlp_writes_its_solution_whole_or_leaves_what_there_was() {
     let scratch = Scratch::new("nlp-whole");
-    let path = written(&scratch, "two.nl", &file(0.0, "2 0", "3"));
-    let sol = written(&scratch, "two.sol", "older");
-    let text = solved(&["nlp", &path, "--sol", &sol]);
+    let path = scratch.write("two.nl", &file(0.0, "2 0", "3"));
+    let sol = scratch.write("two.sol", "older");
+    let text = solved(&format!("nlp {path} --sol {sol}"));
     assert!(text.contains("replaced "), "{text}");
     assert!(scratch.read("two.sol").ends_with("objno 0 0\n"));
     assert_eq!(scratch.names(), ["two.nl", "two.sol"]);
     // Refused before the run, as an output directory is.
     let below = format!("{path}/two.sol");
     for target in [scratch.text(), below.as_str()] {
-        let line = refused(&["nlp", &path, "--sol", target]);
+        let line = refused(&format!("nlp {path} --sol {target}"));
         assert!(line.contains("give"), "{line}");
     }
     assert_eq!(scratch.names(), ["two.nl", "two.sol"]);
@@ -119,11 +88,11 @@ fn nlp_writes_its_solution_whole_or_leaves_what_there_was() {
 #[test]
 fn nlp_writes_into_a_link_without_touching_what_it_leads_to() {
     let scratch = Scratch::new("nlp-link");
-    let path = written(&scratch, "two.nl", &file(0.0, "2 0", "3"));
-    written(&scratch, "precious", "keep");
+    let path = scratch.write("two.nl", &file(0.0, "2 0", "3"));
+    scratch.write("precious", "keep");
     let sol = scratch.0.join("two.sol");
     std::os::unix::fs::symlink("precious", &sol).unwrap();
-    solved(&["nlp", &path, "--sol", sol.to_str().unwrap()]);
+    solved(&format!("nlp {path} --sol {}", sol.display()));
     assert_eq!(scratch.read("precious"), "keep");
     assert!(scratch.read("two.sol").ends_with("objno 0 0\n"));
 }
@@ -133,18 +102,17 @@ fn nlp_writes_into_a_link_without_touching_what_it_leads_to() {
 fn nlp_shows_names_of_files_without_obeying_them() {
     let scratch = Scratch::new("nlp-steering");
     let name = "a\u{1b}[2J\u{9b}31m\u{202e}\nstatus b.nl";
-    let path = written(&scratch, name, &file(0.0, "2 0", "3"));
+    let path = scratch.write(name, &file(0.0, "2 0", "3"));
     let steers = |c: char| c.is_control() && c != '\n' || c == '\u{202e}';
-    let text = solved(&["nlp", &path]);
+    let text = solved(vec!["nlp", &path]);
     assert!(!text.contains(steers), "{text:?}");
     assert!(
         text.lines().next().unwrap().ends_with("status b.nl"),
         "{text:?}"
     );
-    let output = hangtime(&["nlp", &path, "--json"]);
-    let text = String::from_utf8(output.stdout).unwrap();
-    assert!(!text.contains(steers), "{text:?}");
-    let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let said = hangtime(vec!["nlp", &path, "--json"]);
+    assert!(!said.out.contains(steers), "{:?}", said.out);
+    let document = said.json();
     assert_eq!(document["file"], path.as_str());
 }
 
@@ -152,10 +120,10 @@ fn nlp_shows_names_of_files_without_obeying_them() {
 fn nlp_keeps_its_own_program_from_being_replaced() {
     let scratch = Scratch::new("nlp-own");
     let text = file(0.0, "2 0", "3");
-    let path = written(&scratch, "two.nl", &text);
+    let path = scratch.write("two.nl", &text);
     let other = scratch.0.join("./two.nl");
     for sol in [path.as_str(), other.to_str().unwrap()] {
-        let line = refused(&["nlp", &path, "--sol", sol]);
+        let line = refused(&format!("nlp {path} --sol {sol}"));
         assert!(line.contains("the program itself"), "{line}");
     }
     assert_eq!(scratch.read("two.nl"), text);
@@ -167,9 +135,7 @@ fn nlp_beyond_the_limit_on_the_size_of_files_says_so_and_leaves_none() {
     let scratch = Scratch::new("nlp-limit");
     // 3000 free variables, whose values take more than 1 kB
     let count = 3000;
-    let path = written(
-        &scratch,
-        "many.nl",
+    let path = scratch.write("many.nl",
         &format!(
             "g3 1 1 0\n {count} 0 1 0 0\n 0 1\n 0 0\n 0 1 0\n 0 0 0 1\n 0 0 0 0 0\n 0 0\n 0 0\n 0 0 0 0 0\nO0 0\no5\nv0\nn2\nb\n{}",
             "3\n".repeat(count)

@@ -22,12 +22,8 @@ pub(crate) fn text(scene: &str) -> &'static str {
 /// What the command prints for the file of a scene, whatever its exit status is.
 pub(crate) fn printed(command: &str, scene: &str, text: &str, settings: &[&str]) -> String {
     let scratch = Scratch::new("play");
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let file = scratch.0.join(format!("{scene}.hang"));
-    std::fs::write(&file, text).unwrap();
-    let mut arguments = vec![command, file.to_str().unwrap(), "--json"];
-    arguments.extend(settings);
-    String::from_utf8(hangtime(&arguments).stdout).unwrap()
+    let file = scratch.write(&format!("{scene}.hang"), text);
+    hangtime(&format!("{command} {file} --json {}", settings.join(" "))).out
 }
 
 fn answer(request: &Value) -> String {
@@ -95,13 +91,10 @@ fn mistakes_in_a_call_have_their_place_and_the_report_of_the_command() {
     // The face is two units of UTF-16: 5 + 1 in the first line, 21 in the second, 35 before the name.
     assert_eq!(mistake["place"], json!([62, 64]));
     let scratch = Scratch::new("play-mistake");
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let file = scratch.0.join("ball.hang");
-    std::fs::write(&file, text).unwrap();
-    let file = file.to_str().unwrap();
-    let stderr = String::from_utf8(hangtime(&["check", file]).stderr).unwrap();
+    let file = scratch.write("ball.hang", text);
+    let stderr = hangtime(&format!("check {file}")).err;
     let report = answer["report"].as_str().unwrap();
-    assert_eq!(stderr.trim_end().replace(file, "ball.hang"), report);
+    assert_eq!(stderr.trim_end().replace(&file, "ball.hang"), report);
 }
 
 #[test]
@@ -147,10 +140,8 @@ fn text_is_formatted_by_a_call() {
     let request = json!({ "call": "fmt", "name": "x", "text": untidy });
     let formatted: Value = serde_json::from_str(&answer(&request)).unwrap();
     let scratch = Scratch::new("play-fmt");
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let file = scratch.0.join("x.hang");
-    std::fs::write(&file, untidy).unwrap();
-    crate::support::solved(&["fmt", file.to_str().unwrap()]);
+    let file = scratch.write("x.hang", untidy);
+    crate::support::solved(&format!("fmt {file}"));
     assert_eq!(formatted["text"], scratch.read("x.hang"));
     assert_ne!(formatted["text"], untidy);
 }
@@ -178,13 +169,9 @@ fn page_about_a_mistake_is_answered_and_one_that_is_not_there_refused() {
         serde_json::from_str(&answer(&request)).unwrap()
     };
     for code in ["E03", "e3", "syntax"] {
-        let explained = hangtime(&["explain", code]).stdout;
+        let explained = hangtime(&format!("explain {code}")).out;
         let text = page(code)["text"].as_str().unwrap().to_owned();
-        assert_eq!(
-            text.trim_end(),
-            String::from_utf8(explained).unwrap().trim_end(),
-            "{code}"
-        );
+        assert_eq!(text.trim_end(), explained.trim_end(), "{code}");
     }
     let refusal = page("E99")["refusal"].as_str().unwrap().to_owned();
     assert!(
@@ -278,16 +265,14 @@ fn jumps_of_controls_and_velocities_have_a_frame_to_either_side() {
 #[cfg(not(feature = "play"))]
 #[test]
 fn program_without_its_page_says_how_to_build_it() {
-    let refusal = crate::support::refused(&["play"]);
+    let refusal = crate::support::refused("play");
     assert!(refusal.contains("--features play"), "{refusal}");
 }
 
 /// What a script prints in node, line by line as JSON; `None` where there is no node.
 fn node(script: &str) -> Option<Vec<Value>> {
     let scratch = Scratch::new("play-script");
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let file = scratch.0.join("run.mjs");
-    std::fs::write(&file, script).unwrap();
+    let file = scratch.write("run.mjs", script);
     let Ok(run) = std::process::Command::new("node").arg(&file).output() else {
         eprintln!("skipped: no node found, which runs the scripts of the page without a browser");
         return None;

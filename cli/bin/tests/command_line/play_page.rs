@@ -20,12 +20,9 @@ fn visiting(visitor: &str) -> String {
 }
 
 /// The page, in a folder of its own.
-fn page(arguments: &[&str]) -> (Scratch, String) {
+fn page(arguments: &str) -> (Scratch, String) {
     let scratch = Scratch::new("play-page");
-    let mut all = vec!["play"];
-    all.extend(arguments);
-    all.extend(["--out", scratch.text()]);
-    solved(&all);
+    solved(&format!("play {arguments} --out {}", scratch.text()));
     let page = scratch.read("play.html");
     (scratch, page)
 }
@@ -79,14 +76,9 @@ fn assert_same_motion(seen: &Value, native: &Value) {
 /// Answers of the module of a page to requests, without a browser.
 fn answers(page: &str, script: &str) -> Option<Vec<Value>> {
     let scratch = Scratch::new("play-node");
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let (file, program) = (scratch.0.join("play.html"), scratch.0.join("run.mjs"));
-    std::fs::write(&file, page).unwrap();
-    std::fs::write(
-        &program,
-        format!("{}\n{script}", include_str!("module.mjs")),
-    )
-    .unwrap();
+    let file = scratch.write("play.html", page);
+    let program = format!("{}\n{script}", include_str!("module.mjs"));
+    let program = scratch.write("run.mjs", program);
     let run = Command::new("node").arg(&program).arg(&file).output();
     let Ok(run) = run else {
         eprintln!("skipped: no node found, which runs the module without a browser");
@@ -108,7 +100,7 @@ fn answers(page: &str, script: &str) -> Option<Vec<Value>> {
 
 #[test]
 fn module_simulates_and_solves_as_this_machine_does() {
-    let (_scratch, page) = page(&[]);
+    let (_scratch, page) = page("");
     let mut cases: Vec<(&str, &str, &[&str])> = Vec::new();
     for (scene, _) in hangtime_models::scene_texts() {
         cases.push(("simulate", scene, &[]));
@@ -140,7 +132,7 @@ fn module_simulates_and_solves_as_this_machine_does() {
 
 #[test]
 fn module_answers_texts_with_mistakes() {
-    let (_scratch, page) = page(&[]);
+    let (_scratch, page) = page("");
     let wanted = std::env::var("HANGTIME_MUTATED_SCENES").ok();
     let count = wanted.map_or(MUTATED, |count| count.parse().unwrap());
     let script = format!(
@@ -163,7 +155,7 @@ fn module_answers_texts_with_mistakes() {
 
 #[test]
 fn module_answers_texts_that_lead_deep() {
-    let (_scratch, page) = page(&[]);
+    let (_scratch, page) = page("");
     let Some(answers) = answers(&page, "deep();") else {
         return;
     };
@@ -183,7 +175,7 @@ fn page_from_the_file_system_edits_mends_simulates_stops_and_solves() {
     let Some(browser) = browser() else {
         return;
     };
-    let (scratch, page) = page(&[]);
+    let (scratch, page) = page("");
     // No more than what a mail carries; the module is most of it.
     assert!(page.len() < 4_000_000, "{}", page.len());
     let (report, console) = visit(
@@ -261,7 +253,7 @@ fn page_keeps_scenes_by_name_over_visits_and_undoes_over_scenes() {
     let Some(browser) = browser() else {
         return;
     };
-    let (scratch, page) = page(&[]);
+    let (scratch, page) = page("");
     let script = visiting(WRITER);
     let (report, console) = visit(&browser, &scratch.0, &page, &script, Origin::Server);
     assert_eq!(console, "");
@@ -400,7 +392,7 @@ fn page_shows_the_gallery_reads_points_saves_and_solves_again() {
     let Some(browser) = browser() else {
         return;
     };
-    let (scratch, page) = page(&[]);
+    let (scratch, page) = page("");
     let script = visiting(READER);
     let (report, console) = visit(&browser, &scratch.0, &page, &script, Origin::Server);
     assert_eq!(console, "");
@@ -438,10 +430,8 @@ fn page_shows_the_gallery_reads_points_saves_and_solves_again() {
 #[test]
 fn page_of_a_file_opens_with_it() {
     let scratch = Scratch::new("play-own");
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let file = scratch.0.join("own.hang");
-    std::fs::write(&file, "// </script>\ncoordinates { z: m }\n").unwrap();
-    let (_folder, page) = page(&[file.to_str().unwrap()]);
+    let file = scratch.write("own.hang", "// </script>\ncoordinates { z: m }\n");
+    let (_folder, page) = page(&file);
     let scenes = crate::support::embedded(&page, "shipped");
     let own = "// </script>\ncoordinates { z: m }\n";
     assert_eq!([&scenes[0]["name"], &scenes[0]["text"]], ["own", own]);

@@ -57,14 +57,12 @@ fn clock(seen: &Value) -> f64 {
 }
 
 /// Simulates a scene and plays it; `check` sees the report.
-fn play(name: &str, arguments: &[&str], check: impl Fn(&Value)) {
+fn play(name: &str, line: &str, check: impl Fn(&Value)) {
     let Some(browser) = browser() else {
         return;
     };
     let scratch = Scratch::new(&format!("player-{name}"));
-    let mut arguments = arguments.to_vec();
-    arguments.extend(["--out", scratch.text()]);
-    solved(&arguments);
+    solved(&format!("{line} --out {}", scratch.text()));
     let page = scratch.read(&format!("{name}.html"));
     let (report, console) = visit(&browser, &scratch.0, &page, VISITOR, Origin::Server);
     assert_eq!(console, "");
@@ -102,7 +100,7 @@ fn assert_plays(report: &Value, seconds: f64) {
 
 #[test]
 fn player_of_a_ski_jump_plays_scrubs_and_shows_the_force_in_contact_only() {
-    play("ski-jump", &["simulate", "ski-jump"], |report| {
+    play("ski-jump", "simulate ski-jump", |report| {
         assert_plays(report, 5.0);
         assert_eq!(report["start"]["arrows"], 2);
         // On the table at the start; in the air half way, at 2.5 s.
@@ -115,27 +113,28 @@ fn player_of_a_ski_jump_plays_scrubs_and_shows_the_force_in_contact_only() {
 
 #[test]
 fn player_of_a_solved_ride_plays_and_scrubs() {
-    let arguments = ["solve", "pump-track", "--intervals", "12"];
-    play("pump-track-optimal", &arguments, |report| {
-        let text = report["start"]["clock"].as_str().unwrap();
-        let seconds = text.split_whitespace().nth(3).unwrap();
-        assert_plays(report, seconds.parse().unwrap());
-        assert_ne!(report["start"]["arrow"], "");
-    });
+    play(
+        "pump-track-optimal",
+        "solve pump-track --intervals 12",
+        |report| {
+            let text = report["start"]["clock"].as_str().unwrap();
+            let seconds = text.split_whitespace().nth(3).unwrap();
+            assert_plays(report, seconds.parse().unwrap());
+            assert_ne!(report["start"]["arrow"], "");
+        },
+    );
 }
 
 /// What the player of a scene file draws at the start, in the middle and at the end, by node; `None` where there is none.
 fn drawn(name: &str, text: &str) -> Option<Value> {
     let scratch = Scratch::new(&format!("drawn-{name}"));
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let file = scratch.0.join(format!("{name}.hang"));
-    std::fs::write(&file, text).unwrap();
-    solved(&["simulate", file.to_str().unwrap(), "--out", scratch.text()]);
-    let script = scratch.0.join("stage.mjs");
-    std::fs::write(&script, include_str!("visits/stage.js")).unwrap();
+    let file = scratch.write(&format!("{name}.hang"), text);
+    solved(&format!("simulate {file} --out {}", scratch.text()));
+    let script = scratch.write("stage.mjs", include_str!("visits/stage.js"));
     let page = scratch.0.join(format!("{name}.html"));
     let run = std::process::Command::new("node")
-        .args([&script, &page])
+        .arg(script)
+        .arg(page)
         .output();
     let Ok(run) = run else {
         eprintln!("skipped: no node found, which runs the player without a browser");

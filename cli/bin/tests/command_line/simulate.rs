@@ -3,14 +3,14 @@
 use serde_json::Value;
 
 use crate::support::{
-    Scratch, assert_page_shows_its_result, assert_page_shows_its_ride, embedded, hangtime, json,
-    result_files, solved,
+    Said, Scratch, assert_page_shows_its_result, assert_page_shows_its_ride, embedded, json,
+    program, result_files, solved, unsolved,
 };
 
 #[test]
 fn list_names_every_scene_and_tells_its_parameters_where_it_is_named() {
-    let text = solved(&["list"]);
-    let document = json(&["list", "--json"]);
+    let text = solved("list");
+    let document = json("list --json");
     let scenes = document["scenes"].as_array().unwrap();
     assert!(scenes.iter().any(|scene| scene["name"] == "ski-jump"));
     let solvable = |name: &str| {
@@ -21,13 +21,13 @@ fn list_names_every_scene_and_tells_its_parameters_where_it_is_named() {
             .contains(&"solve".into())
     };
     assert!(solvable("pump-track") && !solvable("ski-jump"));
-    let told = solved(&["list", "pump-track"]);
+    let told = solved("list pump-track");
     assert!(
         told.contains("for simulate, solve, chart, explain, reproduce"),
         "{told}"
     );
     let names: Vec<&str> = scenes.iter().map(|s| s["name"].as_str().unwrap()).collect();
-    let told = solved(&[&["list"], &names[..]].concat());
+    let told = solved(&format!("list {}", names.join(" ")));
     for scene in scenes {
         assert!(text.contains(scene["name"].as_str().unwrap()));
         for key in ["question", "answer"] {
@@ -42,69 +42,63 @@ fn list_names_every_scene_and_tells_its_parameters_where_it_is_named() {
 }
 
 #[test]
-fn list_shows_the_scenes_of_a_group_and_refuses_one_that_there_is_not() {
-    let document = json(&["list", "--group", "legs", "--json"]);
+fn list_shows_the_scenes_of_a_group() {
+    let document = json("list --group legs --json");
     let scenes = document["scenes"].as_array().unwrap();
     assert!(scenes.len() >= 4);
     assert!(scenes.iter().all(|scene| scene["group"] == "legs"));
-    let refused = hangtime(&["list", "--group", "leg"]);
-    assert_eq!(refused.status.code(), Some(2));
-    let message = String::from_utf8(refused.stderr).unwrap();
-    assert!(
-        message.contains("no scene is in it; did you mean `legs`?"),
-        "{message}"
-    );
+}
+
+/// The paths of all fields, each once, in the order in which a document has them.
+fn fields(document: &str) -> String {
+    let (mut path, mut fields) = (Vec::new(), Vec::new());
+    let (mut name, mut rest) = ("", document);
+    while let Some(at) = rest.find(['"', '{', '}']) {
+        let (sign, behind) = (&rest[at..=at], &rest[at + 1..]);
+        rest = behind;
+        match sign {
+            "{" => path.push(name),
+            "}" => drop(path.pop()),
+            _ => {
+                let escaped = |end: usize| behind[..end].ends_with('\\');
+                let mut ends = behind.match_indices('"').map(|(end, _)| end);
+                let end = ends.find(|&end| !escaped(end)).unwrap();
+                rest = &behind[end + 1..];
+                if rest.starts_with(':') {
+                    name = &behind[..end];
+                    fields.push(format!("{}.{name}", path.join(".")));
+                }
+            }
+        }
+    }
+    let mut known = std::collections::BTreeSet::new();
+    fields.retain(|field| known.insert(field.clone()));
+    fields.join("\n")
 }
 
 #[test]
-fn simulate_json_has_the_fields_of_the_contract_in_order() {
-    let document = solved(&["simulate", "ski-jump", "--json"]);
-    assert_eq!(document.lines().count(), 1);
-    let fields = [
-        r#"{"schema":1,"scene":"ski-jump","parameters":{"#,
-        r#""start_y":10.2759"#,
-        r#","method":{"name":"fesd","scheme":"radau-iia","stages":6,"steps":"#,
-        r#","status":"solved","events":[{"time":"#,
-        r#","kind":"lift_off","contact":"table","q":["#,
-        r#","v_before":["#,
-        r#","v_after":["#,
-        r#","kind":"impact","contact":"slope","q":["#,
-        r#","trajectory":{"time":["#,
-        r#","numerical_time":["#,
-        r#","q":[["#,
-        r#","v":[["#,
-        r#","u":[["#,
-        r#","final":{"time":"#,
-        r#","residuals":{"primal":"#,
-        r#","dual":"#,
-        r#","complementarity":"#,
-        r#","size":{"variables":"#,
-        r#","equalities":"#,
-        r#","inequalities":"#,
-        r#","complementarities":"#,
-        r#","jacobian_nonzeros":"#,
-        r#","hessian_nonzeros":"#,
-        r#","iterations":{"interior_point":"#,
-        r#","crossover":"#,
-        r#","newton":"#,
-        r#","factorizations":"#,
-        r#","seconds":{"total":"#,
-        r#","evaluate":"#,
-        r#","factorize":"#,
-        r#","solve":"#,
+fn documents_have_the_fields_of_the_contract_in_order() {
+    let lines = [
+        "simulate ski-jump --json",
+        "simulate falling-rod --gradient mu --json",
+        "simulate thermostat --json",
+        "solve pump-track --intervals 6 --formulation time-freezing --gradient g --json",
+        "explain incline --size --json",
+        "list hop --json",
     ];
-    let mut rest = document.as_str();
-    for field in fields {
-        let (_, after) = rest
-            .split_once(field)
-            .unwrap_or_else(|| panic!("`{field}` is missing, or not in its place"));
-        rest = after;
+    let mut all = String::new();
+    for line in lines {
+        let document = solved(line);
+        assert_eq!(document.lines().count(), 1);
+        all += &format!("{line}\n{}\n\n", fields(&document));
     }
+    insta::assert_snapshot!(all);
+    assert!(solved(lines[0]).contains("\"start_y\":10.2759"));
 }
 
 #[test]
 fn simulate_json_rows_belong_together_and_end_at_the_horizon() {
-    let document = json(&["simulate", "ski-jump", "--horizon", "2", "--json"]);
+    let document = json("simulate ski-jump --horizon 2 --json");
     let trajectory = &document["trajectory"];
     let rows = trajectory["time"].as_array().unwrap().len();
     assert!(rows > 2);
@@ -128,34 +122,21 @@ fn simulate_json_rows_belong_together_and_end_at_the_horizon() {
 #[test]
 fn simulate_that_does_not_converge_prints_what_there_is_and_says_why() {
     // Gravity beyond the range of squares in double precision.
-    let arguments = ["simulate", "ski-jump", "--set", "g=1e300", "--json"];
-    let output = hangtime(&arguments);
-    assert_eq!(output.status.code(), Some(3));
-    let stderr = String::from_utf8(output.stderr).unwrap();
+    let (document, said) = unsolved("simulate ski-jump --set g=1e300 --json");
     assert!(
-        stderr.starts_with("error: ski-jump: not_finite at t = 0 s: "),
-        "{stderr}"
+        said.starts_with("error: ski-jump: not_finite at t = 0 s: "),
+        "{said}"
     );
-    assert_eq!(stderr.lines().count(), 1, "{stderr}");
-    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(document["status"], "not_finite");
     assert_eq!(document["diagnosis"]["time"], 0.0);
     assert_eq!(document["final"]["time"], 0.0);
 }
 
-/// Standard output, standard error stream and status of a scene that is simulated with further `arguments`.
-fn simulated(name: &str, text: &str, arguments: &[&str]) -> (String, String, Option<i32>) {
+/// What is said of a scene that is simulated with further words.
+fn simulated(name: &str, text: &str, words: &str) -> Said {
     let scratch = Scratch::new(name);
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    let file = scratch.0.join("scene.hang");
-    std::fs::write(&file, text).unwrap();
-    let all: Vec<&str> = ["simulate", file.to_str().unwrap()]
-        .into_iter()
-        .chain(arguments.iter().copied())
-        .collect();
-    let output = hangtime(&all);
-    let [out, err] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
-    (out, err, output.status.code())
+    scratch.write("scene.hang", text);
+    scratch.run(&format!("simulate scene.hang {words}"))
 }
 
 #[test]
@@ -163,7 +144,7 @@ fn simulate_with_controls_that_cannot_be_zero_says_so() {
     let text = "coordinates { y: m } controls { u: N in 1..=2, w: N in -1..=1 } lagrangian 1 [kg]/2*dot(y)^2
         forces { y: u + w } horizon 1 [s]";
     for method in ["fesd", "event", "moreau", "smooth", "fixed"] {
-        let (out, err, status) = simulated("controls", text, &["--method", method]);
+        let Said { status, out, err } = simulated("controls", text, &format!("--method {method}"));
         assert_eq!(status, Some(0), "{err}");
         let note = "note        controls are zero in a simulation; `u` in 1..=2 N excludes that\n";
         assert!(out.contains(note), "{out}");
@@ -172,11 +153,8 @@ fn simulate_with_controls_that_cannot_be_zero_says_so() {
 
 #[test]
 fn simulate_with_one_stage_says_that_its_order_is_low() {
-    let arguments = ["simulate", "bouncing-ball", "--stages", "1"];
-    let output = hangtime(&arguments);
-    assert_eq!(output.status.code(), Some(3));
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert!(stderr.contains("needs 2 stages or more"), "{stderr}");
+    let (_, said) = unsolved("simulate bouncing-ball --stages 1 --json");
+    assert!(said.contains("needs 2 stages or more"), "{said}");
 }
 
 #[test]
@@ -199,7 +177,7 @@ fn simulate_names_what_is_not_finite() {
             "the gradient of the gap of `floor` is infinite or not a number here",
         ),
     ] {
-        let (_, err, status) = simulated("finite", &text, &[]);
+        let Said { status, err, .. } = simulated("finite", &text, "");
         assert_eq!(status, Some(3), "{err}");
         assert!(err.contains(words), "{err}");
     }
@@ -207,24 +185,15 @@ fn simulate_names_what_is_not_finite() {
 
 #[test]
 fn simulate_with_one_row_writes_the_last() {
-    let arguments = ["simulate", "ski-jump", "--rows", "1", "--json"];
-    let document = json(&arguments);
+    let document = json("simulate ski-jump --rows 1 --json");
     assert_eq!(document["trajectory"]["time"].as_array().unwrap().len(), 1);
     assert_eq!(document["final"]["time"], document["trajectory"]["time"][0]);
 }
 
 #[test]
 fn simulate_with_a_tolerance_says_so_in_place_of_the_elements() {
-    let arguments = [
-        "simulate",
-        "ski-jump",
-        "--stages",
-        "5",
-        "--tolerance",
-        "1e-9",
-        "--json",
-    ];
-    let method = json(&arguments)["method"].clone();
+    let run = json("simulate ski-jump --stages 5 --tolerance 1e-9 --json");
+    let method = &run["method"];
     assert_eq!(method["tolerance"], 1e-9);
     assert!(method.get("elements").is_none());
 }
@@ -232,7 +201,7 @@ fn simulate_with_a_tolerance_says_so_in_place_of_the_elements() {
 #[test]
 fn simulate_twice_gives_the_same_numbers() {
     let run = || {
-        let mut document = json(&["simulate", "ski-jump", "--json"]);
+        let mut document = json("simulate ski-jump --json");
         document.as_object_mut().unwrap().remove("seconds");
         document
     };
@@ -242,7 +211,7 @@ fn simulate_twice_gives_the_same_numbers() {
 #[test]
 fn simulate_every_method_reaches_the_horizon() {
     for method in ["fesd", "event", "moreau", "smooth", "fixed"] {
-        let document = json(&["simulate", "ski-jump", "--method", method, "--json"]);
+        let document = json(&format!("simulate ski-jump --method {method} --json"));
         assert_eq!(document["method"]["name"], method);
         assert_eq!(document["status"], "solved", "{method}");
     }
@@ -250,7 +219,7 @@ fn simulate_every_method_reaches_the_horizon() {
 
 #[test]
 fn simulate_methods_that_do_not_know_their_error_are_measured_by_another_grid() {
-    let exact = json(&["simulate", "ski-jump", "--method", "event", "--json"]);
+    let exact = json("simulate ski-jump --method event --json");
     let y = |document: &Value| document["final"]["q"][0].as_f64().unwrap();
     for arguments in [
         "--method moreau --steps 400",
@@ -260,8 +229,7 @@ fn simulate_methods_that_do_not_know_their_error_are_measured_by_another_grid() 
         "--method fixed --steps 40",
         "--method smooth --width 1e-4",
     ] {
-        let arguments: Vec<&str> = arguments.split(' ').collect();
-        let document = json(&[&["simulate", "ski-jump", "--json"], &arguments[..]].concat());
+        let document = json(&format!("simulate ski-jump --json {arguments}"));
         let estimate = document["error_estimate"].as_f64().unwrap();
         // The way covered is 49 m; methods of order one err by about the distance to half the steps.
         let error = (y(&document) - y(&exact)).abs() / 49.1;
@@ -278,20 +246,16 @@ fn simulate_methods_that_do_not_know_their_error_are_measured_by_another_grid() 
 
 #[test]
 fn simulate_on_fixed_steps_past_a_pole_says_that_the_error_is_large() {
-    let scratch = Scratch::new("pole");
-    let file = format!("{}/pole.hang", scratch.text());
-    std::fs::create_dir_all(scratch.text()).unwrap();
     let text = "coordinates { y, z } lagrangian (dot(y)^2 + dot(z)^2)/2 - 9.81*z forces { y: tan(2.7*y) } \
                 surface ground: z >= 0 impact ground: inelastic start { z: 1, dot(y): 1 } horizon 2";
-    std::fs::write(&file, text).unwrap();
-    let document = json(&["simulate", &file, "--method", "fixed", "--json"]);
+    let document = simulated("pole", text, "--method fixed --json").json();
     assert!(document["error_estimate"].as_f64().unwrap() > 1e-2);
 }
 
 #[test]
 fn simulate_horizon_with_a_unit_is_converted() {
     let horizon =
-        |text| json(&["simulate", "ski-jump", "--horizon", text, "--json"])["horizon"].clone();
+        |text| json(&format!("simulate ski-jump --horizon {text} --json"))["horizon"].clone();
     assert_eq!(horizon("2"), 2.0);
     assert_eq!(horizon("2s"), 2.0);
     assert_eq!(horizon("250ms"), 0.25);
@@ -300,19 +264,10 @@ fn simulate_horizon_with_a_unit_is_converted() {
 #[test]
 fn simulate_long_trajectory_is_thinned_and_says_so() {
     let scratch = Scratch::new("thinned");
-    let document = json(&[
-        "simulate",
-        "bouncing-ball",
-        "--method",
-        "moreau",
-        "--steps",
-        "30000",
-        "--rows",
-        "700",
-        "--json",
-        "--out",
-        scratch.text(),
-    ]);
+    let document = json(&format!(
+        "simulate bouncing-ball --method moreau --steps 30000 --rows 700 --json --out {}",
+        scratch.text()
+    ));
     let rows = document["trajectory"]["time"].as_array().unwrap().len();
     assert!((350..=700).contains(&rows), "{rows}");
     assert_eq!(document["trajectory"]["q"].as_array().unwrap().len(), rows);
@@ -330,14 +285,10 @@ fn simulate_long_trajectory_is_thinned_and_says_so() {
 fn simulate_by_another_method_keeps_the_files_of_the_first_and_tells_what_it_replaced() {
     let scratch = Scratch::new("methods");
     let run = |method| {
-        solved(&[
-            "simulate",
-            "ski-jump",
-            "--method",
-            method,
-            "--out",
-            scratch.text(),
-        ])
+        solved(&format!(
+            "simulate ski-jump --method {method} --out {}",
+            scratch.text()
+        ))
     };
     assert!(!run("fesd").contains("replaced"));
     assert!(!run("event").contains("replaced"));
@@ -351,7 +302,7 @@ fn simulate_by_another_method_keeps_the_files_of_the_first_and_tells_what_it_rep
 
 #[test]
 fn json_names_every_column_with_its_unit() {
-    let document = json(&["simulate", "incline", "--json"]);
+    let document = json("simulate incline --json");
     let quantities = &document["quantities"];
     assert_eq!(
         quantities["q"][1],
@@ -383,14 +334,13 @@ fn report_is_printed_whatever_becomes_of_the_files() {
     let scratch = Scratch::new("in-the-way");
     // A directory with the name of a file.
     std::fs::create_dir_all(scratch.0.join("ski-jump-time.svg")).unwrap();
-    let output = hangtime(&["simulate", "ski-jump", "--json", "--out", scratch.text()]);
-    assert_eq!(output.status.code(), Some(2));
-    let document: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!(document["status"], "solved");
-    let stderr = String::from_utf8(output.stderr).unwrap();
+    let said = scratch.run("simulate ski-jump --json --out .");
+    assert_eq!(said.status, Some(2));
+    assert_eq!(said.json()["status"], "solved");
     assert!(
-        stderr.contains("ski-jump-time.svg`") && stderr.contains("no file was written"),
-        "{stderr}"
+        said.err.contains("ski-jump-time.svg`") && said.err.contains("no file was written"),
+        "{}",
+        said.err
     );
     assert_eq!(scratch.names(), ["ski-jump-time.svg"]);
 }
@@ -398,7 +348,7 @@ fn report_is_printed_whatever_becomes_of_the_files() {
 #[test]
 fn simulate_setting_with_another_unit_is_converted() {
     let parameter = |setting| {
-        json(&["simulate", "ski-jump", "--set", setting, "--json"])["parameters"]["start_y"].clone()
+        json(&format!("simulate ski-jump --set {setting} --json"))["parameters"]["start_y"].clone()
     };
     assert_eq!(parameter("start_y=8.264m"), 8.264);
     assert_eq!(parameter("start_y=8.264"), 8.264);
@@ -409,7 +359,7 @@ fn simulate_setting_with_another_unit_is_converted() {
 
 #[test]
 fn simulate_tables_show_events_and_the_final_state_with_units() {
-    let text = solved(&["simulate", "ski-jump"]);
+    let text = solved("simulate ski-jump");
     for words in [
         "start_y = 10.2759 m",
         "radau-iia, 6 stages, tolerance 1e-6",
@@ -429,7 +379,7 @@ fn simulate_tables_show_events_and_the_final_state_with_units() {
 #[test]
 fn simulate_with_out_writes_data_and_a_picture_and_nothing_else() {
     let scratch = Scratch::new("simulate");
-    solved(&["simulate", "ski-jump", "--out", scratch.text()]);
+    solved(&format!("simulate ski-jump --out {}", scratch.text()));
     assert_eq!(scratch.names(), result_files("ski-jump"));
     let document: Value = serde_json::from_str(&scratch.read("ski-jump.json")).unwrap();
     let rows = document["trajectory"]["time"].as_array().unwrap().len();
@@ -443,7 +393,7 @@ fn simulate_with_out_writes_data_and_a_picture_and_nothing_else() {
 #[test]
 fn simulate_scene_with_friction_tells_when_it_sticks_and_gives_the_friction_force() {
     let scratch = Scratch::new("incline");
-    let document = json(&["simulate", "incline", "--json", "--out", scratch.text()]);
+    let document = json(&format!("simulate incline --json --out {}", scratch.text()));
     // It slides from the start on, which is no event.
     let initially = &document["initially"][0];
     assert_eq!(initially["contact"], "ramp");
@@ -469,39 +419,24 @@ fn simulate_scene_with_friction_tells_when_it_sticks_and_gives_the_friction_forc
             .ends_with("contact force ramp [N],friction force ramp [N]")
     );
     assert_page_shows_its_result(&scratch, "incline");
-    let without = json(&["simulate", "ski-jump", "--json"]);
+    let without = json("simulate ski-jump --json");
     assert!(without["trajectory"].get("friction_force").is_none());
 }
 
 #[test]
 fn simulate_at_its_time_limit_ends_with_what_it_has() {
     // Lines that take seconds: hundreds of bounces on short waves, many steps.
-    let waves = [
-        "simulate",
-        "pump-track",
-        "--set",
-        "k=300",
-        "--set",
-        "speed=0.2",
-    ];
-    let stepped = |steps| ["simulate", "box", "--horizon", "30s", "--steps", steps];
-    for (words, method) in [
-        (waves, "fesd"),
-        (waves, "event"),
-        (stepped("1000000"), "moreau"),
-        (stepped("300000"), "fesd"),
+    for line in [
+        "simulate pump-track --set k=300 --set speed=0.2 --method fesd",
+        "simulate pump-track --set k=300 --set speed=0.2 --method event",
+        "simulate box --horizon 30s --steps 1000000 --method moreau",
+        "simulate box --horizon 30s --steps 300000 --method fesd",
     ] {
-        let mut arguments = words.to_vec();
-        arguments.extend(["--method", method, "--time-limit", "60ms", "--json"]);
-        let output = hangtime(&arguments);
-        let stderr = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(3), "{arguments:?}: {stderr}");
-        assert_eq!(stderr.lines().count(), 1, "{stderr}");
+        let (document, said) = unsolved(&format!("{line} --time-limit 60ms --json"));
         assert!(
-            stderr.contains(": time_limit at t = ") && stderr.contains("ended after 0.06 s; raise"),
-            "{arguments:?}: {stderr}"
+            said.contains(": time_limit at t = ") && said.contains("ended after 0.06 s; raise"),
+            "{line}: {said}"
         );
-        let document: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!(document["status"], "time_limit");
         let message = document["diagnosis"]["message"].as_str().unwrap();
         assert!(message.contains("--time-limit"), "{message}");
@@ -513,19 +448,8 @@ fn simulate_at_its_time_limit_ends_with_what_it_has() {
 #[cfg(target_os = "linux")]
 #[test]
 fn simulate_beyond_its_memory_limit_ends_with_status_3() {
-    let mut arguments = vec![
-        "simulate",
-        "pump-track",
-        "--set",
-        "k=250",
-        "--set",
-        "speed=0.3",
-    ];
-    arguments.extend(["--memory-limit", "0.001"]);
-    let output = hangtime(&arguments);
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(3), "{stderr}");
-    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+    let (_, stderr) =
+        unsolved("simulate pump-track --set k=250 --set speed=0.3 --memory-limit 0.001 --json");
     assert!(
         stderr.contains(": memory_limit") && stderr.contains("raise --memory-limit (0.001 GB)"),
         "{stderr}"
@@ -534,14 +458,14 @@ fn simulate_beyond_its_memory_limit_ends_with_status_3() {
 
 #[test]
 fn simulate_every_scene_with_its_defaults_reaches_the_horizon() {
-    for scene in json(&["list", "--json"])["scenes"].as_array().unwrap() {
+    for scene in json("list --json")["scenes"].as_array().unwrap() {
         let name = scene["name"].as_str().unwrap();
         // Its answer is that its motion is not unique; `switched` in the tests of scenes looks at that.
         if name == "unstable-sliding" {
             continue;
         }
         let scratch = Scratch::new(name);
-        let document = json(&["simulate", name, "--json", "--out", scratch.text()]);
+        let document = json(&format!("simulate {name} --json --out {}", scratch.text()));
         assert_eq!(document["status"], "solved", "{name}");
         assert_eq!(document["final"]["time"], document["horizon"], "{name}");
         // Its blocks are drawn beside each other, away from where their coordinates are zero.
@@ -566,7 +490,7 @@ fn simulate_every_scene_with_its_defaults_reaches_the_horizon() {
 
 #[test]
 fn explain_shows_equations_patterns_and_counts() {
-    let text = solved(&["explain", "ski-jump"]);
+    let text = solved("explain ski-jump");
     for words in [
         "derived equations",
         "Jacobian of contact `table`",
@@ -579,44 +503,39 @@ fn explain_shows_equations_patterns_and_counts() {
 
 #[test]
 fn explain_prints_the_page_of_a_mistake() {
-    let text = solved(&["explain", "e07"]);
+    let text = solved("explain e07");
     assert!(text.starts_with("# E07: "), "{text}");
     assert!(text.contains("Right:"), "{text}");
     for code in ["E07", "E7", "e7"] {
-        assert_eq!(solved(&["explain", code]), text);
+        assert_eq!(solved(&format!("explain {code}")), text);
     }
-    let text = solved(&["explain", "syntax"]);
+    let text = solved("explain syntax");
     assert!(text.starts_with("# Syntax: "), "{text}");
 }
 
 #[test]
 fn help_goes_to_the_standard_output() {
-    assert!(solved(&["--help"]).contains("Usage: hangtime"));
-    assert!(solved(&["simulate", "--help"]).contains("--scheme"));
+    assert!(solved("--help").contains("Usage: hangtime"));
+    assert!(solved("simulate --help").contains("--scheme"));
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn help_that_cannot_be_written_is_told() {
     let full = || std::fs::OpenOptions::new().write(true).open("/dev/full");
-    for arguments in [["--help"], ["--version"], ["list"]] {
-        let program = env!("CARGO_BIN_EXE_hangtime");
-        let mut command = std::process::Command::new(program);
-        let output = command.args(arguments).stdout(full().unwrap()).output();
-        let output = output.unwrap();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(
-            String::from_utf8(output.stderr)
-                .unwrap()
-                .contains("standard output")
-        );
+    for word in ["--help", "--version", "list"] {
+        let mut command = program();
+        let output = command.arg(word).stdout(full().unwrap()).output().unwrap();
+        assert_eq!(output.status.code(), Some(2), "{word}");
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains("standard output"), "{said}");
     }
 }
 
 #[test]
 fn completions_and_manual_pages_know_commands_and_options() {
     for shell in ["bash", "elvish", "fish", "powershell", "zsh"] {
-        let script = solved(&["completions", shell]);
+        let script = solved(&format!("completions {shell}"));
         assert!(
             script.contains("hangtime") && script.contains("time-limit"),
             "{shell}"
@@ -630,10 +549,10 @@ fn completions_and_manual_pages_know_commands_and_options() {
             "_using_subcommand simulate\" -a \"ski-jump pump-track",
         ),
     ] {
-        let script = solved(&["completions", shell]);
+        let script = solved(&format!("completions {shell}"));
         assert!(script.contains(scenes), "{shell}");
         for command in ["simulate", "nlp", "profile", "reproduce", "man"] {
-            let option = solved(&[command, "--help"]);
+            let option = solved(&format!("{command} --help"));
             let options = option
                 .split_whitespace()
                 .filter(|word| word.starts_with("--"));
@@ -643,11 +562,11 @@ fn completions_and_manual_pages_know_commands_and_options() {
             }
         }
     }
-    let page = solved(&["man"]);
+    let page = solved("man");
     assert!(
         page.contains(".TH hangtime 1") && page.contains("simulate"),
         "{page}"
     );
-    let page = solved(&["man", "simulate"]);
+    let page = solved("man simulate");
     assert!(page.contains("\\-\\-horizon"), "{page}");
 }

@@ -5,14 +5,12 @@ use crate::support::{Scratch, solved};
 /// The cells of a sweep of a scene over the starts of its two states, without the heading.
 fn table(name: &str, scene: &str, over: [&str; 2], record: &str) -> Vec<Vec<String>> {
     let scratch = Scratch::new(name);
-    std::fs::create_dir_all(&scratch.0).expect("a folder");
-    std::fs::write(scratch.0.join("scene.hang"), scene).expect("a file");
-    let text = scratch.text();
-    let (scene, out) = (format!("{text}/scene.hang"), format!("{text}/t.csv"));
+    let scene = scratch.write("scene.hang", scene);
+    let out = format!("{}/t.csv", scratch.text());
     let [x, y] = over;
-    solved(&[
-        "sweep", &scene, "--over", x, "--over", y, "--record", record, "--out", &out,
-    ]);
+    solved(&format!(
+        "sweep {scene} --over {x} --over {y} --record {record} --out {out}"
+    ));
     let table = scratch.read("t.csv");
     let cells = |line: &str| line.split(',').map(str::to_owned).collect();
     table.lines().skip(1).map(cells).collect()

@@ -3,12 +3,11 @@
 use crate::browser::{Origin, browser, visit, visit_sized};
 use crate::support::{Scratch, assert_page_shows_its_result, json, result_files, solved};
 use serde_json::Value;
-use std::fs;
 
 #[test]
 fn reproduce_covers_the_publication_with_figures_data_and_pages() {
     let scratch = Scratch::new("reproduce");
-    let text = solved(&["reproduce", "--out", scratch.text()]);
+    let text = solved(&format!("reproduce --out {}", scratch.text()));
     // Published, computed and certified values of one row of each kind of case, to the digits that they share.
     for words in [
         "35.8280435750  36.07181",
@@ -177,15 +176,15 @@ fn assert_index_fits(scratch: &Scratch, page: &str) {
 #[test]
 fn sizes_of_all_scenes_are_classified_and_those_of_the_pump_track_stand_beside_published_ones() {
     for scene in ["ski-jump", "pump-track", "bouncing-ball", "incline", "box"] {
-        let sizes = json(&["explain", scene, "--size", "--json"]);
+        let sizes = json(&format!("explain {scene} --size --json"));
         assert!(
             sizes["formulations"].as_array().unwrap().len() >= 5,
             "{scene}"
         );
-        let text = solved(&["explain", scene, "--size"]);
+        let text = solved(&format!("explain {scene} --size"));
         assert!(!text.contains("not classified"), "{text}");
     }
-    let sizes = json(&["explain", "pump-track", "--size", "--json"]);
+    let sizes = json("explain pump-track --size --json");
     let shares = |grid: &Value, formulation: &str| -> [f64; 2] {
         let ours = grid["ours"].as_array().unwrap().iter();
         let name = |own: &&Value| own["formulation"].as_str().unwrap().ends_with(formulation);
@@ -215,15 +214,15 @@ fn sizes_of_all_scenes_are_classified_and_those_of_the_pump_track_stand_beside_p
 #[test]
 fn free_parameter_is_one_variable_and_a_given_one_is_none() {
     let scratch = Scratch::new("sizes");
-    fs::create_dir_all(&scratch.0).unwrap();
     let sizes = |name: &str, angle: &str| {
-        let file = scratch.0.join(name);
         let text = format!(
             "parameters {{ m: kg = 1, g: m/s^2 = 9.81 }} {angle} coordinates {{ s: m }}
              lagrangian m/2*dot(s)^2 + m*g*s*sin(angle) minimize time finally {{ s*cos(angle) == 2 [m] }}"
         );
-        fs::write(&file, text).unwrap();
-        let sizes = json(&["explain", file.to_str().unwrap(), "--size", "--json"]);
+        let sizes = json(&format!(
+            "explain {} --size --json",
+            scratch.write(name, text)
+        ));
         let of = |name: &str| -> Vec<u64> {
             let mut known = sizes["formulations"].as_array().unwrap().iter();
             let own = known.find(|own| own["formulation"].as_str().unwrap().ends_with(name));
@@ -268,7 +267,7 @@ fn row<'t>(csv: &'t str, settings: &str) -> Vec<&'t str> {
 #[ignore = "long"]
 fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_scheme() {
     let scratch = Scratch::new("chart");
-    let text = solved(&["chart", "ski-jump", "--out", scratch.text()]);
+    let text = solved(&format!("chart ski-jump --out {}", scratch.text()));
     // Radau IIA with n stages has order 2 n - 1. Three points of a finite sequence of step sizes
     // show it to within the first neglected term, which is below a tenth here; without the exit
     // condition the take-off is found to an error of second order only.
@@ -299,17 +298,7 @@ fn chart_writes_a_point_for_every_run_and_measures_the_order_of_the_default_sche
     assert!(errors.fold(1.0, f64::min) < 1e-9);
     assert!(text.contains(" times as long"), "{text}");
     // Counts are those of the same run alone.
-    let run = json(&[
-        "simulate",
-        "ski-jump",
-        "--stages",
-        "3",
-        "--steps",
-        "40",
-        "--elements",
-        "1",
-        "--json",
-    ]);
+    let run = json("simulate ski-jump --stages 3 --steps 40 --elements 1 --json");
     let row = row(
         &csv,
         "radau-iia, 3 stages, 40 steps of 1 element, active-set",
@@ -397,12 +386,10 @@ fn assert_readable(scratch: &Scratch, page: &str, figures: usize) {
 #[test]
 fn chart_of_several_scenes_is_one_page_with_an_overview_and_orders_through_every_switch() {
     let scratch = Scratch::new("charts");
-    let file = format!("{}/drop.hang", scratch.text());
     let scene = include_str!("../../../../models/scenes/rough-ball.hang");
-    std::fs::create_dir_all(scratch.text()).unwrap();
-    std::fs::write(&file, scene).unwrap();
+    let file = scratch.write("drop.hang", scene);
     let out = format!("{}/out", scratch.text());
-    let text = solved(&["chart", "hills", &file, "--out", &out]);
+    let text = solved(&format!("chart hills {file} --out {out}"));
     let orders = |name: &str| -> Vec<String> {
         let line = text
             .lines()
@@ -445,7 +432,7 @@ fn chart_of_several_scenes_is_one_page_with_an_overview_and_orders_through_every
 fn stability_of_a_scene_is_a_verdict_for_every_method() {
     let scratch = Scratch::new("stability");
     let out = scratch.text();
-    let text = solved(&["chart", "--stability", "incline", "--out", out]);
+    let text = solved(&format!("chart --stability incline --out {out}"));
     let csv = scratch.read("stability.csv");
     let cells: Vec<&str> = csv.lines().nth(1).unwrap().split(',').collect();
     assert_eq!(cells[0], "incline");

@@ -1,30 +1,86 @@
 //! Running the binary, and looking at what it leaves.
 
 use std::path::PathBuf;
-use std::process::{Command, Output};
+use std::process::Command;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde_json::Value;
 
-/// Runs the binary.
-pub(crate) fn hangtime(arguments: &[&str]) -> Output {
+/// The words of a command line: those of a text, between its spaces, or a list of them.
+pub(crate) trait Line {
+    fn words(&self) -> Vec<&str>;
+}
+
+impl<T: AsRef<str> + ?Sized> Line for &T {
+    fn words(&self) -> Vec<&str> {
+        self.as_ref().split_whitespace().collect()
+    }
+}
+
+impl Line for Vec<&str> {
+    fn words(&self) -> Vec<&str> {
+        self.clone()
+    }
+}
+
+/// What a run has said.
+pub(crate) struct Said {
+    pub(crate) status: Option<i32>,
+    pub(crate) out: String,
+    pub(crate) err: String,
+}
+
+impl Said {
+    /// What `command` says.
+    pub(crate) fn by(command: &mut Command) -> Self {
+        let output = command.output().unwrap();
+        let [out, err] =
+            [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+        Self {
+            status: output.status.code(),
+            out,
+            err,
+        }
+    }
+
+    /// Its standard output.
+    pub(crate) fn json(&self) -> Value {
+        serde_json::from_str(&self.out).unwrap()
+    }
+}
+
+/// The binary.
+pub(crate) fn program() -> Command {
     Command::new(env!("CARGO_BIN_EXE_hangtime"))
-        .args(arguments)
-        .output()
-        .unwrap()
+}
+
+/// Runs the binary.
+pub(crate) fn hangtime(line: impl Line) -> Said {
+    Said::by(program().args(line.words()))
 }
 
 /// Standard output of a run that must succeed in silence.
-pub(crate) fn solved(arguments: &[&str]) -> String {
-    let output = hangtime(arguments);
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {stderr}");
-    assert_eq!(stderr, "", "{arguments:?}");
-    String::from_utf8(output.stdout).unwrap()
+pub(crate) fn solved(line: impl Line) -> String {
+    let said = hangtime(line.words());
+    assert_eq!(
+        (said.status, &*said.err),
+        (Some(0), ""),
+        "{:?}",
+        line.words()
+    );
+    said.out
 }
 
-pub(crate) fn json(arguments: &[&str]) -> Value {
-    serde_json::from_str(&solved(arguments)).unwrap()
+pub(crate) fn json(line: impl Line) -> Value {
+    serde_json::from_str(&solved(line)).unwrap()
+}
+
+/// The document of a run that ends with status 3, and the line that says why.
+pub(crate) fn unsolved(line: impl Line) -> (Value, String) {
+    let said = hangtime(line);
+    assert_eq!(said.status, Some(3), "{}", said.err);
+    assert_eq!(said.err.lines().count(), 1, "{}", said.err);
+    (said.json(), said.err)
 }
 
 /// A path for one test, removed at the end.
@@ -57,6 +113,19 @@ impl Scratch {
     pub(crate) fn read(&self, name: &str) -> String {
         std::fs::read_to_string(self.0.join(name)).unwrap()
     }
+
+    /// Writes a file; its path.
+    pub(crate) fn write(&self, name: &str, text: impl AsRef<[u8]>) -> String {
+        std::fs::create_dir_all(&self.0).unwrap();
+        let path = self.0.join(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_str().unwrap().to_owned()
+    }
+
+    /// Runs the binary in it.
+    pub(crate) fn run(&self, line: impl Line) -> Said {
+        Said::by(program().current_dir(&self.0).args(line.words()))
+    }
 }
 
 impl Drop for Scratch {
@@ -66,16 +135,21 @@ impl Drop for Scratch {
 }
 
 /// One line that says what, where and how to mend it; status 2; nothing on the standard output.
-pub(crate) fn refused(arguments: &[&str]) -> String {
-    let output = hangtime(arguments);
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr}");
-    assert_eq!(output.stdout, b"", "{arguments:?}");
-    let line = stderr.strip_prefix("error: ").unwrap_or_else(|| {
-        panic!("{arguments:?} should complain, but printed `{stderr}`");
-    });
-    let line = line.strip_suffix('\n').unwrap();
-    assert!(!line.contains('\n'), "{arguments:?}: {line}");
+pub(crate) fn refused(line: impl Line) -> String {
+    let said = hangtime(line.words());
+    let words = line.words();
+    assert_eq!(
+        (said.status, &*said.out),
+        (Some(2), ""),
+        "{words:?}: {}",
+        said.err
+    );
+    let line = said
+        .err
+        .strip_prefix("error: ")
+        .and_then(|line| line.strip_suffix('\n'));
+    let line = line.unwrap_or_else(|| panic!("{words:?} should complain: {}", said.err));
+    assert!(!line.contains('\n'), "{words:?}: {line}");
     line.to_owned()
 }
 
@@ -180,13 +254,5 @@ impl Random {
     pub(crate) fn around(&mut self, value: f64) -> f64 {
         let factor = 10_f64.powf(6.0 * self.share() - 3.0);
         if value == 0.0 { factor } else { value * factor }
-    }
-
-    pub(crate) fn within(&mut self, least: f64, most: f64) -> f64 {
-        least + self.share() * (most - least)
-    }
-
-    pub(crate) fn whole(&mut self, least: usize, most: usize) -> usize {
-        least + (self.share() * (most - least + 1) as f64) as usize
     }
 }

@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::support::{Scratch, hangtime, json, refused, solved};
+use crate::support::{Scratch, json, program, refused, solved};
 
 /// A ball that falls on a floor from a height, where bounces follow from restitution.
 const BALL: &str = "parameters { h: m = 1, e = 0.5 }\ncoordinates { z: m }\n\
@@ -12,43 +12,33 @@ const BALL: &str = "parameters { h: m = 1, e = 0.5 }\ncoordinates { z: m }\n\
 /// A folder with the scene and room for tables.
 fn folder(name: &str) -> Scratch {
     let scratch = Scratch::new(name);
-    std::fs::create_dir_all(&scratch.0).unwrap();
-    std::fs::write(scratch.0.join("ball.hang"), BALL).unwrap();
+    scratch.write("ball.hang", BALL);
     scratch
 }
 
-/// The words of a sweep of the ball, with its table in the folder.
-fn words(scratch: &Scratch, table: &str, more: &[&str]) -> Vec<String> {
+/// The line of a sweep of the ball, with its table in the folder.
+fn words(scratch: &Scratch, table: &str, more: &str) -> String {
     let text = scratch.text();
-    let (scene, out) = (format!("{text}/ball.hang"), format!("{text}/{table}"));
-    let fixed = [
-        "sweep",
-        &scene,
-        "--over",
-        "h=20:180:9cm",
-        "--over",
-        "e=0,0.5,1.5",
-    ];
-    let records = [
-        "--record",
-        "final.z,final.dot(z),final_time,events",
-        "--out",
-        &out,
-    ];
-    let words = fixed.iter().chain(&records).chain(more);
-    words.map(|&word| word.to_owned()).collect()
+    format!(
+        "sweep {text}/ball.hang --over h=20:180:9cm --over e=0,0.5,1.5 \
+         --record final.z,final.dot(z),final_time,events --out {text}/{table} {more}"
+    )
 }
 
-fn sweep(scratch: &Scratch, table: &str, more: &[&str]) -> String {
-    let words = words(scratch, table, more);
-    solved(&words.iter().map(String::as_str).collect::<Vec<_>>());
+fn sweep(scratch: &Scratch, table: &str, more: &str) -> String {
+    solved(&words(scratch, table, more));
     scratch.read(table)
+}
+
+/// Why a sweep is refused.
+fn refusal(scratch: &Scratch, table: &str, more: &str) -> String {
+    refused(&words(scratch, table, more))
 }
 
 #[test]
 fn row_holds_the_digits_of_a_single_run_and_a_point_that_is_refused_says_why() {
     let scratch = folder("sweep-rows");
-    let table = sweep(&scratch, "t.csv", &[]);
+    let table = sweep(&scratch, "t.csv", "");
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(lines.len(), 1 + 9 * 3);
     assert!(lines[0].starts_with(
@@ -58,9 +48,7 @@ fn row_holds_the_digits_of_a_single_run_and_a_point_that_is_refused_says_why() {
     let cells: Vec<&str> = lines[14].split(',').collect();
     assert_eq!(&cells[..4], ["13", "1", "0.5", "solved"]);
     let scene = format!("{}/ball.hang", scratch.text());
-    let single = json(&[
-        "simulate", &scene, "--set", "h=1", "--set", "e=0.5", "--json",
-    ]);
+    let single = json(&format!("simulate {scene} --set h=1 --set e=0.5 --json"));
     assert_eq!(cells[6], single["final"]["q"][0].to_string());
     assert_eq!(cells[7], single["final"]["v"][0].to_string());
     let (g, t) = (9.81_f64, 0.6_f64);
@@ -74,45 +62,43 @@ fn row_holds_the_digits_of_a_single_run_and_a_point_that_is_refused_says_why() {
 #[test]
 fn table_is_the_same_for_any_threads_in_shards_and_after_a_run_that_was_cut() {
     let scratch = folder("sweep-same");
-    let whole = sweep(&scratch, "whole.csv", &[]);
+    let whole = sweep(&scratch, "whole.csv", "");
     for threads in ["1", "3"] {
         let name = format!("threads-{threads}.csv");
-        let status = Command::new(env!("CARGO_BIN_EXE_hangtime"))
-            .args(words(&scratch, &name, &[]))
-            .env("RAYON_NUM_THREADS", threads)
-            .output()
-            .unwrap()
-            .status;
-        assert!(status.success());
+        let mut command = program();
+        command.args(words(&scratch, &name, "").split_whitespace());
+        let run = command.env("RAYON_NUM_THREADS", threads).status();
+        assert!(run.unwrap().success());
         assert_eq!(scratch.read(&name), whole);
     }
-    let mut join = vec!["sweep".to_owned(), "--join".to_owned()];
+    let mut shards = Vec::new();
     for shard in 1..=4 {
         let name = format!("shard-{shard}.csv");
-        sweep(&scratch, &name, &["--shard", &format!("{shard}/4")]);
-        join.push(format!("{}/{name}", scratch.text()));
+        sweep(&scratch, &name, &format!("--shard {shard}/4"));
+        shards.push(format!("{}/{name}", scratch.text()));
     }
-    let incomplete: Vec<&str> = join[..5].iter().map(String::as_str).collect();
-    let out = format!("{}/joined.csv", scratch.text());
-    let refusal = refused(&[&incomplete[..], &["--out", &out]].concat());
+    let joined = |shards: &[String]| {
+        let out = format!("{}/joined.csv", scratch.text());
+        format!("sweep --join {} --out {out}", shards.join(" "))
+    };
+    let refusal = refused(&joined(&shards[..3]));
     assert!(refusal.contains("first of them is 3"), "{refusal}");
-    let all: Vec<&str> = join.iter().map(String::as_str).collect();
-    solved(&[&all[..], &["--out", &out]].concat());
+    solved(&joined(&shards));
     assert_eq!(scratch.read("joined.csv"), whole);
     // Wherever a run was cut, also within a row or the header, the resumed table is the same.
     for cut in [0, 7, whole.len() / 3, whole.len() - 1, whole.len()] {
-        std::fs::write(scratch.0.join("cut.csv"), &whole[..cut]).unwrap();
-        assert_eq!(sweep(&scratch, "cut.csv", &["--resume"]), whole);
+        scratch.write("cut.csv", &whole[..cut]);
+        assert_eq!(sweep(&scratch, "cut.csv", "--resume"), whole);
     }
 }
 
 #[test]
 fn killed_sweep_leaves_the_beginning_of_the_table() {
     let scratch = folder("sweep-killed");
-    let more = ["--", "--method", "moreau", "--steps", "20000"];
-    let whole = sweep(&scratch, "whole.csv", &more);
-    let mut child = Command::new(env!("CARGO_BIN_EXE_hangtime"))
-        .args(words(&scratch, "killed.csv", &more))
+    let more = "-- --method moreau --steps 20000";
+    let whole = sweep(&scratch, "whole.csv", more);
+    let mut child = program()
+        .args(words(&scratch, "killed.csv", more).split_whitespace())
         .spawn()
         .unwrap();
     let path = scratch.0.join("killed.csv");
@@ -127,49 +113,35 @@ fn killed_sweep_leaves_the_beginning_of_the_table() {
     child.wait().unwrap();
     let left = scratch.read("killed.csv");
     assert!(whole.starts_with(&left), "{left}");
-    let more = [&["--resume"], &more[..]].concat();
-    assert_eq!(sweep(&scratch, "killed.csv", &more), whole);
+    assert_eq!(
+        sweep(&scratch, "killed.csv", &format!("--resume {more}")),
+        whole
+    );
 }
 
 #[test]
 fn sweep_refuses_tables_of_others_and_names_what_is_wrong() {
     let scratch = folder("sweep-refusals");
-    let whole = sweep(&scratch, "t.csv", &[]);
-    let refusal_of = |table: &str, more: &[&str]| {
-        let words = words(&scratch, table, more);
-        refused(&words.iter().map(String::as_str).collect::<Vec<_>>())
-    };
-    assert!(refusal_of("t.csv", &[]).contains("add --resume"));
-    let other = ["--resume", "--", "--method", "event"];
-    assert!(refusal_of("t.csv", &other).contains("another sweep"));
+    let whole = sweep(&scratch, "t.csv", "");
+    assert!(refusal(&scratch, "t.csv", "").contains("add --resume"));
+    let other = "--resume -- --method event";
+    assert!(refusal(&scratch, "t.csv", other).contains("another sweep"));
     assert_eq!(scratch.read("t.csv"), whole, "a refusal leaves the table");
-    assert!(refusal_of("u.csv", &["--what", "solve"]).contains("no objective"));
-    assert!(refusal_of("u.csv", &["--record", "final.y"]).contains("final.z"));
-    assert!(refusal_of("u.csv", &["--shard", "5/4"]).contains("1 <= I <= N"));
-    assert!(refusal_of("u.csv", &["--over", "h=1,2"]).contains("given twice"));
-    assert!(refusal_of("no/u.csv", &[]).contains("file that can be written"));
-    assert!(!scratch.0.join("u.csv").exists());
-    let output = hangtime(&["sweep", "--out", "t.csv"]);
-    assert_eq!(output.status.code(), Some(2));
 }
 
 #[test]
 fn table_has_one_writer_and_what_is_none_of_its_beginnings_is_left_as_it_is() {
     let scratch = folder("sweep-one-writer");
-    let whole = sweep(&scratch, "t.csv", &[]);
+    let whole = sweep(&scratch, "t.csv", "");
     let path = scratch.0.join("t.csv");
-    let refusal_of = |table: &str, more: &[&str]| {
-        let words = words(&scratch, table, more);
-        refused(&words.iter().map(String::as_str).collect::<Vec<_>>())
-    };
     let writer = std::fs::OpenOptions::new()
         .append(true)
         .open(&path)
         .unwrap();
     writer.lock().unwrap();
-    assert!(refusal_of("t.csv", &["--resume"]).contains("another sweep writes"));
+    assert!(refusal(&scratch, "t.csv", "--resume").contains("another sweep writes"));
     drop(writer);
-    assert_eq!(sweep(&scratch, "t.csv", &["--resume"]), whole);
+    assert_eq!(sweep(&scratch, "t.csv", "--resume"), whole);
     // Files of something else, with or without ends of lines, and rows behind the last one.
     let cut = &whole[..whole.rfind("\n26,").unwrap() + 3];
     let foreign = [
@@ -180,9 +152,9 @@ fn table_has_one_writer_and_what_is_none_of_its_beginnings_is_left_as_it_is() {
         whole.clone() + "27,",
     ];
     for text in foreign {
-        std::fs::write(&path, &text).unwrap();
+        scratch.write("t.csv", &text);
         assert!(
-            refusal_of("t.csv", &["--resume"]).contains("another sweep"),
+            refusal(&scratch, "t.csv", "--resume").contains("another sweep"),
             "{text}"
         );
         assert_eq!(scratch.read("t.csv"), text);
@@ -197,21 +169,20 @@ fn what_is_no_file_is_refused_before_it_is_read_and_joined_tables_have_usual_mod
     let pipe = scratch.0.join("pipe.csv");
     let made = Command::new("mkfifo").arg(&pipe).status().unwrap();
     assert!(made.success());
-    let part = sweep(&scratch, "part.csv", &[]);
+    let part = sweep(&scratch, "part.csv", "");
     let (part_path, pipe) = (
         format!("{}/part.csv", scratch.text()),
         pipe.to_str().unwrap(),
     );
     for out in [pipe, "/dev/full", "/dev/zero", scratch.text()] {
-        for resume in [&[][..], &["--resume"]] {
-            let over = ["sweep", "ski-jump", "--over", "m=1,2", "--out", out];
-            let refusal = refused(&[&over[..], resume].concat());
-            assert!(refusal.contains("this is no file"), "{refusal}");
+        for resume in ["", "--resume"] {
+            let over = format!("sweep ski-jump --over m=1,2 --out {out} {resume}");
+            assert!(refused(&over).contains("this is no file"), "{over}");
         }
-        let refusal = refused(&["sweep", "--join", &part_path, "--out", out]);
+        let refusal = refused(&format!("sweep --join {part_path} --out {out}"));
         assert!(refusal.contains("this is no file"), "{refusal}");
     }
-    assert!(refused(&["sweep", "--join", pipe, "--out", "x.csv"]).contains("this is no file"));
+    assert!(refused(&format!("sweep --join {pipe} --out x.csv")).contains("this is no file"));
     assert!(
         std::fs::metadata("/dev/full")
             .unwrap()
@@ -219,24 +190,20 @@ fn what_is_no_file_is_refused_before_it_is_read_and_joined_tables_have_usual_mod
             .is_char_device()
     );
     // So are tables of measurements, of profiles and programs, within any time.
-    let scene = scratch.0.join("fitted.hang");
     let fitted = BALL.replace(
         "horizon",
         "measured m: \"pipe.csv\" { z within 1 [cm] }\nminimize misfit(m)\nhorizon",
     );
-    std::fs::write(
-        &scene,
-        fitted.replace(
-            "parameters { h: m = 1, ",
-            "free h: m in 0..=2 = 1\nparameters { ",
-        ),
-    )
-    .unwrap();
-    assert!(refused(&["solve", scene.to_str().unwrap()]).contains("this is no file"));
-    assert!(refused(&["profile", pipe]).contains("this is no file"));
-    assert!(refused(&["nlp", pipe]).contains("this is no file"));
+    let free = "free h: m in 0..=2 = 1\nparameters { ";
+    let scene = scratch.write(
+        "fitted.hang",
+        fitted.replace("parameters { h: m = 1, ", free),
+    );
+    assert!(refused(&format!("solve {scene}")).contains("this is no file"));
+    assert!(refused(&format!("profile {pipe}")).contains("this is no file"));
+    assert!(refused(&format!("nlp {pipe}")).contains("this is no file"));
     let joined = format!("{}/joined.csv", scratch.text());
-    solved(&["sweep", "--join", &part_path, "--out", &joined]);
+    solved(&format!("sweep --join {part_path} --out {joined}"));
     let mode = |path: &str| std::fs::metadata(path).unwrap().permissions().mode();
     assert_eq!(mode(&joined), mode(&part_path));
     assert_eq!(scratch.read("joined.csv"), part);
@@ -247,9 +214,9 @@ fn what_is_no_file_is_refused_before_it_is_read_and_joined_tables_have_usual_mod
 fn interrupted_sweep_ends_at_once_and_says_how_to_go_on() {
     let scratch = folder("sweep-interrupted");
     // A point takes seconds.
-    let more = ["--", "--method", "moreau", "--steps", "1000000"];
-    let mut child = Command::new(env!("CARGO_BIN_EXE_hangtime"))
-        .args(words(&scratch, "t.csv", &more))
+    let more = "-- --method moreau --steps 1000000";
+    let mut child = program()
+        .args(words(&scratch, "t.csv", more).split_whitespace())
         .stdout(std::process::Stdio::null())
         .stderr(std::process::Stdio::piped())
         .spawn()
@@ -284,25 +251,20 @@ const CART: &str = "parameters { m: kg = 2, d: m = 1 }\ncoordinates { y: m }\nco
      lagrangian m/2*dot(y)^2\nforces { y: u }\nminimize time\nstart { y: 0 }\nfinally { y == d, dot(y) == 0 }\n";
 
 /// The table of a warm sweep over 2 x 7 points in chains of three, written to a file of the folder.
-fn warm(scratch: &Scratch, table: &str, more: &[&str]) -> String {
-    let (scene, out) = (
-        format!("{}/cart.hang", scratch.text()),
-        format!("{}/{table}", scratch.text()),
-    );
-    let fixed = [
-        "sweep", &scene, "--what", "solve", "--warm=3", "--out", &out,
-    ];
-    let over = ["--over", "m=2,2.7", "--over", "d=0.4:1.6:7"];
-    let last = ["--record", "objective", "--", "--intervals", "6"];
-    solved(&[&fixed[..], &over, more, &last].concat());
+fn warm(scratch: &Scratch, table: &str, more: &str) -> String {
+    let text = scratch.text();
+    solved(&format!(
+        "sweep {text}/cart.hang --what solve --warm=3 --out {text}/{table} --over m=2,2.7 --over d=0.4:1.6:7 {more} \
+         --record objective -- --intervals 6"
+    ));
     scratch.read(table)
 }
 
 #[test]
 fn warm_sweep_starts_points_from_each_other_whoever_computes_them() {
     let scratch = folder("sweep-warm");
-    std::fs::write(scratch.0.join("cart.hang"), CART).unwrap();
-    let whole = warm(&scratch, "whole.csv", &[]);
+    scratch.write("cart.hang", CART);
+    let whole = warm(&scratch, "whole.csv", "");
     let rows: Vec<&str> = whole.lines().skip(1).collect();
     assert_eq!(rows.len(), 14);
     for (k, row) in rows.iter().enumerate() {
@@ -315,48 +277,23 @@ fn warm_sweep_starts_points_from_each_other_whoever_computes_them() {
         assert!((objective - 2.0 * (m * d).sqrt()).abs() < 1e-7, "{row}");
     }
     // Chains are 0..3, 3..6, 6..7 and the same of the other mass: six of them for two shards.
-    let mut join = vec!["sweep".to_owned(), "--join".to_owned()];
-    for shard in ["1/2", "2/2"] {
-        let name = format!("s{}.csv", &shard[..1]);
-        let table = warm(&scratch, &name, &["--shard", shard]);
-        let first = table.lines().nth(1).unwrap().to_owned();
-        assert_eq!(first, rows[if shard == "1/2" { 0 } else { 3 }]);
-        join.push(format!("{}/{name}", scratch.text()));
+    for (shard, first) in [(1, 0), (2, 3)] {
+        let table = warm(
+            &scratch,
+            &format!("s{shard}.csv"),
+            &format!("--shard {shard}/2"),
+        );
+        assert_eq!(table.lines().nth(1), Some(rows[first]));
     }
-    let out = format!("{}/joined.csv", scratch.text());
-    join.extend(["--out".to_owned(), out]);
-    solved(&join.iter().map(String::as_str).collect::<Vec<_>>());
+    let text = scratch.text();
+    solved(&format!(
+        "sweep --join {text}/s1.csv {text}/s2.csv --out {text}/joined.csv"
+    ));
     assert_eq!(scratch.read("joined.csv"), whole);
     // Cut within a chain, it is computed anew from its first point on.
     for lines in [3, 6] {
         let cut: String = whole.split_inclusive('\n').take(lines).collect();
-        std::fs::write(scratch.0.join("cut.csv"), cut).unwrap();
-        assert_eq!(warm(&scratch, "cut.csv", &["--resume"]), whole);
+        scratch.write("cut.csv", cut);
+        assert_eq!(warm(&scratch, "cut.csv", "--resume"), whole);
     }
-}
-
-#[test]
-fn warm_sweep_is_refused_where_nothing_is_handed_on() {
-    let scratch = folder("sweep-warm-refused");
-    let words = |more: &[&str]| words(&scratch, "t.csv", more);
-    let refusal =
-        |more: &[&str]| refused(&words(more).iter().map(String::as_str).collect::<Vec<_>>());
-    assert!(refusal(&["--warm"]).contains("--what solve"));
-    assert!(refusal(&["--warm=1"]).contains("at least 2"));
-    let out = format!("{}/u.csv", scratch.text());
-    // The last parameter chooses a form of the scene.
-    let choice = refused(&[
-        "sweep",
-        "pump-track",
-        "--what",
-        "solve",
-        "--warm",
-        "--over",
-        "speed=4,5",
-        "--over",
-        "law=holding",
-        "--out",
-        &out,
-    ]);
-    assert!(choice.contains("`law`"), "{choice}");
 }
