@@ -585,81 +585,45 @@ mod tests {
     #[test]
     fn help_states_the_defaults_of_the_library() {
         let (fesd, smooth) = (Fesd::default(), Smooth::default());
-        let grid = Fesd::default().with_grid(1, 1);
-        assert_eq!(Moreau::default().steps, FixedStep::default().steps);
+        let (event, moreau) = (EventDriven::default().tolerance, Moreau::default().steps);
+        assert_eq!(moreau, FixedStep::default().steps);
+        let (tolerance, width, elements) = (smooth.tolerance, smooth.width, fesd.elements);
+        let [stages, on_grid] =
+            [fesd, Fesd::default().with_grid(1, 1)].map(|fesd| fesd.stage_count());
+        assert_told(
+            &help("simulate"),
+            &[
+                format!("[default: {event:e} with event"),
+                format!("{tolerance:e} with smooth"),
+                format!("(smooth) [default: {width}]"),
+                format!("[default: {moreau} with moreau and fixed]"),
+                format!("(fesd) [default: {stages}, {on_grid} with steps or elements]"),
+                format!("Finite elements of a step (fesd) [default: {elements}]"),
+            ],
+        );
         let (settings, freezing) = (Settings::default(), TimeFreezingSettings::default());
         let mut frozen = Settings::default();
         frozen.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-        let texts = [("simulate", help("simulate")), ("solve", help("solve"))];
-        for (command, words) in [
-            (
-                0,
-                format!(
-                    "[default: {:e} with event",
-                    EventDriven::default().tolerance
-                ),
-            ),
-            (0, format!("{:e} with smooth", smooth.tolerance)),
-            (0, format!("(smooth) [default: {}]", smooth.width)),
-            (
-                0,
-                format!(
-                    "[default: {} with moreau and fixed]",
-                    Moreau::default().steps
-                ),
-            ),
-            (
-                0,
-                format!(
-                    "1 to 9 (fesd) [default: {}, {} with steps or elements]",
-                    fesd.stage_count(),
-                    grid.stage_count()
-                ),
-            ),
-            (
-                0,
-                format!(
-                    "Finite elements of a step (fesd) [default: {}]",
-                    fesd.elements
-                ),
-            ),
-            (1, format!("Control intervals [default: {INTERVALS}]")),
-            (
-                1,
-                format!(
-                    "where the re-simulation asks for them [default: {}]",
-                    settings.stages
-                ),
-            ),
-            (
-                1,
-                format!("time-freezing, 1 to 9 [default: {}]", freezing.stages),
-            ),
-            (
-                1,
-                format!("between two switches [default: {}]", settings.elements),
-            ),
-            (
-                1,
-                format!(
-                    "interval with time-freezing [default: {}], where one more is taken if a contact bounces",
-                    freezing.elements
-                ),
-            ),
-            (
-                1,
-                format!(
-                    "are listed [default: up to {} until several agree on the best; with time-freezing up to {} until",
-                    settings.starts(),
-                    frozen.starts()
-                ),
-            ),
-        ] {
-            let (name, text) = &texts[command];
-            assert!(
-                text.contains(&words),
-                "`{words}` is missing in {name}:\n{text}"
-            );
+        let [starts, tried] = [&settings, &frozen].map(Settings::starts);
+        let (stages, elements) = (settings.stages, settings.elements);
+        let (frozen, parts) = (freezing.stages, freezing.elements);
+        assert_told(
+            &help("solve"),
+            &[
+                format!("Control intervals [default: {INTERVALS}]"),
+                format!("re-simulation asks for them [default: {stages}]"),
+                format!("time-freezing, 1 to 9 [default: {frozen}]"),
+                format!("between two switches [default: {elements}]"),
+                format!("interval with time-freezing [default: {parts}], where one"),
+                format!("[default: up to {starts} until several agree on the best"),
+                format!("with time-freezing up to {tried} until"),
+            ],
+        );
+    }
+
+    fn assert_told(help: &str, told: &[String]) {
+        for words in told {
+            assert!(help.contains(words), "`{words}` is missing:\n{help}");
         }
     }
 }

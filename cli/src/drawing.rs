@@ -1,11 +1,14 @@
 //! How a scene is drawn: as it declares, or as one body where its coordinates are a place.
 
 use hangtime::model::{ContactDeclaration, Model, Picture, Shape};
+use serde::Serialize;
 
 use crate::contour::zero_lines;
 use crate::sampling::State;
 use crate::table::headed;
 
+/// Free space around what is shown, as a share of its larger extent.
+const MARGIN: f64 = 0.08;
 /// Points of a curve.
 const POINTS: usize = 200;
 /// Corners of the outline of a disc.
@@ -51,7 +54,7 @@ pub(crate) struct Placed {
 }
 
 /// A line of ground.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct GroundLine {
     /// Name of the curve or of the surface.
     pub(crate) name: &'static str,
@@ -298,6 +301,23 @@ pub(crate) fn ranges(points: &[[f64; 2]]) -> [[f64; 2]; 2] {
         values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
             [low.min(x), high.max(x)]
         })
+    })
+}
+
+/// What is seen, from left to right and from bottom to top: all these points, and a margin around them.
+pub(crate) fn frame<'p>(points: impl Iterator<Item = &'p [f64; 2]>) -> [[f64; 2]; 2] {
+    let finite = points.filter(|point| point.iter().all(|x| x.is_finite()));
+    let ranges = ranges(&finite.copied().collect::<Vec<_>>());
+    let extents = ranges.iter().map(|[low, high]| high - low);
+    let extent = extents.fold(0.0, f64::max);
+    // Nothing moved, or nothing is known: a frame that can be drawn all the same.
+    let margin = match extent.is_finite() && extent > 0.0 {
+        true => MARGIN * extent,
+        false => 1.0,
+    };
+    ranges.map(|[low, high]| match low <= high {
+        true => [low - margin, high + margin],
+        false => [-margin, margin],
     })
 }
 

@@ -86,12 +86,22 @@ pub(crate) struct Ending {
 }
 
 impl Ending {
+    /// Of what ended by itself.
+    fn new(status: &'static str, diagnosis: Option<String>) -> Self {
+        Self { status, diagnosis }
+    }
+
+    /// The same, or what `stop` says, if that asked it to end.
+    fn or(self, stop: Option<Stop>, limits: &LimitArguments) -> Self {
+        match stop {
+            Some(stop) => Self::new(stop.name(), Some(stop.diagnosis(limits))),
+            None => self,
+        }
+    }
+
     /// Of a solve that ended by itself.
     pub(crate) fn of(solution: &Solution) -> Self {
-        Self {
-            status: solution.status.name(),
-            diagnosis: solution.diagnosis(),
-        }
+        Self::new(solution.status.name(), solution.diagnosis())
     }
 
     /// Of a solve that `stop` asked to end, if anything did.
@@ -101,16 +111,18 @@ impl Ending {
         limits: &LimitArguments,
     ) -> Self {
         let own = Self::of(solution);
-        match stop.filter(|_| solution.status == Status::Interrupted) {
-            Some(stop) if stop != Stop::Interrupt => Self {
-                status: stop.name(),
-                diagnosis: Some(match own.diagnosis {
-                    Some(own) => format!("{}; {own}", stop.diagnosis(limits)),
-                    None => stop.diagnosis(limits),
-                }),
-            },
-            _ => own,
+        let found = own.diagnosis.clone();
+        let stop = stop.filter(|stop| *stop != Stop::Interrupt);
+        let mut ended = own.or(
+            stop.filter(|_| solution.status == Status::Interrupted),
+            limits,
+        );
+        if let (Some(said), Some(found)) = (&mut ended.diagnosis, found)
+            && *said != found
+        {
+            *said += &format!("; {found}");
         }
+        ended
     }
 
     /// Of an estimation that `stop` asked to end, if anything did.
@@ -119,16 +131,9 @@ impl Ending {
         stop: Option<Stop>,
         limits: &LimitArguments,
     ) -> Self {
-        match stop.filter(|_| estimate.status == estimation::Status::Interrupted) {
-            Some(stop) => Self {
-                status: stop.name(),
-                diagnosis: Some(stop.diagnosis(limits)),
-            },
-            None => Self {
-                status: estimate.status.name(),
-                diagnosis: estimate.diagnosis.clone(),
-            },
-        }
+        let interrupted = estimate.status == estimation::Status::Interrupted;
+        let own = Self::new(estimate.status.name(), estimate.diagnosis.clone());
+        own.or(stop.filter(|_| interrupted), limits)
     }
 
     /// Of a simulation that `stop` asked to end, if anything did.
@@ -137,25 +142,15 @@ impl Ending {
         stop: Option<Stop>,
         limits: &LimitArguments,
     ) -> Self {
-        let status = &simulation.status;
-        match stop.filter(|_| matches!(status, SimulationStatus::Interrupted(_))) {
-            Some(stop) => Self {
-                status: stop.name(),
-                diagnosis: Some(stop.diagnosis(limits)),
-            },
-            None => Self::of_whole(simulation),
-        }
+        let interrupted = matches!(simulation.status, SimulationStatus::Interrupted(_));
+        Self::of_whole(simulation).or(stop.filter(|_| interrupted), limits)
     }
 
     /// Of a simulation that ended by itself.
     pub(crate) fn of_whole(simulation: &Simulation) -> Self {
         let status = &simulation.status;
-        Self {
-            status: status.name(),
-            diagnosis: status
-                .diagnosis()
-                .map(|diagnosis| diagnosis.message.clone()),
-        }
+        let said = status.diagnosis().map(|known| known.message.clone());
+        Self::new(status.name(), said)
     }
 
     /// Of a program from a file that `stop` asked to end, if anything did.
@@ -164,16 +159,9 @@ impl Ending {
         stop: Option<Stop>,
         limits: &LimitArguments,
     ) -> Self {
-        match stop.filter(|_| solution.status == nl::Status::Interrupted) {
-            Some(stop) => Self {
-                status: stop.name(),
-                diagnosis: Some(stop.diagnosis(limits)),
-            },
-            None => Self {
-                status: solution.status.name(),
-                diagnosis: solution.diagnosis(),
-            },
-        }
+        let interrupted = solution.status == nl::Status::Interrupted;
+        let own = Self::new(solution.status.name(), solution.diagnosis());
+        own.or(stop.filter(|_| interrupted), limits)
     }
 
     /// The line about the simulation `name`, with the time that it reached, if it did not end with a solution.

@@ -344,50 +344,29 @@ fn patterns(declaration: &Declaration) -> String {
             .collect()
     };
     let mut text = String::from("\nsparsity patterns (x structural nonzero, . zero)\n");
-    text += &pattern(
-        "Jacobian of the free acceleration",
-        &declaration.free_jacobian,
-        &with("", "''"),
-        &inputs,
-    );
-    text += &pattern(
-        "Hessian of the free acceleration, lower triangle",
-        &declaration.free_hessian,
-        &inputs,
-        &inputs,
-    );
+    // Rows of each Jacobian are functions, those of a Hessian are inputs.
+    let mut both = |what: &str, jacobian, hessian, rows: Vec<String>| {
+        text += &pattern(&format!("Jacobian of {what}"), jacobian, &rows, &inputs);
+        let title = format!("Hessian of {what}, lower triangle");
+        text += &pattern(&title, hessian, &inputs, &inputs);
+    };
+    let (jacobian, hessian) = (&declaration.free_jacobian, &declaration.free_hessian);
+    both("the free acceleration", jacobian, hessian, with("", "''"));
     for contact in declaration.contacts {
-        let mut rows = vec!["gap".to_owned(), "gap'".to_owned()];
-        rows.extend(with("direction ", ""));
-        text += &pattern(
-            &format!("Jacobian of contact `{}`", contact.name),
-            &contact.jacobian,
-            &rows,
-            &inputs,
-        );
-        text += &pattern(
-            &format!("Hessian of contact `{}`, lower triangle", contact.name),
-            &contact.hessian,
-            &inputs,
-            &inputs,
-        );
+        let directed = |names: &[&str]| {
+            let names = names.iter().map(|name| (*name).to_owned());
+            names.chain(with("direction ", "")).collect()
+        };
+        let (name, rows) = (contact.name, directed(&["gap", "gap'"]));
+        let what = format!("contact `{name}`");
+        both(&what, &contact.jacobian, &contact.hessian, rows);
         if let Some(friction) = &contact.friction {
-            let mut rows = vec!["slip".to_owned()];
-            rows.extend(with("direction ", ""));
-            text += &pattern(
-                &format!("Jacobian of the friction of `{}`", contact.name),
+            let what = format!("the friction of `{name}`");
+            both(
+                &what,
                 &friction.jacobian,
-                &rows,
-                &inputs,
-            );
-            text += &pattern(
-                &format!(
-                    "Hessian of the friction of `{}`, lower triangle",
-                    contact.name
-                ),
                 &friction.hessian,
-                &inputs,
-                &inputs,
+                directed(&["slip"]),
             );
         }
     }

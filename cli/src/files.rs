@@ -132,10 +132,8 @@ fn blocks(
 ) -> Vec<Block> {
     let player = player.map(|player| Block::Players(vec![player]));
     let mut blocks: Vec<Block> = player.into_iter().chain(figures).collect();
-    blocks.push(Block::table(
-        vec![String::new(), String::new()],
-        facts.into_iter().map(Vec::from).collect(),
-    ));
+    let facts = facts.into_iter().map(Vec::from).collect();
+    blocks.push(Block::table(["", ""], facts));
     blocks.push(Block::Text(about));
     blocks
 }

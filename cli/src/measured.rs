@@ -13,6 +13,9 @@ use crate::table::counted;
 
 /// Largest table that is read, in bytes.
 const LARGEST: u64 = 64 << 20;
+/// Why a table is none that has no line.
+const EMPTY: &str =
+    "the table is empty; its first line has names and units, such as `t [s], z [cm]`";
 /// What the column of times may be called.
 const TIMES: [&str; 2] = ["t", "time"];
 
@@ -83,10 +86,7 @@ fn table(
         .map(|(number, line)| (number + 1, line.trim()))
         .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     let Some((number, first)) = lines.next() else {
-        return Err(
-            "the table is empty; its first line has names and units, such as `t [s], z [cm]`"
-                .to_owned(),
-        );
+        return Err(EMPTY.to_owned());
     };
     let headings = cells(first);
     let (time, columns, given) = columns(&headings, experiment, controls)
@@ -264,7 +264,7 @@ fn factor(from: Option<&str>, to: &str) -> Result<f64, String> {
 
 #[cfg(test)]
 mod tests {
-    use super::table;
+    use super::{EMPTY, table};
     use hangtime::model::{Experiment, Measured, MeasuredQuantity, VariableDeclaration};
     use hangtime::simulation::ControlSignal;
 
@@ -340,54 +340,23 @@ mod tests {
 
     #[test]
     fn tables_that_are_none_are_refused_with_line_and_column() {
-        let head = "t [s],z [m],dot(phi)\n";
-        for (text, reason) in [
-            ("".to_owned(), "the table is empty"),
-            (
-                "t,z\n0,1\n".to_owned(),
-                "line 1, no column is called `dot(phi)`",
-            ),
-            (
-                "a,z,dot(phi)\n".to_owned(),
-                "line 1, no column is called `t`",
-            ),
-            (
-                "t,z [kg],dot(phi)\n".to_owned(),
-                "line 1, column 2 (`z [kg]`): `kg` is no unit of",
-            ),
-            (
-                "t,z [furlong],dot(phi)\n".to_owned(),
-                "line 1, column 2 (`z [furlong]`): unknown unit",
-            ),
-            (
-                "t,z,z [cm],dot(phi)\n".to_owned(),
-                "line 1, column 3 (`z [cm]`): this is measured in column 2",
-            ),
-            (
-                head.to_owned() + "0,1,2\n0.1,1.5m,2\n",
-                "line 3, column 2 (`z [m]`): `1.5m` is no finite number",
-            ),
-            (
-                head.to_owned() + "0,1,2\n\n0.1,1\n",
-                "line 4, `0.1,1`: 2 columns, where the first line names 3",
-            ),
-            (
-                head.to_owned() + "0,1,2\n0.2,1,2\n0.1,1,2\n",
-                "line 4, column 1 (`t [s]`): `0.1`; times do not go back",
-            ),
-            (
-                head.to_owned() + "-1,1,2\n",
-                "line 2, column 1 (`t [s]`): `-1`; times count from the start",
-            ),
-            (
-                head.to_owned() + ",1,2\n",
-                "line 2, column 1 (`t [s]`): ``; times count",
-            ),
-            (
-                head.to_owned() + "0,inf,2\n",
-                "line 2, column 2 (`z [m]`): `inf` is no finite number",
-            ),
-        ] {
+        assert!(table("", &EXPERIMENT, &[]).is_err_and(|said| said == EMPTY));
+        for line in "\
+            t,z|0,1 => line 1, no column is called `dot(phi)`
+            a,z,dot(phi)| => line 1, no column is called `t`
+            t,z [kg],dot(phi)| => line 1, column 2 (`z [kg]`): `kg` is no unit of
+            t,z [furlong],dot(phi)| => line 1, column 2 (`z [furlong]`): unknown unit
+            t,z,z [cm],dot(phi)| => line 1, column 3 (`z [cm]`): this is measured in column 2
+            t [s],z [m],dot(phi)|0,1,2|0.1,1.5m,2 => line 3, column 2 (`z [m]`): `1.5m` is no finite number
+            t [s],z [m],dot(phi)|0,1,2||0.1,1 => line 4, `0.1,1`: 2 columns, where the first line names 3
+            t [s],z [m],dot(phi)|0,1,2|0.2,1,2|0.1,1,2 => line 4, column 1 (`t [s]`): `0.1`; times do not go back
+            t [s],z [m],dot(phi)|-1,1,2 => line 2, column 1 (`t [s]`): `-1`; times count from the start
+            t [s],z [m],dot(phi)|,1,2 => line 2, column 1 (`t [s]`): ``; times count
+            t [s],z [m],dot(phi)|0,inf,2 => line 2, column 2 (`z [m]`): `inf` is no finite number"
+            .lines()
+        {
+            let (text, reason) = line.trim().split_once(" => ").unwrap();
+            let text = text.replace('|', "\n");
             let message = table(&text, &EXPERIMENT, &[]).unwrap_err();
             assert!(message.contains(reason), "{message}");
         }

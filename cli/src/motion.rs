@@ -4,8 +4,8 @@ use crate::{PublishedData, Quantity};
 use hangtime::model::Model;
 use hangtime::simulation::{EventKind, Simulation};
 
-use crate::drawing::{Drawing, Placed, zigzag};
-use crate::figure::{COLOURS, Motion, Panel, Path, Series, frame};
+use crate::drawing::{Drawing, Placed, frame, zigzag};
+use crate::figure::{COLOURS, Motion, Panel, Path, Series};
 use crate::quantity;
 use crate::sampling::{State, dense, state_at};
 

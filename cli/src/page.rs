@@ -193,17 +193,21 @@ impl Block {
     }
 
     /// A table.
-    pub(crate) fn table(header: Vec<String>, rows: Vec<Vec<String>>) -> Self {
+    pub(crate) fn table<H>(header: H, rows: Vec<Vec<String>>) -> Self
+    where
+        H: IntoIterator,
+        H::Item: Into<String>,
+    {
         Self::Table(Table {
-            header,
+            header: header.into_iter().map(Into::into).collect(),
             rows,
             dense: false,
         })
     }
 
-    /// A table that is shown when it is asked for.
-    pub(crate) fn folded_table(title: &str, header: Vec<String>, rows: Vec<Vec<String>>) -> Self {
-        Self::Fold(title.to_owned(), vec![Self::table(header, rows)])
+    /// What is shown when it is asked for.
+    pub(crate) fn folded(title: &str, inside: Self) -> Self {
+        Self::Fold(title.to_owned(), vec![inside])
     }
 }
 
@@ -394,10 +398,8 @@ mod tests {
     #[test]
     fn page_has_the_order_in_which_it_is_told_and_no_backticks() {
         let text = |words: &str| Block::Text(words.to_owned());
-        let table = Block::table(
-            vec!["x".to_owned()],
-            vec![vec!["1".to_owned()], vec!["`2`".to_owned()]],
-        );
+        let rows = vec![vec!["1".to_owned()], vec!["`2`".to_owned()]];
+        let table = Block::table(["x"], rows);
         let page = page(
             vec![Block::figure("<svg/>"), text("`first` words")],
             vec![

@@ -225,35 +225,28 @@ mod tests {
 
     #[test]
     fn tables_that_are_none_are_refused_with_the_line_or_the_reason() {
-        for (text, reason) in [
-            ("0,1\n1,two\n", "line 2, `1,two`"),
-            ("s,z\n0,1\n", "and has 1"),
-            (
-                "0,1\n2,1\n1,1\n",
-                "line 3, `1,1`: the points must go from left to right",
-            ),
-            (
-                "s,z,w\n0,1,2\n",
-                "line 1, `s,z,w`: 3 columns, where a point has two",
-            ),
-            ("0,1\n1,5,2,5\n", "line 2, `1,5,2,5`: 4 columns"),
-            ("0 1 2\n", "line 1, `0 1 2`: 3 columns"),
-            ("0,1\n1,,2\n", "line 2, `1,,2`: 3 columns"),
-            ("s\n0,1\n", "line 1, `s`: 1 column,"),
-            ("0,1\n1,NaN\n", "line 2, `1,NaN`: two finite numbers"),
-            ("inf,1\n1,2\n", "line 1, `inf,1`: two finite numbers"),
-            ("0x10,1\n20,2\n", "line 1, `0x10,1`: two finite numbers"),
-            ("0,1\n1,2 m\n", "line 2, `1,2 m`: two finite numbers"),
-            (
-                "s [furlong],z\n0,1\n",
-                "line 1, `s [furlong]`: unknown unit",
-            ),
-            ("s [mm,z\n0,1\n", "line 1, `s [mm`: the unit ends"),
-            ("", "and has 0"),
-        ] {
-            let message = statement(text).unwrap_err();
+        for line in "\
+            0,1|1,two => line 2, `1,two`
+            s,z|0,1 => and has 1
+            0,1|2,1|1,1 => line 3, `1,1`: the points must go from left to right
+            s,z,w|0,1,2 => line 1, `s,z,w`: 3 columns, where a point has two
+            0,1|1,5,2,5 => line 2, `1,5,2,5`: 4 columns
+            0 1 2 => line 1, `0 1 2`: 3 columns
+            0,1|1,,2 => line 2, `1,,2`: 3 columns
+            s|0,1 => line 1, `s`: 1 column,
+            0,1|1,NaN => line 2, `1,NaN`: two finite numbers
+            inf,1|1,2 => line 1, `inf,1`: two finite numbers
+            0x10,1|20,2 => line 1, `0x10,1`: two finite numbers
+            0,1|1,2 m => line 2, `1,2 m`: two finite numbers
+            s [furlong],z|0,1 => line 1, `s [furlong]`: unknown unit
+            s [mm,z|0,1 => line 1, `s [mm`: the unit ends"
+            .lines()
+        {
+            let (text, reason) = line.trim().split_once(" => ").unwrap();
+            let message = statement(&text.replace('|', "\n")).unwrap_err();
             assert!(message.contains(reason), "{message}");
         }
+        assert!(statement("").unwrap_err().contains("and has 0"));
         let many: String = (0..6000).map(|i| format!("{i},0\n")).collect();
         let message = statement(&many).unwrap_err();
         assert!(message.contains("6000 points"), "{message}");

@@ -3,6 +3,7 @@
 
 use hangtime::rk::Scheme;
 use hangtime::simulation::EventKind;
+use serde::Serialize;
 
 /// One published simulation or optimal motion.
 #[derive(Debug, Clone, Copy)]
@@ -83,13 +84,14 @@ pub struct PublishedData {
 }
 
 /// The positions of all bodies at one instant.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PublishedPoint {
     /// Time \[s\].
     pub time: f64,
     /// Horizontal and vertical position of each body, in the units of the axes.
     pub positions: Vec<[f64; 2]>,
     /// Whether it belongs to the time lapse; the others only mark the path.
+    #[serde(skip)]
     pub time_lapse: bool,
 }
 

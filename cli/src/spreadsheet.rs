@@ -10,7 +10,10 @@ use crate::table::{headed, per_second};
 use crate::thinning::kept;
 
 /// CSV text of a header and rows.
-pub(crate) fn csv_text(header: &[String], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+pub(crate) fn csv_text(
+    header: &[impl AsRef<[u8]>],
+    rows: impl IntoIterator<Item = Vec<String>>,
+) -> String {
     let mut writer = csv::WriterBuilder::new()
         .flexible(true)
         .from_writer(Vec::new());

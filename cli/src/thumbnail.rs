@@ -6,8 +6,8 @@ use hangtime::model::Model;
 use hangtime::simulation::Simulation;
 
 use crate::Quantity;
-use crate::drawing::{Drawing, Placed, zigzag};
-use crate::figure::COLOURS;
+use crate::drawing::{Drawing, Placed, ranges, zigzag};
+use crate::figure::{COLOURS, line};
 use crate::quantity;
 use crate::sampling::{State, state_at};
 
@@ -60,18 +60,15 @@ struct View {
 impl View {
     /// Shows all points; `None` where they have no extent, or no place.
     fn of(points: &[Point]) -> Option<Self> {
-        let ranges = [0, 1].map(|axis| {
-            let values = points.iter().map(|point| point[axis]);
-            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
-                (low.min(x), high.max(x))
-            })
+        let ranges = ranges(points);
+        let scales = [0, 1].map(|axis| {
+            let [low, high] = ranges[axis];
+            (SIZE[axis] - 2.0 * MARGIN) / (high - low)
         });
-        let extent = ranges.map(|(low, high)| high - low);
-        let scales = [0, 1].map(|axis| (SIZE[axis] - 2.0 * MARGIN) / extent[axis]);
         let scale = scales[0].min(scales[1]);
         (scale.is_finite() && scale > 0.0).then(|| Self {
             scale,
-            middle: ranges.map(|(low, high)| 0.5 * (low + high)),
+            middle: ranges.map(|[low, high]| 0.5 * (low + high)),
         })
     }
 
@@ -224,13 +221,7 @@ fn push_path(svg: &mut String, points: &[Point], style: &str) {
     if points.len() < 2 || !points.as_flattened().iter().all(|x| x.is_finite()) {
         return;
     }
-    svg.push_str("<path d=\"");
-    for (index, [x, y]) in simplified(points).into_iter().enumerate() {
-        let pen = if index == 0 { 'M' } else { 'L' };
-        // Writing to a string cannot fail.
-        let _ = write!(svg, "{pen}{x:.1} {y:.1}");
-    }
-    let _ = writeln!(svg, "\" {style}/>");
+    line(svg, simplified(points).into_iter(), style);
 }
 
 /// The points that a line needs to be nowhere farther than [`FLAT`] from all (Douglas and Peucker 1973).

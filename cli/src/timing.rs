@@ -1,5 +1,8 @@
 //! Fair times: a run is repeated, and its fastest repetition counts.
 
+use std::time::Instant;
+
+use cpu_time::ProcessTime;
 use hangtime::simulation::{InitialValueProblem, InputError, Simulation};
 
 use crate::method::ChosenMethod;
@@ -11,6 +14,16 @@ pub(crate) const EXACT_TOLERANCE: f64 = 1e-13;
 const TIMED_SECONDS: f64 = 0.02;
 /// What a repetition counts at least [s], so that a coarse clock ends the repetitions too.
 const SHORTEST_RUN: f64 = 1e-4;
+
+/// Whether what begins now may go on: until it has taken this much CPU time [s]. Where there is no clock of the process, that on the
+/// wall counts.
+pub(crate) fn patience(seconds: f64) -> impl Fn() -> bool + Sync {
+    let (start, wall) = (ProcessTime::try_now().ok(), Instant::now());
+    move || {
+        let spent = start.as_ref().and_then(|start| start.try_elapsed().ok());
+        spent.unwrap_or_else(|| wall.elapsed()).as_secs_f64() < seconds
+    }
+}
 
 /// A run that was repeated.
 pub(crate) struct Repeated {

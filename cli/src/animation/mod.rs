@@ -3,13 +3,13 @@
 mod force;
 mod touch;
 
-use crate::PublishedData;
+use crate::{PublishedData, PublishedPoint};
 use hangtime::model::Model;
 use hangtime::simulation::{Event, Simulation};
 use serde::Serialize;
 
 use self::force::Arrow;
-use crate::drawing::{Body, Drawing, GroundLine, Placed, ranges};
+use crate::drawing::{Body, Drawing, GroundLine, Placed, frame};
 use crate::json::to_line;
 use crate::markup::embedded;
 use crate::quantity;
@@ -26,8 +26,6 @@ const FRAME_RATE: f64 = 240.0;
 const FRAMES: (f64, f64) = (200.0, 2400.0);
 /// Most events that can be gone to.
 const MOST_EVENTS: usize = 500;
-/// Free space around the motion, as a share of its larger extent.
-const MARGIN: f64 = 0.08;
 
 /// What the script draws.
 #[derive(Serialize)]
@@ -37,8 +35,8 @@ struct Frames {
     springs: Vec<bool>,
     axes: [String; 2],
     /// Left, right, bottom, top.
-    frame: [f64; 4],
-    ground: Vec<GroundEntry>,
+    frame: Vec<f64>,
+    ground: Vec<GroundLine>,
     contacts: Vec<&'static str>,
     /// Largest force of a contact, and largest torque; 0 if there is none.
     largest_force: f64,
@@ -55,16 +53,9 @@ struct Frames {
     forces: Vec<Vec<Option<Arrow>>>,
     /// Published places of the bodies, in order of time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    published: Vec<PublishedEntry>,
+    published: Vec<PublishedPoint>,
     #[serde(flatten)]
     curves: Curves,
-}
-
-/// Where a publication shows the bodies at one instant.
-#[derive(Serialize)]
-struct PublishedEntry {
-    time: f64,
-    positions: Vec<[f64; 2]>,
 }
 
 /// All quantities over time.
@@ -82,12 +73,6 @@ struct BodyEntry {
     outline: Vec<[f64; 2]>,
     /// Whether a line from its place to its rim shows how it turns.
     spoke: bool,
-}
-
-#[derive(Serialize)]
-struct GroundEntry {
-    name: &'static str,
-    points: Vec<[f64; 2]>,
 }
 
 #[derive(Serialize)]
@@ -132,9 +117,8 @@ impl Animation {
         if extents.is_empty() || !extents.as_flattened().iter().all(|x| x.is_finite()) {
             return None;
         }
-        let frame = frame(&extents);
-        let [left, right, bottom, top] = frame;
-        let ground = drawing.ground([[left, right], [bottom, top]]);
+        let frame = frame(extents.iter());
+        let ground = drawing.ground(frame);
         let forces: Vec<Vec<Option<Arrow>>> = states
             .iter()
             .map(|state| force::arrows(drawing, &ground, model, state))
@@ -149,8 +133,8 @@ impl Animation {
             bodies: bodies.collect(),
             springs: drawing.springs.clone(),
             axes: drawing.axes.clone(),
-            frame,
-            ground: ground.into_iter().map(GroundEntry::from).collect(),
+            frame: frame.concat(),
+            ground,
             contacts: model
                 .declaration()
                 .contacts
@@ -167,7 +151,7 @@ impl Animation {
             ends: placed.iter().map(|placed| placed.ends.clone()).collect(),
             positions: placed.into_iter().map(|placed| placed.places).collect(),
             forces,
-            published: PublishedEntry::all(published, drawing.bodies.len()),
+            published: whole(published, drawing.bodies.len()),
             curves: Curves::new(model, simulation, &states),
         };
         Some(Self {
@@ -213,20 +197,13 @@ impl Animation {
     }
 }
 
-impl PublishedEntry {
-    /// Those that show every body.
-    fn all(published: &PublishedData, bodies: usize) -> Vec<Self> {
-        let points = published.points.iter();
-        let whole = points.filter(|point| point.positions.len() == bodies);
-        let mut entries: Vec<Self> = whole
-            .map(|point| Self {
-                time: point.time,
-                positions: point.positions.clone(),
-            })
-            .collect();
-        entries.sort_by(|a, b| a.time.total_cmp(&b.time));
-        entries
-    }
+/// Those that show every body, in order of time.
+fn whole(published: &PublishedData, bodies: usize) -> Vec<PublishedPoint> {
+    let points = published.points.iter();
+    let whole = points.filter(|point| point.positions.len() == bodies);
+    let mut whole: Vec<PublishedPoint> = whole.cloned().collect();
+    whole.sort_by(|a, b| a.time.total_cmp(&b.time));
+    whole
 }
 
 impl Curves {
@@ -284,15 +261,6 @@ pub(crate) fn motion(
     moved.then(|| to_line(&Curves::new(model, simulation, &states)))
 }
 
-impl From<GroundLine> for GroundEntry {
-    fn from(line: GroundLine) -> Self {
-        Self {
-            name: line.name,
-            points: line.points,
-        }
-    }
-}
-
 /// The events that the page has frames and buttons for.
 fn shown(simulation: &Simulation) -> impl Iterator<Item = &Event> {
     simulation.events.iter().take(MOST_EVENTS)
@@ -342,16 +310,4 @@ fn jumps(time: &[f64]) -> Vec<(usize, usize)> {
     }
     jumps.truncate(MOST_EVENTS);
     jumps
-}
-
-/// Left, right, bottom and top of what is shown.
-fn frame(points: &[[f64; 2]]) -> [f64; 4] {
-    let ranges = ranges(points);
-    let extent = ranges
-        .iter()
-        .map(|[low, high]| high - low)
-        .fold(0.0, f64::max);
-    let margin = if extent > 0.0 { MARGIN * extent } else { 1.0 };
-    let [[left, right], [bottom, top]] = ranges;
-    [left - margin, right + margin, bottom - margin, top + margin]
 }

@@ -85,6 +85,30 @@ pub(crate) const COLOURS: [&str; 9] = [
 /// Ground and reference lines.
 pub(crate) const GREY: &str = "#8a919e";
 
+/// Colours of a chart of this class that is opened by itself or shown on a page.
+pub(super) fn style(class: &str) -> String {
+    let colours = |dark: bool| -> String {
+        let lines = LINES.iter().enumerate();
+        lines
+            .map(|(index, (light, on_dark))| {
+                format!(
+                    ".{class} .k{index}{{color:{}}}",
+                    if dark { on_dark } else { light }
+                )
+            })
+            .collect()
+    };
+    format!(
+        "<style>.{class}{{color:#1f2430;background:#ffffff}}.{class} .open{{fill:#ffffff}}\
+         .{class} .grid{{stroke:#8a919e;stroke-opacity:.35;fill:none}}.{class} .half{{fill:none}}\
+         .{class} .leader{{stroke:currentColor;stroke-dasharray:1 4;fill:none}}.{class} .axis{{stroke:currentColor;fill:none}}\
+         .{class} .shade{{fill:#8a919e;fill-opacity:.2}}{}@media screen and (prefers-color-scheme:dark){{\
+         .{class}{{color:#dfe3ea;background:#14171c}}.{class} .open{{fill:#14171c}}{}}}</style>",
+        colours(false),
+        colours(true)
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::{LINES, Look, METHODS, OWN};

@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-use super::axis::{Axis, tick_label};
-use super::colours::{LINES, Look};
+use super::axis::Axis;
+use super::colours::{LINES, Look, style};
+use super::{Area, MARKS};
 use crate::markup::escape;
 
 /// Least distance of the names of two lines [px].
@@ -21,13 +22,8 @@ struct Layout {
     /// Class of the drawing, by which a page chooses among layouts.
     class: &'static str,
     width: f64,
-    /// Edges of the plot.
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
-    /// Sizes of letters, and of the title; without one there is none.
-    letter: f64,
+    area: Area,
+    /// Size of the title; without one there is none.
     title: Option<f64>,
     /// Whether names stand below the plot instead of beside it, at the ends of their lines.
     below: bool,
@@ -37,11 +33,14 @@ struct Layout {
 const WIDE: Layout = Layout {
     class: "chart",
     width: 1100.0,
-    left: 104.0,
-    right: 750.0,
-    top: 48.0,
-    bottom: 474.0,
-    letter: 17.0,
+    area: Area {
+        left: 104.0,
+        right: 750.0,
+        top: 48.0,
+        bottom: 474.0,
+        letter: 17.0,
+        side: 20.4,
+    },
     title: Some(20.0),
     below: false,
 };
@@ -49,11 +48,14 @@ const WIDE: Layout = Layout {
 const NARROW: Layout = Layout {
     class: "slim",
     width: 358.0,
-    left: 58.0,
-    right: 350.0,
-    top: 10.0,
-    bottom: 316.0,
-    letter: 13.0,
+    area: Area {
+        left: 58.0,
+        right: 350.0,
+        top: 10.0,
+        bottom: 316.0,
+        letter: 13.0,
+        side: 15.6,
+    },
     title: None,
     below: true,
 };
@@ -61,17 +63,12 @@ const NARROW: Layout = Layout {
 impl Layout {
     /// Height of a chart with so many lines.
     fn height(&self, names: usize) -> f64 {
-        let axis = self.bottom + 4.1 * self.letter;
-        if self.below {
-            axis + LABEL_HEIGHT * names as f64
-        } else {
-            axis
-        }
+        self.row(if self.below { names } else { 0 }) - 0.4 * LABEL_HEIGHT
     }
 
     /// Where the name of a line stands that has this place in their list.
     fn row(&self, index: usize) -> f64 {
-        self.bottom + 4.1 * self.letter + LABEL_HEIGHT * (index as f64 + 0.4)
+        self.area.bottom + 4.1 * self.area.letter + LABEL_HEIGHT * (index as f64 + 0.4)
     }
 }
 
@@ -146,17 +143,18 @@ impl LogLog<'_> {
         };
         let ys = dots().map(|dot| dot.y).filter(|y| *y > 0.0);
         let floor = self.floor.map(|floor| floor.0).filter(|y| *y > 0.0);
-        let ends = (layout.left, layout.right);
+        let area = &layout.area;
+        let ends = (area.left, area.right);
         let across = Axis::around(dots().map(|dot| dot.x), ends, self.falling);
         let zero = dots().any(|dot| dot.y == 0.0);
-        let up = Axis::decades(ys.chain(floor), (layout.bottom, layout.top), zero);
+        let up = Axis::decades(ys.chain(floor), (area.bottom, area.top), zero);
         let (width, height) = (layout.width, layout.height(self.curves.len()));
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"{}\" role=\"img\" width=\"{width}\" height=\"{height:.0}\" \
              viewBox=\"0 0 {width} {height:.0}\" font-family=\"system-ui,sans-serif\" font-size=\"{}\" \
              fill=\"currentColor\">{}<title>{}</title>",
             layout.class,
-            layout.letter,
+            area.letter,
             style(layout.class),
             escape(self.title)
         );
@@ -164,8 +162,8 @@ impl LogLog<'_> {
             let _ = write!(
                 svg,
                 "<text x=\"{}\" y=\"{}\" font-size=\"{size}\" font-weight=\"600\">{}</text>",
-                layout.left,
-                layout.top - 20.0,
+                area.left,
+                area.top - 20.0,
                 escape(self.title)
             );
         }
@@ -176,7 +174,7 @@ impl LogLog<'_> {
             let _ = write!(
                 svg,
                 "<text x=\"{}\" y=\"{}\" dy=\"30\">Nothing was measured.</text>",
-                layout.left, layout.top
+                area.left, area.top
             );
         }
         svg + "</svg>"
@@ -184,20 +182,14 @@ impl LogLog<'_> {
 
     /// Axes, grid, and the range of errors that say nothing.
     fn frame(&self, svg: &mut String, layout: &Layout, across: &Axis, up: &Axis) {
-        let &Layout {
-            left,
-            right,
-            top,
-            bottom,
-            letter,
-            ..
-        } = layout;
+        let area = &layout.area;
+        let (left, bottom) = (area.left, area.bottom);
         if let Some((floor, why)) = self.floor {
-            let y = up.place(floor).clamp(top, bottom);
+            let y = up.place(floor).clamp(area.top, bottom);
             let _ = write!(
                 svg,
                 "<rect class=\"shade\" x=\"{left}\" y=\"{y:.1}\" width=\"{}\" height=\"{:.1}\"/>",
-                right - left,
+                area.right - left,
                 bottom - y
             );
             if bottom - y > 20.0 {
@@ -206,57 +198,25 @@ impl LogLog<'_> {
                     "<text x=\"{}\" y=\"{:.1}\" font-size=\"{}\">{}</text>",
                     left + 8.0,
                     bottom - 8.0,
-                    letter - 2.0,
+                    area.letter - 2.0,
                     escape(why)
                 );
             }
         }
-        for value in across.ticks() {
-            let x = across.place(value);
-            let _ = write!(
-                svg,
-                "<path class=\"grid\" d=\"M{x:.1} {top}V{bottom}\"/><text x=\"{x:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                bottom + 1.4 * letter,
-                tick_label(value)
-            );
-        }
-        let labels = up
-            .ticks()
-            .into_iter()
-            .map(|value| (value, tick_label(value)));
-        let zero = up.zero.then(|| (0.0, "0".to_owned()));
-        for (value, label) in labels.chain(zero) {
-            let y = up.place(value);
-            let _ = write!(
-                svg,
-                "<path class=\"grid\" d=\"M{left} {y:.1}H{right}\"/><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-                left - 8.0,
-                y + 0.35 * letter,
-                label
-            );
-        }
-        let middle = f64::midpoint(top, bottom);
         // What stands behind a semicolon is said where there is space.
         let short = self.x.split(';').next().unwrap_or(self.x);
         let label = if layout.below { short } else { self.x };
-        let _ = write!(
-            svg,
-            "<path class=\"axis\" d=\"M{left} {top}V{bottom}H{right}\"/>\
-             <text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\
-             <text transform=\"translate({} {middle}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            f64::midpoint(left, right),
-            bottom + 3.0 * letter,
-            escape(label),
-            1.2 * letter,
-            escape(self.y)
-        );
+        area.frame(svg, [across, up], [label, self.y]);
     }
 
     /// Lines, marks and names. Earlier lines are wider, so that a later one on top of them hides nothing.
     fn lines(&self, svg: &mut String, layout: &Layout, across: &Axis, up: &Axis) {
         let place = |dot: &'_ Dot| {
             let y = up.place(dot.y.min(LARGEST));
-            (across.place(dot.x), y.clamp(layout.top, layout.bottom))
+            (
+                across.place(dot.x),
+                y.clamp(layout.area.top, layout.area.bottom),
+            )
         };
         let drawn: Vec<Drawn<'_>> = self
             .curves
@@ -308,12 +268,12 @@ fn places(drawn: &[Drawn<'_>], layout: &Layout) -> Vec<f64> {
         .map(|(index, drawn)| (drawn.end().1, index))
         .collect();
     ends.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut lowest = layout.top + 4.0;
+    let mut lowest = layout.area.top + 4.0;
     for end in &mut ends {
         end.0 = end.0.max(lowest);
         lowest = end.0 + LABEL_HEIGHT;
     }
-    let mut highest = layout.bottom;
+    let mut highest = layout.area.bottom;
     for end in ends.iter_mut().rev() {
         end.0 = end.0.min(highest);
         highest = end.0 - LABEL_HEIGHT;
@@ -331,7 +291,7 @@ impl Drawn<'_> {
         let points = self.points.iter().map(|place| (place.x, place.y));
         points
             .max_by(|a, b| a.0.total_cmp(&b.0))
-            .unwrap_or((WIDE.right, WIDE.bottom))
+            .unwrap_or((WIDE.area.right, WIDE.area.bottom))
     }
 
     /// Its path: straight from point to point, or level up to each of them.
@@ -386,7 +346,7 @@ impl Drawn<'_> {
         let _ = write!(
             svg,
             "<path {fill} stroke-width=\"1.6\" transform=\"translate({x:.1} {y:.1})\" d=\"{}\"><title>{}</title></path>",
-            mark(self.curve.look.mark),
+            MARKS[self.curve.look.mark % MARKS.len()],
             escape(note)
         );
     }
@@ -400,8 +360,8 @@ impl Drawn<'_> {
             "<path class=\"leader k{colour}\" d=\"M{:.1} {y:.1}L{} {place:.1}\"/>\
              <text class=\"k{colour}\" fill=\"currentColor\" x=\"{}\" y=\"{:.1}\">{}</text>",
             x + 7.0,
-            layout.right + 18.0,
-            layout.right + 22.0,
+            layout.area.right + 18.0,
+            layout.area.right + 22.0,
             place + 6.0,
             escape(&self.curve.name)
         );
@@ -419,53 +379,10 @@ impl Drawn<'_> {
         let _ = write!(
             svg,
             "</g><text x=\"50\" y=\"{:.1}\">{}</text>",
-            row + 0.35 * layout.letter,
+            row + 0.35 * layout.area.letter,
             escape(&self.curve.name)
         );
     }
-}
-
-/// The outline of a mark.
-fn mark(which: usize) -> &'static str {
-    const MARKS: [&str; 12] = [
-        "M-5 0a5 5 0 1 0 10 0a5 5 0 1 0-10 0z",
-        "M-5-5H5V5H-5z",
-        "M0-6L6 5H-6z",
-        "M0-7L7 0L0 7L-7 0z",
-        "M0 6L6-5H-6z",
-        "M-6-2H-2V-6H2V-2H6V2H2V6H-2V2H-6z",
-        "M-3-6H3L6 0L3 6H-3L-6 0z",
-        "M-6 0L5-6V6z",
-        "M6 0L-5-6V6z",
-        "M0-7L2-2L7 0L2 2L0 7L-2 2L-7 0L-2-2z",
-        "M-7-3H7V3H-7z",
-        "M-3-7H3V7H-3z",
-    ];
-    MARKS[which % MARKS.len()]
-}
-
-/// Colours of a chart of this class that is opened by itself or shown on a page.
-fn style(class: &str) -> String {
-    let colours = |dark: bool| -> String {
-        let lines = LINES.iter().enumerate();
-        lines
-            .map(|(index, (light, on_dark))| {
-                format!(
-                    ".{class} .k{index}{{color:{}}}",
-                    if dark { on_dark } else { light }
-                )
-            })
-            .collect()
-    };
-    format!(
-        "<style>.{class}{{color:#1f2430;background:#ffffff}}.{class} .open{{fill:#ffffff}}\
-         .{class} .grid{{stroke:#8a919e;stroke-opacity:.35;fill:none}}.{class} .half{{fill:none}}\
-         .{class} .leader{{stroke:currentColor;stroke-dasharray:1 4;fill:none}}.{class} .axis{{stroke:currentColor;fill:none}}\
-         .{class} .shade{{fill:#8a919e;fill-opacity:.2}}{}@media screen and (prefers-color-scheme:dark){{\
-         .{class}{{color:#dfe3ea;background:#14171c}}.{class} .open{{fill:#14171c}}{}}}</style>",
-        colours(false),
-        colours(true)
-    )
 }
 
 #[cfg(test)]

@@ -2,16 +2,14 @@
 
 use crate::PublishedPoint;
 use crate::drawing::GroundLine;
-use kuva::prelude::{LegendPosition, LinePlot, LineStyle, MarkerShape, Plot, ScatterPlot};
 
-use super::{COLOURS, GREY, SIZE, layout, shortened, svg};
+use super::axis::Axis;
+use super::{Area, COLOURS, GREY, LETTER, SIZE, drawing, line, mark, sample, shortened, stroke};
 
-/// Free space around the motion, as a share of its larger extent.
-const MARGIN: f64 = 0.06;
-/// What axes, labels, title and legend take of a figure's width and height [px].
-const FRAME: (f64, f64) = (280.0, 110.0);
-/// Least height of a figure [px], for the legend beside it.
-const LEAST_HEIGHT: f64 = 280.0;
+/// What stands beside the plot [px]: left, right, above, below.
+const BESIDE: [f64; 4] = [76.0, 230.0, 44.0, 52.0];
+/// Least height of a plot [px], for the legend beside it.
+const LEAST_HEIGHT: f64 = 170.0;
 /// Most characters of a name, and of the title above a picture that may be narrow.
 const LONGEST_NAME: usize = 24;
 const LONGEST_TITLE: usize = 40;
@@ -56,138 +54,139 @@ pub(crate) struct Path {
     pub(crate) outlines: Vec<Vec<[f64; 2]>>,
 }
 
-/// The points that can be drawn.
-fn pairs(points: &[[f64; 2]]) -> Vec<(f64, f64)> {
-    let points = points
-        .iter()
-        .filter(|[y, z]| y.is_finite() && z.is_finite());
-    points.map(|&[y, z]| (y, z)).collect()
+/// A picture while it is drawn.
+struct Drawn {
+    axes: [Axis; 2],
+    svg: String,
+    /// What the legend shows: a piece of a line or a mark, and its name.
+    legend: Vec<(String, String)>,
 }
 
-fn marks(positions: &[[f64; 2]], shape: MarkerShape, colour: &str, size: f64) -> ScatterPlot {
-    ScatterPlot::new()
-        .with_data(pairs(positions))
-        .with_marker(shape)
-        .with_color(colour)
-        .with_size(size)
-}
+impl Drawn {
+    fn place(&self, [y, z]: [f64; 2]) -> [f64; 2] {
+        [self.axes[0].place(y), self.axes[1].place(z)]
+    }
 
-fn line(points: &[[f64; 2]], colour: &str, width: f64) -> LinePlot {
-    LinePlot::new()
-        .with_data(pairs(points))
-        .with_color(colour)
-        .with_stroke_width(width)
+    fn line(&mut self, points: &[[f64; 2]], style: &str) {
+        let places: Vec<[f64; 2]> = points.iter().map(|&point| self.place(point)).collect();
+        line(&mut self.svg, places.into_iter(), style);
+    }
+
+    fn marks(
+        &mut self,
+        points: &[[f64; 2]],
+        (which, colour, size): (usize, &str, f64),
+        name: &str,
+    ) {
+        for &point in points {
+            self.svg += &mark(self.place(point), which, colour, size);
+        }
+        if !points.is_empty() {
+            self.name(mark([14.0, 0.0], which, colour, size), name);
+        }
+    }
+
+    fn name(&mut self, sample: String, name: &str) {
+        self.legend.push((sample, name.to_owned()));
+    }
 }
 
 impl Motion {
     /// The picture, with equal scales on both axes.
     pub(crate) fn svg(&self) -> String {
-        let mut plots: Vec<Plot> = Vec::new();
+        let [left, right, above, below] = BESIDE;
+        let width = SIZE.0 - left - right;
+        let extents = self.frame.map(|[from, to]| to - from);
+        let most = SIZE.1 - above - below;
+        let height = (width * extents[1] / extents[0])
+            .max(LEAST_HEIGHT)
+            .min(most);
+        let area = Area {
+            left,
+            right: left + width,
+            top: above,
+            bottom: above + height,
+            letter: LETTER,
+            side: LETTER,
+        };
+        // What a pixel is on either axis.
+        let pixel = (extents[0] / width).max(extents[1] / height);
+        let around = |axis: usize, length: f64| {
+            let [from, to] = self.frame[axis];
+            let (middle, half) = (0.5 * from + 0.5 * to, 0.5 * pixel * length);
+            [middle - half, middle + half]
+        };
+        let axes = [
+            Axis::linear(around(0, width), (area.left, area.right)),
+            Axis::linear(around(1, height), (area.bottom, area.top)),
+        ];
+        let mut drawn = Drawn {
+            axes,
+            svg: String::new(),
+            legend: Vec::new(),
+        };
+        let labels = [0, 1].map(|i| shortened(&self.axes[i], LONGEST_NAME));
+        area.frame(
+            &mut drawn.svg,
+            [&axes[0], &axes[1]],
+            [&labels[0], &labels[1]],
+        );
+        self.draw(&mut drawn);
+        area.legend(&mut drawn.svg, &drawn.legend);
+        let size = (SIZE.0, area.bottom + below);
+        drawing(size, &shortened(&self.title, LONGEST_TITLE), &drawn.svg)
+    }
+
+    fn draw(&self, drawn: &mut Drawn) {
         let mut named: Vec<&str> = Vec::new();
         for ground in &self.ground {
             let known = named.iter().position(|name| *name == ground.name);
-            let index = known.unwrap_or(named.len());
-            let style = match index % 2 {
-                0 => LineStyle::Dashed,
-                _ => LineStyle::Dotted,
+            let dashes = ["6 4", "2 3"][known.unwrap_or(named.len()) % 2];
+            let style = stroke(GREY, 1.5, dashes);
+            let inside = |[y, z]: &[f64; 2]| {
+                let [across, up] = self.frame;
+                (across[0]..=across[1]).contains(y) && (up[0]..=up[1]).contains(z)
             };
-            let mut line = line(&ground.points, GREY, 1.5).with_line_style(style);
+            for part in ground.points.split(|point| !inside(point)) {
+                drawn.line(part, &style);
+            }
             if known.is_none() {
                 named.push(ground.name);
-                line = line.with_legend(shortened(ground.name, LONGEST_NAME));
+                drawn.name(sample(&style), &shortened(ground.name, LONGEST_NAME));
             }
-            plots.push(line.into());
         }
         for points in &self.lines {
-            plots.push(line(points, GREY, 1.2).into());
+            drawn.line(points, &stroke(GREY, 1.2, ""));
         }
         for (path, colour) in self.paths.iter().zip(COLOURS.iter().cycle()) {
             let name = shortened(path.name, LONGEST_NAME);
-            let whole = line(&path.points, colour, 2.0).with_legend(name.as_str());
-            plots.push(whole.into());
+            let style = stroke(colour, 2.0, "");
+            drawn.line(&path.points, &style);
+            drawn.name(sample(&style), &name);
             for outline in &path.outlines {
-                plots.push(line(outline, colour, 1.2).into());
+                drawn.line(outline, &stroke(colour, 1.2, ""));
             }
             let legend = name + &self.lapse;
-            let lapse = marks(&path.time_lapse, MarkerShape::Circle, colour, 3.5);
-            plots.push(lapse.with_legend(legend).into());
+            drawn.marks(&path.time_lapse, (0, colour, 0.7), &legend);
         }
-        plots.extend(self.published_marks());
-        let start = marks(&self.start, MarkerShape::Square, START, 4.5);
-        plots.push(start.with_legend("start").into());
-        if !self.impacts.is_empty() {
-            let impacts = marks(&self.impacts, MarkerShape::Diamond, IMPACT, 5.0);
-            plots.push(impacts.with_legend("impact").into());
-        }
-        let [[left, right], [bottom, top]] = self.frame;
-        let aspect = (top - bottom) / (right - left);
-        let height = FRAME.1 + (SIZE.0 - FRAME.0) * aspect;
-        let title = shortened(&self.title, LONGEST_TITLE);
-        let [across, up] = [0, 1].map(|i| shortened(&self.axes[i], LONGEST_NAME));
-        let layout = layout(&plots, &title, &across, &up)
-            .with_height(height.clamp(LEAST_HEIGHT, SIZE.1))
-            .with_equal_aspect()
-            .with_clamp_axis()
-            .with_x_axis_min(left)
-            .with_x_axis_max(right)
-            .with_y_axis_min(bottom)
-            .with_y_axis_max(top)
-            .with_legend_position(LegendPosition::OutsideRightTop);
-        svg(plots, layout)
-    }
-
-    /// Crosses where the time lapse was published, dots along the published path.
-    fn published_marks(&self) -> Vec<Plot> {
-        let of = |time_lapse: bool| -> Vec<[f64; 2]> {
+        for (time_lapse, look, name) in [
+            (false, (0, PUBLISHED, 0.36), "published path"),
+            (true, (5, PUBLISHED, 0.8), "published time lapse"),
+        ] {
             let points = self.published.iter();
             let kept = points.filter(|point| point.time_lapse == time_lapse);
-            kept.flat_map(|point| point.positions.iter().copied())
-                .collect()
-        };
-        let (lapse, path) = (of(true), of(false));
-        let mut plots: Vec<Plot> = Vec::new();
-        if !path.is_empty() {
-            let dots = marks(&path, MarkerShape::Circle, PUBLISHED, 1.8);
-            plots.push(dots.with_legend("published path").into());
+            let places = kept.flat_map(|point| point.positions.iter().copied());
+            drawn.marks(&places.collect::<Vec<_>>(), look, name);
         }
-        if !lapse.is_empty() {
-            let crosses = marks(&lapse, MarkerShape::Cross, PUBLISHED, 5.0);
-            plots.push(crosses.with_legend("published time lapse").into());
-        }
-        plots
+        drawn.marks(&self.start, (1, START, 0.9), "start");
+        drawn.marks(&self.impacts, (3, IMPACT, 0.75), "impact");
     }
-}
-
-/// What the axes show: all these points and a margin around them.
-pub(crate) fn frame<'p>(points: impl Iterator<Item = &'p [f64; 2]>) -> [[f64; 2]; 2] {
-    let mut frame = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-    for position in points {
-        for (range, x) in frame.iter_mut().zip(position) {
-            if x.is_finite() {
-                *range = [range[0].min(*x), range[1].max(*x)];
-            }
-        }
-    }
-    let extents = frame.iter().map(|range| range[1] - range[0]);
-    let extent = extents.fold(0.0, f64::max);
-    // Nothing moved, or nothing is known: a frame that can be drawn all the same.
-    let margin = if extent.is_finite() && extent > 0.0 {
-        MARGIN * extent
-    } else {
-        1.0
-    };
-    frame.map(|[from, to]| {
-        if from <= to {
-            [from - margin, to + margin]
-        } else {
-            [-margin, margin]
-        }
-    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Motion, Path, frame};
+    use super::{Motion, Path};
+    use crate::drawing::frame;
 
     #[test]
     fn picture_of_any_numbers_is_drawn() {
@@ -221,6 +220,10 @@ mod tests {
                 };
                 let svg = motion.svg();
                 assert!(svg.starts_with("<svg") && svg.len() < 1_000_000, "{a} {b}");
+                assert!(
+                    !svg.contains("M NaN") && !svg.contains("inf"),
+                    "{a} {b}: {svg}"
+                );
             }
         }
         let empty = Motion {

@@ -1,10 +1,7 @@
 //! Quantities over time, one panel each.
 
-use std::sync::Arc;
-
-use kuva::prelude::{Figure, Layout, LinePlot, Plot, ScatterPlot, TickFormat};
-
-use super::{GREY, SIZE, layout, shortened, styled};
+use super::axis::Axis;
+use super::{Area, GREY, LETTER, SIZE, drawing, line, mark, sample, shortened, stroke};
 
 /// Panels side by side.
 const COLUMNS: usize = 2;
@@ -18,8 +15,12 @@ const SAME: f64 = 1e-9;
 const SHARED: f64 = 1e-3;
 /// Half the height of an axis around one value, as a share of it; the same around zero.
 const AROUND: f64 = 0.1;
-/// Sizes of values that are written without a power of ten.
-const PLAIN: (f64, f64) = (1e-2, 1e5);
+/// Free space above and below the values, as a share of their range.
+const MARGIN: f64 = 0.06;
+/// What stands beside a panel [px]: left, right, above, below; above all of them, and beside them for a legend.
+const BESIDE: [f64; 4] = [76.0, 14.0, 30.0, 46.0];
+const ABOVE: f64 = 40.0;
+const LEGEND: f64 = 0.25 * SIZE.0;
 /// Most characters of a title and of a label.
 const LONGEST_TITLE: usize = 46;
 const LONGEST_LABEL: usize = 24;
@@ -56,8 +57,8 @@ struct Scale {
     offset: f64,
     /// The one value of all, up to rounding.
     flat: Option<f64>,
-    /// The largest magnitude that is drawn.
-    size: f64,
+    /// The least and the largest value that is drawn.
+    range: [f64; 2],
 }
 
 impl Scale {
@@ -67,27 +68,26 @@ impl Scale {
         let most = values.fold(f64::NEG_INFINITY, f64::max);
         let size = least.abs().max(most.abs());
         let span = most - least;
-        // Without values, or without a difference of two of them that is a number, there is nothing to scale.
-        if !(span.is_finite() && size >= ROUNDING) {
-            let flat = (least > most || size < ROUNDING).then_some(0.0);
+        let flat = match () {
+            // No values, or rounding.
+            () if least > most || size < ROUNDING => Some(0.0),
+            () if span <= SAME * size => Some(least),
+            () => None,
+        };
+        if let Some(value) = flat {
+            let around = AROUND * if value == 0.0 { 1.0 } else { value.abs() };
             return Self {
                 offset: 0.0,
                 flat,
-                size: if flat.is_some() { 0.0 } else { size },
-            };
-        }
-        if span <= SAME * size {
-            return Self {
-                offset: 0.0,
-                flat: Some(least),
-                size,
+                range: [value - around, value + around],
             };
         }
         let offset = if span < SHARED * size { least } else { 0.0 };
+        let margin = MARGIN * span;
         Self {
             offset,
-            flat: None,
-            size: if offset == 0.0 { size } else { span },
+            flat,
+            range: [least - offset - margin, most - offset + margin],
         }
     }
 
@@ -110,118 +110,97 @@ impl Scale {
         };
         format!("{name} {sign} {}{unit}", self.offset.abs())
     }
-
-    /// The axis: around a constant, and with powers of ten for what is large or small.
-    fn axis(&self, mut layout: Layout) -> Layout {
-        layout = match self.flat {
-            None => layout,
-            Some(value) => {
-                let around = if value == 0.0 {
-                    AROUND
-                } else {
-                    AROUND * value.abs()
-                };
-                // The space for numbers is that of this range.
-                layout.y_range = (value - around, value + around);
-                layout
-                    .with_y_axis_min(value - around)
-                    .with_y_axis_max(value + around)
-            }
-        };
-        if self.size == 0.0 || (PLAIN.0..PLAIN.1).contains(&self.size) {
-            return layout;
-        }
-        let power = |value: f64| {
-            if value == 0.0 {
-                return "0".to_owned();
-            }
-            let text = format!("{value:.3e}");
-            let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
-            let digits = digits.trim_end_matches('0').trim_end_matches('.');
-            format!("{digits}e{power}")
-        };
-        layout.with_y_tick_format(TickFormat::Custom(Arc::new(power)))
-    }
 }
 
 impl Panel {
-    fn scale(&self) -> Scale {
-        let points = self.series.iter();
-        let points = points.flat_map(|s| s.line.iter().chain(&s.dots));
-        let values = points.map(|point| point.1);
-        Scale::of(values.chain(self.bounds.iter().copied()))
-    }
-
-    fn plots(&self, scale: &Scale) -> Vec<Plot> {
-        let mut plots: Vec<Plot> = Vec::new();
-        let shown = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
-            points.iter().map(|&(t, v)| (t, scale.shown(v))).collect()
-        };
-        let times = || {
-            self.series
-                .iter()
-                .flat_map(|s| &s.line)
-                .map(|point| point.0)
-        };
-        let (from, to) = (
-            times().fold(f64::INFINITY, f64::min),
-            times().fold(f64::NEG_INFINITY, f64::max),
+    /// Draws it into an area.
+    fn draw(&self, svg: &mut String, area: &Area) {
+        let lines = self
+            .series
+            .iter()
+            .flat_map(|s| s.line.iter().chain(&s.dots));
+        let values = lines.map(|point| point.1);
+        let scale = Scale::of(values.chain(self.bounds.iter().copied()));
+        let times = self
+            .series
+            .iter()
+            .flat_map(|s| &s.line)
+            .map(|point| point.0);
+        let times = times.filter(|time| time.is_finite());
+        let from = times.clone().fold(f64::INFINITY, f64::min);
+        let to = times.fold(f64::NEG_INFINITY, f64::max);
+        let span = if from < to { [from, to] } else { [0.0, 1.0] };
+        let across = Axis::linear(span, (area.left, area.right));
+        let up = Axis::linear(scale.range, (area.bottom, area.top));
+        let title = crate::markup::escape(&shortened(&self.title, LONGEST_TITLE));
+        let middle = f64::midpoint(area.left, area.right);
+        *svg += &format!(
+            "<text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">{title}</text>",
+            area.top - 10.0
         );
+        area.frame(svg, [&across, &up], ["t [s]", &scale.label(&self.label)]);
+        let place =
+            |&(time, value): &(f64, f64)| [across.place(time), up.place(scale.shown(value))];
         for &bound in self.bounds.iter().filter(|_| from < to) {
-            let line = LinePlot::new().with_data(shown(&[(from, bound), (to, bound)]));
-            plots.push(line.with_color(GREY).with_dashed().into());
+            let ends = span.map(|time| place(&(time, bound)));
+            line(svg, ends.into_iter(), &stroke(GREY, 1.0, "6 4"));
         }
         for series in &self.series {
-            let mut line = LinePlot::new()
-                .with_data(shown(&series.line))
-                .with_color(series.colour)
-                .with_stroke_width(1.6);
-            if series.dashed {
-                line = line.with_dashed();
-            }
-            if let Some(name) = &series.name {
-                line = line.with_legend(name.as_str());
-            }
-            plots.push(line.into());
-            if !series.dots.is_empty() {
-                let dots = ScatterPlot::new()
-                    .with_data(shown(&series.dots))
-                    .with_color(series.colour)
-                    .with_marker_opacity(0.6)
-                    .with_size(2.2);
-                plots.push(dots.into());
+            line(svg, series.line.iter().map(place), &series.style());
+            for dot in &series.dots {
+                *svg += &mark(place(dot), 0, series.colour, 0.44);
             }
         }
-        plots
+    }
+}
+
+impl Series {
+    fn style(&self) -> String {
+        stroke(self.colour, 1.6, if self.dashed { "6 4" } else { "" })
     }
 }
 
 /// All panels in one figure.
 pub(crate) fn over_time(title: &str, panels: &[Panel]) -> String {
-    let rows = panels.len().div_ceil(COLUMNS).max(1);
-    let scales: Vec<Scale> = panels.iter().map(Panel::scale).collect();
-    let scaled = || panels.iter().zip(&scales);
-    let plots: Vec<Vec<Plot>> = scaled().map(|(panel, scale)| panel.plots(scale)).collect();
-    let layouts = scaled().zip(&plots).map(|((panel, scale), plots)| {
-        let title = shortened(&panel.title, LONGEST_TITLE);
-        scale
-            .axis(layout(plots, &title, "t [s]", &scale.label(&panel.label)))
-            .with_title_size(14)
-    });
-    let mut figure = Figure::new(rows, COLUMNS)
-        .with_title(shortened(title, 2 * LONGEST_TITLE))
-        .with_title_size(17)
-        .with_layouts(layouts.collect());
-    let named = |series: &Series| series.name.is_some();
-    let mut width = SIZE.0;
-    if panels.iter().flat_map(|panel| &panel.series).any(named) {
-        figure = figure.with_shared_legend_right_middle();
-        width *= 1.25;
+    let [left, right, above, below] = BESIDE;
+    let width = SIZE.0 / COLUMNS as f64;
+    let mut svg = String::new();
+    let mut legend: Vec<(String, String)> = Vec::new();
+    for (index, panel) in panels.iter().enumerate() {
+        let (row, column) = (index / COLUMNS, index % COLUMNS);
+        let (x, y) = (width * column as f64, ABOVE + ROW * row as f64);
+        panel.draw(
+            &mut svg,
+            &Area {
+                left: x + left,
+                right: x + width - right,
+                top: y + above,
+                bottom: y + ROW - below,
+                letter: LETTER,
+                side: x + LETTER,
+            },
+        );
+        for series in &panel.series {
+            if let Some(name) = &series.name
+                && !legend.iter().any(|(_, known)| known == name)
+            {
+                legend.push((sample(&series.style()), name.clone()));
+            }
+        }
     }
-    let figure = figure
-        .with_plots(plots)
-        .with_figure_size(width, ROW * rows as f64 + 40.0);
-    styled(&kuva::backend::svg::SvgBackend::new().render_scene(&figure.render()))
+    let rows = panels.len().div_ceil(COLUMNS).max(1);
+    let all = Area {
+        left: 0.0,
+        right: SIZE.0,
+        top: ABOVE,
+        bottom: 0.0,
+        letter: LETTER,
+        side: 0.0,
+    };
+    all.legend(&mut svg, &legend);
+    let beside = if legend.is_empty() { 0.0 } else { LEGEND };
+    let size = (SIZE.0 + beside, ABOVE + ROW * rows as f64);
+    drawing(size, &shortened(title, 2 * LONGEST_TITLE), &svg)
 }
 
 #[cfg(test)]
@@ -282,13 +261,7 @@ mod tests {
 
     #[test]
     fn rounding_errors_around_zero_are_drawn_as_zero() {
-        let figure = |size: f64| {
-            // Clip paths are numbered through all figures of a program.
-            let text = drawn("s [m]", |t| size * (t % 2.0));
-            let (head, rest) = text.split_once("kuva-clip-").unwrap();
-            let (id, _) = rest.split_once('"').unwrap();
-            head.to_owned() + &rest.replace(&format!("kuva-clip-{id}"), "")[id.len()..]
-        };
+        let figure = |size: f64| drawn("s [m]", |t| size * (t % 2.0));
         assert_eq!(figure(1e-31), figure(0.0));
         assert_ne!(figure(1e-9), figure(0.0));
     }

@@ -332,7 +332,7 @@ fn random_command_lines_end_with_status_0_2_or_3() {
     let scratch = Scratch::new("random");
     let out = format!("{}/out", scratch.text());
     let files = Scratch::new("random-files");
-    let scenes = json(&["list", "--json"])["scenes"].take();
+    let scenes = json("list --json")["scenes"].take();
     let scenes = scenes.as_array().unwrap();
     let mut random = Random(from_environment("HANGTIME_RANDOM_SEED", 1));
     let mut statuses = [0; 4];

@@ -266,10 +266,7 @@ fn report(runs: &[Run]) -> Chart {
     );
     let figure = figure(runs);
     let files = vec![
-        (
-            data.to_owned(),
-            csv_text(&HEADER.map(str::to_owned), cells.clone()),
-        ),
+        (data.to_owned(), csv_text(&HEADER, cells.clone())),
         (drawing.to_owned(), figure.svg().to_owned()),
     ];
     let section = Section {
@@ -278,7 +275,7 @@ fn report(runs: &[Run]) -> Chart {
             Block::Text(reading(runs)),
             Block::Figure(figure),
             Block::table(sums_header(), sums(runs)),
-            Block::folded_table("Every run", HEADER.map(str::to_owned).into(), cells),
+            Block::folded("Every run", Block::table(HEADER, cells)),
             Block::Text(format!(
                 "Scenes that the search was not made for, each from nothing, on {} and {} control intervals. Counted is how many \
                  come within a share of the best objective that is known on that grid; a solve is stopped after {PATIENCE} s. \

@@ -1,6 +1,5 @@
 //! What ways of optimal control make of problems on which they fail.
 
-use cpu_time::ProcessTime;
 use hangtime::ocp::{self, Formulation, Problem, Settings, Solution, Status, TimeFreezingSettings};
 
 use super::side_by_side::{side_by_side, workers};
@@ -9,6 +8,7 @@ use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::scene_file::load_text;
 use crate::settings::ChosenScene;
+use crate::timing::patience;
 use crate::{HardOptimum, RightOptimum};
 
 /// Control intervals: a number for which the switches of all optima lie between intervals.
@@ -45,8 +45,8 @@ pub(super) fn names() -> impl Iterator<Item = &'static str> {
 }
 
 pub(super) fn header() -> Vec<String> {
-    let names = names().map(str::to_owned);
-    std::iter::once("problem".to_owned()).chain(names).collect()
+    let all = ["problem"].into_iter().chain(names());
+    all.map(str::to_owned).collect()
 }
 
 /// A line for each problem.
@@ -64,17 +64,13 @@ fn row(problem: &HardOptimum, bounds: &Bounds) -> Result<Row, BadInput> {
     let scene = load_text(problem.name, problem.text)?;
     let chosen = ChosenScene::new(scene, &[])?;
     let model = chosen.model.as_ref();
-    // The clock is that of the whole program.
-    let patience = PATIENCE * workers() as f64;
     let verdicts = WAYS.iter().map(|(_, settings)| {
-        let start = ProcessTime::try_now();
-        let spent = || start.as_ref().ok()?.try_elapsed().ok();
-        let ended = ocp::solve(
-            model,
-            &Problem::of(model, INTERVALS),
-            &settings(),
-            &mut |_| bounds.asked().is_none() && spent().is_none_or(|s| s.as_secs_f64() < patience),
-        );
+        // The clock is that of the whole program.
+        let patient = patience(PATIENCE * workers() as f64);
+        let on_grid = Problem::of(model, INTERVALS);
+        let ended = ocp::solve(model, &on_grid, &settings(), &mut |_| {
+            bounds.asked().is_none() && patient()
+        });
         match ended {
             Err(error) if error.is_unsupported() => Verdict::NotApplicable,
             Err(_) => stopped("refused", problem.right),

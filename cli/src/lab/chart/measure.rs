@@ -1,6 +1,5 @@
 //! Runs of a method over its settings, and the order that their errors show.
 
-use cpu_time::ProcessTime;
 use hangtime::simulation::{Counts, SimulationStatus};
 
 use super::study::{Reference, Study, distance, end, size};
@@ -10,7 +9,7 @@ use crate::bounds::Bounds;
 use crate::failure::BadInput;
 use crate::method::ChosenMethod;
 use crate::table::seconds;
-use crate::timing::repeated;
+use crate::timing::{patience, repeated};
 
 /// Errors below this share of the largest coordinate are rounding, and say nothing of an order.
 const ROUNDING: f64 = 1e-12;
@@ -164,14 +163,7 @@ fn measure(
         counts,
         status,
     };
-    let start = ProcessTime::try_now();
-    let patient = || {
-        let spent = start
-            .as_ref()
-            .ok()
-            .and_then(|start| start.try_elapsed().ok());
-        spent.is_none_or(|spent| spent.as_secs_f64() < PATIENCE)
-    };
+    let patient = patience(PATIENCE);
     let runs = match repeated(chosen, &method, problem, &|| {
         bounds.asked().is_none() && patient()
     }) {

@@ -300,8 +300,8 @@ fn report(name: &str, searches: Option<&Searches>, runs: &[Run], best: f64) -> C
         table(HEADER, rows.clone())
     );
     let figures = figures(name, runs, best);
-    let mut header: Vec<String> = HEADER.map(str::to_owned).into();
-    header[7] = "CPU time [s]".to_owned();
+    let mut header = HEADER;
+    header[7] = "CPU time [s]";
     let lines = runs.iter().map(|run| {
         run.cells(
             best,
@@ -317,7 +317,7 @@ fn report(name: &str, searches: Option<&Searches>, runs: &[Run], best: f64) -> C
         blocks.push(searches.table());
     }
     blocks.extend(figures.iter().map(|(_, svg)| Block::figure(svg.clone())));
-    blocks.push(Block::table(HEADER.map(str::to_owned).into(), rows));
+    blocks.push(Block::table(HEADER, rows));
     blocks.push(Block::Text(ABOUT.to_owned()));
     let section = Section {
         heading: format!("{name}, optimal control"),

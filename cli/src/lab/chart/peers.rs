@@ -5,6 +5,9 @@ use std::io::Read as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer};
+
 use super::measure::{Measured, Order, Point};
 use super::study::{Reference, distance};
 use super::sweep::{Group, Sweep};
@@ -17,19 +20,9 @@ pub(super) const FILE: &str = "peers.csv";
 const PYTHON: &str = "python3";
 /// Most bytes of that file.
 const LARGEST: u64 = 1 << 20;
-/// Its columns.
-const HEADER: [&str; 7] = [
-    "date",
-    "machine",
-    "study",
-    "curve",
-    "settings",
-    "CPU time [s]",
-    "coordinates at the end",
-];
 
-/// One run of another program.
-#[derive(Debug, Clone, PartialEq)]
+/// One run of another program, a row of a table.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 struct PeerRun {
     date: String,
     machine: String,
@@ -38,11 +31,24 @@ struct PeerRun {
     /// The name of its line.
     curve: String,
     settings: String,
+    #[serde(rename = "CPU time [s]")]
     seconds: f64,
     /// Coordinates at the end; empty where it did not get there.
+    #[serde(rename = "coordinates at the end", deserialize_with = "numbers")]
     end: Vec<f64>,
     /// "stored", or "measured" for a fresh one.
+    #[serde(skip)]
     how: &'static str,
+}
+
+/// Finite numbers with spaces between them.
+fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    let text = String::deserialize(deserializer)?;
+    let number = |text: &str| {
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| D::Error::custom(format!("`{text}` is not a number")))
+    };
+    text.split_whitespace().map(number).collect()
 }
 
 /// All runs of other programs that are known.
@@ -121,44 +127,14 @@ impl Peers {
 
     /// The runs of a text in CSV; an empty one has none.
     fn read(text: &str, how: &'static str, name: &str) -> Result<Self, BadInput> {
-        let refuse = |line: usize, what: &str| {
-            BadInput::new(format!(
-                "`{name}`, line {line}: {what}; remove the file, or write it by tools/peers"
-            ))
-        };
-        if text.is_empty() {
-            return Ok(Self::default());
-        }
         let mut reader = csv::Reader::from_reader(text.as_bytes());
-        if !reader.headers().is_ok_and(|header| *header == HEADER[..]) {
-            return Err(refuse(
-                1,
-                &format!("the columns are not {}", HEADER.join(", ")),
-            ));
-        }
-        let mut runs = Vec::new();
-        for (index, row) in reader.records().enumerate() {
-            let line = index + 2;
-            let row = row.map_err(|_| refuse(line, "not seven columns of text"))?;
-            let number = |text: &str| {
-                let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-                number.ok_or_else(|| refuse(line, &format!("`{text}` is not a number")))
-            };
-            let cell = |column: usize| row[column].to_owned();
-            runs.push(PeerRun {
-                date: cell(0),
-                machine: cell(1),
-                study: cell(2),
-                curve: cell(3),
-                settings: cell(4),
-                seconds: number(&row[5])?,
-                end: row[6]
-                    .split_whitespace()
-                    .map(number)
-                    .collect::<Result<_, _>>()?,
-                how,
-            });
-        }
+        let rows = reader.deserialize::<PeerRun>();
+        let runs = rows.map(|row| row.map(|run| PeerRun { how, ..run }));
+        let runs = runs.collect::<Result<_, _>>().map_err(|error| {
+            BadInput::new(format!(
+                "`{name}`: {error}; remove the file, or write it by tools/peers"
+            ))
+        })?;
         Ok(Self { runs })
     }
 
@@ -296,7 +272,7 @@ mod tests {
         write(&format!(
             "import sys\nprint('two: left out, no module', file=sys.stderr)\nprint('drop: one', file=sys.stderr)\n\
              print('{}')\nfor scene in sys.argv[3:]:\n    print('{row}'.format(scene))\n",
-            super::HEADER.join(",")
+            STORED.lines().next().unwrap()
         ));
         // Where there is no Python, nothing can be measured.
         if std::process::Command::new(super::PYTHON)
@@ -337,21 +313,17 @@ mod tests {
                 .unwrap_err()
                 .to_string()
         };
-        let remedy = "remove the file, or write it by tools/peers";
-        assert_eq!(
-            refusal("a,b\n1,2\n"),
-            format!(
-                "`p.csv`, line 1: the columns are not date, machine, study, curve, settings, CPU time [s], coordinates \
-                 at the end; {remedy}"
-            )
-        );
-        assert_eq!(
-            refusal(&STORED.replace("2.25", "NaN")),
-            format!("`p.csv`, line 3: `NaN` is not a number; {remedy}")
-        );
-        assert_eq!(
-            refusal(&format!("{STORED}1,2\n")),
-            format!("`p.csv`, line 6: not seven columns of text; {remedy}")
-        );
+        for (text, words) in [
+            ("a,b\n1,2\n".to_owned(), ["line: 2", "missing field `date`"]),
+            (
+                STORED.replace("2.25", "NaN"),
+                ["line: 3", "`NaN` is not a number"],
+            ),
+            (format!("{STORED}1,2\n"), ["line: 6", "2 fields"]),
+        ] {
+            let refusal = refusal(&text);
+            assert!(words.iter().all(|said| refusal.contains(said)), "{refusal}");
+            assert!(refusal.ends_with("remove the file, or write it by tools/peers"));
+        }
     }
 }

@@ -1,8 +1,5 @@
 //! The best objective over CPU time, for every formulation and number of starts.
 
-use std::time::Instant;
-
-use cpu_time::ProcessTime;
 use hangtime::ocp::{self, Formulation, Problem, Settings, TimeFreezingSettings};
 
 use crate::anytime::{Search, figure, reading};
@@ -13,6 +10,7 @@ use crate::page::{Block, Figure};
 use crate::progress::Progress;
 use crate::settings::ChosenScene;
 use crate::table::seconds;
+use crate::timing::patience;
 
 /// CPU time after which a search is stopped [s].
 pub(super) const PATIENCE: f64 = 60.0;
@@ -120,7 +118,7 @@ impl Searches {
             }
             progress.say(&format!("{name}: {}, {intervals} intervals", way.name()));
             let problem = Problem::of(model, intervals);
-            let patient = patience();
+            let patient = patience(PATIENCE);
             let solution = ocp::solve(model, &problem, &way.settings(), &mut |_| {
                 bounds.asked().is_none() && patient()
             });
@@ -150,25 +148,13 @@ impl Searches {
 
     /// The table.
     pub(super) fn table(&self) -> Block {
-        Block::table(HEADER.map(str::to_owned).into(), self.rows.clone())
+        Block::table(HEADER, self.rows.clone())
     }
 
     /// The table in words, for the standard output stream.
     pub(super) fn text(&self) -> String {
         let table = crate::table::table(HEADER, self.rows.clone());
         format!("{}\n\n{table}", self.reading)
-    }
-}
-
-/// Whether a search that begins now may go on. Where there is no clock of the process, that on the wall counts.
-fn patience() -> impl Fn() -> bool {
-    let (start, wall) = (ProcessTime::try_now(), Instant::now());
-    move || {
-        let spent = start
-            .as_ref()
-            .ok()
-            .and_then(|start| start.try_elapsed().ok());
-        spent.unwrap_or_else(|| wall.elapsed()).as_secs_f64() < PATIENCE
     }
 }
 

@@ -53,7 +53,7 @@ pub(super) fn chart(
     let beside = origin(peers, &title);
     let text = format!(
         "{title}: {error}, {against}\n\n{}{reading}{beside}\n",
-        table(header(), measured.iter().map(Measured::row))
+        table(HEADER, measured.iter().map(Measured::row))
     );
     let about = format!(
         "{}. The {error}, {against}. Parameters: {}.{}{beside}",
@@ -159,23 +159,19 @@ pub(super) const LEGEND: &str = "\
     cheapest run with an error of at most the value in the column's name: counts, which are the same on every computer, and CPU \
     time. Not solved: runs that ended with another status, or were given up after 2 s.";
 
-fn header() -> Vec<String> {
-    [
-        "method",
-        "order",
-        "in theory",
-        "least error",
-        "1e-6: steps",
-        "Newton",
-        "evaluations",
-        "CPU",
-        "CPU for 1e-3",
-        "CPU for 1e-9",
-        "not solved",
-    ]
-    .map(str::to_owned)
-    .into()
-}
+const HEADER: [&str; 11] = [
+    "method",
+    "order",
+    "in theory",
+    "least error",
+    "1e-6: steps",
+    "Newton",
+    "evaluations",
+    "CPU",
+    "CPU for 1e-3",
+    "CPU for 1e-9",
+    "not solved",
+];
 
 /// The columns of the overview.
 pub(super) fn overview_header() -> Vec<String> {
@@ -375,24 +371,18 @@ impl Drawings<'_> {
         let drawn = drawn.into_iter().chain(schemes.clone());
         files.extend(drawn.map(|(kind, svg)| (format!("chart-{stem}-{kind}.svg"), svg)));
         let rows = self.measured.iter().map(Measured::row).collect();
+        let runs = self.measured.iter().flat_map(Measured::runs);
+        let runs = Block::table(RUNS, runs.map(shortened).collect());
         let schemes = schemes.into_iter().map(|(_, svg)| Block::figure(svg));
         let section = Section {
             heading: self.title.to_owned(),
             blocks: vec![
                 Block::Text(reading),
                 Block::Figure(opening),
-                Block::table(header(), rows),
+                Block::table(HEADER, rows),
                 Block::figure(sizes),
                 Block::Fold("The schemes, one by one".to_owned(), schemes.collect()),
-                Block::folded_table(
-                    "Every run",
-                    RUNS.map(str::to_owned).into(),
-                    self.measured
-                        .iter()
-                        .flat_map(Measured::runs)
-                        .map(shortened)
-                        .collect(),
-                ),
+                Block::folded("Every run", runs),
                 Block::Text(about),
             ],
             files: vec![(data, "all runs".to_owned())],
@@ -424,8 +414,8 @@ fn shortened(row: Vec<String>) -> Vec<String> {
 }
 
 fn csv(error: &str, measured: &[Measured]) -> String {
-    let mut header = RUNS.map(str::to_owned);
-    error.clone_into(&mut header[3]);
+    let mut header = RUNS;
+    header[3] = error;
     csv_text(&header, measured.iter().flat_map(Measured::runs))
 }
 

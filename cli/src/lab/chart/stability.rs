@@ -199,19 +199,20 @@ fn section(
     sums: Vec<Vec<String>>,
     about: &str,
 ) -> Section {
-    let sums_header = sums_header().map(str::to_owned).into();
     let default = header.get(1).map_or("", String::as_str);
     Section {
         heading: what.to_owned(),
         blocks: vec![
             Block::Text(reading(default, 0, rows)),
-            Block::table(sums_header, sums),
+            Block::table(sums_header(), sums),
             Block::Text(about.to_owned()),
             Block::table(header.to_vec(), rows.iter().map(Row::cells).collect()),
-            Block::folded_table(
+            Block::folded(
                 "What happens in each scene, and why the right outcome is right",
-                ["scene", "what happens", "why"].map(str::to_owned).into(),
-                rows.iter().map(Row::reason).collect(),
+                Block::table(
+                    ["scene", "what happens", "why"],
+                    rows.iter().map(Row::reason).collect(),
+                ),
             ),
         ],
         ..Section::default()
