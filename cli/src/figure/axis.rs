@@ -207,7 +207,7 @@ mod tests {
         assert_eq!(labels(narrow), ["0.05", "0.1", "0.2"]);
         assert_eq!(power_label(1e-12), "10\u{207b}\u{b9}\u{b2}");
         assert_eq!(
-            labels(Axis::linear([-0.3, 0.72], (0.0, 170.0))),
+            labels(Axis::linear([-0.3, 0.72], (0.0, 204.0))),
             ["-0.2", "0", "0.2", "0.4", "0.6"]
         );
         for ends in [
