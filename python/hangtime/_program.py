@@ -12,6 +12,7 @@ import numpy as np
 from . import _core
 from ._core import Mistake
 from ._mistakes import NoSuchName, WrongType
+from ._result import _may, _must
 from ._scene import _checked, _telling, _text
 
 
@@ -52,15 +53,8 @@ class Program:
         """The same as a dict, with every number of the contract."""
         return self._document
 
-    @property
-    def status(self) -> str:
-        """``solved``, or the name of what went wrong."""
-        return self._document["status"]
-
-    @property
-    def diagnosis(self) -> Optional[str]:
-        """Why the point is no certified solution."""
-        return self._document.get("diagnosis")
+    status: str = _must("status", "``solved``, or the name of what went wrong.")
+    diagnosis: Optional[str] = _may("diagnosis", "Why the point is no certified solution.")
 
     @property
     def objective(self) -> float:
@@ -68,35 +62,14 @@ class Program:
         value = self._document["objective"]
         return float("nan") if value is None else value
 
-    @property
-    def stationarity(self) -> str:
-        """The certificate: ``S``, ``B``, or ``none``."""
-        return self._document["stationarity"]
-
-    @property
-    def second_order(self) -> Optional[str]:
-        """What second derivatives say of a point that is strongly stationary."""
-        return self._document.get("second_order")
-
-    @property
-    def residuals(self) -> Dict[str, float]:
-        """``primal``, ``dual`` and ``complementarity``, unscaled."""
-        return self._document["residuals"]
-
-    @property
-    def size(self) -> Dict[str, int]:
-        """Numbers of variables, rows, pairs and nonzeros."""
-        return self._document["size"]
-
-    @property
-    def iterations(self) -> Dict[str, int]:
-        """Work done."""
-        return self._document["iterations"]
-
-    @property
-    def seconds(self) -> Dict[str, float]:
-        """CPU time [s]."""
-        return self._document["seconds"]
+    stationarity: str = _must("stationarity", "The certificate: ``S``, ``B``, or ``none``.")
+    second_order: Optional[str] = _may(
+        "second_order", "What second derivatives say of a point that is strongly stationary."
+    )
+    residuals: Dict[str, float] = _must("residuals", "``primal``, ``dual`` and ``complementarity``, unscaled.")
+    size: Dict[str, int] = _must("size", "Numbers of variables, rows, pairs and nonzeros.")
+    iterations: Dict[str, int] = _must("iterations", "Work done.")
+    seconds: Dict[str, float] = _must("seconds", "CPU time [s].")
 
     def __getitem__(self, name: str) -> float:
         if not isinstance(name, str) or name not in self.variables:

@@ -22,11 +22,20 @@ _NOTHING = np.zeros((0, 0))
 _NOTHING.flags.writeable = False
 
 
+def _must(name: str, doc: str) -> Any:
+    """A field of the document as an attribute."""
+    return property(lambda result: result.document[name], doc=doc)
+
+
+def _may(name: str, doc: str) -> Any:
+    """The same of a field that some documents do not have; then it is ``None``."""
+    return property(lambda result: result.document.get(name), doc=doc)
+
+
 class Event:
     """An impact, or a change of a contact: ``time`` [s], ``kind``, ``contact``, and states by name."""
 
-    def __init__(self, entry: Dict[str, Any], names: Dict[str, Any]):
-        self._entry, self._names = entry, names
+    def __init__(self, entry: Dict[str, Any]):
         self.time: float = entry["time"]
         self.kind: str = entry["kind"]
         self.contact: str = entry["contact"]
@@ -164,55 +173,24 @@ class Run:
         found = self.document.get("diagnosis")
         return found["message"] if isinstance(found, dict) else found
 
-    @property
-    def notes(self) -> List[str]:
-        """Remarks that a user should read."""
-        return self.document["notes"]
-
-    @property
-    def scene(self) -> str:
-        """Name of the scene."""
-        return self.document["scene"]
-
-    @property
-    def schema(self) -> int:
-        """Version of the document's layout."""
-        return self.document["schema"]
-
-    @property
-    def parameters(self) -> Dict[str, Any]:
-        """Values of all parameters by name, in their declared units; those that a solve has found too. Choices are texts."""
-        return self.document["parameters"]
-
-    @property
-    def method(self) -> Dict[str, Any]:
-        """The method and its settings."""
-        return self.document["method"]
-
-    @property
-    def error_estimate(self) -> Optional[float]:
-        """Estimated distance of the motion from the exact one, in the units of the scene; ``None`` where there is none."""
-        return self.document.get("error_estimate")
-
-    @property
-    def residuals(self) -> Dict[str, float]:
-        """``primal``, ``dual`` and ``complementarity``."""
-        return self.document["residuals"]
-
-    @property
-    def size(self) -> Dict[str, int]:
-        """Numbers of variables, rows, pairs and nonzeros of the largest system or program."""
-        return self.document["size"]
-
-    @property
-    def iterations(self) -> Dict[str, int]:
-        """Work done."""
-        return self.document["iterations"]
-
-    @property
-    def seconds(self) -> Dict[str, float]:
-        """CPU times [s]."""
-        return self.document["seconds"]
+    notes: List[str] = _must("notes", "Remarks that a user should read.")
+    scene: str = _must("scene", "Name of the scene.")
+    schema: int = _must("schema", "Version of the document's layout.")
+    parameters: Dict[str, Any] = _must(
+        "parameters",
+        "Values of all parameters by name, in their declared units; those that a solve has found too. Choices are texts.",
+    )
+    method: Dict[str, Any] = _must("method", "The method and its settings.")
+    error_estimate: Optional[float] = _may(
+        "error_estimate",
+        "Estimated distance of the motion from the exact one, in the units of the scene; ``None`` where there is none.",
+    )
+    residuals: Dict[str, float] = _must("residuals", "``primal``, ``dual`` and ``complementarity``.")
+    size: Dict[str, int] = _must(
+        "size", "Numbers of variables, rows, pairs and nonzeros of the largest system or program."
+    )
+    iterations: Dict[str, int] = _must("iterations", "Work done.")
+    seconds: Dict[str, float] = _must("seconds", "CPU times [s].")
 
     @property
     def initially(self) -> Dict[str, str]:
@@ -240,15 +218,12 @@ class Run:
         """Instants [s], shape (rows,); an instant with an impact stands there twice, before and after."""
         return self._part("time")
 
-    @property
-    def horizon(self) -> float:
-        """Length of the motion that was asked for [s]."""
-        return self.document["horizon"]
+    horizon: float = _must("horizon", "Length of the motion that was asked for [s].")
 
     @property
     def events(self) -> List[Event]:
         """Impacts and changes of contacts in order."""
-        return [Event(entry, self.units) for entry in self.document["events"]]
+        return [Event(entry) for entry in self.document["events"]]
 
     @property
     def units(self) -> Dict[str, str]:
@@ -423,50 +398,26 @@ class Solution(Run):
         """Value of what is minimized; NaN without a plan."""
         return _number(self.document["objective"])
 
-    @property
-    def resimulated_objective(self) -> Optional[float]:
-        """The same of the event-driven simulation; ``None`` where it has none."""
-        return self.document.get("resimulated_objective")
-
-    @property
-    def stationarity(self) -> str:
-        """``S``, ``B``, or ``none``."""
-        return self.document["stationarity"]
-
-    @property
-    def optima(self) -> List[Dict[str, Any]]:
-        """The distinct local optima that were found."""
-        return self.document["optima"]
-
-    @property
-    def improvements(self) -> List[Dict[str, Any]]:
-        """The first motion that was confirmed, and every better one after it."""
-        return self.document["improvements"]
-
-    @property
-    def starts(self) -> int:
-        """Starts from which motions were looked for."""
-        return self.document["starts"]
+    resimulated_objective: Optional[float] = _may(
+        "resimulated_objective", "The same of the event-driven simulation; ``None`` where it has none."
+    )
+    stationarity: str = _must("stationarity", "``S``, ``B``, or ``none``.")
+    optima: List[Dict[str, Any]] = _must("optima", "The distinct local optima that were found.")
+    improvements: List[Dict[str, Any]] = _must(
+        "improvements", "The first motion that was confirmed, and every better one after it."
+    )
+    starts: int = _must("starts", "Starts from which motions were looked for.")
 
     @property
     def free(self) -> Dict[str, Dict[str, Any]]:
         """Free parameters that were found, by name: ``value``, ``unit``, ``range``, and ``at_bound`` at an end of it."""
         return self.document.get("free", {})
 
-    @property
-    def excess(self) -> List[Dict[str, Any]]:
-        """Violations between the places where a condition is imposed."""
-        return self.document["excess"]
-
-    @property
-    def margins(self) -> List[Dict[str, Any]]:
-        """Distances that the method keeps, and what they cost."""
-        return self.document["margins"]
-
-    @property
-    def time_freezing(self) -> Optional[Dict[str, Any]]:
-        """The complementarity problem of that formulation, where it was asked for."""
-        return self.document.get("time_freezing")
+    excess: List[Dict[str, Any]] = _must("excess", "Violations between the places where a condition is imposed.")
+    margins: List[Dict[str, Any]] = _must("margins", "Distances that the method keeps, and what they cost.")
+    time_freezing: Optional[Dict[str, Any]] = _may(
+        "time_freezing", "The complementarity problem of that formulation, where it was asked for."
+    )
 
     @property
     def controls(self) -> np.ndarray:
@@ -489,10 +440,7 @@ class Solution(Run):
 class Estimate(Run):
     """Parameters that were estimated: the motion of the first experiment, and what belongs to the estimate."""
 
-    @property
-    def objective(self) -> float:
-        """The misfit: squares of all residuals in standard deviations, added up."""
-        return self.document["objective"]
+    objective: float = _must("objective", "The misfit: squares of all residuals in standard deviations, added up.")
 
     @property
     def values(self) -> Dict[str, float]:
@@ -514,10 +462,9 @@ class Estimate(Run):
         """Correlation of the parameters, likewise."""
         return np.array(self.document["knowledge"]["correlation"], dtype=float)
 
-    @property
-    def experiments(self) -> List[Dict[str, Any]]:
-        """Measured and computed values and residuals, an experiment each."""
-        return self.document["experiments"]
+    experiments: List[Dict[str, Any]] = _must(
+        "experiments", "Measured and computed values and residuals, an experiment each."
+    )
 
     def _facts(self) -> List[tuple]:
         found = self.document["free"].items()
