@@ -215,6 +215,10 @@ pub(crate) struct MethodArguments {
     /// or elements are named].
     #[arg(long, value_name = "TOLERANCE", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) tolerance: Option<f64>,
+    /// Longest step, in seconds or in the unit given: `--max-step 10ms` (event, fesd). For doubt: no event is missed in
+    /// longer ones but of functions that the result names under `enclosed` [default: a tenth of the horizon].
+    #[arg(long, value_name = "TIME[UNIT]", value_parser = duration, allow_negative_numbers = true)]
+    pub(crate) max_step: Option<f64>,
     /// Width of the smoothed step functions (smooth) [default: 0.001].
     #[arg(long, value_name = "WIDTH", value_parser = above_zero, allow_negative_numbers = true)]
     pub(crate) width: Option<f64>,

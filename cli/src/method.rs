@@ -43,6 +43,9 @@ pub(crate) struct MethodSettings {
     /// Tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<f64>,
+    /// Longest step \[s\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_step: Option<f64>,
     /// Width of the smoothed step functions.
     #[serde(skip_serializing_if = "Option::is_none")]
     width: Option<f64>,
@@ -117,6 +120,9 @@ impl fmt::Display for MethodSettings {
         if let Some(tolerance) = self.tolerance {
             write!(f, ", tolerance {tolerance:e}")?;
         }
+        if let Some(longest) = self.max_step {
+            write!(f, ", steps of {longest:e} s at most")?;
+        }
         if let Some(width) = self.width {
             write!(f, ", width {width:e}")?;
         }
@@ -147,8 +153,10 @@ impl ChosenMethod {
             Method::Event => {
                 let mut event = EventDriven::default();
                 event.tolerance = arguments.tolerance.unwrap_or(event.tolerance);
+                event.max_step = arguments.max_step;
                 let settings = MethodSettings {
                     tolerance: Some(event.tolerance),
+                    max_step: arguments.max_step,
                     ..MethodSettings::default()
                 };
                 Self::new(settings, event)
@@ -240,6 +248,7 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
         fesd.most_elements = fesd.most_elements.max(2 * asked);
     }
     fesd.tolerance = arguments.tolerance;
+    fesd.max_step = arguments.max_step;
     fesd.exit_condition = !arguments.no_exit_condition;
     let formulation = arguments.formulation.unwrap_or(FormulationName::ActiveSet);
     fesd.formulation = match formulation {
@@ -257,6 +266,7 @@ fn fesd(arguments: &MethodArguments) -> ChosenMethod {
         elements: grid.then_some(fesd.elements),
         // Two grids are compared to it where nothing is promised.
         tolerance: promise.or(fesd.tolerance),
+        max_step: fesd.max_step,
         exit_condition: Some(fesd.exit_condition),
         ..MethodSettings::default()
     };
@@ -277,7 +287,7 @@ fn any_will_do(arguments: &MethodArguments) -> bool {
 /// Refuses a setting that the method does not have.
 fn refuse_foreign_settings(arguments: &MethodArguments) -> Result<(), BadInput> {
     use Method::{Event, Fesd, Fixed, Moreau, Smooth};
-    let given: [(&str, bool, &[Method]); 8] = [
+    let given: [(&str, bool, &[Method]); 9] = [
         ("--scheme", arguments.scheme.is_some(), &[Fesd]),
         ("--stages", arguments.stages.is_some(), &[Fesd]),
         ("--steps", arguments.steps.is_some(), &[Fesd, Moreau, Fixed]),
@@ -288,6 +298,7 @@ fn refuse_foreign_settings(arguments: &MethodArguments) -> Result<(), BadInput> 
             arguments.tolerance.is_some(),
             &[Fesd, Event, Smooth],
         ),
+        ("--max-step", arguments.max_step.is_some(), &[Fesd, Event]),
         ("--width", arguments.width.is_some(), &[Smooth]),
         ("--no-exit-condition", arguments.no_exit_condition, &[Fesd]),
     ];
@@ -311,6 +322,12 @@ fn refuse_idle_settings(arguments: &MethodArguments) -> Result<(), BadInput> {
         return Err(BadInput::new(
             "--elements and --tolerance exclude each other: the tolerance sets the length of \
              the elements; leave one of them out",
+        ));
+    }
+    let grid = arguments.steps.is_some() || arguments.elements.is_some();
+    if arguments.max_step.is_some() && grid {
+        return Err(BadInput::new(
+            "--max-step has no meaning for --steps and --elements, which set the length of all elements; leave it out",
         ));
     }
     if arguments.formulation == Some(FormulationName::Complementarity)

@@ -197,6 +197,7 @@ class Scene:
         elements: Optional[int] = None,
         formulation: Optional[Literal["active-set", "time-freezing", "complementarity"]] = None,
         tolerance: Optional[float] = None,
+        max_step: Optional[Value] = None,
         width: Optional[float] = None,
         horizon: Optional[Value] = None,
         gradient: Optional[Names] = None,

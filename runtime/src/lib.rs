@@ -69,6 +69,7 @@ pub mod baselines {
 mod contact;
 mod dcs;
 pub mod derivative;
+mod enclosure;
 pub mod estimation;
 mod fesd;
 mod front;
@@ -82,6 +83,7 @@ mod progress;
 mod random_cases;
 mod refusal;
 pub mod rk;
+mod run;
 pub mod scene;
 pub mod simulation;
 mod size;

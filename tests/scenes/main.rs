@@ -7,6 +7,7 @@ mod charts;
 mod closed_forms;
 mod convergence_order;
 mod design;
+mod enclosed;
 mod estimation;
 mod four_bar;
 mod friction;

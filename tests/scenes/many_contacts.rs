@@ -305,39 +305,3 @@ fn order_of_declarations_changes_nothing() {
     assert!(apart(&default_run(&one), &default_run(&other)) < 1e-10);
     assert!(apart(&event_driven(&one), &event_driven(&other)) < 1e-10);
 }
-
-/// Bounds of gaps in boxes, of distances of discs and of tilted boxes, whose sines have no bound, at places that are spread evenly in each.
-#[test]
-fn gaps_are_nowhere_below_their_bounds() {
-    for (text, known) in [
-        (families::discs(5), true),
-        (families::stack(2, None), false),
-    ] {
-        let scene = scene(&text);
-        let inputs = scene.declaration().inputs();
-        let spread = |k: usize, salt: usize| {
-            let golden = 0.618_033_988_749_895 * (k + 1) as f64 * (salt + 1) as f64;
-            golden.fract()
-        };
-        for contact in 0..scene.declaration().contacts.len() {
-            for around in 0..20 {
-                let low: Vec<f64> = (0..inputs).map(|k| 2.0 * spread(k, around) - 1.0).collect();
-                let wide = |k: usize| 0.5 * spread(k, around + 7);
-                let high: Vec<f64> = (0..inputs).map(|k| low[k] + wide(k)).collect();
-                let least = scene.least_gap(contact, &low, &high);
-                assert!(least.is_some() || !known, "{contact}");
-                let Some(least) = least else { continue };
-                for place in 0..50 {
-                    let x: Vec<f64> = (0..inputs)
-                        .map(|k| low[k] + spread(k + place, place) * (high[k] - low[k]))
-                        .collect();
-                    // Rounding of coordinates of about one.
-                    assert!(
-                        scene.gap(contact, &x) >= least - 1e-15,
-                        "{contact} at {x:?}"
-                    );
-                }
-            }
-        }
-    }
-}

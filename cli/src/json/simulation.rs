@@ -46,6 +46,10 @@ pub(crate) struct Document<'a> {
     /// Estimated largest error, relative to the largest values of each unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     error_estimate: Option<f64>,
+    /// Whether every function whose zeros are events was bounded between the places that were looked at; otherwise the names of those that
+    /// were interpolated there. Only for methods that locate events.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    enclosed: Option<EnclosedEntry<'a>>,
     /// How well the equations of the steps hold.
     residuals: Residuals,
     /// Size of the largest system or program.
@@ -66,6 +70,24 @@ pub(crate) struct Document<'a> {
     /// Only where it was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     gradient: Option<GradientEntry<'a>>,
+}
+
+/// Whether events were enclosed.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum EnclosedEntry<'a> {
+    All(bool),
+    But(&'a [String]),
+}
+
+impl<'a> EnclosedEntry<'a> {
+    fn new(interpolated: &'a [String]) -> Self {
+        if interpolated.is_empty() {
+            Self::All(true)
+        } else {
+            Self::But(interpolated)
+        }
+    }
 }
 
 impl<'a> Document<'a> {
@@ -100,6 +122,7 @@ impl<'a> Document<'a> {
             last: trajectory.last(),
             trajectory,
             error_estimate: simulation.error_estimate,
+            enclosed: simulation.interpolated.as_deref().map(EnclosedEntry::new),
             residuals: simulation.residuals,
             size: simulation.size,
             iterations: simulation.counts,
@@ -165,6 +188,7 @@ mod tests {
             size: Default::default(),
             counts: Default::default(),
             seconds: Default::default(),
+            interpolated: None,
             notes: Vec::new(),
         };
         let settings = MethodSettings::default();

@@ -4,6 +4,7 @@ use super::contact_mode::Direction;
 use super::law::{self, Solutions};
 use super::line::Line;
 use super::mode_error::ModeError;
+use super::shares::{self, Shares};
 use super::state::ContactState;
 use super::touching::Touching;
 use super::view::{View, dot};
@@ -11,6 +12,17 @@ use crate::model::pair_size;
 
 /// Two solutions are one if their changes of the velocity agree to this relative accuracy.
 const SAME: f64 = 1e-8;
+
+/// Motion, as a share of the largest force or motion, up to which a line is held.
+const HOLDS: f64 = 1e-9;
+
+/// A force among those of a balance.
+struct Carrier {
+    /// The line whose motion it holds.
+    line: usize,
+    /// Lines on which a unit of it acts, and how much.
+    acts: Vec<(usize, f64)>,
+}
 
 /// What accelerations say of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -115,6 +127,97 @@ impl Balance {
             forces,
             motions,
         }
+    }
+
+    /// The same motion by the forces that are the farthest from leaving the laws of all contacts that hold, where these share their load in more
+    /// ways than one: what each does next is told by what all of them together can carry.
+    pub(crate) fn spread(mut self, view: &View<'_>) -> Self {
+        if !self.touching.in_space {
+            return self;
+        }
+        let carriers = self.carriers(view);
+        if carriers.len() < 2 {
+            return self;
+        }
+        let matrix = view.couplings(&self.touching.lines);
+        let order = self.touching.lines.len();
+        let entry = |row: usize, carrier: &Carrier| -> f64 {
+            let terms = carrier.acts.iter();
+            terms
+                .map(|&(line, weight)| weight * matrix[row * order + line])
+                .sum()
+        };
+        let couplings = carriers
+            .iter()
+            .flat_map(|row| carriers.iter().map(|column| entry(row.line, column)));
+        let couplings: Vec<f64> = couplings.collect();
+        let right = couplings.chunks_exact(carriers.len().max(1)).map(|row| {
+            let terms = row.iter().zip(&carriers);
+            terms
+                .map(|(k, carrier)| k * self.forces[carrier.line])
+                .sum()
+        });
+        let right: Vec<f64> = right.collect();
+        let lines: Vec<Line> = carriers
+            .iter()
+            .map(|held| self.touching.lines[held.line])
+            .collect();
+        let push = |place: usize, value: f64, to: &mut [f64]| {
+            for &(line, weight) in &carriers[place].acts {
+                view.push(self.touching.lines[line], value * weight, to);
+            }
+        };
+        let shares = Shares::along(view, &lines, push, (&couplings, &right));
+        let Some(shares) = shares.ok().filter(Shares::are_many) else {
+            return self;
+        };
+        let rooms = shares::rooms(view, &lines);
+        let found = shares.inside(&rooms);
+        if shares.decide && !shares::obey(&rooms, &found) {
+            return self;
+        }
+        for (carrier, force) in carriers.iter().zip(found) {
+            for &(line, weight) in &carrier.acts {
+                self.forces[line] = weight * force;
+            }
+        }
+        self
+    }
+
+    /// What holds the contacts that do not leave: their normals, with the friction of those that slide, and the tangents of those that do not.
+    fn carriers(&self, view: &View<'_>) -> Vec<Carrier> {
+        let sizes = self.forces.iter().chain(&self.motions);
+        let zero = HOLDS * sizes.fold(0.0_f64, |most, size| most.max(size.abs()));
+        let alone = |line: usize| Carrier {
+            line,
+            acts: vec![(line, 1.0)],
+        };
+        let mut carriers = Vec::new();
+        for (k, &contact) in self.touching.contacts.iter().enumerate() {
+            if self.motions[k].abs() > zero {
+                continue;
+            }
+            let mut normal = alone(k);
+            if let Some(tangent) = self.touching.tangent(k) {
+                let slip = self.touching.both(tangent, &self.motions);
+                let across = self.touching.across(tangent);
+                let lines = [(Some(tangent), slip.0), (across, slip.1)];
+                let lines = lines
+                    .into_iter()
+                    .filter_map(|(line, slip)| Some((line?, slip)));
+                let size = pair_size(slip);
+                if size > zero {
+                    let ratio = -view.kinetic(contact) / size;
+                    normal
+                        .acts
+                        .extend(lines.map(|(line, slip)| (line, ratio * slip)));
+                } else {
+                    carriers.extend(lines.map(|(line, _)| alone(line)));
+                }
+            }
+            carriers.push(normal);
+        }
+        carriers
     }
 
     /// Adds these forces, or others on the same lines, to an acceleration, or impulses to a velocity.

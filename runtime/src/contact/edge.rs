@@ -11,6 +11,8 @@ use super::view::View;
 pub(crate) struct Zeros {
     /// Gap up to which it is closed.
     pub(crate) gap: f64,
+    /// Rounding error of the gap.
+    pub(crate) gap_rounding: f64,
     /// Difference of normal velocities that is rounding error.
     pub(crate) rounding: f64,
     /// Normal velocity up to which it neither approaches nor leaves.

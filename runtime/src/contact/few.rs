@@ -200,6 +200,7 @@ mod tests {
             offsets,
             cones: &cones,
             surfaces: normals,
+            in_space: false,
         };
         let zero = 1e-12 * problem.largest_offset();
         let choices = Few::new(&problem, Order::Contacts);

@@ -14,10 +14,10 @@
 use super::balance::Balance;
 use super::line::{Line, unbiased_lines};
 use super::mode_error::ModeError;
+use super::shares;
 use super::state::{ActiveContact, ContactState};
 use super::touching::Touching;
 use super::view::View;
-use crate::linalg::dense;
 use crate::model::pair_size;
 
 /// Kinetic energies are compared to this relative accuracy.
@@ -104,11 +104,8 @@ pub(crate) fn hold(
     v: &mut [f64],
 ) -> Result<(), ModeError> {
     let lines = unbiased_lines(active);
-    let mut factors = contacts.couplings(&lines);
-    let mut pivots = vec![0; lines.len()];
     let mut impulses: Vec<f64> = lines.iter().map(|&line| contacts.velocity(line)).collect();
-    dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
-    dense::solve(&factors, &pivots, &mut impulses);
+    shares::hold(contacts, &lines, &mut impulses)?;
     for (&line, &impulse) in lines.iter().zip(&impulses) {
         contacts.push(line, -impulse, v);
     }
@@ -122,11 +119,8 @@ pub(crate) fn close_gaps(
     q: &mut [f64],
 ) -> Result<(), ModeError> {
     let lines: Vec<Line> = listed.iter().map(|&i| Line::normal(i)).collect();
-    let mut factors = contacts.couplings(&lines);
-    let mut pivots = vec![0; listed.len()];
     let mut shift: Vec<f64> = listed.iter().map(|&i| contacts.gap(i)).collect();
-    dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
-    dense::solve(&factors, &pivots, &mut shift);
+    shares::hold(contacts, &lines, &mut shift)?;
     for (&line, &value) in lines.iter().zip(&shift) {
         contacts.push(line, -value, q);
     }
@@ -148,6 +142,10 @@ pub(crate) fn bring_to_rest(view: &mut View<'_>, listed: &[usize], x: &mut [f64]
         }
     };
     evaluate(view, x);
+    let normals: Vec<Line> = listed.iter().map(|&i| Line::normal(i)).collect();
+    if !shares::are_independent(view, &normals) {
+        return;
+    }
     if hold(view, &resting, &mut x[n..2 * n]).is_err() {
         return;
     }

@@ -10,7 +10,7 @@ use super::few::{Few, MOST_DECISIONS, Order};
 use super::many;
 use super::polyhedral::solve_polyhedral;
 use super::problem::{Cone, Problem};
-use super::space::{is_in_space, solve_in_space};
+use super::space::solve_in_space;
 use super::state::ContactState;
 use crate::linalg::lcp::{self, LcpError};
 
@@ -53,7 +53,7 @@ pub(crate) fn first(problem: &Problem<'_>) -> Result<Vec<f64>, LcpError> {
     if !problem.is_finite() {
         return Err(LcpError::NotFinite);
     }
-    if is_in_space(problem.cones) {
+    if problem.is_of_space() {
         let found = solve_in_space(problem.matrix, problem.offsets, problem.cones, &mut forces);
         return if found {
             Ok(forces)
@@ -153,7 +153,7 @@ fn put(whole: &mut [f64], lines: &[usize], part: &[f64]) {
 /// the contacts' `1 / D`. In space one is found.
 pub(crate) fn all(problem: &Problem<'_>, inertia: &[f64]) -> Option<Solutions> {
     let lines = problem.lines();
-    if is_in_space(problem.cones) {
+    if problem.is_of_space() {
         let mut forces = vec![0.0; lines];
         let found = solve_in_space(problem.matrix, problem.offsets, problem.cones, &mut forces);
         let blocks = vec![((0..lines).collect(), vec![forces])];
@@ -342,6 +342,7 @@ impl Part {
             offsets: &self.offsets,
             cones: &self.cones,
             surfaces: self.surfaces,
+            in_space: false,
         }
     }
 }
@@ -368,6 +369,7 @@ mod tests {
             offsets: &offsets,
             cones: &[cone(0, mu)],
             surfaces: 1,
+            in_space: false,
         };
         first(&problem).expect("solvable")
     }
@@ -434,6 +436,7 @@ mod tests {
                 offsets: &offsets,
                 cones: &[cone],
                 surfaces: normals,
+                in_space: false,
             };
             let forces = first(&problem).expect("solvable");
             for i in 0..normals {
@@ -471,7 +474,7 @@ mod tests {
             let offsets: Vec<f64> = (0..m)
                 .map(|i| (0..m).map(|j| matrix[m * i + j] * f64::from(v[j])).sum())
                 .collect();
-            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &[], surfaces: m };
+            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &[], surfaces: m, in_space: false };
             let zero = ZERO * problem.largest_offset();
             let choices = Few::new(&problem, Order::Contacts);
             let mut attempts = choices.attempts();
@@ -498,7 +501,7 @@ mod tests {
             let matrix: Vec<f64> = (0..lines * lines).map(|k| product(k / lines, k % lines)).collect();
             let offsets: Vec<f64> = q[..m].iter().chain(&q[4..4 + m]).copied().collect();
             let cones: Vec<Cone> = mu[..m].iter().enumerate().map(|(i, &mu)| cone(i, mu)).collect();
-            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &cones, surfaces: m };
+            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &cones, surfaces: m, in_space: false };
             let zero = ZERO * problem.largest_offset();
             let choices = Few::new(&problem, Order::Contacts);
             let attempts = choices.attempts();

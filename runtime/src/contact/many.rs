@@ -173,6 +173,7 @@ mod tests {
             offsets: &offsets,
             cones: &[],
             surfaces: offsets.len(),
+            in_space: false,
         };
         let solution = solve(&problem, None).expect("solvable");
         for (k, p) in solution.forces.iter().enumerate() {
@@ -199,6 +200,7 @@ mod tests {
             offsets: &offsets,
             cones: &[],
             surfaces: offsets.len(),
+            in_space: false,
         };
         let solution = solve(&problem, None).expect("solvable");
         let loaded = solution
@@ -226,7 +228,7 @@ mod tests {
                 .chunks_exact(24)
                 .map(|row| row.iter().zip(&q).map(|(a, x)| a * x).sum())
                 .collect();
-            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &[], surfaces: offsets.len() };
+            let problem = Problem { matrix: &matrix, offsets: &offsets, cones: &[], surfaces: offsets.len(), in_space: false };
             let solution = solve(&problem, None);
             prop_assert!(solution.is_some());
             let found = solution.expect("found").forces;
@@ -264,7 +266,7 @@ mod tests {
                 .enumerate()
                 .map(|(normal, &friction)| Cone { normal, friction, kinetic: friction, across: None })
                 .collect();
-            let problem = Problem { matrix: &matrix, offsets: &q, cones: &cones, surfaces: 20 };
+            let problem = Problem { matrix: &matrix, offsets: &q, cones: &cones, surfaces: 20, in_space: false };
             let solution = solve(&problem, None);
             prop_assert!(solution.is_some());
             let f = solution.expect("found").forces;

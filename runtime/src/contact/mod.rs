@@ -39,14 +39,14 @@
 //! - `basic` takes the forces from contacts that others make redundant: their motion is one, and what is left are forces
 //!   that the linear system of the states determines. What is found is accepted by its residual alone, at the level of rounding
 //!   error of the sums that it consists of.
-//! - `space` is a semismooth Newton method for cones of contacts in space.
+//! - `space` is a semismooth Newton method for cones of contacts in space, with a proximal term where they depend on each other.
 //!
 //! # After an instant
 //!
 //! [`Decision`] reads from a balance of accelerations what each contact does next: it carries a force, or leaves with an
 //! acceleration; it sticks inside of its cone, or slips with an acceleration. Where both sides of a condition vanish it says so. Contacts
-//! whose velocity others hold need no force of their own ([`sharing`]); of all forces with the same motion the smallest are
-//! recorded ([`least_norm`]). Impacts that follow too fast to be told apart, or that a scene wants in sequence, are a [`cluster`]; those of
+//! whose velocity others hold need no force of their own ([`sharing`]); in space all share the load, and let go where none of their
+//! [`shares`] obeys the laws of all. Impacts that follow too fast to be told apart, or that a scene wants in sequence, are a [`cluster`]; those of
 //! others may pass an [`edge`] by.
 //!
 //! # What stays twice on purpose
@@ -76,14 +76,13 @@ pub(crate) mod edge;
 mod few;
 pub(crate) mod impact;
 pub(crate) mod law;
-pub(crate) mod least_norm;
 mod line;
 mod many;
 mod mode_error;
-pub(crate) mod passing;
 mod polyhedral;
 mod problem;
 mod rest;
+pub(crate) mod shares;
 pub(crate) mod sharing;
 mod space;
 mod state;

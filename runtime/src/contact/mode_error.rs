@@ -21,6 +21,19 @@ pub(crate) enum ModeError {
     SecondOrder(usize),
 }
 
+impl ModeError {
+    /// The contact that is to blame, where it is known.
+    pub(crate) fn contact(self) -> Option<usize> {
+        match self {
+            Self::Several(contact)
+            | Self::NegativeBound(contact)
+            | Self::NotUnique(contact)
+            | Self::SecondOrder(contact) => Some(contact),
+            Self::Jammed | Self::Dependent | Self::NotFinite => None,
+        }
+    }
+}
+
 impl From<lcp::LcpError> for ModeError {
     fn from(error: lcp::LcpError) -> Self {
         match error {

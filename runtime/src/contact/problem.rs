@@ -1,6 +1,7 @@
 //! The problem of the lines of all contacts, its states and its residual.
 
 use super::state::ContactState;
+use crate::linalg::dense;
 
 /// Friction of one contact: the line of its normal and its coefficient.
 #[derive(Debug, Clone, Copy)]
@@ -31,6 +32,8 @@ pub(crate) struct Problem<'a> {
     pub(crate) cones: &'a [Cone],
     /// Number of normals that may carry no force; the others, behind them, are dry friction, whose force is given.
     pub(crate) surfaces: usize,
+    /// Whether some of the contacts slide along two directions, with a cone or not.
+    pub(crate) in_space: bool,
 }
 
 /// A solution.
@@ -67,6 +70,16 @@ impl Problem<'_> {
             });
         }
         tangents
+    }
+
+    /// Whether Newton's method on cones is the way: with cones in space, and where contacts that slide in space depend on each other, so that
+    /// the smallest forces are to be found.
+    pub(super) fn is_of_space(&self) -> bool {
+        let slides = || {
+            let (mut factors, mut pivots) = (self.matrix.to_vec(), vec![0; self.lines()]);
+            !dense::factorize_independent(&mut factors, &mut pivots)
+        };
+        self.cones.iter().any(|cone| cone.across.is_some()) || self.in_space && slides()
     }
 
     /// Whether a contact slides with a lower coefficient than it rests with.

@@ -4,6 +4,7 @@
 
 use super::line::{Line, unbiased_lines};
 use super::mode_error::ModeError;
+use super::shares::Shares;
 use super::state::{ActiveContact, ContactState};
 use super::view::View;
 use crate::linalg::dense;
@@ -61,7 +62,8 @@ pub(crate) fn share_friction(
         let tangent = Line::tangent(contact);
         let independent = is_independent(contacts, active, tangent)?;
         active[k].state = if contacts.is_in_space(contact) {
-            in_space(contacts, active, (contact, independent), (k, margin))?
+            // Whatever others hold: how they share their load is asked for as long as they hold.
+            ContactState::StickInSpace
         } else if independent {
             ContactState::Stick
         } else if margin > 0.0 {
@@ -71,25 +73,6 @@ pub(crate) fn share_friction(
         };
     }
     Ok(())
-}
-
-/// What a contact in space does that sticks, of whose first sliding velocity it is known whether it is independent of those that
-/// others hold: it holds both, or none where others hold them. Of one alone the shares are not told apart.
-fn in_space(
-    contacts: &View<'_>,
-    active: &mut [ActiveContact],
-    (contact, along): (usize, bool),
-    (place, margin): (usize, f64),
-) -> Result<ContactState, ModeError> {
-    if along {
-        active[place].state = ContactState::Stick;
-    }
-    let across = is_independent(contacts, active, Line::Across { contact })?;
-    match (along, across) {
-        (true, true) => Ok(ContactState::StickInSpace),
-        (false, false) if margin > 0.0 => Ok(ContactState::Held(None)),
-        _ => Err(ModeError::Dependent),
-    }
 }
 
 /// Lets only independent contacts of `active` stick; the others carry no friction.
@@ -126,12 +109,17 @@ pub(crate) fn reduced_couplings(
     if held.is_empty() {
         return Ok(matrix);
     }
-    let mut factors = contacts.couplings(held);
+    let couplings = contacts.couplings(held);
+    let mut factors = couplings.clone();
     let mut pivots = vec![0; held.len()];
-    dense::factorize(&mut factors, &mut pivots).map_err(|_| ModeError::Dependent)?;
+    let independent = dense::factorize_independent(&mut factors, &mut pivots);
     for (column, &j) in lines.iter().enumerate() {
         let mut response: Vec<f64> = held.iter().map(|&h| contacts.coupling(h, j)).collect();
-        dense::solve(&factors, &pivots, &mut response);
+        if independent {
+            dense::solve(&factors, &pivots, &mut response);
+        } else {
+            response = Shares::of(contacts, held, &couplings, &response)?.forces;
+        }
         for (row, &i) in lines.iter().enumerate() {
             let through: f64 = held
                 .iter()

@@ -18,6 +18,12 @@ const HALVINGS: usize = 8;
 /// Sweeps of projected iteration between two starts, and how often.
 const SWEEPS: usize = 200;
 const STARTS: usize = 4;
+/// How far contacts that depend on each other yield, as a share of their own coupling: at first, in the end, and from one to the next.
+const SOFTEST: f64 = 0.1;
+const HARDEST: f64 = 1e-8;
+const HARDENS: f64 = 0.1;
+/// Most steps of the proximal point method; each leaves the last of these shares of the error of independent contacts.
+const PROXIMAL_STEPS: usize = 8;
 /// Motion along a tangent, measured in forces as a share of the largest one, above which it is no rounding error.
 const SLIDES: f64 = 1e-9;
 /// Residual below which forces are a solution, relative to the largest force: rounding error of well-conditioned couplings.
@@ -31,11 +37,9 @@ struct Problem<'a> {
     rho: Vec<f64>,
     cones: &'a [Cone],
     normals: usize,
-}
-
-/// Whether a contact slides along two directions.
-pub(crate) fn is_in_space(cones: &[Cone]) -> bool {
-    cones.iter().any(|cone| cone.across.is_some())
+    /// Weight of the proximal term, in couplings of lines to themselves, and the forces around which it is.
+    proximal: f64,
+    centre: Vec<f64>,
 }
 
 /// Writes forces that obey the law; whether they were found.
@@ -63,7 +67,14 @@ pub(crate) fn solve_in_space(
 
 /// The same with the cones of rest alone.
 fn solve_with(matrix: &[f64], offsets: &[f64], cones: &[Cone], forces: &mut [f64]) -> bool {
-    let problem = Problem::new(matrix, offsets, cones);
+    let mut problem = Problem::new(matrix, offsets, cones);
+    let (mut factors, mut pivots) = (matrix.to_vec(), vec![0; offsets.len()]);
+    if !dense::factorize_independent(&mut factors, &mut pivots)
+        && let Some(found) = problem.compliant()
+    {
+        forces.copy_from_slice(&found);
+        return true;
+    }
     let mut start = vec![0.0; offsets.len()];
     for _ in 0..STARTS {
         let mut trial = start.clone();
@@ -97,6 +108,8 @@ impl<'a> Problem<'a> {
             rho,
             cones,
             normals,
+            proximal: 0.0,
+            centre: vec![0.0; lines],
         }
     }
 
@@ -104,7 +117,7 @@ impl<'a> Problem<'a> {
         self.offsets.len()
     }
 
-    /// `z = f - rho (K f + q)`.
+    /// `z = f - rho (K f + q)`, less the proximal term.
     fn proposed(&self, forces: &[f64]) -> Vec<f64> {
         let rows = self.matrix.chunks_exact(self.lines());
         let lines = rows.zip(self.offsets).zip(&self.rho).zip(forces);
@@ -113,6 +126,8 @@ impl<'a> Problem<'a> {
                 let w: f64 = q + row.iter().zip(forces).map(|(k, f)| k * f).sum::<f64>();
                 own - rho * w
             })
+            .zip(forces.iter().zip(&self.centre))
+            .map(|(z, (own, centre))| z - self.proximal * (own - centre))
             .collect()
     }
 
@@ -182,6 +197,34 @@ impl<'a> Problem<'a> {
         self.residual(forces).1 <= CERTIFIED
     }
 
+    /// Forces of contacts that depend on each other: those of contacts that yield, each by a share of its own coupling, in the limit of ever
+    /// harder ones. Of all forces with the same motion these are the smallest that the cones allow.
+    fn compliant(&mut self) -> Option<Vec<f64>> {
+        let mut forces = vec![0.0; self.lines()];
+        let mut weight = SOFTEST;
+        while weight >= HARDEST {
+            self.proximal = weight;
+            self.newton(&mut forces);
+            weight *= HARDENS;
+        }
+        // What they have yielded is taken out by the proximal point method.
+        let weight = self.proximal;
+        for _ in 0..PROXIMAL_STEPS {
+            self.proximal = 0.0;
+            let solved = self.is_solved(&forces);
+            if solved {
+                self.centre.fill(0.0);
+                return Some(forces);
+            }
+            self.proximal = weight;
+            self.centre.copy_from_slice(&forces);
+            self.newton(&mut forces);
+        }
+        self.proximal = 0.0;
+        self.centre.fill(0.0);
+        None
+    }
+
     /// Newton's method with a step that halves where the residual does not fall; ends where it falls no further.
     fn newton(&self, forces: &mut [f64]) {
         let (mut residual, mut size) = self.residual(forces);
@@ -230,7 +273,7 @@ impl<'a> Problem<'a> {
         // Row `i` of `dz`.
         let rate = |line: usize, column: usize| {
             let own = f64::from(u8::from(line == column));
-            own - self.rho[line] * self.matrix[line * lines + column]
+            (1.0 - self.proximal) * own - self.rho[line] * self.matrix[line * lines + column]
         };
         let mut matrix = vec![0.0; lines * lines];
         let mut set = |row: usize, weights: &[(usize, f64)]| {

@@ -13,6 +13,8 @@ pub(crate) struct Touching {
     cones: Vec<Cone>,
     /// Number of contacts that may open; the others, behind them, are dry friction.
     surfaces: usize,
+    /// Whether some of the contacts slide along two directions.
+    pub(super) in_space: bool,
 }
 
 impl Touching {
@@ -41,6 +43,7 @@ impl Touching {
         add_acrosses(&mut lines, &mut cones, acrosses);
         Self {
             surfaces: contacts.iter().filter(|&&i| !view.is_dry(i)).count(),
+            in_space: contacts.iter().any(|&i| view.is_in_space(i)),
             contacts: contacts.to_vec(),
             lines,
             cones,
@@ -58,6 +61,11 @@ impl Touching {
         let cone = &self.cones[tangent - self.contacts.len()];
         let across = cone.across.map_or(0.0, |across| values[across]);
         (values[tangent], across)
+    }
+
+    /// The line of the second tangent of a cone in space.
+    pub(crate) fn across(&self, tangent: usize) -> Option<usize> {
+        self.cones[tangent - self.contacts.len()].across
     }
 
     /// Whether one of the contacts that may stick slides with a lower coefficient of its own.
@@ -87,6 +95,7 @@ impl Touching {
             offsets,
             cones: &self.cones,
             surfaces: self.surfaces,
+            in_space: self.in_space,
         }
     }
 }

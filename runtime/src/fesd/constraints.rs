@@ -1,7 +1,8 @@
 //! The velocities that a contact mode holds at zero, and the directions of the forces that hold them.
 
-use crate::contact::sum_of_sizes;
-use crate::contact::{ActiveContact, force_count};
+use super::redundancy::Redundancy;
+use crate::contact::{ActiveContact, dot, force_count, sum_of_sizes};
+use crate::linalg::products::products;
 use crate::model::{
     Frame, Model, contact_point, friction_coefficients, kinetic_coefficients, surfaces,
     tangent_point,
@@ -30,6 +31,12 @@ pub(super) struct Constraints<'a> {
     pub(super) gap_rounding: f64,
     /// Time over which the constraints are held, which their rounding errors scale with \[s\].
     length: f64,
+    /// Inverse inertia of the contact of each constraint.
+    inertia: Vec<f64>,
+    /// Which constraints follow from others, of velocities and of positions.
+    pub(super) redundancy: [Redundancy; 2],
+    /// Whether those of this mode are known to be independent.
+    independent: bool,
     /// Velocities of all constraints; of dry friction the given normal acceleration.
     pub(super) velocities: Vec<f64>,
     /// Derivatives of the velocities with respect to `v`, one row a constraint: `n_i`, then `b_i`.
@@ -67,6 +74,9 @@ impl<'a> Constraints<'a> {
             gaps: Vec::new(),
             gap_rounding: 0.0,
             length: 0.0,
+            inertia: Vec::new(),
+            redundancy: Default::default(),
+            independent: false,
             velocities: Vec::new(),
             gradients: Vec::new(),
             directions: Vec::new(),
@@ -113,6 +123,9 @@ impl<'a> Constraints<'a> {
         let of_surface = |held: &&ActiveContact| held.contact < self.surfaces;
         self.normals = active.iter().filter(of_surface).count();
         self.gaps.resize(self.normals, 0.0);
+        self.independent = false;
+        self.redundancy = Default::default();
+        self.inertia.resize(count, 0.0);
         self.velocities.resize(count, 0.0);
         self.gradients.resize(count * self.n, 0.0);
         self.directions.resize(count * self.n, 0.0);
@@ -156,6 +169,69 @@ impl<'a> Constraints<'a> {
             self.model.across(contact, x, &mut self.across);
             self.frames[contact].turn(&mut self.tangent, &mut self.across);
         }
+    }
+
+    /// Finds the constraints that follow from others as last evaluated; once in a mode, unless there are some.
+    pub(super) fn find_redundancy(&mut self) {
+        let (n, count) = (self.n, self.count());
+        if self.independent || count < 2 {
+            return;
+        }
+        let mut couplings = vec![0.0; count * count];
+        for (row, column, value) in products(&self.gradients, &self.directions, n) {
+            if !self.is_given(row) {
+                couplings[row * count + column] = value;
+            }
+        }
+        for row in self.normals..self.active.len() {
+            couplings[row * count + row] = 1.0;
+        }
+        let measures = self.measures();
+        let positions = self.positions();
+        let of_positions: Vec<f64> = couplings
+            .chunks_exact(count)
+            .take(positions)
+            .flat_map(|row| &row[..positions])
+            .copied()
+            .collect();
+        self.redundancy = [
+            Redundancy::of(&couplings, &measures),
+            Redundancy::of(&of_positions, &measures[..positions]),
+        ];
+        self.independent = self.redundancy.iter().all(Redundancy::is_empty);
+    }
+
+    /// Measures of the forces and of the equations of the constraints as last evaluated, by the inertia of each.
+    fn measures(&self) -> Vec<(f64, f64)> {
+        let n = self.n;
+        let own = |row: usize| {
+            let gradient = &self.gradients[row * n..(row + 1) * n];
+            let direction = &self.directions[row * n..(row + 1) * n];
+            dot(gradient, direction).abs()
+        };
+        let measure = |row: usize, coupling: f64| {
+            let inertia = self.inertia[row].abs();
+            let unit = (coupling / inertia).sqrt();
+            if unit > 0.0 && inertia > 0.0 {
+                (unit, 1.0 / (unit * inertia))
+            } else {
+                (1.0, 1.0)
+            }
+        };
+        // By a normal force without friction the contact itself moves by 1.
+        let mut measures: Vec<(f64, f64)> = (0..self.active.len())
+            .map(|row| match self.is_given(row) {
+                true => (1.0, 1.0),
+                false => measure(row, 1.0),
+            })
+            .collect();
+        for held in &self.active {
+            let first = measures.len();
+            let rows = first..first + held.state.stuck();
+            let largest = rows.clone().map(own).fold(0.0, f64::max);
+            measures.extend(rows.map(|row| measure(row, largest)));
+        }
+        measures
     }
 
     /// Sets the length of the element that holds the constraints.
@@ -228,6 +304,7 @@ impl<'a> Constraints<'a> {
             let size =
                 sum_of_sizes(normal, &x[..n]) + self.length * sum_of_sizes(normal, &x[n..2 * n]);
             self.gap_rounding = self.gap_rounding.max(f64::EPSILON * size);
+            self.inertia[i] = self.point[contact_point::INVERSE_INERTIA];
             self.velocities[i] = if given {
                 -self.point[contact_point::CURVATURE]
             } else {
@@ -248,6 +325,7 @@ impl<'a> Constraints<'a> {
             }
             let sides = [&self.tangent, &self.across];
             for side in &sides[..held.state.stuck()] {
+                self.inertia[stuck] = self.inertia[i];
                 self.velocities[stuck] = side[tangent_point::SLIDING_VELOCITY];
                 self.gradients[stuck * n..(stuck + 1) * n]
                     .copy_from_slice(&side[tangent_point::TANGENT..][..n]);

@@ -7,19 +7,17 @@
 //! problem one derivative higher decides.
 
 use super::contacts::{Contacts, Line, ModeError, dot, norm};
-use super::switch;
 use crate::contact::sharing::{self, Share};
 use crate::contact::{
     ActiveContact, Balance, Cone, ContactState, Decision, Problem, Touching, Vanished, find, law,
     sliding, touching,
 };
 use crate::model::pair_size;
+use crate::run::Place;
+use crate::run::sides::{self, Failed, Known};
 
 /// Relative size below which an acceleration or a jerk counts as zero when the mode is chosen.
 const BIACTIVE: f64 = 1e-8;
-
-/// Most times that the sides of switches are chosen again, as what they change elsewhere is known.
-const ROUNDS: usize = 4;
 
 /// A condition whose two sides both vanish in accelerations.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +26,13 @@ enum Undecided {
     Normal { contact: usize, sense: Option<f64> },
     /// Friction on the edge of its cone, without sliding acceleration: about to slip in the given sense.
     Edge { contact: usize, sense: f64 },
+}
+
+impl Undecided {
+    fn contact(self) -> usize {
+        let (Self::Normal { contact, .. } | Self::Edge { contact, .. }) = self;
+        contact
+    }
 }
 
 /// The contact mode at `x` and `time`: writes the contacts that carry a force to `active`. Of the contacts
@@ -81,7 +86,7 @@ pub(crate) fn select(
     for (contact, slip) in slips {
         contacts.align(contact, Some(slip));
     }
-    switch::is_unique(contacts, &strict)?;
+    is_unique(contacts, &strict)?;
     sharing::share_friction(contacts, &mut strict, &shares)?;
     drop_held(contacts, &mut strict, &mut undecided)?;
     if !undecided.is_empty() {
@@ -108,14 +113,15 @@ struct Sorted {
 /// Forces and accelerations of the contacts that touch.
 fn balance(contacts: &Contacts<'_>, touching: &[usize], time: f64) -> Result<Balance, ModeError> {
     let at_rest = |i: usize| {
-        !contacts.passes(i) && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
+        let free = !contacts.passes(i) && contacts.sides[i] == 0.0;
+        free && pair_size(contacts.sliding(i)) <= contacts.rest_speed(i, time)
     };
     let touching = Touching::new(contacts, touching, at_rest);
     let free = touching.lines.iter();
     let free: Vec<f64> = free
         .map(|&line| contacts.free_line_acceleration(line))
         .collect();
-    Balance::first(touching, contacts, &free)
+    Ok(Balance::first(touching, contacts, &free)?.spread(contacts))
 }
 
 /// The same with the sides of the switches that are passed now.
@@ -125,46 +131,58 @@ fn sided(
     touching: &[usize],
     time: f64,
 ) -> Result<Balance, ModeError> {
-    contacts.sides.fill(0.0);
-    let passed: Vec<usize> = touching
+    let scales = touching
         .iter()
-        .copied()
-        .filter(|&i| contacts.passes(i))
-        .filter(|&i| contacts.sliding_velocity(i).abs() <= contacts.size(i, time).at_rest())
-        .collect();
-    let mut motion = contacts.free_acceleration().to_vec();
-    let mut chosen: Option<Vec<f64>> = None;
-    for _ in 0..ROUNDS {
-        let before = contacts.sides.clone();
-        for &i in &passed {
-            let scale = contacts.tangential_scale(i);
-            let rate = contacts.sliding_acceleration(i, &motion);
-            if rate.abs() > BIACTIVE * scale {
-                contacts.sides[i] = rate.signum();
-                continue;
-            }
-            let (_, time_scale) = difference_step(contacts, x, (&motion, scale));
-            if switch::can_choose(contacts, &passed) {
-                if chosen.is_none() {
-                    switch::choose(contacts, x, (touching, &passed), (time_scale, time))?;
-                    chosen = Some(contacts.sides.clone());
-                }
-                break;
-            }
-            let zero = BIACTIVE * scale;
-            contacts.sides[i] = switch::side(contacts, i, x, (&motion, time_scale), zero);
-        }
-        if let Some(chosen) = &chosen {
-            contacts.sides.clone_from(chosen);
-        }
-        let solved = balance(contacts, touching, time)?;
-        if contacts.sides == before || contacts.rest.is_some() {
-            return Ok(solved);
-        }
-        motion.copy_from_slice(contacts.free_acceleration());
-        solved.push(contacts, &solved.forces, &mut motion);
+        .filter(|&&i| contacts.switch_of(i).is_some())
+        .map(|&i| contacts.tangential_scale(i));
+    let Some(scale) = scales.reduce(f64::max) else {
+        return balance(contacts, touching, time);
+    };
+    let (_, moment) = difference_step(contacts, x, (contacts.free_acceleration(), scale));
+    let all = 0..contacts.sides.len();
+    let zeros: Vec<f64> = all.map(|i| contacts.rest_speed(i, time)).collect();
+    let place = Place {
+        x,
+        rates: &contacts.rates(),
+        touching,
+        zeros: &zeros,
+        moment,
+        longest: if contacts.moment.is_finite() {
+            contacts.moment
+        } else {
+            moment
+        },
+    };
+    let known = Known {
+        side: &|_: &Contacts<'_>, _, by_rate| by_rate,
+        zero: &|contacts: &Contacts<'_>, i| BIACTIVE * contacts.tangential_scale(i),
+    };
+    let solve = |contacts: &mut Contacts<'_>| balance(contacts, touching, time);
+    let solved = sides::balanced(contacts, &place, &known, solve);
+    let solved = solved.map_err(|undecided| match undecided {
+        Failed::Law(error) | Failed::Sides(error) => error,
+    })?;
+    // Elements have no force that holds a function whose jump begins to grow here.
+    let begins = |k: &usize| {
+        let (contact, own) = (touching[*k], Line::tangent(touching[*k]));
+        let switches = contacts.switch_of(contact).is_some() && solved.slip(*k).is_some();
+        switches && contacts.rest.is_none() && contacts.coupling(own, own) == 0.0
+    };
+    match (0..touching.len()).find(begins) {
+        Some(k) => Err(ModeError::SecondOrder(touching[k])),
+        None => Ok(solved),
     }
-    balance(contacts, touching, time)
+}
+
+/// Refuses a motion along the zero of a switch whose two sides both push away from it: it could leave to either at any time.
+fn is_unique(contacts: &Contacts<'_>, active: &[ActiveContact]) -> Result<(), ModeError> {
+    for held in active.iter().filter(|held| held.state.sticks()) {
+        let line = Line::tangent(held.contact);
+        if contacts.switch_of(held.contact).is_some() && contacts.coupling(line, line) <= 0.0 {
+            return Err(ModeError::NotUnique(held.contact));
+        }
+    }
+    Ok(())
 }
 
 /// Sorts the contacts by what their forces and accelerations say.
@@ -244,8 +262,12 @@ fn drop_held(
             continue;
         }
         if let Undecided::Edge { contact, sense } = undecided.remove(k) {
+            let state = match contacts.is_in_space(contact) {
+                true => ContactState::StickInSpace,
+                false => ContactState::at_edge(sense),
+            };
             for held in active.iter_mut().filter(|held| held.contact == contact) {
-                held.state = ContactState::at_edge(sense);
+                held.state = state;
             }
         }
     }
@@ -271,9 +293,7 @@ fn select_by_jerk(
     contacts.constrained_acceleration(strict, &forces, &mut motion);
     let matrix = sharing::reduced_couplings(contacts, &held, &lines)?;
     let scales: Vec<f64> = lines.iter().map(|&line| contacts.scale(line)).collect();
-    let largest = scales
-        .iter()
-        .fold(0.0_f64, |largest, scale| largest.max(*scale));
+    let largest = scales.iter().copied().fold(0.0, f64::max);
     let (step, time_scale) = difference_step(contacts, x, (&motion, largest));
     // Far from the origin the step is longer and leaves fewer digits.
     let biactive = BIACTIVE.max(4.0 * (step / time_scale).powi(2));
@@ -284,9 +304,11 @@ fn select_by_jerk(
         offsets: &jerk,
         cones: &cones,
         surfaces: undecided.len(),
+        in_space: undecided
+            .iter()
+            .any(|condition| contacts.is_in_space(condition.contact())),
     };
-    let rates = law::first(&problem)?;
-    let size = lines.len();
+    let (rates, size) = (law::first(&problem)?, lines.len());
     // What sticks from now on comes first: it may hold normal velocities, so that no force is needed for that.
     let mut order: Vec<usize> = (0..undecided.len()).collect();
     order.sort_by_key(|&k| matches!(undecided[k], Undecided::Normal { .. }));

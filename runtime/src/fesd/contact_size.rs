@@ -60,6 +60,14 @@ impl ContactSize {
         }
     }
 
+    /// The sizes where the gap is a difference from another one.
+    pub(crate) fn as_difference_from(self, other: Self) -> Self {
+        Self {
+            gap: self.gap.max(other.gap),
+            ..self
+        }
+    }
+
     /// Rounding error of the gap.
     pub(crate) fn gap_rounding(self) -> f64 {
         ROUNDING * self.gap

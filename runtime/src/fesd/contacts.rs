@@ -9,6 +9,7 @@ use std::ops::{Deref, DerefMut};
 pub(crate) use crate::contact::{Line, ModeError, dot};
 
 use super::contact_size::ContactSize;
+use crate::contact::shares::{self, Shares};
 use crate::contact::{ActiveContact, View, sum_of_sizes, tangents};
 use crate::linalg::banded::{Banded, Unfactorized};
 use crate::linalg::dense;
@@ -23,6 +24,9 @@ const JAMMED: f64 = 1e-10;
 /// counts as zero, as in [`dense`].
 const MANY: usize = 32;
 const SINGULAR: f64 = 1e-14;
+
+/// Share of its terms up to which a sum is rounding error.
+const CANCELS: f64 = 8.0 * f64::EPSILON;
 
 /// Bound of dry friction below zero, as a share of its largest, that is no rounding error.
 const NEGATIVE: f64 = 1e-9;
@@ -46,6 +50,8 @@ pub(crate) struct Contacts<'a> {
     matrix: Vec<f64>,
     pivots: Vec<usize>,
     band: Banded,
+    /// Whether the forces of the last solution are not the only ones.
+    shared: bool,
     pub(super) shifted: Vec<f64>,
     /// Rates of the controls, empty where they are constant.
     pub(super) control_slopes: Vec<f64>,
@@ -81,6 +87,7 @@ impl<'a> Contacts<'a> {
             matrix: Vec::new(),
             pivots: Vec::new(),
             band: Banded::default(),
+            shared: false,
             shifted: vec![0.0; declaration.inputs()],
             control_slopes: Vec::new(),
             evaluations: 0,
@@ -91,6 +98,17 @@ impl<'a> Contacts<'a> {
     pub(crate) fn set_control_slopes(&mut self, slopes: &[f64]) {
         self.control_slopes.clear();
         self.control_slopes.extend(slopes);
+    }
+
+    /// Rates of what the model reads besides coordinates and velocities: controls, and the time.
+    pub(crate) fn rates(&self) -> Vec<f64> {
+        let declaration = self.model.declaration();
+        let mut rates = self.control_slopes.clone();
+        rates.resize(declaration.controls.len(), 0.0);
+        if declaration.explicit_time {
+            rates.push(1.0);
+        }
+        rates
     }
 
     /// Takes note of the speed below which the sliding of a contact in space has no direction, at `time`.
@@ -297,6 +315,7 @@ impl<'a> Contacts<'a> {
         {
             forces[0] = -self.normal_acceleration(single.contact);
             let slope = self.slope(*single);
+            self.shared = false;
             if slope != 0.0 {
                 let lift = self.lift(single.contact, slope);
                 if lift <= JAMMED {
@@ -318,6 +337,7 @@ impl<'a> Contacts<'a> {
 
     /// Solves for forces on the lines; `forces` are the right-hand sides.
     fn solve_lines(&mut self, lines: &[Line], forces: &mut [f64]) -> Result<(), ModeError> {
+        self.shared = false;
         if lines.len() >= MANY {
             let entries = self.view.sparse_couplings(lines);
             match self.band.factorize(lines.len(), &entries, SINGULAR) {
@@ -325,14 +345,22 @@ impl<'a> Contacts<'a> {
                     self.band.solve(forces);
                     return Ok(());
                 }
-                Err(Unfactorized::Singular) => return Err(ModeError::Dependent),
-                Err(Unfactorized::Wide) => {}
+                Err(Unfactorized::Singular | Unfactorized::Wide) => {}
             }
         }
         self.matrix = self.view.couplings(lines);
         self.pivots.resize(lines.len(), 0);
-        dense::factorize(&mut self.matrix, &mut self.pivots).map_err(|_| ModeError::Dependent)?;
-        dense::solve(&self.matrix, &self.pivots, forces);
+        if dense::factorize_independent(&mut self.matrix, &mut self.pivots) {
+            dense::solve(&self.matrix, &self.pivots, forces);
+            return Ok(());
+        }
+        let couplings = self.view.couplings(lines);
+        let shares = Shares::of(&self.view, lines, &couplings, forces)?;
+        if shares.contradict(&self.view, lines) {
+            return Err(ModeError::Dependent);
+        }
+        self.shared = true;
+        forces.copy_from_slice(&shares.inside(&shares::rooms(&self.view, lines)));
         Ok(())
     }
 
@@ -359,6 +387,18 @@ impl<'a> Contacts<'a> {
         self.lines(active, &mut lines);
         for (&line, &force) in lines.iter().zip(forces) {
             self.push(line, force, result);
+        }
+        if self.shared {
+            // Where forces act that are not all needed, sums of them cancel but for rounding.
+            for (k, sum) in result.iter_mut().enumerate() {
+                let terms = lines.iter().zip(forces);
+                let terms =
+                    terms.map(|(&line, force)| (self.line_direction(line)[k] * force).abs());
+                let size = self.free_acceleration()[k].abs() + terms.sum::<f64>();
+                if sum.abs() <= CANCELS * size {
+                    *sum = 0.0;
+                }
+            }
         }
         self.lines = lines;
     }

@@ -14,5 +14,5 @@ pub(crate) mod contact_mode;
 pub(crate) mod contact_size;
 pub(crate) mod contacts;
 pub(crate) mod finite_element;
-pub(crate) mod switch;
+mod redundancy;
 pub(crate) mod transcription;

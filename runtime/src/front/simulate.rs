@@ -42,6 +42,7 @@ pub fn simulate(model: &dyn Model) -> Simulate<'_> {
             ..Fesd::default()
         }),
         tolerance: None,
+        max_step: None,
         steps: None,
         horizon: None,
         start: StartValues::default(),
@@ -85,6 +86,7 @@ pub struct Simulate<'a> {
     model: &'a dyn Model,
     method: Box<dyn Simulator + 'a>,
     tolerance: Option<f64>,
+    max_step: Option<f64>,
     steps: Option<usize>,
     horizon: Option<f64>,
     start: StartValues,
@@ -106,6 +108,12 @@ impl<'a> Simulate<'a> {
     /// [`Smooth::tolerance`](crate::baselines::Smooth); the others are refused.
     pub fn tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(tolerance);
+        self
+    }
+
+    /// Longest step \[s\] of methods that locate events; the others are refused. For doubt, not for use: no event is between the steps.
+    pub fn max_step(mut self, seconds: f64) -> Self {
+        self.max_step = Some(seconds);
         self
     }
 
@@ -197,6 +205,9 @@ impl<'a> Simulate<'a> {
         }
         if let Some(tolerance) = self.tolerance {
             self.method.set_tolerance(tolerance)?;
+        }
+        if let Some(seconds) = self.max_step {
+            self.method.set_max_step(seconds)?;
         }
         let mut problem = InitialValueProblem::of(self.model, self.horizon)?;
         let declaration = self.model.declaration();

@@ -5,6 +5,9 @@
 
 /// Order of a matrix from which on rows are looked through for zeros: bodies that do not touch each other are not coupled.
 const LARGE: usize = 64;
+/// Pivot, to the largest one, up to which equations of about equal size are looked at as dependent: directions that differ by less than its
+/// root \[rad\], as in [`small_system`](super::small_system).
+const DEPENDENT: f64 = 1e-12;
 
 /// A matrix that cannot be factorized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -74,6 +77,18 @@ pub(crate) fn factorize(a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singu
         }
     }
     Ok(())
+}
+
+/// The same for equations that may follow from each other; `false` where they do, or a number is not finite.
+pub(crate) fn factorize_independent(a: &mut [f64], pivots: &mut [usize]) -> bool {
+    if factorize(a, pivots).is_err() {
+        return false;
+    }
+    let sizes = a.iter().step_by(pivots.len() + 1).map(|pivot| pivot.abs());
+    let (least, most) = sizes.fold((f64::INFINITY, 0.0_f64), |(least, most), size| {
+        (least.min(size), most.max(size))
+    });
+    pivots.is_empty() || least > DEPENDENT * most
 }
 
 /// Solves `A x = b` with the factors of [`factorize`]; `b` is overwritten by `x`.

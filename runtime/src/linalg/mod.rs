@@ -3,5 +3,6 @@
 pub(crate) mod banded;
 pub(crate) mod dense;
 pub(crate) mod lcp;
+pub(crate) mod least_norm;
 pub(crate) mod products;
 pub(crate) mod small_system;

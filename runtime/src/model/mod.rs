@@ -56,6 +56,7 @@ mod pieces;
 pub(crate) mod rounding;
 mod space;
 mod switching;
+pub mod tape;
 
 pub(crate) use control_piece::ControlPiece;
 pub(crate) use frame::{Frame, pair_size};
@@ -71,6 +72,7 @@ pub use hangtime_dsl::declaration::{
     Picture, Shape, SparsityPattern, Switching, VariableDeclaration,
 };
 pub use parameter_derivatives::ParameterDerivatives;
+pub use tape::{Explicit, Tape};
 
 /// A Lagrangian system with unilateral contacts: the interface between scenes and solvers.
 ///
@@ -141,9 +143,10 @@ pub trait Model: Send + Sync {
     /// Gap `g_i(q)` of one contact.
     fn gap(&self, contact: usize, x: &[f64]) -> f64;
 
-    /// A number that the gap of one contact is not below wherever `x` lies between `low` and `high`, up to rounding; none where it is
-    /// not known. Contacts that cannot close are left out of account as long as it is above zero, in scenes with many.
-    fn least_gap(&self, _contact: usize, _low: &[f64], _high: &[f64]) -> Option<f64> {
+    /// The operations of an explicit function, by which its range is bounded where its inputs lie in ranges; none where they are not
+    /// known. Events of functions that are known so are never missed, and contacts that cannot close are left out of account, in scenes
+    /// with many.
+    fn tape(&self, _function: Explicit) -> Option<Tape<'_>> {
         None
     }
 

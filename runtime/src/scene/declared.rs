@@ -1,6 +1,7 @@
 //! What a scene is to the one model of all.
 
 use super::data::Structure;
+use crate::model::{Explicit, Tape};
 use std::any::Any;
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex};
@@ -23,8 +24,8 @@ pub trait Scene: Clone + Send + Sync + 'static {
     /// Evaluates a kernel at an input vector `x`, with multipliers or unknowns `y`.
     fn evaluate(&self, kernel: usize, x: &[f64], y: &[f64], out: &mut [f64]);
 
-    /// Bounds of the first value of a kernel where its inputs lie between `low` and `high`; none where they are not known.
-    fn range(&self, _kernel: usize, _low: &[f64], _high: &[f64]) -> Option<[f64; 2]> {
+    /// The operations of an explicit function; none where they are not known.
+    fn tape(&self, _function: Explicit) -> Option<Tape<'_>> {
         None
     }
 

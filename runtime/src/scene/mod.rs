@@ -13,11 +13,11 @@ mod inertia;
 mod model;
 mod places;
 mod program;
-mod ranges;
 mod run;
 mod solved;
 mod steps;
 mod system;
+mod tapes;
 mod text;
 mod thread;
 

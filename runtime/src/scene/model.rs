@@ -7,8 +7,9 @@ use super::derivatives::Derivatives;
 use super::solved::{View, lend};
 use super::variants::{Kernels, Solved};
 use crate::model::{
-    ContactDeclaration, Declaration, Epigraph, Experiment, FrictionDeclaration, Held, Model,
-    ParameterDerivatives, Picture, SparsityPattern, VariableDeclaration, contact_point,
+    ContactDeclaration, Declaration, Epigraph, Experiment, Explicit, FrictionDeclaration, Held,
+    Model, ParameterDerivatives, Picture, SparsityPattern, Tape, VariableDeclaration,
+    contact_point,
 };
 use hangtime_dsl::description;
 
@@ -189,10 +190,8 @@ impl<S: Scene> Model for S {
         contact_of(self, contact).map_or(f64::NAN, |(_, known)| value(self, known.gap, x))
     }
 
-    fn least_gap(&self, contact: usize, low: &[f64], high: &[f64]) -> Option<f64> {
-        let (_, known) = contact_of(self, contact)?;
-        let [least, _] = self.range(known.gap, low, high)?;
-        (least > f64::NEG_INFINITY).then_some(least)
+    fn tape(&self, function: Explicit) -> Option<Tape<'_>> {
+        Scene::tape(self, function)
     }
 
     fn contact(&self, contact: usize, x: &[f64], out: &mut [f64]) {

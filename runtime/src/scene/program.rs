@@ -9,8 +9,6 @@ use std::ops::Range;
 /// A kernel as runs of equal steps on registers.
 #[derive(Debug)]
 pub(super) struct Program {
-    /// The kernel.
-    pub(super) kernel: Kernel,
     /// What depends on parameters only.
     folding: Folding,
     /// Where the folded values stand among those of all programs of a scene.
@@ -39,7 +37,7 @@ pub struct TooLarge;
 
 impl Program {
     /// The program of a kernel, whose folded values stand behind `before` others.
-    pub(super) fn new(kernel: Kernel, before: usize) -> Result<Self, TooLarge> {
+    pub(super) fn new(kernel: &Kernel, before: usize) -> Result<Self, TooLarge> {
         let operations = &kernel.operations;
         let mut constant = vec![false; operations.len()];
         for (at, &operation) in operations.iter().enumerate() {
@@ -102,7 +100,6 @@ impl Program {
                 .iter()
                 .map(|&at| places.of[at as usize])
                 .collect(),
-            kernel,
         })
     }
 

@@ -3,7 +3,9 @@
 use super::data::Structure;
 use super::declared::{Declared, Derived, Scene};
 use super::program::{Program, TooLarge};
-use super::{ranges, run};
+use super::run;
+use super::tapes::Tapes;
+use crate::model::{Explicit, Tape};
 use hangtime_dsl::description::Description;
 use std::sync::Arc;
 
@@ -26,6 +28,7 @@ pub struct TextScene {
 pub(super) struct Shared {
     pub(super) declared: Declared,
     kernels: Vec<Program>,
+    tapes: Tapes,
     warnings: String,
 }
 
@@ -35,8 +38,9 @@ impl TextScene {
     /// # Errors
     /// A kernel is too large.
     pub fn new(description: Description, text: &str, warnings: String) -> Result<Self, TooLarge> {
+        let tapes = Tapes::of(&description);
         let mut kernels: Vec<Program> = Vec::with_capacity(description.kernels.len());
-        for kernel in description.kernels {
+        for kernel in &description.kernels {
             let before = kernels.last().map_or(0, |last| last.folded.end);
             kernels.push(Program::new(kernel, before)?);
         }
@@ -48,6 +52,7 @@ impl TextScene {
         let shared = Shared {
             declared: Declared::of_text(structure, text),
             kernels,
+            tapes,
             warnings,
         };
         Ok(Self::at(Arc::new(shared), numbers, None))
@@ -116,9 +121,8 @@ impl Scene for TextScene {
         run::lend(|registers| kernel.run(folded, x, y, out, registers));
     }
 
-    fn range(&self, kernel: usize, low: &[f64], high: &[f64]) -> Option<[f64; 2]> {
-        let kernel = &self.shared.kernels[kernel].kernel;
-        Some(ranges::of(kernel, &self.numbers, (low, high)))
+    fn tape(&self, function: Explicit) -> Option<Tape<'_>> {
+        self.shared.tapes.get(function)
     }
 
     fn experiment(&self) -> Option<usize> {

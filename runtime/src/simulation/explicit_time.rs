@@ -2,43 +2,40 @@
 //!
 //! Errors of a step are estimated from what its stages see of a motion. A body that rests or sticks does not move, whatever its
 //! forces do between the stages, and a pulse between them leaves no trace of itself; another run with other steps agrees. So
-//! accelerations, gaps and slips are looked at as functions of time alone beforehand, the state being the present one: a step may be
-//! as long as the cubic through four places of it tells what is at all others, up to a share of their range. A sinusoid gets about
-//! six steps a period by that, a pulse as many.
-//!
-//! Places are a ten thousandth of the horizon apart, or an eighth of the step, and not equally spaced, so that what is faster
-//! than they are looks like noise, not like something slow.
+//! accelerations, gaps and slips are bounded as functions of time alone beforehand, the state being the present one: a step may be as long
+//! as nothing in them is confined to a part of it, and sines go through a radian at most. Where that is not so, they are looked at in
+//! each part where it is, and a step may be as long as the cubic through four places of it tells what is at all others, up to a share of
+//! their range. A sinusoid gets about six steps a period by that, a pulse as many.
 
-use crate::model::{Model, contact_point, friction_coefficients, tangent_point};
+use crate::enclosure::{Bounds, Range, calm_parts};
+use crate::model::{Explicit, Model, contact_point, friction_coefficients, tangent_point};
 use crate::simulation::InitialValueProblem;
 
-/// Places in the whole horizon at which functions of time are looked at, and the fewest in a step.
-const PLACES: f64 = 1e4;
-const LEAST_PLACES: f64 = 8.0;
-/// Share of them that tells the range of functions before the run.
-const FIRST_PLACES: f64 = 0.1;
-/// Share of them in runs that are judged otherwise.
-const HASTY: f64 = 0.1;
+/// Share of the horizon that is a moment: no step is asked for that is much shorter.
+const MOMENT: f64 = 1e-4;
+/// Part of a sine over which a step tells it \[rad\].
+const WAVE: f64 = 1.0;
+/// Places in a part of a step in which nothing is hidden.
+const PLACES: [f64; 4] = [0.21, 0.55, 0.83, 1.0];
+/// Parts of the horizon that tell the range of functions before the run, where more of them would be calm.
+const FIRST_PARTS: usize = 256;
 /// Share of the range of a function that the cubic may miss.
 const MISSED: f64 = 1e-3;
 /// The same as a share of its largest value, which is rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Longest step relative to the last one, and in places where that was short: looking far ahead of a motion that is stopped by
+/// Longest step relative to the last one, and in moments where that was short: looking far ahead of a motion that is stopped by
 /// events is in vain.
 const GROWTH: f64 = 4.0;
 const SHORT: f64 = 16.0;
-/// Places between the ends of the shortest step that is asked for.
+/// Moments between the ends of the shortest step that is asked for.
 const SHORTEST: f64 = 0.125;
-/// Part of the distance of places by which they are moved.
-const UNEVEN: f64 = 0.6;
-/// The golden section, whose multiples are nowhere periodic.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// What a model with explicit time does in the steps to come.
 pub(super) struct ExplicitTime<'a> {
     functions: Functions<'a>,
-    /// Distance of places in long steps \[s\].
-    apart: f64,
+    bounds: Bounds<'a>,
+    /// A moment \[s\].
+    moment: f64,
     /// Least and largest value of each function so far.
     ranges: Vec<(f64, f64)>,
     /// Values of all functions at all places of a step, and its places as shares of it.
@@ -59,6 +56,8 @@ struct Functions<'a> {
     accelerations: bool,
     contacts: Vec<usize>,
     tangents: Vec<usize>,
+    /// All of them whose operations may be known.
+    explicit: Vec<Explicit>,
     /// Input vector of the model.
     x: Vec<f64>,
     acceleration: Vec<f64>,
@@ -87,11 +86,19 @@ impl<'a> Functions<'a> {
             friction[*i] > 0.0 && patterns.any(|p| (0..p.rows).any(|row| p.reads(row, time)))
         };
         let free = declaration.free_jacobian;
+        let accelerations = (0..n).any(|row| free.reads(row, time));
+        let normal: Vec<usize> = (0..contacts.len()).filter(reads).collect();
+        let tangents: Vec<usize> = (0..contacts.len()).filter(slides).collect();
+        let motion = accelerations.then_some(Explicit::Motion).into_iter();
+        let explicit = motion.chain(normal.iter().map(|&i| Explicit::Normal(i)));
+        let sides = |&i: &usize| [Explicit::Tangent(i), Explicit::Across(i)];
+        let explicit = explicit.chain(tangents.iter().flat_map(sides)).collect();
         Some(Self {
             model,
-            accelerations: (0..n).any(|row| free.reads(row, time)),
-            contacts: (0..contacts.len()).filter(reads).collect(),
-            tangents: (0..contacts.len()).filter(slides).collect(),
+            explicit,
+            accelerations,
+            contacts: normal,
+            tangents,
             x: vec![0.0; declaration.inputs()],
             acceleration: vec![0.0; n],
             point: vec![0.0; contact_point::length(n)],
@@ -149,24 +156,12 @@ impl<'a> Functions<'a> {
 impl<'a> ExplicitTime<'a> {
     /// That of a model along a problem; none if the model does not read the time.
     pub(super) fn of(model: &'a dyn Model, problem: &InitialValueProblem) -> Option<Self> {
-        Self::with_places(PLACES, model, problem)
-    }
-
-    /// The same for a run of many that is judged otherwise: what is thinner than a thousandth of the horizon is not seen.
-    pub(super) fn hasty(model: &'a dyn Model, problem: &InitialValueProblem) -> Option<Self> {
-        Self::with_places(HASTY * PLACES, model, problem)
-    }
-
-    fn with_places(
-        places: f64,
-        model: &'a dyn Model,
-        problem: &InitialValueProblem,
-    ) -> Option<Self> {
         let functions = Functions::of(model)?;
         let mut time = Self {
             ranges: vec![(f64::INFINITY, f64::NEG_INFINITY); functions.count()],
             functions,
-            apart: problem.horizon / places,
+            bounds: Bounds::new(model),
+            moment: MOMENT * problem.horizon,
             values: Vec::new(),
             places: Vec::new(),
             last: 0.0,
@@ -174,24 +169,23 @@ impl<'a> ExplicitTime<'a> {
             too_fast: None,
         };
         time.functions.x.copy_from_slice(&problem.input(model));
-        time.look(0.0, problem.horizon, (FIRST_PLACES * places) as usize);
+        // Before the run it is seen which values functions have, as far as they are told.
+        let parts = time.calm_parts(0.0, problem.horizon).unwrap_or_else(|| {
+            let at = |k: usize| k as f64 / FIRST_PARTS as f64;
+            (0..FIRST_PARTS).map(|k| [at(k), at(k + 1)]).collect()
+        });
+        time.look(0.0, problem.horizon, &parts);
         Some(time)
     }
 
     /// The longest step of at most `wanted` from the input vector `x` that resolves what depends on time.
     pub(super) fn longest(&mut self, x: &[f64], wanted: f64) -> f64 {
-        let apart = self.apart;
         self.functions.x.copy_from_slice(x);
         let from = x.last().copied().unwrap_or_default();
-        let mut length = wanted.min((GROWTH * self.last).max(SHORT * apart));
+        let mut length = wanted.min((GROWTH * self.last).max(SHORT * self.moment));
         self.limited = false;
-        let shortest = SHORTEST * apart;
-        while length >= shortest {
-            let places = (length / apart).ceil().max(LEAST_PLACES);
-            self.look(from, length, places as usize);
-            if self.resolved() {
-                break;
-            }
+        let shortest = SHORTEST * self.moment;
+        while length >= shortest && !self.resolves(from, length) {
             self.limited = true;
             if length < 2.0 * shortest {
                 let first = (from, length, "shorten the horizon");
@@ -204,27 +198,54 @@ impl<'a> ExplicitTime<'a> {
         length
     }
 
+    /// Whether a step resolves what depends on time.
+    fn resolves(&mut self, from: f64, length: f64) -> bool {
+        match self.calm_parts(from, length) {
+            None => false,
+            Some(parts) if parts.len() == 1 => true,
+            Some(parts) => {
+                self.look(from, length, &parts);
+                self.tells()
+            }
+        }
+    }
+
+    /// Parts of a step in each of which nothing is hidden; none if there are too many.
+    fn calm_parts(&mut self, from: f64, length: f64) -> Option<Vec<[f64; 2]>> {
+        let (x, bounds) = (&self.functions.x, &mut self.bounds);
+        let last = x.len() - 1;
+        calm_parts(|part| {
+            self.functions.explicit.iter().all(|&function| {
+                bounds.is_calm((function, WAVE), part, |k, part| {
+                    if k == last {
+                        let [begin, end] = part.map(|share| from + share * length);
+                        Range::between(begin, end)
+                    } else {
+                        Range::of(x[k])
+                    }
+                })
+            })
+        })
+    }
+
     /// A time over which what acts is smooth \[s\].
     pub(super) fn moment(&self) -> f64 {
         if self.limited {
             self.last
         } else {
-            self.last.max(SHORT * self.apart)
+            self.last.max(SHORT * self.moment)
         }
     }
 
-    /// Evaluates all functions at the places of a step, and includes them in their ranges.
-    fn look(&mut self, from: f64, length: f64, places: usize) {
+    /// Evaluates all functions at places of all parts of a step, and includes them in their ranges.
+    fn look(&mut self, from: f64, length: f64, parts: &[[f64; 2]]) {
         self.values.clear();
         self.places.clear();
-        for k in 0..=places {
-            let moved = if k == 0 || k == places {
-                0.0
-            } else {
-                UNEVEN * ((k as f64 * GOLDEN).fract() - 0.5)
-            };
-            let place = (k as f64 + moved) / places as f64;
-            self.places.push(place);
+        let inner = parts
+            .iter()
+            .flat_map(|[a, b]| PLACES.map(|place| a + place * (b - a)));
+        self.places.extend(std::iter::once(0.0).chain(inner));
+        for place in &self.places {
             self.functions
                 .append(from + place * length, &mut self.values);
         }
@@ -241,9 +262,10 @@ impl<'a> ExplicitTime<'a> {
     }
 
     /// Whether the cubics through four places tell the values at all others.
-    fn resolved(&self) -> bool {
+    fn tells(&self) -> bool {
         let (count, last) = (self.ranges.len(), self.places.len() - 1);
-        let nodes = [0, (last + 2) / 4, last - (last + 2) / 4, last];
+        let inner = |share: f64| self.places.partition_point(|place| *place < share);
+        let nodes = [0, inner(0.25), inner(0.75), last];
         let at = nodes.map(|node| self.places[node]);
         let row = |k: usize| &self.values[k * count..(k + 1) * count];
         let through = nodes.map(row);
@@ -272,9 +294,7 @@ impl<'a> ExplicitTime<'a> {
                 return;
             }
             let time = from + k as f64 * half;
-            let places = (half / self.apart).ceil().max(LEAST_PLACES);
-            self.look(time, half, places as usize);
-            if !self.resolved() {
+            if !self.resolves(time, half) {
                 self.too_fast = Some((time, length, "take more steps"));
             }
         }

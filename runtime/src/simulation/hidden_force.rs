@@ -1,31 +1,26 @@
-//! What acts between the places that a long step looks at: a push that is over before the next stage, a magnet or a bump that is passed.
+//! What acts between the stages of a step: a push that is over before the next stage, a magnet or a bump that is passed.
 //!
-//! Neither stages nor error estimates, which read stages, know of it. Accelerations are computed at places closer together and compared
-//! with the polynomial through those of a few nodes of the step; what is over between two of these places is not seen.
+//! Neither stages nor error estimates, which read stages, know of it. Where functions of a scene are confined to a part of a step, as
+//! their bounds tell, accelerations at places of each such part are compared with the polynomial through those of a few nodes of the step.
 
 use std::f64::consts::PI;
 
-/// Places in the whole horizon.
-pub(super) const PLACES: f64 = 1000.0;
 /// Nodes of the polynomial: one of degree 7, as accurate as the steps of either method.
 const NODES: usize = 8;
-
-/// Whether a step of this `length` has places that are closer together than its nodes, in a run to the `horizon`.
-pub(super) fn has_places(length: f64, horizon: f64) -> bool {
-    (length / horizon * PLACES).ceil() > NODES as f64
-}
+/// Gauss's three places of a part, and their weights.
+const PLACES: [(f64, f64); 3] = [
+    (0.112_701_665_379_258_3, 5.0 / 18.0),
+    (0.5, 8.0 / 18.0),
+    (0.887_298_334_620_741_7, 5.0 / 18.0),
+];
 
 /// Mean size of the difference between the accelerations `at` places of a step, from 0 to 1, and the polynomial through those of its
-/// nodes, for each of `n` velocities; none for a step so short, beside the `horizon`, that its nodes are as close as the places.
+/// nodes, for each of `n` velocities. In each of the `parts` nothing is hidden.
 pub(super) fn mean_change(
-    (length, horizon): (f64, f64),
+    parts: &[[f64; 2]],
     n: usize,
     mut at: impl FnMut(f64, &mut [f64]),
-) -> Option<Vec<f64>> {
-    if !has_places(length, horizon) {
-        return None;
-    }
-    let parts = (length / horizon * PLACES).ceil();
+) -> Vec<f64> {
     // Those of Chebyshev, with their barycentric weights.
     let angle = |j: usize| PI * (2 * j + 1) as f64 / (2 * NODES) as f64;
     let nodes: [f64; NODES] = std::array::from_fn(|j| 0.5 - 0.5 * angle(j).cos());
@@ -36,8 +31,11 @@ pub(super) fn mean_change(
         at(*node, accelerations);
     }
     let (mut found, mut change) = (vec![0.0; n], vec![0.0; n]);
-    for part in 1..parts as usize {
-        let theta = part as f64 / parts;
+    for ([from, to], (place, share)) in parts
+        .iter()
+        .flat_map(|part| PLACES.map(|place| (part, place)))
+    {
+        let theta = from + place * (to - from);
         if nodes.contains(&theta) {
             continue;
         }
@@ -50,10 +48,10 @@ pub(super) fn mean_change(
         for (k, change) in change.iter_mut().enumerate() {
             let nodes = shares.iter().zip(known.chunks_exact(n));
             let expected = nodes.map(|(share, node)| share * node[k]).sum::<f64>() / total;
-            *change += (found[k] - expected).abs() / parts;
+            *change += (found[k] - expected).abs() * share * (to - from);
         }
     }
-    Some(change)
+    change
 }
 
 #[cfg(test)]
@@ -62,13 +60,15 @@ mod tests {
 
     #[test]
     fn polynomial_has_no_hidden_part_and_a_push_has_its_own() {
+        let parts: Vec<[f64; 2]> = (0..64)
+            .map(|k| [f64::from(k) / 64.0, f64::from(k + 1) / 64.0])
+            .collect();
         let polynomial = |theta: f64, a: &mut [f64]| a[0] = 3.0 - 2.0 * theta + theta.powi(7);
-        let change = mean_change((1.0, 2.0), 1, polynomial).unwrap();
+        let change = mean_change(&parts, 1, polynomial);
         assert!(change[0] < 1e-14, "{change:?}");
-        // The mean of a push of a hundredth of the step, sampled at 500 places.
+        // The mean of a push of a hundredth of the step.
         let push = |theta: f64, a: &mut [f64]| a[0] = (-((theta - 0.37) / 0.01).powi(2)).exp();
-        let change = mean_change((1.0, 2.0), 1, push).unwrap();
+        let change = mean_change(&parts, 1, push);
         assert!((change[0] - 0.01 * PI.sqrt()).abs() < 1e-4, "{change:?}");
-        assert!(mean_change((1.0, 1e4), 1, push).is_none());
     }
 }

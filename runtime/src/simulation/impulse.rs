@@ -8,13 +8,13 @@
 //!
 //! with the normal impulse `P_i` and the tangential one `S_i` \[N s for a gap in metres\]. A contact that slides
 //! afterwards has `s_i = -mu p_i sign(v_t,i+)`, see [`Contacts`]. Where the directions are dependent, so that many impulses
-//! give the same jump, the smallest are taken, by the proximal point method: those of equal contacts are equal, and those
+//! give the same jump, the smallest are taken: those of equal contacts are equal, and those
 //! that stick share friction by their loads.
 
 use super::recorder::Impulses;
 use super::{ContactMode, Event, EventKind, Simulation, Trajectory};
-use crate::contact::least_norm;
 use crate::fesd::contacts::{Contacts, Line};
+use crate::linalg::least_norm::LeastNorm;
 use crate::model::{Model, friction_share};
 
 /// Sliding velocity after an impact, as a share of the velocities of its contact before, that counts as none.
@@ -301,7 +301,7 @@ impl Jump<'_> {
                 weight * unit(line) * coupling * its / unit(column)
             }));
         }
-        let found = least_norm::smallest(&matrix, &rows)?;
+        let found = LeastNorm::of(&matrix, rows.len())?.solve(&rows).0;
         let impulses = weighted.iter().zip(found);
         let impulses = impulses.map(|(&(line, weight), value)| (line, weight * unit(line) * value));
         Some(impulses.collect())
@@ -337,13 +337,5 @@ impl Jump<'_> {
         let lines = self.lines(true, &vec![1.0; self.together.len()]);
         let lines = lines.into_iter();
         lines.map(|(line, _)| (line, f64::NAN)).collect()
-    }
-}
-
-/// How many impacts raise something, as the beginning of a note.
-pub(super) fn that_raise(count: usize) -> String {
-    match count {
-        1 => "1 impact raises".to_owned(),
-        _ => format!("{count} impacts raise"),
     }
 }

@@ -9,6 +9,7 @@ mod accumulation;
 mod agreement;
 mod along;
 pub(crate) mod baselines;
+mod changes;
 mod event;
 mod event_log;
 mod explicit_time;
@@ -19,6 +20,7 @@ mod impulse;
 mod joints;
 mod order_of_impacts;
 mod other_grid;
+mod poles;
 mod problem;
 mod quantity;
 mod recorder;
@@ -79,6 +81,17 @@ pub trait Simulator {
         Err(refusal::unsupported(
             format!("a tolerance of method {}", self.name()),
             "give a number of steps",
+        ))
+    }
+
+    /// Sets the longest step \[s\].
+    ///
+    /// # Errors
+    /// [`InputError`] for a method whose steps are not its own, and for a time that is none.
+    fn set_max_step(&mut self, _seconds: f64) -> Result<(), InputError> {
+        Err(refusal::unsupported(
+            format!("a longest step of method {}", self.name()),
+            "take `fesd` or `event`",
         ))
     }
 

@@ -8,10 +8,10 @@
 //! chance: it is compared with several, all along the way, and what lies between its steps is looked at.
 
 use super::agreement::{Comparison, Spent, share};
-use super::along;
 use super::problem::leaps;
 use super::watch::Watch;
 use super::{Diagnosis, InitialValueProblem, Simulation, SimulationStatus};
+use super::{along, poles};
 use crate::model::Model;
 
 /// Estimated error above which a run says so: what a curve in a figure shows.
@@ -177,16 +177,23 @@ fn error(
     (largest.0, largest.1, until)
 }
 
-/// The status of a run that has flown through a surface whose gap changes its sign without passing zero.
+/// The status of a run that has flown through a surface whose gap changes its sign without passing zero, or through a pole.
 fn leapt(run: &Simulation, model: &dyn Model) -> Option<SimulationStatus> {
-    let (time, contact) = along::leap(run, model)?;
+    let leap = along::leap(run, model).map(|(time, contact)| (time, Some(contact)));
+    let pole = poles::first_passed(run, model);
+    let earlier = |a: &(f64, Option<usize>), b: &(f64, Option<usize>)| a.0.total_cmp(&b.0);
+    let (time, contact) = leap.into_iter().chain(pole).min_by(earlier)?;
     let steps = &run.trajectory.time;
+    let message = match contact {
+        Some(contact) => leaps(model.declaration().contacts[contact].name),
+        None => "an acceleration passes a pole; check divisions of the scene".into(),
+    };
     Some(SimulationStatus::NotFinite(Diagnosis {
         time,
         step: steps
             .partition_point(|start| *start < time)
             .saturating_sub(1),
-        contact: Some(contact),
-        message: leaps(model.declaration().contacts[contact].name),
+        contact,
+        message,
     }))
 }

@@ -71,6 +71,9 @@ pub struct Simulation {
     pub counts: Counts,
     /// CPU time by kind of work.
     pub seconds: Seconds,
+    /// Functions of the contact mode that were interpolated: between the places at which they were evaluated nothing bounds them, so that
+    /// an event might be missed there. Those of all others are enclosed. None by methods that locate no events.
+    pub interpolated: Option<Vec<String>>,
     /// Remarks that a user should read: the impact law used for simultaneous impacts, fallbacks.
     pub notes: Vec<String>,
 }

@@ -11,11 +11,13 @@
 //! if none of them pulls; and the result says so.
 
 use super::Simulation;
-use crate::contact::least_norm;
+use crate::contact::shares::{self, Shares};
 use crate::contact::sharing;
-use crate::contact::{ActiveContact, ContactState};
+use crate::contact::{ActiveContact, ContactState, stuck};
 use crate::fesd::contacts::{Contacts, Line};
-use crate::model::Model;
+use crate::linalg::dense;
+use crate::linalg::least_norm::LeastNorm;
+use crate::model::{Model, friction_share, pair_size};
 
 /// Share of the largest coordinate, and of the largest velocity, below which a contact touches and rests.
 const TOUCHES: f64 = 1e-9;
@@ -33,9 +35,19 @@ pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
         values.fold(0.0_f64, |most, value| most.max(value.abs()))
     };
     let sizes = (largest(&result.trajectory.q), largest(&result.trajectory.v));
-    let (mut shared, mut left) = (Vec::new(), Vec::new());
+    let (mut shared, mut left, mut decided) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..result.trajectory.time.len() {
         let touching = touching(&mut contacts, (model, sizes), result, k);
+        if touching.iter().any(|&i| contacts.is_in_space(i)) {
+            let told = match in_space(&mut contacts, &touching, sizes.1, (result, k)) {
+                Told::Nothing => continue,
+                Told::Smallest => &mut shared,
+                Told::Left => &mut left,
+                Told::Decide => &mut decided,
+            };
+            told.extend(touching);
+            continue;
+        }
         let Some(forces) = result.trajectory.contact_force.get_mut(k) else {
             break;
         };
@@ -63,6 +75,11 @@ pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
         };
         told.extend(redundant);
     }
+    say(model, result, [shared, left, decided]);
+}
+
+/// Notes the contacts whose forces are the smallest of several, one way of several, or decide the motion.
+fn say(model: &dyn Model, result: &mut Simulation, told: [Vec<usize>; 3]) {
     let names = |mut contacts: Vec<usize>| {
         contacts.sort_unstable();
         contacts.dedup();
@@ -76,22 +93,103 @@ pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
             ),
         })
     };
-    let notes = [
-        (
-            shared,
-            "of the forces that give the same motion the smallest are recorded",
-        ),
-        (
-            left,
-            "the forces that are recorded are one way of several, with the same motion",
-        ),
+    let what = [
+        "of the forces that give the same motion the smallest are recorded",
+        "the forces that are recorded are one way of several, with the same motion",
+        "the motion depends on it while they slide, and is that of the smallest forces",
     ];
-    for (contacts, what) in notes {
+    for (contacts, what) in told.into_iter().zip(what) {
         if let Some(names) = names(contacts) {
-            result
-                .notes
-                .push(format!("{names} in more ways than one: {what}"));
+            let note = format!("{names} in more ways than one: {what}");
+            result.notes.push(note);
         }
+    }
+}
+
+/// What is to be said of the forces at one instant.
+enum Told {
+    Nothing,
+    /// The smallest are recorded.
+    Smallest,
+    /// They are as they were found.
+    Left,
+    /// The motion depends on them.
+    Decide,
+}
+
+/// Records the smallest forces that the laws allow at the `k`-th instant, of contacts that touch in space, where they are not the only ones.
+/// Contacts slower than rounding of the largest `speed` stick.
+fn in_space(
+    contacts: &mut Contacts<'_>,
+    touching: &[usize],
+    speed: f64,
+    (result, k): (&mut Simulation, usize),
+) -> Told {
+    let trajectory = &mut result.trajectory;
+    let loaded = |i: usize| trajectory.contact_force[k][i] != 0.0;
+    if touching.len() < 2 || !touching.iter().any(|&i| loaded(i)) {
+        return Told::Nothing;
+    }
+    let (mut normals, mut tangents) = (Vec::new(), Vec::new());
+    for &contact in touching {
+        let sliding = contacts.sliding(contact);
+        let mut slope = 0.0;
+        if contacts.has_friction(contact) && pair_size(sliding) > TOUCHES * speed {
+            contacts.align(contact, Some(sliding));
+            slope = -contacts.kinetic(contact) * contacts.side(contact).signum();
+        } else if contacts.has_friction(contact) {
+            let state = ContactState::sticking(contacts.is_in_space(contact));
+            tangents.extend(stuck(contact, state));
+        }
+        normals.push(Line::Normal { contact, slope });
+    }
+    let lines = [normals, tangents].concat();
+    let matrix = contacts.couplings(&lines);
+    let (mut factors, mut pivots) = (matrix.clone(), vec![0; lines.len()]);
+    if dense::factorize_independent(&mut factors, &mut pivots) {
+        return Told::Nothing;
+    }
+    let (q, v, u) = (&trajectory.q[k], &trajectory.v[k], &trajectory.u[k]);
+    let mut x = [&q[..], v, u].concat();
+    x.resize(result.declaration.inputs(), trajectory.time[k]);
+    contacts.evaluate_free_acceleration(&x);
+    let right = lines
+        .iter()
+        .map(|&line| -contacts.free_line_acceleration(line));
+    let right: Vec<f64> = right.collect();
+    let Ok(shares) = Shares::of(contacts, &lines, &matrix, &right) else {
+        return Told::Left;
+    };
+    let rooms = shares::rooms(contacts, &lines);
+    // At the end of a slide, or of a contact, these are the lines of neither side.
+    let found = match shares.contradict(contacts, &lines) {
+        true => None,
+        false => shares.smallest(&rooms),
+    };
+    let Some(found) = found.filter(|found| shares::obey(&rooms, found)) else {
+        return Told::Left;
+    };
+    for room in rooms {
+        let contact = lines[room.normal].contact();
+        let Line::Normal { slope, .. } = lines[room.normal] else {
+            continue;
+        };
+        let along = |line: Option<usize>| line.map_or(0.0, |line| found[line]);
+        let [first, second] = room.tangents.map(along);
+        let friction = pair_size((first, second)) + slope.abs() * found[room.normal];
+        let normal = contacts.force(contact, found[room.normal]);
+        trajectory.contact_force[k][contact] = normal.max(0.0);
+        if contacts.is_in_space(contact)
+            && let Some(forces) = trajectory.friction_force.get_mut(k)
+        {
+            let share = friction_share(contacts.model, contact, &x);
+            forces[contact] = contacts.force(contact, friction) * share;
+        }
+    }
+    if shares.decide {
+        Told::Decide
+    } else {
+        Told::Smallest
     }
 }
 
@@ -173,7 +271,7 @@ fn smallest(contacts: &Contacts<'_>, touching: &[usize], forces: &[f64]) -> Opti
         .chunks_exact(lines.len())
         .map(|row| row.iter().zip(&known).map(|(k, x)| k * x).sum())
         .collect();
-    let found = least_norm::smallest(&matrix, &right)?;
+    let found = LeastNorm::of(&matrix, right.len())?.solve(&right).0;
     let found: Vec<f64> = found.iter().zip(&units).map(|(x, unit)| x * unit).collect();
     let largest = found
         .iter()

@@ -86,12 +86,6 @@ fn product(ratios: impl Iterator<Item = f64>, theta: f64) -> (f64, f64) {
     })
 }
 
-/// Numerical time of an impact with normal velocity increments `impulses`: the auxiliary dynamics
-/// raise each contact's normal velocity at the rate `a_bar` until the last one is done.
-pub(crate) fn jump(impulses: &[f64], auxiliary_acceleration: f64) -> f64 {
-    impulses.iter().fold(0.0_f64, |longest, &p| longest.max(p)) / auxiliary_acceleration
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

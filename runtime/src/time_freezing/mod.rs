@@ -22,7 +22,7 @@
 //! y' = (0, a_bar sum_i (p_i d_i + s_i e_i) / max_k p_k, 0)
 //! ```
 //!
-//! It ends after `max_k p_k / a_bar` ([`clock::jump`]) where the law says. For one contact that slides in one sense this is
+//! It ends after `max_k p_k / a_bar` where the law says. For one contact that slides in one sense this is
 //! `f_aux`; one that begins to stick within its jump ends at the same velocity. It is another field than the sum of the
 //! `f_aux,i` where contacts push each other apart (`n_i' d_j > 0`) or where sliding turns round within the jump: there
 //! that sum has a law of its own. The step form, in which a program chooses the regions (`dcs`), has the fields below.

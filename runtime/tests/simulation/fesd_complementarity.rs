@@ -181,6 +181,6 @@ fn bounces_faster_than_the_steps_end_by_the_rest_velocity_or_with_a_remedy() {
     let said = simulation
         .notes
         .iter()
-        .any(|n| n.contains("bounces of `ground`"));
+        .any(|n| n.contains("`ground` stops bouncing"));
     assert!(said, "{:?}", simulation.notes);
 }

@@ -119,6 +119,36 @@ impl Kernel {
         }
     }
 
+    /// The same with some of its `outputs` only, and the operations that these need.
+    pub(super) fn part(&self, outputs: impl IntoIterator<Item = usize>) -> Self {
+        let outputs: Vec<u32> = outputs.into_iter().map(|k| self.outputs[k]).collect();
+        let mut needed = vec![false; self.operations.len()];
+        for &output in &outputs {
+            needed[output as usize] = true;
+        }
+        for (i, operation) in self.operations.iter().enumerate().rev() {
+            if needed[i] {
+                for operand in operation.operands() {
+                    needed[operand as usize] = true;
+                }
+            }
+        }
+        let mut place = vec![0_u32; self.operations.len()];
+        let mut operations = Vec::new();
+        for (i, operation) in self.operations.iter().enumerate() {
+            if needed[i] {
+                place[i] = operations.len() as u32;
+                operations.push(operation.with_operands(|part| place[part as usize]));
+            }
+        }
+        Self {
+            name: self.name.clone(),
+            listed: self.listed,
+            operations,
+            outputs: outputs.iter().map(|&k| place[k as usize]).collect(),
+        }
+    }
+
     /// What is declared of it.
     pub(super) fn declared(&self) -> declaration::Kernel {
         declaration::Kernel {

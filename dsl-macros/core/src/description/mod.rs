@@ -7,6 +7,7 @@ mod contact;
 mod declared;
 mod design;
 mod equations;
+mod explicit;
 mod joint;
 mod kernel;
 mod measured;
@@ -21,6 +22,7 @@ pub use builder::{Inertia, Places, System, Vectors};
 pub use contact::{Contact, Friction, Rows, SolvedRows, Solver};
 pub(crate) use declared::documentation_text;
 pub use design::{FreeParameters, Held};
+pub use explicit::ExplicitFunction;
 pub use joint::Joints;
 pub use kernel::{Kernel, Operation};
 pub use optimal_control::{Kernels, OptimalControl};
@@ -208,6 +210,29 @@ impl Description {
             systems,
         };
         Ok(Self { structure, kernels })
+    }
+
+    /// All explicit functions with their operations.
+    #[must_use]
+    pub fn explicit_functions(&self) -> Vec<(ExplicitFunction, Kernel)> {
+        let Structure {
+            declaration,
+            motion,
+            systems,
+            contacts,
+            ..
+        } = &self.structure;
+        let motion = match (motion.acceleration, motion.derivatives) {
+            (None, MotionDerivatives::Solved(system)) => systems[system].solve,
+            (kernel, _) => kernel.unwrap_or_default(),
+        };
+        let (kernels, n) = (&self.kernels[..], declaration.coordinates.len());
+        let motion = (ExplicitFunction::Motion, kernels[motion].clone());
+        let contacts = contacts.iter().enumerate().flat_map(|(i, contact)| {
+            let dry = declaration.contacts[i].dry;
+            explicit::of_contact(kernels, n, (i, dry, contact))
+        });
+        std::iter::once(motion).chain(contacts).collect()
     }
 
     /// The functions that are evaluated again and again.

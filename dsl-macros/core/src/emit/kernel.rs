@@ -291,7 +291,7 @@ pub(super) fn literal(value: f64) -> String {
 }
 
 /// The functions given by points that the kernels call, without their derivatives.
-fn profiles(description: &Description) -> Vec<Profile> {
+pub(super) fn profiles(description: &Description) -> Vec<Profile> {
     let mut profiles: Vec<Profile> = Vec::new();
     let kernels = description.kernels.iter();
     for operation in kernels.flat_map(|kernel| &kernel.operations) {

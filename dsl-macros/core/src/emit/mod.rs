@@ -5,6 +5,7 @@ mod data;
 mod kernel;
 mod oracle;
 mod structure;
+mod tapes;
 
 pub(crate) use structure::stub;
 
@@ -72,6 +73,8 @@ fn numbers(scene: &CheckedScene, derived: &Description, text: &str, code: &mut S
             fn evaluate(&self, __kernel: __usize, __x: &[__f64], __y: &[__f64], __out: &mut [__f64]) {{
                 __KERNELS[__kernel](self, __x, __y, __out)
             }}
-        }}"
+        {}
+         }}",
+        tapes::method(derived)
     );
 }

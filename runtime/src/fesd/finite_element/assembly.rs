@@ -112,6 +112,10 @@ pub(super) fn assemble(element: &mut FiniteElement<'_>) {
                 for (other, turned) in turned.of_row(i).iter().enumerate() {
                     element.matrix[velocity_row + n + forces + other] = shift * turned;
                 }
+                if m == j {
+                    let own = &mut element.matrix[velocity_row + n..][..forces];
+                    constraints.redundancy[0].add_row(i, own);
+                }
             }
             hold_positions(element, (m, j), second, &along);
         }
@@ -138,6 +142,10 @@ fn hold_positions(
         }
         for (other, along) in along.of_row(i).iter().enumerate() {
             element.matrix[gap_row + n + forces + other] = element.tableau.a(m, j) * along;
+        }
+        if m == j {
+            let own = &mut element.matrix[gap_row + n + forces..][..positions];
+            constraints.redundancy[1].add_row(i, own);
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::{ElementError, FiniteElement, MAX_ITERATIONS};
 use crate::joints::JointError;
 use crate::linalg::dense;
+use crate::linalg::least_norm::LeastNorm;
 use crate::linalg::products::products;
 
 /// The end state, moved onto the joints, and then along the surfaces that are held.
@@ -118,11 +119,21 @@ fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
                 }
             }
         }
-        dense::factorize(&mut matrix, &mut pivots).map_err(|_| ElementError::Singular)?;
+        let couplings = matrix.clone();
+        let independent = dense::factorize_independent(&mut matrix, &mut pivots);
+        let solve = |right: &mut [f64]| {
+            if independent {
+                dense::solve(&matrix, &pivots, right);
+                return Ok(());
+            }
+            let known = LeastNorm::of(&couplings, forces).ok_or(ElementError::Singular)?;
+            right.copy_from_slice(&known.solve(right).0);
+            Ok(())
+        };
         if gap <= 4.0 * constraints.gap_rounding || iteration + 1 == MAX_ITERATIONS {
             shift.copy_from_slice(&constraints.velocities);
             shift[constraints.normals()..constraints.active().len()].fill(0.0);
-            dense::solve(&matrix, &pivots, &mut shift);
+            solve(&mut shift)?;
             subtract(&constraints.directions, &shift, &mut element.end.v);
             return Ok(());
         }
@@ -130,7 +141,7 @@ fn project_end(element: &mut FiniteElement<'_>) -> Result<(), ElementError> {
         for (number, gap) in constraints.gaps.iter().enumerate() {
             shift[number] = *gap;
         }
-        dense::solve(&matrix, &pivots, &mut shift);
+        solve(&mut shift)?;
         subtract(&constraints.directions, &shift, &mut element.end.q);
     }
     Ok(())

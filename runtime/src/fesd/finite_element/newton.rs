@@ -141,6 +141,7 @@ fn evaluate_start(element: &mut FiniteElement<'_>) {
     }
     element.constraints.align(&first);
     element.constraints.evaluate(&first);
+    element.constraints.find_redundancy();
     element.first = first;
     for (row, correction) in element.corrections.chunks_exact_mut(n).enumerate() {
         let direction = &element.constraints.directions[row * n..(row + 1) * n];
@@ -352,6 +353,10 @@ fn evaluate_residual(element: &mut FiniteElement<'_>) -> Result<(), ElementError
         {
             *target = gap / (h * h);
         }
+        let [of_velocities, of_positions] = &element.constraints.redundancy;
+        let (own, positions) = unknown[n..].split_at(forces);
+        of_velocities.add(own, &mut residual[n..n + forces]);
+        of_positions.add(positions, &mut residual[n + forces..]);
         for value in residual {
             if !value.is_finite() {
                 return Err(ElementError::NotFinite);

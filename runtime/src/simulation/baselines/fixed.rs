@@ -7,8 +7,7 @@ use crate::simulation::agreement;
 use crate::simulation::event::contact_mode;
 use crate::simulation::event::dop853::{Dop853, System};
 use crate::simulation::event::dynamics::{Dynamics, motion};
-use crate::simulation::event::impact::{LowestBounce, Undetermined};
-use crate::simulation::event::velocity_jump;
+use crate::simulation::event::here::{Here, LowestBounce, Undetermined};
 use crate::simulation::impulse;
 use crate::simulation::joints::Closed;
 use crate::simulation::other_grid::OtherGrid;
@@ -269,7 +268,14 @@ impl<'a> FixedRun<'a> {
         self.dynamics.load(t, &self.y);
         self.dynamics.choose_pieces();
         self.dynamics.observe_rounding(t, &self.y, h, false);
-        let impact = velocity_jump::impact(&mut self.dynamics, t, &mut self.y, None, lowest)
+        let mut here = Here {
+            dynamics: &mut self.dynamics,
+            time: t,
+            y: &mut self.y,
+            lowest,
+        };
+        let (impact, resting) = here
+            .impact(None)
             .map_err(|problem| self.undetermined(t, problem))?;
         self.y[2 * n] += impact.impulse / self.settings.auxiliary_acceleration;
         contact_mode::change(
@@ -277,10 +283,11 @@ impl<'a> FixedRun<'a> {
             &mut self.probe,
             t,
             &mut self.y,
-            &impact.resting,
+            &resting,
             vanished,
             contact_mode::Outlook {
                 moment: h,
+                longest: self.problem.horizon,
                 skipped: 0,
             },
         )

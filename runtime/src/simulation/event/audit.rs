@@ -2,7 +2,7 @@
 
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
-use super::remarks::Remarks;
+use crate::run::remarks::Remarks;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::{Diagnosis, SimulationStatus};
 

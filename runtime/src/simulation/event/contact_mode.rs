@@ -4,11 +4,14 @@
 use super::contact_problem::ContactProblem;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
-use super::impact::Undetermined;
-use super::sides::{BIACTIVE, rests_along, take_sides};
-use crate::contact::{Balance, ContactState, Decision, Line, Touching, Vanished, sliding};
-use crate::model::{contact_point, pair_size};
-use crate::simulation::problem::negative_bound;
+use super::here::{Undetermined, rates};
+use crate::contact::{
+    Balance, ContactState, Decision, Line, ModeError, Touching, Vanished, sliding,
+};
+use crate::model::{Switching, contact_point, pair_size};
+use crate::run::Place;
+use crate::run::sides::{self, Failed, Known};
+use crate::simulation::problem::{negative_bound, not_unique, second_order};
 
 /// Shares of the step size after which undecided contacts are looked at, with the multiple of the force now
 /// that a force then must exceed: the earliest moment that shows more than rounding error belongs to the
@@ -31,8 +34,9 @@ const MOST_MODES: usize = 64;
 /// Share of their size up to which couplings may differ that are symmetric.
 const SYMMETRIC: f64 = 1e-9;
 
-/// Most times that the sides of switches are chosen again, as what they change elsewhere is known.
-const ROUNDS: usize = 4;
+/// Accelerations below this share of those they balance are compared by what follows a moment later: event
+/// times carry rounding error, and the force its rate times that.
+const BIACTIVE: f64 = 1e-10;
 
 /// Choices of a mode before the direction of sliding counts as undetermined; the second is the last in exact
 /// arithmetic.
@@ -54,6 +58,8 @@ struct Candidate {
 pub(in crate::simulation) struct Outlook {
     /// A time over which the motion is smooth, such as a step size.
     pub(in crate::simulation) moment: f64,
+    /// A time beyond which nothing is foreseen, such as a horizon.
+    pub(in crate::simulation) longest: f64,
     /// How many of the earliest moments are passed over: those that have led back to the same instant.
     pub(in crate::simulation) skipped: usize,
 }
@@ -128,7 +134,7 @@ fn select(
     let Some(&contact) = resting.first() else {
         return Ok(());
     };
-    let candidates = candidates(dynamics, (t, y), resting, vanished, outlook.moment)
+    let candidates = candidates(dynamics, (t, y), resting, vanished, outlook)
         .map_err(|message| Undetermined { contact, message })?;
     if dynamics.rest.is_some() {
         enter_rest(dynamics, mode, resting);
@@ -315,7 +321,7 @@ fn candidates(
     (t, y): (f64, &[f64]),
     resting: &[usize],
     vanished: Option<Switch>,
-    moment: f64,
+    outlook: Outlook,
 ) -> Result<Vec<Candidate>, String> {
     dynamics.load(t, y);
     dynamics.evaluate_free_acceleration();
@@ -324,34 +330,35 @@ fn candidates(
     let Free {
         accelerations,
         rests,
-        passed,
     } = Free::of(dynamics, resting, vanished)?;
-    let mut motion = dynamics.free_acceleration().to_vec();
-    let mut chosen = None;
-    let mut balance = None;
-    for _ in 0..ROUNDS {
-        let before = dynamics.sides.clone();
-        let now = (t, y, moment);
-        take_sides(
-            dynamics,
-            now,
-            (resting, &passed),
-            (&motion, vanished),
-            &mut chosen,
-        )?;
-        if balance.is_some() && dynamics.sides == before {
-            break;
-        }
-        let solved = balanced(dynamics, resting, &rests, &accelerations)?;
-        motion.copy_from_slice(dynamics.free_acceleration());
-        solved.push(dynamics, &solved.forces, &mut motion);
-        balance = Some(solved);
-        if passed.is_empty() || dynamics.rest.is_some() {
-            break;
-        }
-    }
-    let Some(balance) = balance else {
-        return Ok(Vec::new());
+    let balance = if resting.iter().any(|&i| dynamics.switch_of(i).is_some()) {
+        let zeros: Vec<f64> = (0..dynamics.contacts)
+            .map(|i| dynamics.zero_speed(i))
+            .collect();
+        let (rates, x) = (rates(dynamics, (t, y)), dynamics.input().to_vec());
+        let place = Place {
+            x: &x,
+            rates: &rates,
+            touching: resting,
+            zeros: &zeros,
+            moment: outlook.moment,
+            longest: outlook.longest,
+        };
+        let known = Known {
+            side: &|dynamics: &Dynamics<'_>, i, by_rate| known_side(dynamics, i, vanished, by_rate),
+            zero: &|dynamics: &Dynamics<'_>, i| BIACTIVE * dynamics.sliding_acceleration_scale(i),
+        };
+        let solve =
+            |dynamics: &mut Dynamics<'_>| balanced(dynamics, resting, &rests, &accelerations);
+        let solved = sides::balanced(dynamics, &place, &known, solve);
+        let name = |contact: usize| dynamics.model.declaration().contacts[contact].name;
+        solved.map_err(|undecided| match undecided {
+            Failed::Law(message) => message,
+            Failed::Sides(ModeError::NotUnique(contact)) => not_unique(name(contact)),
+            Failed::Sides(error) => second_order(name(error.contact().unwrap_or(resting[0]))),
+        })?
+    } else {
+        balanced(dynamics, resting, &rests, &accelerations)?
     };
     for (slot, &i) in resting.iter().enumerate() {
         // Its force is not negative, so that it moves against one that is given so.
@@ -385,8 +392,6 @@ struct Free {
     accelerations: Vec<Accelerations>,
     /// Of all contacts, those that are at rest along their tangents and have a cone.
     rests: Vec<bool>,
-    /// Switches at rest that are only passed.
-    passed: Vec<usize>,
 }
 
 impl Free {
@@ -395,7 +400,6 @@ impl Free {
         resting: &[usize],
         vanished: Option<Switch>,
     ) -> Result<Self, String> {
-        let mut passed = Vec::new();
         let (mut accelerations, mut rests) = (Vec::new(), vec![false; dynamics.contacts]);
         for &i in resting {
             dynamics.evaluate_sides(i);
@@ -411,19 +415,42 @@ impl Free {
             let mut tangential = (0.0, 0.0);
             if dynamics.has_friction(i) {
                 tangential = dynamics.free_sliding_acceleration(i);
-                rests[i] = rests_along(dynamics, i, vanished);
-                if rests[i] && dynamics.passes(i) {
-                    passed.push(i);
-                    rests[i] = false;
-                }
+                rests[i] = rests_along(dynamics, i, vanished) && !dynamics.passes(i);
             }
             accelerations.push((normal, tangential));
         }
         Ok(Self {
             accelerations,
             rests,
-            passed,
         })
+    }
+}
+
+/// Whether an evaluated contact with friction does not slide.
+fn rests_along(dynamics: &Dynamics<'_>, contact: usize, vanished: Option<Switch>) -> bool {
+    // In space a direction may vanish while the contact slides on across it.
+    let stops = matches!(vanished, Some(Switch::SlidingVelocity(other, _)) if other == contact)
+        && !dynamics.is_in_space(contact);
+    stops || pair_size(dynamics.sliding(contact)) <= dynamics.zero_speed(contact)
+}
+
+/// The side of a switch that is only passed, where its function vanishes: the other one of a side that has ended, else that of its
+/// rate, if it has one. What a condition has set may have turned its rate, which comes first.
+fn known_side(
+    dynamics: &Dynamics<'_>,
+    contact: usize,
+    vanished: Option<Switch>,
+    by_rate: Option<f64>,
+) -> Option<f64> {
+    let ended = match vanished {
+        Some(Switch::SlidingVelocity(other, direction)) if other == contact => {
+            Some(-direction.sign())
+        }
+        _ => None,
+    };
+    match dynamics.switch_of(contact) {
+        Some(Switching::Resets) => by_rate.or(ended),
+        _ => ended.or(by_rate),
     }
 }
 
@@ -435,19 +462,19 @@ fn balanced(
     accelerations: &[Accelerations],
 ) -> Result<Balance, String> {
     switching::set_force_floors(dynamics, resting);
-    let touching = Touching::new(dynamics, resting, |i| rests[i]);
+    let touching = Touching::new(dynamics, resting, |i| rests[i] && dynamics.sides[i] == 0.0);
     let slot = |contact: usize| resting.iter().position(|&i| i == contact).unwrap_or(0);
     let offsets = touching.lines.iter().map(|&line| match line {
         Line::Normal { contact, .. } => accelerations[slot(contact)].0.0,
         Line::Tangent { contact, .. } => accelerations[slot(contact)].1.0,
         Line::Across { .. } => dynamics.free_line_acceleration(line),
     });
-    ContactProblem {
+    let problem = ContactProblem {
         what: "balance of contact forces",
         offsets: offsets.collect(),
         touching,
-    }
-    .solve(dynamics)
+    };
+    Ok(problem.solve(dynamics)?.spread(dynamics))
 }
 
 /// The states of one contact that the solution leaves open; `zeros` are the normal and tangential
@@ -478,6 +505,10 @@ fn candidate(
             let slip = slip.map_or(0.0, pair_size);
             let margin = balance.margin(dynamics, slot).abs();
             (vec![sticking, state], margin.max(slip))
+        }
+        // Neither side of a switch agrees whose jump begins to grow here.
+        Decision::Touches if slip.is_some() && dynamics.switch_of(contact).is_some() => {
+            (vec![sticking], 0.0)
         }
         Decision::Touches => {
             let mut states = match slip {
@@ -543,7 +574,8 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
         let (_, acceleration) = dynamics.contact_accelerations(i, &slope[n..2 * n]);
         let rests = dynamics.sliding_velocity(i).abs() <= dynamics.zero_sliding_velocity(i)
             && acceleration.abs() <= BIACTIVE * dynamics.sliding_acceleration_scale(i);
-        let may_be_held = !dynamics.passes(i) && !dynamics.is_in_space(i);
+        let passes = dynamics.passes(i) || dynamics.sides[i] != 0.0;
+        let may_be_held = !passes && !dynamics.is_in_space(i);
         if rests && may_be_held && motion::holds(dynamics, i) {
             *state = ContactState::Held(Some(direction));
         }
@@ -555,7 +587,9 @@ fn enter(dynamics: &mut Dynamics<'_>, mode: &[ContactState], t: f64, y: &[f64]) 
 /// own: two feet of a rigid body cannot both have one.
 fn hold_dependent(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64]) {
     let mut mode = dynamics.mode().to_vec();
-    let sticking: Vec<usize> = (0..mode.len()).filter(|&i| mode[i].sticks()).collect();
+    // Those in space stick whatever others hold: how they share their load is asked for as long as they hold.
+    let sticks = |&i: &usize| mode[i].sticks() && !dynamics.is_in_space(i);
+    let sticking: Vec<usize> = (0..mode.len()).filter(sticks).collect();
     let Some((_, others)) = sticking.split_first() else {
         return;
     };
@@ -570,7 +604,7 @@ fn hold_dependent(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64]) {
     dynamics.derivative(t, y, &mut slope);
     for &i in others {
         if !motion::holds(dynamics, i) {
-            mode[i] = ContactState::sticking(dynamics.is_in_space(i));
+            mode[i] = ContactState::Stick;
             dynamics.set_mode(&mode);
         }
     }

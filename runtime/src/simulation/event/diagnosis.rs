@@ -1,7 +1,7 @@
 //! Why a run ends before its horizon, in words.
 
 use super::dynamics::{Dynamics, Switch};
-use super::impact::Undetermined;
+use super::here::Undetermined;
 use crate::contact::touching::jammed;
 use crate::simulation::problem::{leaps, vanishing_inertia, zero_parameters};
 use crate::simulation::{Diagnosis, SimulationStatus};

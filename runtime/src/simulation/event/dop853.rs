@@ -1,6 +1,8 @@
 //! One step of DOP853, its error estimate and its continuous extension, on buffers that are allocated
 //! once.
 
+use crate::enclosure::Range;
+
 use super::tableau::{
     DEGREE, DERIVATIVES, ERROR_3, ERROR_5, EXTENSION_ROWS, EXTENSION_WEIGHTS, NODES, Row,
     STAGE_ROWS, STAGES, WEIGHTS,
@@ -237,6 +239,26 @@ impl Dop853 {
                 self.extension[(3 + i) * n + component] =
                     h * weighted(&self.derivatives, n, row, component);
             }
+        }
+    }
+
+    /// In what coordinates and velocities are over the step of length `h` from `y` that was just finished, by the slopes of its stages,
+    /// which say what velocities and accelerations are: as far beyond them again as they are apart.
+    pub(in crate::simulation) fn enclose(&self, y: &[f64], h: f64, out: &mut Vec<Range>) {
+        let n = self.measured / 2;
+        out.resize(2 * n, Range::ALL);
+        for k in (0..2 * n).rev() {
+            let slopes = if k < n {
+                out[n + k]
+            } else {
+                let stages = self.derivatives[k..].iter().step_by(self.dimension);
+                let seen = Range::hull(stages.take(STAGES + 1).copied());
+                let beyond = seen.width();
+                seen + Range::between(-beyond, beyond)
+            };
+            let way = (slopes.with(Range::of(0.0))).scaled(h);
+            let forth = Range::of(y[k]) + way;
+            out[k] = forth.within(Range::of(self.end[k]) - way);
         }
     }
 

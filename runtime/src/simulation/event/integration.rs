@@ -16,21 +16,21 @@ use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::ending::Ending;
 use super::error_scale::ErrorScale;
 use super::forces::Forces;
-use super::impact::{Impact, LowestBounce};
-use super::instant::Instant;
-use super::remarks::Remarks;
-use super::resets;
-use super::rest;
+use super::here::{Here, LowestBounce};
 use super::search::{EventSearch, Found, Outcome, Step};
 use super::settings::EventDriven;
-use super::velocity_jump;
+use crate::contact::{ContactState, Direction};
+use crate::enclosure::hide;
 use crate::model::Model;
+use crate::run::impact::Impact;
+use crate::run::remarks::Remarks;
+use crate::run::{resets, rest};
 use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
-use crate::simulation::hidden_force::has_places;
 use crate::simulation::watch::Watch;
 use crate::simulation::{
-    Event, InitialValueProblem, Residuals, Simulation, SimulationStatus, accumulation,
+    Event, EventKind, InitialValueProblem, Residuals, Simulation, SimulationStatus, accumulation,
+    changes,
 };
 
 /// Steps shorter than this share of the time reached do not change it.
@@ -57,7 +57,7 @@ pub(super) struct Integration<'a> {
     method: Dop853,
     /// The method that looks ahead where a contact mode is chosen.
     probe: Dop853,
-    search: EventSearch,
+    search: EventSearch<'a>,
     /// Time \[s\], state `(q, v, numerical time)`, and length of the next step \[s\].
     t: f64,
     y: Vec<f64>,
@@ -89,7 +89,7 @@ impl<'a> Integration<'a> {
             problem,
             method: Dop853::new(dimension, 2 * n),
             probe: Dop853::new(dimension, 2 * n),
-            search: EventSearch::new(dimension, functions),
+            search: EventSearch::new(&dynamics),
             t: 0.0,
             y,
             h: 0.0,
@@ -134,6 +134,9 @@ impl<'a> Integration<'a> {
             .as_ref()
             .and_then(ExplicitTime::note);
         self.result.notes.extend(note);
+        let interpolated = self.search.interpolated.iter();
+        let interpolated = interpolated.map(|function| function.name(self.dynamics.model));
+        self.result.interpolated = Some(interpolated.collect());
         self.result.counts.evaluations = self.dynamics.evaluations;
         self.result.counts.events = self.log.count(self.result.events.len());
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
@@ -193,7 +196,7 @@ impl<'a> Integration<'a> {
                 progress => progress?,
             }
             self.write_outputs(h, until);
-            if event.is_some() || EventSearch::is_needed(&self.dynamics) {
+            if event.is_some() || self.search.has_suspects() {
                 self.audit_inside(h, until);
             }
             match event {
@@ -239,8 +242,8 @@ impl<'a> Integration<'a> {
 
     /// Rests until `limit`, where the controls may jump, or until what acts is balanced no more, if the motion does.
     fn rest(&mut self, limit: f64) -> Result<bool, SimulationStatus> {
-        let now = (self.t, &self.y[..]);
-        let Some((lasts, over)) = rest::lasts(&mut self.dynamics, now, limit) else {
+        let longest = limit - self.t;
+        let Some((lasts, over)) = rest::lasts(&mut self.here(), longest) else {
             return Ok(false);
         };
         self.y[2 * self.dynamics.n] += lasts;
@@ -258,13 +261,26 @@ impl<'a> Integration<'a> {
 
     /// Whether the switches of the last moment have led to a rest, into which the motion is put.
     fn comes_to_rest(&mut self) -> bool {
-        let now = (self.t, &self.y[..], self.method.slope());
-        let (events, horizon) = (&self.result.events, self.problem.horizon);
-        let Some(at_rest) = rest::nearest(&mut self.dynamics, events, now, horizon) else {
+        let n = self.dynamics.n;
+        let largest = self.method.slope()[n..2 * n].iter();
+        let largest = largest.fold(0.0_f64, |size, a| size.max(a.abs()));
+        let before = self.y.clone();
+        let events = std::mem::take(&mut self.result.events);
+        let listed = events.iter().rev().map(|event| (event.time, event.contact));
+        let within = (self.problem.horizon, largest);
+        let switches = rest::comes_to_rest(&mut self.here(), listed, within);
+        self.result.events = events;
+        let Some(switches) = switches else {
             return false;
         };
-        let before = self.y.clone();
-        self.y[..at_rest.len()].copy_from_slice(&at_rest);
+        // Where no mode was found all are open, but a switch always acts.
+        let mut mode = self.dynamics.mode().to_vec();
+        for i in switches {
+            if mode[i].is_open() {
+                mode[i] = ContactState::slip(1.0);
+            }
+        }
+        self.dynamics.set_mode(&mode);
         if self.enter_mode(None, false).is_ok() && self.dynamics.rest.is_some() {
             return true;
         }
@@ -422,7 +438,12 @@ impl<'a> Integration<'a> {
                 let switch = self.dynamics.switch(found.function);
                 return Err(self.place().pole(switch, found.h));
             }
-            Outcome::Hidden => self.h = 0.5 * h,
+            Outcome::Hidden => {
+                self.h = 0.5 * h;
+                if self.h <= SHORTEST * self.t.max(self.problem.horizon) {
+                    return Err(self.place().unbounded(self.method.slope()));
+                }
+            }
             Outcome::Unresolved(function) => {
                 self.shorten(h, self.dynamics.switch(function).contact())?;
             }
@@ -432,22 +453,6 @@ impl<'a> Integration<'a> {
 
     fn find_event(&mut self, h: f64) -> Outcome {
         let outputs_due = self.dense.are_due(self.t, h);
-        let horizon = self.problem.horizon;
-        let search = EventSearch::is_needed(&self.dynamics)
-            || EventSearch::may_pass_posts(&self.dynamics, h, horizon);
-        let looks = self.settings.tolerance <= hidden::LOOSE && has_places(h, horizon);
-        if !search && !outputs_due && !looks {
-            return Outcome::Nothing;
-        }
-        self.method.extend(&mut self.dynamics, self.t, &self.y, h);
-        let (scale, now) = (&self.step.error_scale, (self.t, h, horizon));
-        let tolerance = self.settings.tolerance;
-        if looks && hidden::acts(&mut self.dynamics, &self.method, scale, now, tolerance) {
-            return Outcome::Hidden;
-        }
-        if !search && !outputs_due {
-            return Outcome::Nothing;
-        }
         let step = Step {
             t: self.t,
             h,
@@ -456,8 +461,28 @@ impl<'a> Integration<'a> {
             end_values: &self.step.end_values,
         };
         let (dynamics, method) = (&mut self.dynamics, &mut self.method);
-        self.search.glance(dynamics, method, step, horizon);
-        if !EventSearch::is_needed(dynamics) {
+        let search = self.search.suspect(dynamics, method, step);
+        let looks = self.settings.tolerance <= hidden::LOOSE && !self.search.is_calm(dynamics);
+        if !search && !outputs_due && !looks {
+            return Outcome::Nothing;
+        }
+        method.extend(dynamics, self.t, &self.y, h);
+        if search || looks {
+            self.search.follow(method);
+        }
+        if looks {
+            let Some(parts) = self.search.calm_parts() else {
+                return Outcome::Hidden;
+            };
+            let (scale, known) = (
+                &self.step.error_scale,
+                (&parts[..], self.settings.tolerance),
+            );
+            if hide(&parts) && hidden::acts(dynamics, method, scale, (self.t, h), known) {
+                return Outcome::Hidden;
+            }
+        }
+        if !search {
             return Outcome::Nothing;
         }
         self.search.earliest(dynamics, method, step)
@@ -508,29 +533,28 @@ impl<'a> Integration<'a> {
         let previously = self.dynamics.mode().to_vec();
         let outlook = Outlook {
             moment: self.h,
+            longest: self.problem.horizon,
             skipped: self.counts.repeats / PATIENCE,
         };
         let vanished = self.dynamics.pass_edge(vanished);
         self.dynamics
             .observe_rounding(self.t, &self.y, self.h, at_start);
-        let value = resets::function(&mut self.dynamics, (self.t, &self.y), vanished);
-        let mut set = resets::set(
-            &mut self.dynamics,
-            (self.t, &mut self.y),
-            vanished,
-            &previously,
-        );
+        let (condition, located) = match vanished {
+            Some(Switch::SlidingVelocity(contact, direction)) => {
+                let comes_true = direction == Direction::Forward;
+                (Some(contact), Some(contact).filter(|_| comes_true))
+            }
+            _ => (None, None),
+        };
+        let mut here = self.here();
+        let value = condition.map(|contact| resets::function(&mut here, contact));
+        let mut set = resets::set(&mut here, located);
         // Where a condition reads nothing that was set its function vanishes as before, however far rounding has left it from zero.
-        let now = resets::function(&mut self.dynamics, (self.t, &self.y), vanished);
+        let now = condition.map(|contact| resets::function(&mut here, contact));
         let vanished = vanished.filter(|_| set.is_empty() || value.is_some() && now == value);
-        let mut impact = self.impact(vanished)?;
+        let (mut impact, mut resting) = self.impact(vanished)?;
         if !impact.struck.is_empty() {
-            set.extend(resets::set(
-                &mut self.dynamics,
-                (self.t, &mut self.y),
-                None,
-                &previously,
-            ));
+            set.extend(resets::set(&mut self.here(), None));
         }
         if at_start && !impact.struck.is_empty() {
             let after = self.y[n..2 * n].to_vec();
@@ -542,17 +566,15 @@ impl<'a> Integration<'a> {
         let mut vanished = vanished.filter(|_| impact.struck.is_empty());
         loop {
             let (dynamics, probe, y) = (&mut self.dynamics, &mut self.probe, &mut self.y);
-            let resting = &impact.resting;
-            contact_mode::change(dynamics, probe, self.t, y, resting, vanished, outlook)
+            contact_mode::change(dynamics, probe, self.t, y, &resting, vanished, outlook)
                 .map_err(|problem| self.place().undetermined(problem))?;
-            let now = (self.t, &mut self.y[..]);
-            if at_start || !resets::set_turned(&mut self.dynamics, now, &previously, &mut set) {
+            if at_start || !resets::set_turned(&mut self.here(), &previously, &mut set) {
                 break;
             }
             // What was set may lead into a surface.
-            let next = self.impact(None)?;
+            let (next, rests) = self.impact(None)?;
             impact.struck.extend(next.struck);
-            impact.resting = next.resting;
+            resting = rests;
             vanished = None;
         }
         if at_start {
@@ -562,15 +584,46 @@ impl<'a> Integration<'a> {
         switching::accept_forces(&mut self.dynamics);
         self.record();
         self.observe();
-        let instant = Instant {
-            dynamics: &self.dynamics,
+        let happened = changes::of(
+            self.dynamics.model.declaration().contacts,
+            (&previously, self.dynamics.mode()),
+            (&impact.struck, &set),
+            at_start,
+        );
+        let happened = happened.into_iter();
+        let events = happened.map(|(kind, contact)| self.event(kind, contact, &before));
+        self.list(events.collect())
+    }
+
+    /// The present instant, as what happens there reads it.
+    fn here(&mut self) -> Here<'_, 'a> {
+        Here {
+            dynamics: &mut self.dynamics,
             time: self.t,
-            after: &self.y,
-            velocities: &before,
-            mode: &previously,
-        };
-        let events = instant.events((&impact.struck, &set), at_start);
-        self.list(events)
+            y: &mut self.y,
+            lowest: LowestBounce {
+                velocity: self.settings.rest_velocity,
+                height: self.settings.tolerance.powi(2),
+            },
+        }
+    }
+
+    /// An event at the present instant, before which there were these velocities.
+    fn event(&self, kind: EventKind, contact: usize, velocities: &[f64]) -> Event {
+        let n = self.dynamics.n;
+        let declared = &self.dynamics.model.declaration().contacts[contact];
+        Event {
+            time: self.t,
+            kind: kind.of(declared),
+            contact,
+            contact_name: declared.name,
+            modes: self.dynamics.contact_modes(),
+            q: self.y[..n].to_vec(),
+            v_before: velocities.to_vec(),
+            v_after: self.y[n..2 * n].to_vec(),
+            contact_impulse: Vec::new(),
+            friction_impulse: Vec::new(),
+        }
     }
 
     /// Lists events, unless there are too many.
@@ -592,22 +645,20 @@ impl<'a> Integration<'a> {
         self.log.count(self.result.events.len())
     }
 
-    /// Applies the impact law, and remembers what a user should know of it.
-    fn impact(&mut self, vanished: Option<Switch>) -> Result<Impact, SimulationStatus> {
+    /// Applies the impact law, and remembers what a user should know of it. Returns the contacts at rest after it as well.
+    fn impact(
+        &mut self,
+        vanished: Option<Switch>,
+    ) -> Result<(Impact, Vec<usize>), SimulationStatus> {
         let closing = match vanished {
             Some(Switch::Gap(contact)) => Some(contact),
             _ => None,
         };
-        let lowest = LowestBounce {
-            velocity: self.settings.rest_velocity,
-            height: self.settings.tolerance.powi(2),
-        };
-        let impact =
-            velocity_jump::impact(&mut self.dynamics, self.t, &mut self.y, closing, lowest)
-                .map_err(|problem| self.place().undetermined(problem))?;
+        let impact = self.here().impact(closing);
+        let (impact, resting) = impact.map_err(|problem| self.place().undetermined(problem))?;
         self.y[2 * self.dynamics.n] += impact.impulse / self.settings.auxiliary_acceleration;
         self.checks.remarks.add(self.t, &impact);
-        Ok(impact)
+        Ok((impact, resting))
     }
 
     /// Evaluates derivative, values and forces at the present state.

@@ -2,13 +2,12 @@
 //!
 //! `integration` is the loop of steps and events; `dynamics` evaluates the constrained motion of one contact
 //! mode, `dop853` integrates it (`error_scale` says how accurately, `forces` what acts), `search` and `locate` find where the
-//! mode ends, `impact` and `contact_mode` (with `contact_problem`, by the laws of `contact`) what follows, `instant` lists it, `audit`
+//! mode ends, `here` tells `run` of the instant there, `contact_mode` (with `contact_problem`, by the laws of `contact`) what follows, `audit`
 //! measures the signs, `diagnosis` says why a run ends early, `ending` which impacts belong to its end. `accuracy` compares two
 //! runs.
 
 mod accuracy;
 mod audit;
-mod cluster;
 pub(super) mod contact_mode;
 pub(super) mod contact_problem;
 mod diagnosis;
@@ -17,18 +16,11 @@ pub(super) mod dynamics;
 mod ending;
 mod error_scale;
 mod forces;
-pub(super) mod impact;
-mod instant;
+pub(super) mod here;
 mod integration;
-mod locate;
-mod remarks;
-mod resets;
-mod rest;
 mod search;
 mod settings;
-mod sides;
 mod tableau;
-pub(in crate::simulation) mod velocity_jump;
 
 pub(crate) use ending::Ending;
 pub use settings::EventDriven;
@@ -73,6 +65,11 @@ impl Simulator for EventDriven {
         self.tolerance = tolerance;
         Ok(())
     }
+
+    fn set_max_step(&mut self, seconds: f64) -> Result<(), InputError> {
+        self.max_step = Some(seconds);
+        self.check()
+    }
 }
 
 /// Simulates once, without the second run that confirms the first: for motions that are judged otherwise.
@@ -104,17 +101,17 @@ pub(crate) fn simulate_to(
     let model = own.as_deref().unwrap_or(model);
     let mut unseen = |_: &Progress| true;
     let mut watch = Watch::new(problem, &mut unseen);
-    let hasty = ExplicitTime::hasty(model, problem);
-    let mut result = Integration::new(settings, model, problem, hasty).run(&mut watch, ending);
+    let time = ExplicitTime::of(model, problem);
+    let mut result = Integration::new(settings, model, problem, time).run(&mut watch, ending);
     impulse::record(model, &mut result);
     watch.finish(model, &mut result);
     closed.finish(&mut result);
     Ok(result)
 }
 
-/// The motion with at most the error `promise`, where another method that promises as much fails.
+/// The motion with at most the error `promise` and steps of at most `max_step` \[s\], where another method that promises as much fails.
 pub(super) fn simulate_instead(
-    promise: f64,
+    (promise, max_step): (f64, Option<f64>),
     scene: (&dyn Model, &InitialValueProblem),
     watch: &mut Watch<'_>,
 ) -> Simulation {
@@ -123,6 +120,7 @@ pub(super) fn simulate_instead(
     accuracy::promised(
         &EventDriven {
             tolerance,
+            max_step,
             ..settings
         },
         scene,

@@ -1,12 +1,15 @@
-//! The earliest event within a step: found on the continuous extension, confirmed and polished with
+//! The earliest event within a step: enclosed on the continuous extension, confirmed and polished with
 //! true steps of the method.
 
 use super::dop853::Dop853;
 use super::dynamics::{Dynamics, Switch, motion, switching};
-use super::locate::{self, Sample};
-use crate::model::contact_point;
+use super::tableau::DEGREE;
+use crate::enclosure::{
+    Along, Crossing as Enclosed, Form, Interpolated, Sample, Watched, positive_before, root,
+};
+use crate::model::{Explicit, contact_point};
 use crate::simulation::along::LEAPS;
-use crate::simulation::hidden_force::PLACES;
+use std::collections::BTreeSet;
 
 /// Crossings of one switching function on the continuous extension that true steps may refute before the step
 /// counts as too long.
@@ -22,11 +25,7 @@ const HALVINGS: usize = 40;
 const SECANTS: usize = 12;
 /// Secant steps and bisections together; 64 bisections use up all digits.
 const POLISHING: usize = 80;
-
-/// Number of switching functions from which on those of one place of a step are remembered: a function is looked at in its turn,
-/// at places that are mostly those of the others, and each force takes the forces of all contacts.
-const MANY: usize = 16;
-/// Most places that are remembered; the bisection always looks at seven.
+/// Most places of a step at which all forces are remembered: those of their interpolants.
 const PLACES_REMEMBERED: usize = 16;
 
 /// The switching functions at a place of the continuous extension.
@@ -39,20 +38,29 @@ struct Place {
 }
 
 /// Buffers of the search.
-#[derive(Debug, Clone)]
-pub(super) struct EventSearch {
+pub(super) struct EventSearch<'a> {
+    /// Explicit functions on the continuous extension.
+    along: Along<'a>,
+    /// What acts in the present mode.
+    acting: Vec<Explicit>,
+    memory: Memory,
+    zero: Vec<f64>,
+    false_alarms: Vec<usize>,
+    /// Where the search of each function begins that may vanish within the step.
+    from: Vec<Option<Sample>>,
+    end: Vec<f64>,
+    /// Value of the function at the last root.
+    root_value: f64,
+    /// Functions that were looked at by some of their values.
+    pub(super) interpolated: BTreeSet<Interpolated>,
+}
+
+/// Buffers of an evaluation.
+struct Memory {
     /// Where forces were evaluated since the last true step.
     places: Vec<Place>,
     state: Vec<f64>,
     slope: Vec<f64>,
-    end: Vec<f64>,
-    zero: Vec<f64>,
-    false_alarms: Vec<usize>,
-    from: Vec<Option<Sample>>,
-    /// Where a gap was seen to be negative within the step.
-    glimpsed: Vec<Option<Sample>>,
-    /// Value of the function at the last root.
-    root_value: f64,
 }
 
 /// The step that was just made, from `(t, y)` with length `h`.
@@ -116,72 +124,87 @@ pub(super) enum Outcome {
     Unresolved(usize),
 }
 
-impl EventSearch {
-    pub(super) fn new(dimension: usize, functions: usize) -> Self {
+impl<'a> EventSearch<'a> {
+    pub(super) fn new(dynamics: &Dynamics<'a>) -> Self {
+        let (dimension, functions) = (2 * dynamics.n + 1, dynamics.functions());
         Self {
-            places: Vec::new(),
-            state: vec![0.0; dimension],
-            slope: vec![0.0; dimension],
+            along: Along::new(dynamics.model, DEGREE),
+            acting: Vec::new(),
+            memory: Memory {
+                places: Vec::new(),
+                state: vec![0.0; dimension],
+                slope: vec![0.0; dimension],
+            },
             end: vec![0.0; dimension],
             zero: vec![0.0; functions],
             false_alarms: vec![0; functions],
             from: vec![None; functions],
-            glimpsed: vec![None; functions],
             root_value: 0.0,
+            interpolated: BTreeSet::new(),
         }
     }
 
-    /// Whether the values seen in the stages of the step leave room for an event: the lowest is smaller
-    /// than the range they span, so that a dip to zero could hide between them.
-    pub(super) fn is_needed(dynamics: &Dynamics<'_>) -> bool {
-        (0..dynamics.functions()).any(|i| may_cross(dynamics, i))
-    }
-
-    /// Whether the step is so long that a thin post may stand between its stages, in a run to `horizon`.
-    pub(super) fn may_pass_posts(dynamics: &Dynamics<'_>, h: f64, horizon: f64) -> bool {
-        let mut contacts = 0..dynamics.surfaces;
-        h * PLACES > horizon && contacts.any(|i| dynamics.state(i).is_open())
-    }
-
-    /// Looks at the gaps of open contacts along the continuous extension of the step, which is ready, in a run to
-    /// `horizon`.
-    pub(super) fn glance(
+    /// Finds the functions that may vanish within the step, by bounds over the whole of it; whether there are any.
+    pub(super) fn suspect(
         &mut self,
         dynamics: &mut Dynamics<'_>,
         method: &Dop853,
         step: Step<'_>,
-        horizon: f64,
-    ) {
-        self.glimpsed.fill(None);
-        if !Self::may_pass_posts(dynamics, step.h, horizon) {
-            return;
+    ) -> bool {
+        self.along.begin(step.t, step.h, &dynamics.pieces);
+        for (end, time) in [step.t, step.t + step.h].into_iter().enumerate() {
+            dynamics.write_controls(time);
+            self.along.controls_at(end).copy_from_slice(&dynamics.u);
         }
-        let closed = |value: f64, zero: f64| value < -zero;
-        let parts = (step.h / horizon * PLACES).ceil();
-        for part in 1..parts as usize {
-            let at = part as f64 / parts;
-            method.interpolate(at, &mut self.state[..2 * dynamics.n]);
-            dynamics.load(step.t + at * step.h, &self.state);
-            for slot in 0..dynamics.near().len() {
-                let i = dynamics.near()[slot];
-                if dynamics.is_dry(i) {
-                    continue;
-                }
-                let open = dynamics.state(i).is_open() && !dynamics.pieces.is_idle(i);
-                if !open || self.glimpsed[i].is_some() {
-                    continue;
-                }
-                let zero = self.least_zero(dynamics, step, i);
-                let value = dynamics.gap(i);
-                let between =
-                    !closed(step.start_values[i], zero) && !closed(step.end_values[i], zero);
-                if between && closed(value, zero) {
-                    self.glimpsed[i] = Some(Sample { at, value });
-                    let lowest = &mut dynamics.switching.lowest[i];
-                    *lowest = lowest.min(value);
-                }
-            }
+        self.along
+            .enclose(|whole| method.enclose(step.y, step.h, whole));
+        self.from.fill(None);
+        let mut any = false;
+        for slot in 0..dynamics.near().len() {
+            any |= self.suspect_one(dynamics, step, dynamics.near()[slot]);
         }
+        for function in dynamics.contacts..dynamics.functions() {
+            any |= self.suspect_one(dynamics, step, function);
+        }
+        any
+    }
+
+    /// Whether bounds tell that nothing acts in the step that its stages do not show.
+    pub(super) fn is_calm(&mut self, dynamics: &Dynamics<'_>) -> bool {
+        self.acting = self.along.hiding(|i| dynamics.is_active(i));
+        self.along.is_calm(&self.acting)
+    }
+
+    /// Parts of the step in each of which nothing is hidden of what acts; none if there are too many.
+    pub(super) fn calm_parts(&mut self) -> Option<Vec<[f64; 2]>> {
+        self.along.calm_parts(&self.acting)
+    }
+
+    /// Takes up the continuous extension of the step, which is ready.
+    pub(super) fn follow(&mut self, method: &Dop853) {
+        self.along
+            .follow(|theta, out| method.interpolate(theta, out));
+    }
+
+    /// Whether some function was suspected to vanish in the last step.
+    pub(super) fn has_suspects(&self) -> bool {
+        self.from.iter().any(Option::is_some)
+    }
+
+    fn suspect_one(&mut self, dynamics: &Dynamics<'_>, step: Step<'_>, function: usize) -> bool {
+        let zero = self.least_zero(dynamics, step, function);
+        let watched = watched(dynamics, function);
+        let suspicious = if watched.is_explicit(&self.along) {
+            watched.as_a_whole(&mut self.along).low < -zero
+        } else {
+            self.interpolated.extend(named(dynamics.switch(function)));
+            may_cross(dynamics, function)
+        };
+        if suspicious {
+            let value = step.start_values[function];
+            self.from[function] = Some(Sample { at: 0.0, value });
+        }
+        suspicious
     }
 
     /// The earliest event within the step, whose continuous extension is ready. If there is one,
@@ -193,23 +216,25 @@ impl EventSearch {
         method: &mut Dop853,
         step: Step<'_>,
     ) -> Outcome {
-        self.places.clear();
+        self.memory.places.clear();
         for i in 0..dynamics.functions() {
-            self.from[i] = may_cross(dynamics, i).then_some(Sample {
-                at: 0.0,
-                value: step.start_values[i],
-            });
             self.zero[i] = self.least_zero(dynamics, step, i);
         }
         self.end.copy_from_slice(method.end());
         self.false_alarms.fill(0);
-        while let Some(crossing) = self.first_crossing(dynamics, method, step) {
+        loop {
+            let crossing = match self.first_crossing(dynamics, method, step) {
+                Ok(Some(crossing)) => crossing,
+                Ok(None) => break,
+                Err(function) => return Outcome::Unresolved(function),
+            };
             let function = crossing.function;
             match self.polish(dynamics, method, step, crossing) {
                 Ok(h) => {
                     // A function changes its sign at a pole as well, and a gap where it jumps.
-                    let Crossing { left, right, .. } = crossing;
-                    let largest = left.value.abs().max(right.value.abs());
+                    let Crossing { from, left, .. } = crossing;
+                    let last = step.end_values[function];
+                    let largest = from.value.abs().max(last.abs());
                     let kept = match dynamics.switch(function) {
                         Switch::Gap(_) if left.value > self.zero[function] => LEAPS * largest,
                         _ => largest,
@@ -223,7 +248,6 @@ impl EventSearch {
                 Err(value) => {
                     let Sample { at, value: wrong } = crossing.right;
                     self.false_alarms[function] += 1;
-                    self.glimpsed[function] = None;
                     if at >= 1.0 || self.false_alarms[function] > FALSE_ALARMS {
                         return Outcome::Unresolved(function);
                     }
@@ -249,13 +273,13 @@ impl EventSearch {
         zero.max(-2.0 * step.start_values[function])
     }
 
-    /// The crossing with the earliest root on the continuous extension.
+    /// The crossing with the earliest root on the continuous extension, or a function that varies too fast on it.
     fn first_crossing(
         &mut self,
         dynamics: &mut Dynamics<'_>,
         method: &Dop853,
         step: Step<'_>,
-    ) -> Option<Crossing> {
+    ) -> Result<Option<Crossing>, usize> {
         let mut earliest: Option<Crossing> = None;
         for function in 0..dynamics.functions() {
             let Some(from) = self.from[function] else {
@@ -263,13 +287,14 @@ impl EventSearch {
             };
             let zero = self.zero[function];
             let rounding = ROUNDING * switching::zero_value(dynamics, function);
-            let until = self.glimpsed[function].unwrap_or(Sample {
-                at: 1.0,
-                value: step.end_values[function],
-            });
-            let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
+            let watched = watched(dynamics, function);
+            let Self { along, memory, .. } = &mut *self;
+            let mut value = |theta| memory.interpolated(dynamics, method, step, function, theta);
             let to = match earliest {
-                None => until,
+                None => Sample {
+                    at: 1.0,
+                    value: step.end_values[function],
+                },
                 Some(Crossing { root, .. }) => Sample {
                     at: root,
                     value: value(root),
@@ -278,52 +303,23 @@ impl EventSearch {
             if to.at <= from.at {
                 continue;
             }
-            if let Some((left, right)) = locate::first_crossing(&mut value, from, to, zero) {
-                let left = locate::positive_before(&mut value, from, left, right, rounding);
-                let root = locate::root(&mut value, left, right);
-                earliest = Some(Crossing {
-                    function,
-                    from,
-                    left,
-                    right,
-                    root,
-                });
-            }
-        }
-        earliest
-    }
-
-    /// Value of a switching function on the continuous extension.
-    fn interpolated(
-        &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &Dop853,
-        step: Step<'_>,
-        function: usize,
-        theta: f64,
-    ) -> f64 {
-        let t = step.t + theta * step.h;
-        method.interpolate(theta, &mut self.state[..2 * dynamics.n]);
-        let is_force = dynamics.switch(function).is_force();
-        if let Some(known) = self.places.iter().find(|known| known.theta == theta)
-            && is_force
-        {
-            dynamics.load(t, &self.state);
-            dynamics
-                .switching
-                .force_scale
-                .copy_from_slice(&known.scales);
-            return known.values[function];
-        }
-        let value = switching::switching_value(dynamics, function, t, &self.state, &mut self.slope);
-        if is_force && dynamics.functions() >= MANY && self.places.len() < PLACES_REMEMBERED {
-            self.places.push(Place {
-                theta,
-                values: dynamics.switching.values.clone(),
-                scales: dynamics.switching.force_scale.clone(),
+            let found = watched.first_fall(along, &mut value, (from, to), zero);
+            let (left, right) = match found {
+                Enclosed::Nowhere => continue,
+                Enclosed::Undecided => return Err(function),
+                Enclosed::Between(left, right) => (left, right),
+            };
+            let left = positive_before(&mut value, from, left, right, rounding);
+            let root = root(&mut value, left, right);
+            earliest = Some(Crossing {
+                function,
+                from,
+                left,
+                right,
+                root,
             });
         }
-        value
+        Ok(earliest)
     }
 
     /// Normal velocity of a contact at the end of the last true step.
@@ -348,7 +344,7 @@ impl EventSearch {
         function: usize,
         h: f64,
     ) -> f64 {
-        self.places.clear();
+        self.memory.places.clear();
         // Only one function is looked at, at the end.
         dynamics.leave_gaps(true);
         method.step(dynamics, step.t, step.y, h);
@@ -361,7 +357,7 @@ impl EventSearch {
             function,
             step.t + h,
             method.end(),
-            &mut self.slope,
+            &mut self.memory.slope,
         )
     }
 
@@ -395,7 +391,8 @@ impl EventSearch {
         if sinks {
             return self.sink(dynamics, method, step, crossing);
         }
-        let mut value = |theta| self.interpolated(dynamics, method, step, function, theta);
+        let memory = &mut self.memory;
+        let mut value = |theta| memory.interpolated(dynamics, method, step, function, theta);
         let around = 1e-3 * (right.at - left.at);
         let (before, after) = ((theta - around).max(0.0), (theta + around).min(1.0));
         let slope = (value(after) - value(before)) / ((after - before) * step.h);
@@ -551,6 +548,66 @@ impl EventSearch {
         }
         self.root_value = f;
         if f <= zero { Ok(h) } else { Err(f) }
+    }
+}
+
+/// What the bounds of a switching function are those of.
+fn watched(dynamics: &Dynamics<'_>, function: usize) -> Watched {
+    match dynamics.switch(function) {
+        Switch::Gap(i) => Watched::Gap(i),
+        Switch::SlidingVelocity(i, direction) if !dynamics.is_in_space(i) => {
+            Watched::Sliding(i, Form::Signed(direction.sign()))
+        }
+        Switch::HeldVelocity(i) => {
+            Watched::Sliding(i, Form::Below(switching::held_velocity(dynamics, i)))
+        }
+        _ => Watched::Solved,
+    }
+}
+
+/// What a switching function is called that is not enclosed.
+fn named(switch: Switch) -> Option<Interpolated> {
+    match switch {
+        Switch::Gap(i) => Some(Interpolated::Gap(i)),
+        Switch::NormalForce(i) => Some(Interpolated::Force(i)),
+        Switch::FrictionLimit(i, _) => Some(Interpolated::Friction(i)),
+        Switch::SlidingVelocity(i, _) | Switch::HeldVelocity(i) => Some(Interpolated::Sliding(i)),
+        Switch::Constant(_) => None,
+    }
+}
+
+impl Memory {
+    /// Value of a switching function on the continuous extension.
+    fn interpolated(
+        &mut self,
+        dynamics: &mut Dynamics<'_>,
+        method: &Dop853,
+        step: Step<'_>,
+        function: usize,
+        theta: f64,
+    ) -> f64 {
+        let t = step.t + theta * step.h;
+        method.interpolate(theta, &mut self.state[..2 * dynamics.n]);
+        let is_force = dynamics.switch(function).is_force();
+        if let Some(known) = self.places.iter().find(|known| known.theta == theta)
+            && is_force
+        {
+            dynamics.load(t, &self.state);
+            dynamics
+                .switching
+                .force_scale
+                .copy_from_slice(&known.scales);
+            return known.values[function];
+        }
+        let value = switching::switching_value(dynamics, function, t, &self.state, &mut self.slope);
+        if is_force && self.places.len() < PLACES_REMEMBERED {
+            self.places.push(Place {
+                theta,
+                values: dynamics.switching.values.clone(),
+                scales: dynamics.switching.force_scale.clone(),
+            });
+        }
+        value
     }
 }
 

@@ -8,7 +8,7 @@
 use super::detector::Detector;
 use super::stop::Stop;
 use super::switch::{ElementStart, Switch};
-use super::{between_samples, force_dips, friction_switch, gap_switch};
+use super::{force_dips, friction_switch, gap_switch};
 use crate::contact::find;
 use crate::fesd::contacts::Contacts;
 use crate::fesd::finite_element::FiniteElement;
@@ -24,25 +24,32 @@ pub(super) fn first_violation(
     detector.pieces.clone_from(&contacts.pieces);
     detector.open.clear();
     detector.drift = 0.0;
+    for (i, size) in detector.sizes.iter_mut().enumerate() {
+        *size = contacts.size(i, start.time);
+    }
+    for i in 0..detector.sizes.len() {
+        // What an idle piece lacks to acting is the difference of two gaps, whose terms may cancel.
+        let acting = detector.sizes[contacts.pieces.acting(i)];
+        detector.sizes[i] = detector.sizes[i].as_difference_from(acting);
+    }
+    detector.enclose(element, start);
     let row = detector.thetas.len() + 1;
     for (i, &gap) in start.gaps.iter().enumerate() {
-        if find(active, i).is_none() {
+        let zero = detector.sizes[i].gap_rounding();
+        if find(active, i).is_none() && !detector.stays_open(i, zero) {
             detector.open.push(i);
             detector.gaps[i * row] = gap;
         }
     }
+    detector.tell_steady(active);
+    detector.note(active);
     if detector.open.is_empty() && active.is_empty() {
         return Ok(None);
     }
-    for (i, size) in detector.sizes.iter_mut().enumerate() {
-        *size = contacts.size(i, start.time);
-    }
     friction_switch::start_frictions(detector, active, contacts, start);
     force_dips::start(detector, active, start.forces);
-    detector.begin(start.x);
     for k in 0..detector.thetas.len() {
         detector.interpolate(element, k);
-        detector.keep_sample();
         let mut first = gap_switch::first_entry(detector, element, contacts, start, k)?;
         gap_switch::first_exit(detector, element, contacts, (start.motion, k), &mut first)
             .map_err(gap_switch::beyond)?;
@@ -51,13 +58,6 @@ pub(super) fn first_violation(
             .map_err(gap_switch::beyond)?;
         if first.is_some() {
             return Ok(first);
-        }
-        if gap_switch::hides_a_crossing(detector, element, contacts, k) {
-            return Err(Stop::Unresolved);
-        }
-        let passed = between_samples::first_entry(detector, element, k, start.horizon);
-        if passed.is_some() {
-            return Ok(passed);
         }
     }
     Ok(None)

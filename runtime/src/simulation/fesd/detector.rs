@@ -1,15 +1,29 @@
 //! The samples of an element's dense output on which sign conditions are checked.
 
-use super::switch::{Switch, SwitchKind};
+use super::stop::Stop;
+use super::switch::{ElementStart, Switch, SwitchKind};
+use crate::contact::ActiveContact;
+use crate::enclosure::{
+    Along, Crossing, Form, Interpolated, Sample, Watched, positive_before, root,
+};
 use crate::fesd::contact_size::ContactSize;
+use crate::fesd::contacts::Contacts;
 use crate::fesd::finite_element::FiniteElement;
 use crate::model::{Model, Pieces};
 use crate::rk::ButcherTableau;
+use std::collections::BTreeSet;
 
 /// Checks the sign conditions on a fixed grid of the element's dense output.
+// Many fields: buffers of one element.
 pub(super) struct Detector<'a> {
     pub(super) model: &'a dyn Model,
     pub(super) tableau: &'a ButcherTableau,
+    /// Explicit functions on the dense output.
+    pub(super) along: Along<'a>,
+    /// Functions that were looked at by some of their values.
+    pub(super) interpolated: BTreeSet<Interpolated>,
+    /// Contacts of which bounds tell that they slide in their sense all along the element.
+    pub(super) steady: Vec<bool>,
     /// Which pieces of surfaces with edges act.
     pub(super) pieces: Pieces,
     /// Sampled places `0 < theta <= 1`.
@@ -18,8 +32,6 @@ pub(super) struct Detector<'a> {
     pub(super) weights: Vec<f64>,
     pub(super) scratch: Vec<f64>,
     pub(super) x: Vec<f64>,
-    /// Input vectors at the last two samples.
-    samples: [Vec<f64>; 2],
     pub(super) forces: Vec<f64>,
     /// Normal forces of held contacts at the start and at all samples, a row for each contact.
     pub(super) normal_forces: Vec<f64>,
@@ -50,12 +62,14 @@ impl<'a> Detector<'a> {
         Self {
             model,
             tableau,
+            along: Along::new(model, tableau.stages() + 1),
+            interpolated: BTreeSet::new(),
+            steady: vec![false; contacts],
             pieces: Pieces::default(),
             thetas,
             weights,
             scratch: vec![0.0; stages],
             x: vec![0.0; declaration.inputs()],
-            samples: [(); 2].map(|()| vec![0.0; declaration.inputs()]),
             // A normal force, and two of a contact in space that sticks.
             forces: vec![0.0; 3 * contacts],
             normal_forces: vec![0.0; contacts * (samples + 1)],
@@ -73,30 +87,110 @@ impl<'a> Detector<'a> {
         element.interpolate(self.thetas[k], weights, &mut self.x);
     }
 
-    /// Begins with the input vector at the start of an element as the sample before the first one.
-    pub(super) fn begin(&mut self, x: &[f64]) {
-        self.samples[1].copy_from_slice(x);
-    }
-
-    /// Keeps the present input vector as the last sample.
-    pub(super) fn keep_sample(&mut self) {
-        self.samples.swap(0, 1);
-        self.samples[1].copy_from_slice(&self.x);
-    }
-
-    /// The input vector at this share of the time `width` between the last two samples: coordinates by the cubic that has
-    /// their velocities, the rest by straight lines.
-    pub(super) fn place_between_samples(&mut self, share: f64, width: f64) {
+    /// Takes up the dense output of an element from this input vector and time on.
+    pub(super) fn enclose(&mut self, element: &FiniteElement<'_>, start: &ElementStart<'_>) {
         let n = self.model.declaration().coordinates.len();
-        let [from, to] = &self.samples;
-        let rest = 1.0 - share;
-        for (x, (from, to)) in self.x.iter_mut().zip(from.iter().zip(to)) {
-            *x = rest * from + share * to;
+        self.along.begin(start.time, element.length(), &self.pieces);
+        for end in [0, 1] {
+            let controls = self.along.controls_at(end);
+            controls.copy_from_slice(&start.x[2 * n..][..controls.len()]);
         }
-        for k in 0..n {
-            let (way, slopes) = (to[k] - from[k], (width * from[n + k], width * to[n + k]));
-            self.x[k] += share * rest * (rest * (slopes.0 - way) - share * (slopes.1 - way));
+        let (tableau, scratch, x) = (self.tableau, &mut self.scratch, &mut self.x);
+        self.along.follow(|theta, out| {
+            tableau.dense_weights(theta, scratch);
+            element.interpolate(theta, scratch, x);
+            out.copy_from_slice(&x[..2 * n]);
+        });
+    }
+
+    /// Whether bounds tell that the gap of a contact is nowhere below `-zero` in the element.
+    pub(super) fn stays_open(&mut self, contact: usize, zero: f64) -> bool {
+        self.along.knows_gap(contact) && self.along.gap(contact, [0.0, 1.0]).low >= -zero
+    }
+
+    /// Tells which active contacts slide in their sense all along the element.
+    pub(super) fn tell_steady(&mut self, active: &[ActiveContact]) {
+        self.steady.fill(false);
+        for held in active.iter().filter(|held| held.state.sense() != 0.0) {
+            let i = held.contact;
+            let zero = self.sizes[i].sliding_rounding();
+            let range = self.along.sliding(i, [0.0, 1.0]);
+            self.steady[i] = range.scaled(held.state.sense()).low >= -zero;
         }
+    }
+
+    /// Takes note of the functions of a mode that are looked at by some of their values.
+    pub(super) fn note(&mut self, active: &[ActiveContact]) {
+        for held in active {
+            let i = held.contact;
+            let declared = &self.model.declaration().contacts[i];
+            if !declared.dry {
+                self.interpolated.insert(Interpolated::Force(i));
+            }
+            if declared.friction.is_some() && held.state.sticks() {
+                self.interpolated.insert(Interpolated::Friction(i));
+            } else if declared.friction.is_some() && !self.along.knows_sliding(i) {
+                self.interpolated.insert(Interpolated::Sliding(i));
+            }
+        }
+        for &i in &self.open {
+            if !self.along.knows_gap(i) {
+                self.interpolated.insert(Interpolated::Gap(i));
+            }
+        }
+    }
+
+    /// Where the gap or the sliding velocity of a contact, in this `sense`, first falls below zero between samples `k - 1` and `k`, with
+    /// these values there, after it has been positive.
+    pub(super) fn falls(
+        &mut self,
+        (element, contacts): (&FiniteElement<'_>, &mut Contacts<'_>),
+        (kind, contact, sense): (SwitchKind, usize, f64),
+        k: usize,
+        (before, after): (f64, f64),
+    ) -> Result<Option<Switch>, Stop> {
+        let ends = [(self.left(k), before), (self.thetas[k], after)];
+        let [from, to] = ends.map(|(at, value)| Sample { at, value });
+        let size = self.sizes[contact];
+        let (watched, zero) = match kind {
+            SwitchKind::Stopping => {
+                let form = Form::Signed(sense);
+                (Watched::Sliding(contact, form), size.sliding_rounding())
+            }
+            _ => (Watched::Gap(contact), size.gap_rounding()),
+        };
+        let (tableau, scratch, x) = (self.tableau, &mut self.scratch, &mut self.x);
+        let (pieces, model) = (&self.pieces, self.model);
+        let mut value = |theta: f64| {
+            tableau.dense_weights(theta, scratch);
+            element.interpolate(theta, scratch, x);
+            if kind == SwitchKind::Stopping {
+                contacts.evaluate_contacts(x, [contact]);
+                sense * contacts.sliding_velocity(contact)
+            } else {
+                pieces.gap(model, contact, x)
+            }
+        };
+        let zero = zero.max(-2.0 * before);
+        let (left, right) = match watched.first_fall(&mut self.along, &mut value, (from, to), zero)
+        {
+            Crossing::Nowhere => return Ok(None),
+            Crossing::Undecided => return Err(Stop::Unresolved),
+            Crossing::Between(left, right) => (left, right),
+        };
+        // What sinks from its start on is not known to have been positive.
+        let left = positive_before(&mut value, from, left, right, zero);
+        if left.value <= zero {
+            return Ok(None);
+        }
+        let theta = root(&mut value, left, right);
+        Ok(Some(Switch {
+            kind,
+            contact,
+            theta,
+            violated: right.at,
+            slope: (right.value - left.value) / ((right.at - left.at) * element.length()),
+        }))
     }
 
     /// Gap of a contact at a place of the dense output.

@@ -1,7 +1,6 @@
 //! Why a run stopped, in words.
 
-use super::bounces;
-use super::driver::Driver;
+use super::driver::{Driver, rest_velocity};
 use super::stop::Stop;
 use crate::contact::find;
 use crate::contact::touching::jammed;
@@ -124,7 +123,7 @@ pub(super) fn unsettled(driver: &Driver<'_>, step: usize, burst: f64) -> Simulat
             if event.kind == EventKind::Impact && driver.setup.restitution[event.contact] > 0.0 =>
         {
             let name = driver.setup.name(event.contact);
-            let rest = bounces::rest_velocity(driver, event.contact);
+            let rest = rest_velocity(driver, event.contact);
             format!(
                 "`{name}` bounces too often before it rests: raise the rest velocity, {rest:.1e} now, or lower the restitution"
             )

@@ -5,10 +5,15 @@ use super::error_control::ErrorControl;
 use super::present::Present;
 use super::settings::Fesd;
 use super::stop::Stop;
+use crate::contact::edge::Zeros;
+use crate::contact::{Balance, ContactState, Touching, View, find};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{FiniteElement, State};
 use crate::model::{ImpactLaw, Model};
 use crate::rk::ButcherTableau;
+use crate::run::impact::EndOfBounces;
+use crate::run::remarks::Remarks;
+use crate::run::{Bounce, Instant};
 use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::{
@@ -17,6 +22,10 @@ use crate::simulation::{
 };
 use std::ops::Range;
 
+/// Share of the largest velocity of a contact with which it closes at the end of many bounces.
+const SLOW: f64 = 1e-3;
+/// Rest velocity where none is set, relative to the size of the normal velocity.
+const REST: f64 = 1e-6;
 /// Share of the horizon below which times are rounding error.
 const SHORTEST: f64 = 1e-14;
 
@@ -57,26 +66,6 @@ fn restitution(model: &dyn Model, contact: usize) -> f64 {
     }
 }
 
-/// Impacts that raised the kinetic energy.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct EnergyGains {
-    pub(super) count: usize,
-    /// Time \[s\] and contact of the first one.
-    pub(super) first: (f64, usize),
-    /// Kinetic energies before and after the first one \[J\].
-    pub(super) energies: (f64, f64),
-}
-
-/// Bounce cascades of one contact that were ended.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Cascades {
-    pub(super) count: usize,
-    /// Time of the first one \[s\].
-    pub(super) first: f64,
-    /// Largest height that a bounce left out would have reached.
-    pub(super) height: f64,
-}
-
 /// What a run leaves.
 #[derive(Default)]
 pub(super) struct Record {
@@ -90,9 +79,8 @@ pub(super) struct Record {
     pub(super) residuals: Residuals,
     pub(super) size: ProblemSize,
     pub(super) counts: Counts,
-    /// Ends of bounce cascades, one entry a contact.
-    pub(super) cascades: Vec<Cascades>,
-    pub(super) energy_gains: Option<EnergyGains>,
+    /// What has to be said of impacts.
+    pub(super) remarks: Remarks,
     /// Whether the last attempt at a segment failed since the model was not finite.
     pub(super) not_finite: bool,
     pub(super) notes: Vec<String>,
@@ -157,10 +145,7 @@ impl<'a> Driver<'a> {
             element: settings.element(model, tableau),
             next_element: settings.element(model, tableau),
             detector: Detector::new(model, tableau),
-            record: Record {
-                cascades: vec![Cascades::default(); contacts.len()],
-                ..Record::default()
-            },
+            record: Record::default(),
         }
     }
 
@@ -169,6 +154,9 @@ impl<'a> Driver<'a> {
     pub(super) fn controlled(mut self, tolerance: f64, longest: f64) -> Self {
         self.control.tolerance = Some(tolerance);
         self.control.longest *= longest;
+        if let Some(max_step) = self.setup.settings.max_step {
+            self.control.longest = self.control.longest.min(max_step);
+        }
         self
     }
 
@@ -297,6 +285,120 @@ impl<'a> Driver<'a> {
     pub(super) fn note(&mut self, text: &str) {
         if !self.record.notes.iter().any(|note| note == text) {
             self.record.notes.push(text.into());
+        }
+    }
+}
+
+impl<'a> Instant<'a> for Driver<'a> {
+    type Error = ModeError;
+
+    fn view(&self) -> &View<'a> {
+        &self.now.contacts
+    }
+
+    fn view_mut(&mut self) -> &mut View<'a> {
+        &mut self.now.contacts
+    }
+
+    fn time(&self) -> f64 {
+        self.now.state.time
+    }
+
+    fn input(&mut self) -> Vec<f64> {
+        self.now.write_input();
+        self.now.x.clone()
+    }
+
+    fn put(&mut self, x: &[f64]) {
+        let (q, v) = x[..2 * self.now.state.q.len()].split_at(self.now.state.q.len());
+        self.now.state.q.copy_from_slice(q);
+        self.now.state.v.copy_from_slice(v);
+        self.now.write_input();
+    }
+
+    fn rates(&mut self) -> Vec<f64> {
+        self.now.contacts.rates()
+    }
+
+    fn state(&self, contact: usize) -> ContactState {
+        find(&self.now.active, contact).unwrap_or(ContactState::Open)
+    }
+
+    fn zeros(&self, contact: usize) -> Zeros {
+        let size = self.now.size(contact);
+        Zeros {
+            gap: size.touching_gap(),
+            gap_rounding: size.gap_rounding(),
+            rounding: size.velocity_rounding(),
+            velocity: size.touching_velocity(),
+        }
+    }
+
+    fn rest_speed(&self, contact: usize) -> f64 {
+        self.now.contacts.rest_speed(contact, self.now.state.time)
+    }
+
+    fn still(&self) -> Vec<(f64, f64)> {
+        vec![(0.0, 0.0); self.setup.restitution.len()]
+    }
+
+    fn restitution(&self, contact: usize) -> f64 {
+        self.setup.restitution[contact]
+    }
+
+    /// A bounce that stays within what counts as touching is none.
+    fn bounces(&mut self, contacts: &[usize], alone: bool) -> Vec<Bounce> {
+        let bounce = |&contact: &usize| {
+            let size = self.now.size(contact);
+            let lowest = if alone {
+                size.gap_rounding()
+            } else {
+                size.touching_gap()
+            };
+            let slowest = (2.0 * self.now.contacts.phi_scale(contact) * lowest).sqrt();
+            let slowest = slowest / self.setup.restitution[contact];
+            Bounce {
+                slowest: rest_velocity(self, contact).max(slowest),
+                press: -self.now.contacts.normal_acceleration(contact),
+            }
+        };
+        contacts.iter().map(bounce).collect()
+    }
+
+    fn solve(view: &View<'a>, touching: Touching, offsets: &[f64]) -> Result<Balance, ModeError> {
+        Balance::first(touching, view, offsets)
+    }
+
+    /// At the end of bounces contacts may strike one after the other where together they jam.
+    fn may_follow(&self, error: &ModeError, struck: &[usize]) -> bool {
+        let is_slow = |&i: &usize| {
+            let speed = -self.now.contacts.normal_velocity(i);
+            speed <= SLOW * self.now.size(i).speed()
+        };
+        *error == ModeError::Jammed && struck.iter().all(is_slow)
+    }
+}
+
+/// Normal velocity below which a contact with restitution no longer bounces.
+pub(super) fn rest_velocity(driver: &Driver<'_>, contact: usize) -> f64 {
+    let largest = driver.now.size(contact).speed();
+    let chosen = driver.setup.settings.rest_velocity;
+    chosen.unwrap_or(REST * largest)
+}
+
+/// Remembers the bounces of contacts that came with these speeds and stay, which were left out.
+pub(super) fn end_bounces(driver: &mut Driver<'_>, ended: &[(usize, f64)]) {
+    let time = driver.now.state.time;
+    for &(contact, speed) in ended {
+        if find(&driver.now.active, contact).is_some() {
+            let pull = -driver.now.contacts.normal_acceleration(contact);
+            let height = (driver.setup.restitution[contact] * speed).powi(2) / (2.0 * pull);
+            let end = EndOfBounces {
+                contact,
+                speed,
+                height,
+            };
+            driver.record.remarks.add_end(time, end);
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Forces that vanish, and friction that reaches its bound, between two samples of an element at which neither has.
 
 use super::detector::Detector;
-use super::switch::{FORCE_TOLERANCE, Switch, SwitchKind, bisect, keep_first, lowest};
+use super::switch::{FORCE_TOLERANCE, Switch, SwitchKind, keep_first};
 use crate::contact::{ActiveContact, force_count};
+use crate::enclosure::{Crossing, Sample, Watched, root};
 use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::FiniteElement;
 
@@ -76,7 +77,12 @@ fn dip(
 ) -> Result<Option<Switch>, ModeError> {
     let active = element.active();
     let held = active[slot];
-    let (lower, upper) = (detector.left(k - 1), detector.thetas[k]);
+    let zero = FORCE_TOLERANCE
+        * match kind {
+            SwitchKind::Exit => contacts.phi_scale(held.contact),
+            _ => contacts.tangential_scale(held.contact),
+        };
+    let places = [detector.left(k - 1), detector.thetas[k]];
     let mut forces = vec![0.0; force_count(active)];
     let mut failed = None;
     let mut value = |theta: f64| {
@@ -94,25 +100,25 @@ fn dip(
         let s = contacts.frictions(active, &forces).nth(slot);
         contacts.friction(held.contact) * r - s.map_or(f64::NAN, f64::abs)
     };
-    let start = value(lower);
-    let (bottom, depth) = lowest(&mut value, lower, upper);
-    let (left, _) = if depth < 0.0 {
-        bisect(&mut value, lower, bottom)
-    } else {
-        (lower, bottom)
+    let [from, to] = places.map(|at| Sample {
+        at,
+        value: value(at),
+    });
+    let found = Watched::Solved.first_fall(&mut detector.along, &mut value, (from, to), zero);
+    let fall = match found {
+        Crossing::Between(left, right) => Some((root(&mut value, left, right), left, right)),
+        Crossing::Nowhere => None,
+        // Shorter elements follow it.
+        Crossing::Undecided => return Err(ModeError::NotFinite),
     };
     if let Some(error) = failed {
         return Err(error);
     }
-    let scale = match kind {
-        SwitchKind::Exit => contacts.phi_scale(held.contact),
-        _ => contacts.tangential_scale(held.contact),
-    };
-    Ok((depth < -FORCE_TOLERANCE * scale).then(|| Switch {
+    Ok(fall.map(|(theta, left, right)| Switch {
         kind,
         contact: held.contact,
-        theta: left,
-        violated: bottom,
-        slope: (depth - start) / ((bottom - lower) * element.length()),
+        theta,
+        violated: right.at,
+        slope: (right.value - left.value) / ((right.at - left.at) * element.length()),
     }))
 }

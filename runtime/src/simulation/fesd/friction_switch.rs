@@ -2,9 +2,7 @@
 
 use super::detector::Detector;
 use super::stop::Stop;
-use super::switch::{
-    ElementStart, FORCE_TOLERANCE, Switch, SwitchKind, bisect, keep_first, lowest,
-};
+use super::switch::{ElementStart, FORCE_TOLERANCE, Switch, SwitchKind, bisect, keep_first};
 use crate::contact::{ActiveContact, find};
 use crate::fesd::contacts::Contacts;
 use crate::fesd::finite_element::FiniteElement;
@@ -78,7 +76,7 @@ pub(super) fn first_friction(
             None
         } else if held.state.sticks() {
             slipping(detector, element, contacts, held.contact, k)
-        } else if held.state.sense() != 0.0 {
+        } else if held.state.sense() != 0.0 && !detector.steady[held.contact] {
             stopping(detector, element, contacts, start, held, k)?
         } else {
             None
@@ -125,12 +123,13 @@ fn stopping(
     let rounding = detector.sizes[i].sliding_rounding();
     let row = samples(detector, i, k);
     let (before, value) = (row[k], row[k + 1]);
-    if value < -rounding {
-        if row[..=k].iter().any(|speed| *speed > rounding) {
-            let kind = SwitchKind::Stopping;
-            let switch = detector.between(kind, i, element, k, before.max(0.0), value);
-            return Ok(Some(switch));
-        }
+    let function = (SwitchKind::Stopping, i, held.state.sense());
+    let slides = row[..=k].iter().any(|speed| *speed > rounding);
+    let found = detector.falls((element, contacts), function, k, (before, value))?;
+    if found.is_some() || value >= -rounding {
+        return Ok(found);
+    }
+    if !slides {
         let back = stop_after_start(detector, element, contacts, i, k);
         if back.is_some() || k + 1 < detector.thetas.len() {
             return Ok(back);
@@ -148,11 +147,9 @@ fn stopping(
             slope: (value - before) / element.length(),
         }));
     }
-    if k > 0 && before <= row[k - 1] && before <= value && before < row[k - 1] - before {
-        let places = (detector.left(k - 1), detector.thetas[k]);
-        return Ok(brief_stop(detector, element, contacts, i, places, rounding));
-    }
-    Ok(None)
+    let kind = SwitchKind::Stopping;
+    let switch = detector.between(kind, i, element, k, before.max(0.0), value);
+    Ok(Some(switch))
 }
 
 /// Whether the forces at the start of the element accelerate a contact in the sense of its slip.
@@ -212,30 +209,5 @@ fn stop_after_start(
         theta: left,
         violated: right,
         slope,
-    })
-}
-
-/// A stop between three samples of which the middle one is the slowest.
-fn brief_stop(
-    detector: &mut Detector<'_>,
-    element: &FiniteElement<'_>,
-    contacts: &mut Contacts<'_>,
-    contact: usize,
-    (lower, upper): (f64, f64),
-    rounding: f64,
-) -> Option<Switch> {
-    let mut value = |theta: f64| slip_speed(detector, element, contacts, contact, theta);
-    let start = value(lower);
-    let (bottom, depth) = lowest(&mut value, lower, upper);
-    if depth >= -rounding {
-        return None;
-    }
-    let (left, _) = bisect(&mut value, lower, bottom);
-    Some(Switch {
-        kind: SwitchKind::Stopping,
-        contact,
-        theta: left,
-        violated: bottom,
-        slope: (depth - start) / ((bottom - lower) * element.length()),
     })
 }

@@ -2,7 +2,8 @@
 
 use super::driver::Driver;
 use super::settings::StepFormulation;
-use crate::contact::force_count;
+use crate::contact::{find, force_count};
+use crate::enclosure::hide;
 use crate::simulation::hidden_force::mean_change;
 
 /// Share of the tolerance above which a difference counts: an element that is as long as its tolerance allows has
@@ -19,12 +20,28 @@ pub(super) fn acts(driver: &mut Driver<'_>, share: f64) -> bool {
     if driver.setup.settings.formulation != StepFormulation::ActiveSet {
         return false;
     }
+    let acting = driver
+        .detector
+        .along
+        .hiding(|i| find(element.active(), i).is_some());
+    if acting.is_empty() {
+        return false;
+    }
+    let parts = match driver.detector.along.calm_parts(&acting) {
+        None => return true,
+        Some(parts) if !hide(&parts) => return false,
+        Some(parts) => parts,
+    };
+    let parts = parts.iter().filter(|part| part[0] < share);
+    let parts: Vec<[f64; 2]> = parts
+        .map(|part| part.map(|at| (at / share).min(1.0)))
+        .collect();
     let (n, length) = (driver.now.state.v.len(), share * element.length());
     let (contacts, active) = (&mut driver.now.contacts, element.active());
     let mut weights = vec![0.0; driver.setup.tableau.stages()];
     let mut x = driver.now.x.clone();
     let mut forces = vec![0.0; force_count(active)];
-    let change = mean_change((length, driver.setup.horizon), n, |place, acceleration| {
+    let change = mean_change(&parts, n, |place, acceleration| {
         let theta = share * place;
         driver.setup.tableau.dense_weights(theta, &mut weights);
         element.interpolate(theta, &weights, &mut x);
@@ -47,6 +64,6 @@ pub(super) fn acts(driver: &mut Driver<'_>, share: f64) -> bool {
         };
         change * length / (size.max(element.end.v[k].abs()) + f64::MIN_POSITIVE)
     };
-    let shares = change.into_iter().flatten().enumerate().map(share);
+    let shares = change.into_iter().enumerate().map(share);
     shares.fold(0.0, f64::max) > COUNTS * tolerance
 }

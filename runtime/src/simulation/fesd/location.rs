@@ -25,7 +25,6 @@ pub(super) fn violation(driver: &mut Driver<'_>) -> Result<Option<Switch>, Stop>
         forces: &driver.now.forces,
         acceleration: &driver.now.acceleration,
         time: driver.now.state.time,
-        horizon: driver.setup.horizon,
         motion: driver
             .control
             .tolerance
@@ -228,6 +227,7 @@ pub(super) fn locate_one(
     let mut slope = switch.slope * count as f64;
     let mut previous: Option<(f64, f64)> = None;
     let mut largest = driver.now.gaps[switch.contact].abs();
+    let mut passed = false;
     for _ in 0..MAX_LOCATIONS {
         let value = switch_condition(driver, switch, length, count)?;
         if previous.is_none() {
@@ -240,6 +240,7 @@ pub(super) fn locate_one(
             }
         }
         previous = Some((length, value));
+        passed |= value <= 0.0;
         if value > 0.0 {
             before = length;
         } else {
@@ -263,7 +264,10 @@ pub(super) fn locate_one(
                     let least = least.max(LEAST_LEAP * extent(&driver.now.x, longest));
                     let bound = (LEAPS * largest).max(least);
                     // Of schemes whose last stage is not the end of an element gaps jump there by themselves.
-                    if value.abs() > bound && driver.setup.tableau.stiffly_accurate() {
+                    if value.abs() > bound && !passed {
+                        // A dip that elements of other lengths do not have was an error of one.
+                        Err(Stop::Location)
+                    } else if value.abs() > bound && driver.setup.tableau.stiffly_accurate() {
                         Err(Stop::Leap(switch.contact, begin + length * count as f64))
                     } else {
                         Ok(())

@@ -11,8 +11,8 @@
 //! - a contact that slides comes to rest: `v_t,i = 0`.
 //!
 //! `driver` is the state of a run (`present`: where it is) and `stepping` its loop, with lengths by `error_control`;
-//! `detection` looks for switches (`gap_switch`, `between_samples`, `friction_switch`, `force_dips`), `location` finds where they are, `mode_change` carries them
-//! out (`edge`, `impacts`, `bounces`), `program` solves a step as a whole.
+//! `detection` looks for switches (`gap_switch`, `friction_switch`, `force_dips`) by bounds (`crate::enclosure`), `location` finds where they are, `mode_change` carries them
+//! out (what happens at an instant is told by `run`), `standstill` is rest between switches, `program` solves a step as a whole.
 //!
 //! Without a named number of steps the run promises an accuracy and checks it (`accuracy`).
 //!
@@ -24,28 +24,23 @@
 //! this with elements in numerical time.
 
 mod accuracy;
-mod between_samples;
-mod bounces;
 mod detection;
 mod detector;
 mod diagnosis;
 mod driver;
-mod edge;
 mod error_control;
 mod estimate;
 mod force_dips;
 mod friction_switch;
 mod gap_switch;
 mod hidden_force;
-mod impacts;
 mod location;
 mod mode_change;
 mod present;
 mod program;
-mod resets;
-mod rest;
 mod settings;
 mod size;
+mod standstill;
 mod stepping;
 mod stop;
 mod switch;
@@ -127,7 +122,7 @@ impl Simulator for Fesd {
                     run
                 } else {
                     hand_over::unless_solved(run, may_be_its_own, &OTHER, &mut watch, |watch| {
-                        event::simulate_instead(promise, (model, problem), watch)
+                        event::simulate_instead((promise, self.max_step), (model, problem), watch)
                     })
                 }
             }
@@ -148,6 +143,11 @@ impl Simulator for Fesd {
     fn set_tolerance(&mut self, tolerance: f64) -> Result<(), InputError> {
         self.tolerance = Some(tolerance);
         Ok(())
+    }
+
+    fn set_max_step(&mut self, seconds: f64) -> Result<(), InputError> {
+        self.max_step = Some(seconds);
+        self.tableau().map(|_| ())
     }
 
     fn set_steps(&mut self, steps: usize) -> Result<(), InputError> {

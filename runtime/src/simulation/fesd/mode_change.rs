@@ -2,13 +2,18 @@
 
 use super::driver::Driver;
 use super::switch::{Switch, SwitchKind};
-use super::{bounces, edge, impacts, resets};
 use crate::contact::edge::leading;
-use crate::contact::impact;
-use crate::contact::{ActiveContact, ContactState, find};
+use crate::contact::find;
+use crate::contact::impact::{close_gaps, hold};
 use crate::fesd::contact_mode;
 use crate::fesd::contacts::ModeError;
-use crate::simulation::EventKind;
+use crate::run::{Instant, impact, resets};
+use crate::simulation::{EventKind, changes};
+
+/// What a run says of flights that it leaves out, where they begin with more than the share [`FELT`] of the velocity.
+pub(super) const LOW_FLIGHTS: &str =
+    "flights lower than the rounding error of their gap are left out";
+const FELT: f64 = 1e-6;
 
 /// Carries out a located switch at the present state.
 pub(super) fn carry_out(driver: &mut Driver<'_>, switch: Switch) -> Result<(), ModeError> {
@@ -39,8 +44,7 @@ fn largest_from_here(driver: &mut Driver<'_>, switch: Switch) -> usize {
     }
     let seen = others.iter().copied().chain([switch.contact]);
     driver.now.evaluate_contacts(seen);
-    let zeros = |i| edge::zeros(driver, i);
-    let (largest, _) = leading(&driver.now.contacts, switch.contact, zeros);
+    let (largest, _) = leading(&driver.now.contacts, switch.contact, |i| driver.zeros(i));
     if largest != switch.contact {
         driver.now.contacts.pieces.let_act(model, largest);
     }
@@ -82,15 +86,22 @@ fn settle_after(
     located: Option<usize>,
 ) -> Result<(), ModeError> {
     let v_before = driver.now.state.v.clone();
+    let contacts = driver.setup.contacts();
     let previous = driver.now.active.clone();
+    let from: Vec<_> = contacts.clone().map(|i| driver.state(i)).collect();
     let mut set = resets::set(driver, located);
     let mut struck = change_mode(driver, switched, &mut set)?;
-    while resets::set_turned(driver, &previous, &mut set) {
+    while resets::set_turned(driver, &from, &mut set) {
         // What was set may lead into a surface, or change what holds.
         driver.now.active.clone_from(&previous);
         struck.extend(change_mode(driver, switched, &mut set)?);
     }
-    record_events(driver, (&struck, &set), &previous, &v_before);
+    let to: Vec<_> = contacts.map(|i| driver.state(i)).collect();
+    let declared = driver.setup.model.declaration().contacts;
+    let at_start = driver.now.state.time == 0.0;
+    for (kind, i) in changes::of(declared, (&from, &to), (&struck, &set), at_start) {
+        driver.record_event(kind, i, v_before.clone());
+    }
     driver.element.set_mode(&driver.now.active);
     driver.element.set_frames(driver.now.contacts.frames());
     driver.evaluate_state()
@@ -109,57 +120,55 @@ fn change_mode(
     // Dry friction has no impulses, and it acts always.
     let dry = touching.iter().position(|&i| driver.now.contacts.is_dry(i));
     let (surfaces, dry) = touching.split_at(dry.unwrap_or(touching.len()));
-    let impact = edge::carry_out(driver, surfaces)?;
+    let impact = impact::carry_out(driver, surfaces)?;
+    driver.now.numerical_time += impact.impulse / driver.setup.settings.auxiliary_acceleration;
     if !impact.struck.is_empty() {
         set.extend(resets::set(driver, None));
     }
     let now = &mut driver.now;
-    let surfaces = impact.cluster.as_deref().unwrap_or(surfaces);
     // At an edge the impact may have led to another piece.
     let acting = surfaces.iter().map(|&i| now.contacts.pieces.acting(i));
     let touching: Vec<usize> = acting.chain(dry.iter().copied()).collect();
     let time = now.state.time;
     contact_mode::select(&mut now.contacts, &now.x, &touching, time, &mut now.active)?;
-    bounces::end_cascades(driver, &impact.ended);
+    let stays = |end: &impact::EndOfBounces| find(&driver.now.active, end.contact).is_some();
+    let mut impact = impact;
+    impact.ended.retain(stays);
+    driver.record.remarks.add(time, &impact);
     if !driver.now.active.is_empty() {
         let active: Vec<usize> = driver.now.active.iter().map(|held| held.contact).collect();
-        if impact.cluster.is_some() {
+        if impact.in_turn {
             // A cluster ends within gaps that are more than rounding.
-            impacts::project(driver, &active)?;
+            project(driver, &active)?;
         }
         driver.now.evaluate_contacts(active);
-        bounces::note_held_flights(driver);
+        note_held_flights(driver);
         let now = &mut driver.now;
-        impact::hold(&now.contacts, &now.active, &mut now.state.v)?;
+        hold(&now.contacts, &now.active, &mut now.state.v)?;
     }
     Ok(impact.struck)
 }
 
-/// Records the conditions that came true and were `set`, the impacts of the contacts that were `struck`, and what has changed since the contacts of `previous` were held.
-fn record_events(
-    driver: &mut Driver<'_>,
-    (struck, set): (&[usize], &[usize]),
-    previous: &[ActiveContact],
-    v_before: &[f64],
-) {
-    for &i in set {
-        driver.record_event(EventKind::When, i, v_before.to_vec());
+/// Says whether contacts are held that leave with a velocity others could feel: more than rounding leaves of one that rests.
+pub(super) fn note_held_flights(driver: &mut Driver<'_>) {
+    let now = &driver.now;
+    let leaves = |&i: &usize| {
+        let size = now.size(i);
+        let felt = (FELT * size.speed()).max(size.touching_velocity());
+        now.contacts.normal_velocity(i) > felt
+    };
+    let held: Vec<usize> = now.active.iter().map(|held| held.contact).collect();
+    if held.iter().any(leaves) {
+        driver.note(LOW_FLIGHTS);
     }
-    // A contact that already carried a force takes part in the impact without one of its own.
-    for &i in struck {
-        driver.record_event(EventKind::Impact, i, v_before.to_vec());
+}
+
+/// Moves the present positions onto the surfaces of `close` contacts, along their directions.
+pub(super) fn project(driver: &mut Driver<'_>, close: &[usize]) -> Result<(), ModeError> {
+    let now = &mut driver.now;
+    for _ in 0..3 {
+        now.evaluate_contacts(close.iter().copied());
+        close_gaps(&now.contacts, close, &mut now.state.q)?;
     }
-    for i in driver.setup.contacts() {
-        let state = |active| find(active, i).unwrap_or(ContactState::Open);
-        let (before, now) = (state(previous), state(&driver.now.active));
-        // What is closed at the start, or has been struck, is no event of its own.
-        let lands = before.is_open() && (struck.contains(&i) || driver.now.state.time == 0.0);
-        let is_condition = !before.is_open() && !now.is_open() && resets::is_condition(driver, i);
-        if let Some(kind) = EventKind::between(before, now)
-            && !lands
-            && !is_condition
-        {
-            driver.record_event(kind, i, v_before.to_vec());
-        }
-    }
+    Ok(())
 }

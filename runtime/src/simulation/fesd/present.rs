@@ -179,7 +179,12 @@ impl<'a> Present<'a> {
     ) {
         let (n, m) = (self.state.q.len(), self.u.len());
         let mut row = vec![0.0; self.gaps.len()];
-        for (held, &r) in self.active.iter().zip(forces) {
+        // Of a mode that could not be entered no forces are known.
+        let active = match force_count(&self.active) == forces.len() {
+            true => &self.active[..],
+            false => &[],
+        };
+        for (held, &r) in active.iter().zip(forces) {
             row[held.contact] = self.contacts.force(held.contact, r);
         }
         trajectory.push(
@@ -192,8 +197,8 @@ impl<'a> Present<'a> {
         );
         if friction {
             row.fill(0.0);
-            let frictions = self.contacts.frictions(&self.active, forces);
-            for ((held, s), r) in self.active.iter().zip(frictions).zip(forces) {
+            let frictions = self.contacts.frictions(active, forces);
+            for ((held, s), r) in active.iter().zip(frictions).zip(forces) {
                 let part = self.contacts.rest.as_ref();
                 let part = part.and_then(|rest| rest.part(held.contact));
                 let s = part.map_or(s, |part| -part * self.contacts.friction(held.contact) * r);

@@ -7,10 +7,10 @@
 use hangtime_solver::mpcc;
 use hangtime_solver::nlp::IterationInfo;
 
-use super::driver::Driver;
+use super::driver::{Driver, end_bounces, rest_velocity};
+use super::mode_change;
 use super::settings::StepFormulation;
 use super::stop::Stop;
-use super::{bounces, impacts, mode_change};
 use crate::contact::{ActiveContact, ContactState, find};
 use crate::contact::{impact, sharing};
 use crate::dcs::HeavisideSystem;
@@ -204,7 +204,7 @@ fn try_program(
             continue;
         }
         let ended = bounces_left_out(driver, &program, &solution.x, resting);
-        let slow = |&(i, speed): &(usize, f64)| speed <= bounces::rest_velocity(driver, i);
+        let slow = |&(i, speed): &(usize, f64)| speed <= rest_velocity(driver, i);
         if ended.iter().all(slow) {
             let (start, events) = (driver.now.state.time, driver.record.events.len());
             take(driver, &program, &solution)?;
@@ -218,7 +218,7 @@ fn try_program(
             }
             // The clock of the program ends there up to its residual.
             driver.now.state.time = end;
-            bounces::end_cascades(driver, &ended);
+            end_bounces(driver, &ended);
             return Ok(true);
         }
     }
@@ -284,7 +284,7 @@ fn follow(driver: &mut Driver<'_>, program: &Transcription<'_>, x: &[f64]) -> Re
         .filter(|&i| followed.phases[i] != Phase::Free)
         .collect();
     close_joints(driver)?;
-    impacts::project(driver, &close)?;
+    mode_change::project(driver, &close)?;
     // The velocities are along the surface at the position before; it has another normal where that has been moved to.
     let now = &mut driver.now;
     now.evaluate_contacts(now.active.clone().iter().map(|held| held.contact));

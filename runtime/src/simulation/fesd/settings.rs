@@ -74,6 +74,8 @@ pub struct Fesd {
     /// one; where they differ by more than is promised, tighter ones follow, and where these still differ the
     /// status is [`Inaccurate`](crate::simulation::SimulationStatus::Inaccurate).
     pub tolerance: Option<f64>,
+    /// Longest element under error control \[s\]. Default a tenth of the horizon.
+    pub max_step: Option<f64>,
     /// Events of a run before it ends with
     /// [`EventLimit`](crate::simulation::SimulationStatus::EventLimit), whatever the horizon. Default 2,000,000.
     pub most_events: usize,
@@ -108,6 +110,7 @@ impl Default for Fesd {
             steps: None,
             elements: 3,
             tolerance: None,
+            max_step: None,
             most_events: 2_000_000,
             most_elements: 300_000,
             formulation: StepFormulation::ActiveSet,
@@ -209,6 +212,11 @@ impl Fesd {
             && !(1e-14..=1e-1).contains(&tolerance)
         {
             return refuse("tolerance", tolerance, "", "from 1e-14 to 0.1".into());
+        }
+        if let Some(max_step) = self.max_step
+            && (max_step <= 0.0 || max_step.is_nan())
+        {
+            return refuse("longest step", max_step, "s", "above 0".into());
         }
         if !(self.auxiliary_acceleration.is_finite() && self.auxiliary_acceleration > 0.0) {
             return refuse(

@@ -5,13 +5,13 @@ use hangtime_solver::clock::ThreadTime;
 use super::diagnosis::{self, MAX_SWITCHES};
 use super::driver::Driver;
 use super::error_control::ErrorControl;
-use super::rest::BURST;
 use super::settings::{Fesd, StepFormulation};
 use super::stop::Stop;
-use super::{bounces, hidden_force, impacts, location, mode_change, program, rest};
+use super::{hidden_force, location, mode_change, program, standstill};
 use crate::fesd::contacts::ModeError;
 use crate::fesd::finite_element::{ElementError, newton};
 use crate::model::{edge, joint_rows};
+use crate::run::rest::BURST;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::problem::MOMENT;
 use crate::simulation::watch::Watch;
@@ -52,8 +52,11 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
     if let Some(note) = driver.explicit_time.as_ref().and_then(ExplicitTime::note) {
         driver.note(&note);
     }
-    bounces::note_cascades(&mut driver);
-    impacts::note_energy_gains(&mut driver);
+    let remarks = driver
+        .record
+        .remarks
+        .notes(driver.setup.model.declaration());
+    driver.record.notes.extend(remarks);
     let newton = driver.element.counts;
     let other = driver.next_element.counts;
     driver.record.counts.events = driver.events();
@@ -61,6 +64,9 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
     driver.record.counts.factorizations = newton.factorizations + other.factorizations;
     driver.record.counts.evaluations =
         newton.evaluations + other.evaluations + driver.now.contacts.evaluations;
+    let model = driver.setup.model;
+    let interpolated = driver.detector.interpolated.iter();
+    let interpolated = interpolated.map(|function| function.name(model));
     let mut run = Simulation {
         declaration: driver.setup.model.declaration(),
         status,
@@ -75,6 +81,7 @@ pub(super) fn run(mut driver: Driver<'_>, watch: &mut Watch<'_>) -> Simulation {
             total: clock.elapsed().as_secs_f64(),
             ..Seconds::default()
         },
+        interpolated: Some(interpolated.collect()),
         notes: driver.record.notes,
     };
     if run.status.is_solved() {
@@ -155,7 +162,7 @@ fn leave_the_ground(driver: &mut Driver<'_>) {
         return;
     }
     let start = now.state.q.clone();
-    if impacts::project(driver, &inside).is_err() {
+    if mode_change::project(driver, &inside).is_err() {
         driver.now.state.q = start;
     }
 }
@@ -236,11 +243,11 @@ fn advance(
         if driver.setup.settings.formulation == StepFormulation::Complementarity {
             program::solve_program(driver, piece_end, watch)
                 .map_err(|stop| diagnosis::stopped(driver, number, &stop))?;
-        } else if rest::rests(driver) {
-            rest::rest(driver, piece_end)
+        } else if standstill::rests(driver) {
+            standstill::rest(driver, piece_end)
                 .map_err(|error| diagnosis::stopped(driver, number, &Stop::Mode(error)))?;
         } else if let Err(status) = attempt(driver, &mut step, piece_end, watch) {
-            match rest::comes_to_rest(driver) {
+            match standstill::comes_to_rest(driver) {
                 Ok(true) => {}
                 Ok(false) => return Err(status),
                 Err(error) => return Err(diagnosis::stopped(driver, number, &Stop::Mode(error))),

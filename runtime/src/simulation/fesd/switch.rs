@@ -49,26 +49,8 @@ pub(super) struct ElementStart<'a> {
     pub(super) acceleration: &'a [f64],
     /// Time [s].
     pub(super) time: f64,
-    /// That of the end of the run [s].
-    pub(super) horizon: f64,
     /// The motion by which the gaps of active contacts are measured, where errors are controlled.
     pub(super) motion: Option<&'a MotionSize>,
-}
-
-/// Place and value of the minimum of `value` between `lower` and `upper`, by golden section.
-pub(super) fn lowest(value: &mut dyn FnMut(f64) -> f64, lower: f64, upper: f64) -> (f64, f64) {
-    let (mut a, mut b) = (lower, upper);
-    let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-    for _ in 0..60 {
-        let (left, right) = (b - ratio * (b - a), a + ratio * (b - a));
-        if value(left) <= value(right) {
-            b = right;
-        } else {
-            a = left;
-        }
-    }
-    let bottom = 0.5 * (a + b);
-    (bottom, value(bottom))
 }
 
 /// Halves an interval 60 times around the root of a `value` that is positive on its left and not on its right.

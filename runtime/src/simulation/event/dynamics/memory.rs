@@ -1,6 +1,7 @@
 //! What the dynamics remember of an evaluation: mode, switching functions, equations.
 
 use super::sparse::Sparse;
+use crate::contact::shares::Shares;
 use crate::contact::{ContactState, Line};
 
 /// The contact mode.
@@ -71,6 +72,10 @@ pub(super) struct Equations {
     /// Where a row has components.
     pub(super) support: Vec<usize>,
     pub(super) right: Vec<f64>,
+    /// The right-hand sides of the last solution.
+    pub(super) wanted: Vec<f64>,
+    /// Where its rows follow from each other, the ways to share its forces.
+    pub(super) shares: Option<Shares>,
     /// Normal and tangential contact accelerations at the last evaluation.
     pub(super) r: Vec<f64>,
     pub(super) s: Vec<f64>,
@@ -88,6 +93,8 @@ impl Equations {
             sparse: Sparse::default(),
             support: Vec::new(),
             right: vec![0.0; rows],
+            wanted: Vec::new(),
+            shares: None,
             r: vec![0.0; contacts],
             s: vec![0.0; contacts],
             across: vec![0.0; contacts],

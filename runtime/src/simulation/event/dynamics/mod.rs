@@ -24,6 +24,7 @@ use std::ops::{Deref, DerefMut};
 
 pub(in crate::simulation) use crate::contact::dot;
 use crate::contact::{ContactState, Direction, View, stuck};
+use crate::enclosure::Bounds;
 use crate::joints::Joints;
 use crate::model::rounding::{rounding_error, rounding_error_at_start};
 use crate::model::{
@@ -156,6 +157,7 @@ impl<'a> Dynamics<'a> {
             },
             counts: Counts::default(),
             seconds: Seconds::default(),
+            interpolated: None,
             notes: Vec::new(),
         }
     }
@@ -229,11 +231,6 @@ impl<'a> Dynamics<'a> {
     /// Evaluates one contact, and its tangential side if it has friction, at the state loaded.
     pub(in crate::simulation) fn evaluate_sides(&mut self, contact: usize) {
         self.view.evaluate_sides(contact, &self.x);
-    }
-
-    /// Whether the ground of a contact moves as last evaluated.
-    pub(in crate::simulation) fn ground_moves(&self, contact: usize) -> bool {
-        self.view.ground_moves(contact, &self.x[self.n..2 * self.n])
     }
 
     /// The sliding contact with the smallest [`gain`](Self::gain), and that.
@@ -435,8 +432,9 @@ impl<'a> Dynamics<'a> {
             switching.lowest[contact] = value;
             switching.highest[contact] = value;
         };
+        let mut bounds = Bounds::new(view.model);
         let least_gap =
-            |contact: usize, low: &[f64], high: &[f64]| view.model.least_gap(contact, low, high);
+            |contact: usize, low: &[f64], high: &[f64]| bounds.least_gap(contact, low, high);
         self.near.look(least_gap, now, self.explicit_time, place);
     }
 

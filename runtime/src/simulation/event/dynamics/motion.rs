@@ -182,6 +182,7 @@ impl System for Dynamics<'_> {
             if let Some(sign) = rows::solve_rows(self, rows, true) {
                 self.orientation = sign;
                 rows::add_columns(self, rows, true, &mut dy[n..2 * n]);
+                rows::share(self, rows);
             } else {
                 self.equations.right[..rows].fill(f64::NAN);
                 dy[n..2 * n].fill(f64::NAN);

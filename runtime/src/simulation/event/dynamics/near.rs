@@ -1,7 +1,7 @@
 //! Which contacts may close within the next steps, in scenes with many.
 //!
 //! Most pairs of many bodies are far apart. Around the present state lies a box that the motion leaves after some steps at the earliest;
-//! where the gap of a contact stays above zero in the whole box ([`Model::least_gap`]), neither its gap nor what counts as zero of
+//! where the gap of a contact stays above zero in the whole box ([`Bounds::least_gap`](crate::enclosure::Bounds::least_gap)), neither its gap nor what counts as zero of
 //! it is looked at until the motion leaves the box. In place of its gap stands that bound.
 
 use crate::model::Model;
@@ -100,7 +100,7 @@ impl Near {
     /// may close in it by their `least_gap` there. Calls `place` with those that may not and their bounds, and with those of which that is news.
     pub(super) fn look(
         &mut self,
-        least_gap: impl Fn(usize, &[f64], &[f64]) -> Option<f64>,
+        mut least_gap: impl FnMut(usize, &[f64], &[f64]) -> Option<f64>,
         (x, a): (&[f64], &[f64]),
         timed: bool,
         mut place: impl FnMut(usize, Option<f64>),

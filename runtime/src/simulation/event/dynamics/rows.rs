@@ -3,6 +3,7 @@
 use super::sparse::Sparse;
 use super::{Dynamics, dot};
 use crate::contact::Line;
+use crate::contact::shares::{self, Shares};
 use crate::linalg::banded::Unfactorized;
 use crate::linalg::small_system;
 
@@ -132,12 +133,27 @@ fn couple_sparsely(dynamics: &Dynamics<'_>, (rows, slipping): (usize, bool), spa
                 sparse.entries.push((row, column, sum));
             }
         }
+        if acts_by_nothing(dynamics, row) {
+            sparse.entries.push((row, row, 1.0));
+        }
     }
     sparse.starts.push(sparse.entries.len());
 }
 
-/// Solves many rows by those of their couplings that do not vanish; none where they are not few.
-fn solve_sparsely(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<Option<f64>> {
+/// Whether the force of a row that holds a switch changes nothing, as where its jump begins to grow: any force solves its row there.
+fn acts_by_nothing(dynamics: &Dynamics<'_>, row: usize) -> bool {
+    let normals = dynamics.mode.active.len();
+    let Some(&Line::Tangent { contact, .. }) =
+        dynamics.mode.sticking.get(row.wrapping_sub(normals))
+    else {
+        return false;
+    };
+    let still = |d: &f64| *d == 0.0;
+    dynamics.switch_of(contact).is_some() && dynamics.friction_direction(contact).iter().all(still)
+}
+
+/// Solves many rows by those of their couplings that do not vanish; none where they are not few, or depend on each other.
+fn solve_sparsely(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
     let mut sparse = std::mem::take(&mut dynamics.equations.sparse);
     sparse.holds = rows >= MANY;
     let mut solved = None;
@@ -146,42 +162,86 @@ fn solve_sparsely(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> O
         match sparse.factors.factorize(rows, &sparse.entries, SINGULAR) {
             Ok(()) => {
                 sparse.factors.solve(&mut dynamics.equations.right[..rows]);
-                solved = Some(Some(sparse.factors.sign()));
+                solved = Some(sparse.factors.sign());
             }
-            Err(Unfactorized::Singular) => solved = Some(None),
-            Err(Unfactorized::Wide) => sparse.holds = false,
+            Err(Unfactorized::Singular | Unfactorized::Wide) => sparse.holds = false,
         }
     }
     dynamics.equations.sparse = sparse;
     solved
 }
 
-/// Solves for the unknowns of the first `rows` rows. Returns the sign of the determinant, `None` if they are
-/// dependent.
+/// Solves for the unknowns of the first `rows` rows. Returns the sign of the determinant, 1 where rows follow from others, and `None` where
+/// they contradict each other.
 pub(super) fn solve_rows(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
+    dynamics.equations.shares = None;
     if let Some(solved) = solve_sparsely(dynamics, rows, slipping) {
-        return solved;
+        return Some(solved);
     }
     let mut couplings = std::mem::take(&mut dynamics.equations.couplings);
     let mut support = std::mem::take(&mut dynamics.equations.support);
     couplings.resize(rows * rows, 0.0);
     for (row, couplings) in couplings.chunks_exact_mut(rows.max(1)).enumerate() {
         couple(dynamics, (row, slipping), &mut support, couplings);
+        if acts_by_nothing(dynamics, row) {
+            couplings[row] = 1.0;
+        }
     }
     dynamics.equations.couplings = couplings;
     dynamics.equations.support = support;
-    solve_again(dynamics, rows)
+    let solved = solve_again(dynamics, (rows, slipping))?;
+    if let Some(shares) = &dynamics.equations.shares
+        && slipping
+        && shares.contradict(&dynamics.view, &lines(dynamics, (rows, slipping)))
+    {
+        return None;
+    }
+    Some(solved)
 }
 
 /// Solves the rows of the last solution for other right-hand sides.
-fn solve_again(dynamics: &mut Dynamics<'_>, rows: usize) -> Option<f64> {
+fn solve_again(dynamics: &mut Dynamics<'_>, (rows, slipping): (usize, bool)) -> Option<f64> {
     let equations = &mut dynamics.equations;
     if equations.sparse.holds {
         equations.sparse.factors.solve(&mut equations.right[..rows]);
         return Some(equations.sparse.factors.sign());
     }
     equations.matrix.clone_from(&equations.couplings);
-    small_system::solve(&mut equations.matrix, &mut equations.right[..rows])
+    equations.wanted.clear();
+    equations.wanted.extend(&equations.right[..rows]);
+    let solved = small_system::solve(&mut equations.matrix, &mut equations.right[..rows]);
+    if solved.is_some() {
+        return solved;
+    }
+    let lines = lines(dynamics, (rows, slipping));
+    let (view, equations) = (&dynamics.view, &mut dynamics.equations);
+    let shares = Shares::of(view, &lines, &equations.couplings, &equations.wanted).ok()?;
+    equations.right[..rows].copy_from_slice(&shares.forces);
+    equations.shares = Some(shares);
+    Some(1.0)
+}
+
+/// The lines of the first rows, of which those that slide carry friction where they are `slipping`.
+fn lines(dynamics: &Dynamics<'_>, (rows, slipping): (usize, bool)) -> Vec<Line> {
+    let own = |row: usize| match dynamics.mode.active.get(row) {
+        Some(&contact) if slipping => {
+            let slope = dynamics.mode.states[contact].force_ratio(dynamics.frictions(contact));
+            Line::Normal { contact, slope }
+        }
+        _ => line(dynamics, row),
+    };
+    (0..rows).map(own).collect()
+}
+
+/// Takes the forces of the last solution that the farthest inside of their laws, where there are several with the same motion.
+pub(super) fn share(dynamics: &mut Dynamics<'_>, rows: usize) {
+    let Some(shares) = dynamics.equations.shares.take() else {
+        return;
+    };
+    if shares.are_many() {
+        let rooms = shares::rooms(&dynamics.view, &lines(dynamics, (rows, true)));
+        dynamics.equations.right[..rows].copy_from_slice(&shares.inside(&rooms));
+    }
 }
 
 /// `to += sum_row column_row right_row` over the first rows.
@@ -262,7 +322,7 @@ pub(super) fn refine(dynamics: &mut Dynamics<'_>, rows: usize, a: &mut [f64]) {
             _ => dynamics.contact_accelerations(held.contact(), a).1,
         };
     }
-    if solve_again(dynamics, rows).is_some() {
+    if solve_again(dynamics, (rows, true)).is_some() {
         add_columns(dynamics, rows, true, a);
     }
 }

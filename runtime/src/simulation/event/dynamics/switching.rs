@@ -60,7 +60,7 @@ pub(in crate::simulation) fn accept_forces(dynamics: &mut Dynamics<'_>) {
 }
 
 /// Up to this a sliding velocity is that of a contact that others hold.
-fn held_velocity(dynamics: &Dynamics<'_>, contact: usize) -> f64 {
+pub(in crate::simulation) fn held_velocity(dynamics: &Dynamics<'_>, contact: usize) -> f64 {
     HELD * dynamics.zero_sliding_velocity(contact)
 }
 

@@ -1,6 +1,6 @@
 //! Steps in which something acts that their stages do not show.
 
-use crate::simulation::event::dop853::Dop853;
+use crate::simulation::event::dop853::{Dop853, System};
 use crate::simulation::event::dynamics::Dynamics;
 use crate::simulation::event::error_scale::ErrorScale;
 use crate::simulation::hidden_force::mean_change;
@@ -13,25 +13,23 @@ const BESIDE_TOLERANCE: f64 = 100.0;
 /// Tolerance above which nobody looks: such a run is not as accurate as what would count.
 pub(super) const LOOSE: f64 = 1e-6;
 
-/// Whether something acts besides contacts in the step of length `h` from `t` on, in a run to the `horizon`, that its stages do not show. The
-/// continuous extension of the `method` is ready.
+/// Whether something acts in the step of length `h` from `t` on, in each of whose `parts` nothing is hidden, that its stages do not show.
+/// The continuous extension of the `method` is ready.
 pub(super) fn acts(
     dynamics: &mut Dynamics<'_>,
     method: &Dop853,
     scale: &ErrorScale,
-    (t, h, horizon): (f64, f64, f64),
-    tolerance: f64,
+    (t, h): (f64, f64),
+    (parts, tolerance): (&[[f64; 2]], f64),
 ) -> bool {
     let n = dynamics.n;
-    let mut state = vec![0.0; 2 * n];
-    let change = mean_change((h, horizon), n, |place, acceleration| {
-        method.interpolate(place, &mut state);
-        dynamics.load(t + place * h, &state);
-        dynamics
-            .model
-            .free_acceleration(dynamics.input(), acceleration);
+    let (mut state, mut slope) = (vec![0.0; 2 * n + 1], vec![0.0; 2 * n + 1]);
+    let change = mean_change(parts, n, |place, acceleration| {
+        method.interpolate(place, &mut state[..2 * n]);
+        dynamics.derivative(t + place * h, &state, &mut slope);
+        acceleration.copy_from_slice(&slope[n..2 * n]);
     });
     let share = |(k, change): (usize, f64)| change * h / scale.allowed(n + k, h, 1.0);
-    let shares = change.into_iter().flatten().enumerate().map(share);
+    let shares = change.into_iter().enumerate().map(share);
     shares.fold(0.0, f64::max) > COUNTS.max(BESIDE_TOLERANCE * tolerance)
 }

@@ -2,11 +2,13 @@
 
 use super::impact::{EndOfBounces, Impact};
 use crate::model::Declaration;
-use crate::simulation::impulse;
+
+/// Said of bounces that a run leaves out.
+const STOPS: &str = "stops bouncing at";
 
 /// Collected remarks; they do not grow with the number of events.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Remarks {
+pub(crate) struct Remarks {
     simultaneous: bool,
     /// Of clusters of impacts.
     clusters: Vec<&'static str>,
@@ -31,32 +33,15 @@ struct Ends {
 
 impl Remarks {
     /// Remembers what an impact at `time` has to say.
-    pub(super) fn add(&mut self, time: f64, impact: &Impact) {
-        self.simultaneous |= impact.struck.len() > 1 && !impact.in_turn;
+    pub(crate) fn add(&mut self, time: f64, impact: &Impact) {
+        self.simultaneous |= impact.simultaneous;
         if let Some(note) = impact.cluster
             && !self.clusters.contains(&note)
         {
             self.clusters.push(note);
         }
-        for &EndOfBounces {
-            contact,
-            speed,
-            height,
-        } in &impact.ended
-        {
-            match self.ends.iter_mut().find(|end| end.contact == contact) {
-                Some(end) => {
-                    end.height = end.height.max(height);
-                    end.count += 1;
-                }
-                None => self.ends.push(Ends {
-                    contact,
-                    time,
-                    speed,
-                    height,
-                    count: 1,
-                }),
-            }
+        for &end in &impact.ended {
+            self.add_end(time, end);
         }
         if let (Some(energies), Some(&contact)) = (impact.energy_gain, impact.struck.first()) {
             self.gain.get_or_insert((time, contact, energies));
@@ -64,13 +49,35 @@ impl Remarks {
         }
     }
 
+    /// Remembers a bounce that was left out at `time`.
+    pub(crate) fn add_end(&mut self, time: f64, end: EndOfBounces) {
+        let EndOfBounces {
+            contact,
+            speed,
+            height,
+        } = end;
+        match self.ends.iter_mut().find(|end| end.contact == contact) {
+            Some(end) => {
+                end.height = end.height.max(height);
+                end.count += 1;
+            }
+            None => self.ends.push(Ends {
+                contact,
+                time,
+                speed,
+                height,
+                count: 1,
+            }),
+        }
+    }
+
     /// The remarks, one line each.
-    pub(super) fn notes(&self, declaration: &Declaration) -> Vec<String> {
+    pub(crate) fn notes(&self, declaration: &Declaration) -> Vec<String> {
         let mut notes = Vec::new();
         let contact = |i: usize| &declaration.contacts[i];
         if self.simultaneous {
             notes.push(
-                "simultaneous impacts are resolved by Moreau's law, all closed contacts at once"
+                "simultaneous impacts follow Moreau's law (all touching contacts in one linear complementarity problem)"
                     .into(),
             );
         }
@@ -94,19 +101,27 @@ impl Remarks {
                 count => format!("; so it does {} more times", count - 1),
             };
             notes.push(format!(
-                "`{name}` stops bouncing at {:.6} s, where it is struck with {:.1e} {speed_unit}{height}{more}",
+                "`{name}` {STOPS} {:.6} s, where it is struck with {:.1e} {speed_unit}{height}{more}",
                 end.time, end.speed
             ));
         }
         if let Some((time, i, (before, after))) = self.gain {
+            let that_raise = match self.gains {
+                1 => "1 impact raises".to_owned(),
+                gains => format!("{gains} impacts raise"),
+            };
             notes.push(format!(
-                "{} the kinetic energy, the first of `{}` at {time:.6} s from {before:.6e} to \
+                "{that_raise} the kinetic energy, the first of `{}` at {time:.6} s from {before:.6e} to \
                  {after:.6e}: restitution in the normal direction alone does so where friction or several \
                  contacts couple; lower the restitution",
-                impulse::that_raise(self.gains),
                 contact(i).name
             ));
         }
         notes
     }
+}
+
+/// Whether a run with these notes has left out bounces.
+pub(crate) fn leave_out_bounces(notes: &[String]) -> bool {
+    notes.iter().any(|note| note.contains(STOPS))
 }
