@@ -6,6 +6,9 @@ use super::path::Path;
 use super::range::Range;
 use crate::model::{Explicit, Model, Pieces};
 
+/// Most parts of a piece: a function that is confined to a hundred places of it is none of one step.
+const MOST_PARTS: usize = 1024;
+
 /// The ranges of explicit functions of a model, and of their slopes, over any part of a piece of a motion.
 ///
 /// Parts are shares of the piece, and slopes are by that share.
@@ -250,7 +253,7 @@ impl<'a> Along<'a> {
     /// Parts of the piece in each of which nothing is hidden in functions; none if there are too many.
     pub(crate) fn calm_parts(&mut self, functions: &[Explicit]) -> Option<Vec<[f64; 2]>> {
         let inputs = &self.inputs;
-        calm_parts(|part| {
+        calm_parts(MOST_PARTS, |part| {
             functions.iter().all(|&function| {
                 let asked = (function, f64::INFINITY);
                 self.bounds

@@ -116,16 +116,17 @@ impl Range {
         Self::between(f(self.low), f(self.high))
     }
 
-    /// The part of it where a function has values.
-    fn clamped(self, low: f64, high: f64) -> Self {
-        Self {
-            low: self.low.clamp(low, high),
-            high: self.high.clamp(low, high),
+    /// Of a function that has values between these two only: any number where it may have none, so that nobody takes the motion for known
+    /// beyond the place where the function ends.
+    fn inside(self, low: f64, high: f64, f: impl Fn(f64) -> f64) -> Self {
+        if self.low < low || self.high > high {
+            return Self::ALL;
         }
+        self.monotone(f)
     }
 
     pub(crate) fn root(self) -> Self {
-        self.clamped(0.0, f64::INFINITY).monotone(f64::sqrt)
+        self.inside(0.0, f64::INFINITY, f64::sqrt)
     }
 
     /// Whether it contains a place `first + k period`.
@@ -156,17 +157,17 @@ impl Range {
             Function::Cos => self.wave(0.0, f64::cos),
             Function::Tan if !self.width().is_finite() || self.meets(FRAC_PI_2, PI) => Self::ALL,
             Function::Tan => self.monotone(f64::tan),
-            Function::Asin => self.clamped(-1.0, 1.0).monotone(f64::asin),
-            Function::Acos => self.clamped(-1.0, 1.0).monotone(f64::acos),
+            Function::Asin => self.inside(-1.0, 1.0, f64::asin),
+            Function::Acos => self.inside(-1.0, 1.0, f64::acos),
             Function::Atan => self.monotone(f64::atan),
             Function::Sinh => self.monotone(f64::sinh),
             Function::Cosh => self.size().monotone(f64::cosh),
             Function::Tanh => self.monotone(f64::tanh),
             Function::Exp => self.monotone(f64::exp),
-            Function::Ln => self.clamped(0.0, f64::INFINITY).monotone(f64::ln),
+            Function::Ln => self.inside(0.0, f64::INFINITY, f64::ln),
             Function::Cbrt => self.monotone(f64::cbrt),
             Function::Root => self.root(),
-            Function::InverseRoot if self.low <= 0.0 => Self::between(0.0, f64::INFINITY),
+            Function::InverseRoot if self.low <= 0.0 => Self::ALL,
             Function::InverseRoot => self.monotone(inverse_root),
             Function::Abs => self.size(),
             Function::Sign => self.monotone(f64::signum),
@@ -215,7 +216,11 @@ impl Range {
             Function::Sinh | Function::Cosh => self.width() <= CALM,
             Function::Tanh => self.width() <= CALM || self.size().low > SATURATED,
             Function::Atan => self.width() <= CALM + self.size().low,
-            Function::Tan => self.call(function).width() <= CALM,
+            // Beside a pole it is the inverse of the way to it, which a few places tell as far as that keeps its size.
+            Function::Tan => {
+                let values = self.call(function);
+                values.width() <= CALM + values.size().low
+            }
             Function::Profile(pieces, _) => {
                 let inner = pieces.iter().skip(1).map(|piece| piece.0);
                 let inner = inner.filter(|from| self.low < *from && *from < self.high);
@@ -237,8 +242,10 @@ impl Range {
     }
 
     pub(crate) fn power(self, exponent: Self) -> Self {
-        self.clamped(0.0, f64::INFINITY)
-            .corners(exponent, f64::powf)
+        if self.low < 0.0 {
+            return Self::ALL;
+        }
+        self.corners(exponent, f64::powf)
     }
 
     /// Of a function of two numbers whose extremes are at corners.

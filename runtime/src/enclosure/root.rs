@@ -43,8 +43,14 @@ pub(crate) fn root(f: &mut impl FnMut(f64) -> f64, mut left: Sample, mut right: 
     let mut moved = 0;
     for _ in 0..ROOT_STEPS {
         let width = right.at - left.at;
-        let at = right.at - right.value * width / (right.value - left.value);
-        if width <= 1e-15 * right.at.abs() || !(at > left.at && at < right.at) {
+        let secant = right.at - right.value * width / (right.value - left.value);
+        let middle = 0.5 * (left.at + right.at);
+        // Beside a value that vanishes but for rounding secants have no place left, though the function may rise there before it falls.
+        let inside = |at: &f64| *at > left.at && *at < right.at;
+        let Some(at) = [secant, middle].into_iter().find(inside) else {
+            break;
+        };
+        if width <= 1e-15 * right.at.abs() {
             break;
         }
         let value = f(at);
@@ -74,6 +80,14 @@ pub(crate) fn root(f: &mut impl FnMut(f64) -> f64, mut left: Sample, mut right: 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn hill_that_begins_at_rounding_is_left_where_it_ends() {
+        let f = |x: f64| 1.6e-15 + x - x * x;
+        let [left, right] = [0.0, 3.0].map(|at| Sample { at, value: f(at) });
+        let found = root(&mut { f }, left, right);
+        assert!((found - 1.0).abs() < 1e-14, "{found}");
+    }
 
     #[test]
     fn low_flight_before_a_deep_fall_is_found_behind_it() {

@@ -13,6 +13,8 @@ use crate::simulation::InitialValueProblem;
 
 /// Share of the horizon that is a moment: no step is asked for that is much shorter.
 const MOMENT: f64 = 1e-4;
+/// Most parts of a step. Chosen: what acts at more places than this is resolved by a shorter one.
+const MOST_PARTS: usize = 64;
 /// Part of a sine over which a step tells it \[rad\].
 const WAVE: f64 = 1.0;
 /// Places in a part of a step in which nothing is hidden.
@@ -214,7 +216,7 @@ impl<'a> ExplicitTime<'a> {
     fn calm_parts(&mut self, from: f64, length: f64) -> Option<Vec<[f64; 2]>> {
         let (x, bounds) = (&self.functions.x, &mut self.bounds);
         let last = x.len() - 1;
-        calm_parts(|part| {
+        calm_parts(MOST_PARTS, |part| {
             self.functions.explicit.iter().all(|&function| {
                 bounds.is_calm((function, WAVE), part, |k, part| {
                     if k == last {
@@ -298,6 +300,11 @@ impl<'a> ExplicitTime<'a> {
                 self.too_fast = Some((time, length, "take more steps"));
             }
         }
+    }
+
+    /// Whether steps do not tell what depends on time, which the run says.
+    pub(super) fn is_too_fast(&self) -> bool {
+        self.too_fast.is_some()
     }
 
     /// What has to be said of a run.

@@ -460,6 +460,8 @@ impl<'a> Integration<'a> {
             start_values: &self.step.start_values,
             end_values: &self.step.end_values,
         };
+        let explicit_time = self.checks.explicit_time.as_ref();
+        self.search.too_fast = explicit_time.is_some_and(ExplicitTime::is_too_fast);
         let (dynamics, method) = (&mut self.dynamics, &mut self.method);
         let search = self.search.suspect(dynamics, method, step);
         let looks = self.settings.tolerance <= hidden::LOOSE && !self.search.is_calm(dynamics);

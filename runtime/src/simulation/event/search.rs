@@ -53,6 +53,8 @@ pub(super) struct EventSearch<'a> {
     root_value: f64,
     /// Functions that were looked at by some of their values.
     pub(super) interpolated: BTreeSet<Interpolated>,
+    /// Whether values vary faster than any step tells, so that those of its stages have to do.
+    pub(super) too_fast: bool,
 }
 
 /// Buffers of an evaluation.
@@ -141,6 +143,7 @@ impl<'a> EventSearch<'a> {
             from: vec![None; functions],
             root_value: 0.0,
             interpolated: BTreeSet::new(),
+            too_fast: false,
         }
     }
 
@@ -198,7 +201,8 @@ impl<'a> EventSearch<'a> {
             watched.as_a_whole(&mut self.along).low < -zero
         } else {
             self.interpolated.extend(named(dynamics.switch(function)));
-            may_cross(dynamics, function)
+            dynamics.switching.lowest[function] <= 0.0
+                || !self.too_fast && may_cross(dynamics, function)
         };
         if suspicious {
             let value = step.start_values[function];
@@ -616,5 +620,5 @@ fn may_cross(dynamics: &Dynamics<'_>, function: usize) -> bool {
         dynamics.switching.lowest[function],
         dynamics.switching.highest[function],
     );
-    lowest <= highest - lowest || lowest <= 0.0
+    lowest <= highest - lowest
 }

@@ -249,33 +249,25 @@ pub(super) fn locate_one(
         let step = value / slope;
         // What the switch is told apart by is its own time: an element may be far longer than the flight that ends in it.
         let tolerance = 2.0 * f64::EPSILON * begin.max(length * count as f64);
-        if value == 0.0 || step.abs() <= tolerance || after - before <= tolerance {
-            return match switch.kind {
-                SwitchKind::Exit | SwitchKind::Slipping => {
-                    let bound = POLE * driver.now.contacts.phi_scale(switch.contact);
-                    if value.abs() > bound {
-                        Err(Stop::Location)
-                    } else {
-                        Ok(())
-                    }
+        let closed = after - before <= tolerance;
+        if value == 0.0 || step.abs() <= tolerance || closed {
+            let leaps = leaps(driver, switch, (value, largest), longest);
+            if !leaps {
+                return Ok(());
+            }
+            match switch.kind {
+                // Beside a pole steps are short on its one side too: whether there is another one, halves tell.
+                SwitchKind::Entry if !passed && !closed => {
+                    length = 0.5 * (before + after);
+                    continue;
                 }
-                SwitchKind::Entry => {
-                    let least = driver.now.size(switch.contact).touching_gap();
-                    let least = least.max(LEAST_LEAP * extent(&driver.now.x, longest));
-                    let bound = (LEAPS * largest).max(least);
-                    // Of schemes whose last stage is not the end of an element gaps jump there by themselves.
-                    if value.abs() > bound && !passed {
-                        // A dip that elements of other lengths do not have was an error of one.
-                        Err(Stop::Location)
-                    } else if value.abs() > bound && driver.setup.tableau.stiffly_accurate() {
-                        Err(Stop::Leap(switch.contact, begin + length * count as f64))
-                    } else {
-                        Ok(())
-                    }
+                SwitchKind::Entry if passed => {
+                    let time = begin + length * count as f64;
+                    return Err(Stop::Leap(switch.contact, time));
                 }
-                // After a release the condition is a velocity, which may jump.
-                SwitchKind::Reentry | SwitchKind::Stopping => Ok(()),
-            };
+                // A dip that elements of other lengths do not have was an error of one.
+                _ => return Err(Stop::Location),
+            }
         }
         length -= step;
         if !(before < length && length < after) {
@@ -283,6 +275,24 @@ pub(super) fn locate_one(
         }
     }
     Err(Stop::Location)
+}
+
+/// Whether the function of a switch, of which its place has left this `value`, has changed its sign without passing zero; before it was
+/// as large as `largest`.
+fn leaps(driver: &Driver<'_>, switch: Switch, (value, largest): (f64, f64), longest: f64) -> bool {
+    match switch.kind {
+        SwitchKind::Exit | SwitchKind::Slipping => {
+            value.abs() > POLE * driver.now.contacts.phi_scale(switch.contact)
+        }
+        // Of schemes whose last stage is not the end of an element gaps jump there by themselves.
+        SwitchKind::Entry if driver.setup.tableau.stiffly_accurate() => {
+            let least = driver.now.size(switch.contact).touching_gap();
+            let least = least.max(LEAST_LEAP * extent(&driver.now.x, longest));
+            value.abs() > least.max(LEAPS * largest)
+        }
+        // After a release the condition is a velocity, which may jump.
+        SwitchKind::Entry | SwitchKind::Reentry | SwitchKind::Stopping => false,
+    }
 }
 
 /// The largest coordinate, or way that a velocity goes in a time.

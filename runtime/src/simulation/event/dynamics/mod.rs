@@ -568,7 +568,10 @@ impl<'a> Dynamics<'a> {
 
     /// Below this gap a contact is closed.
     pub(in crate::simulation) fn closed_gap(&self, contact: usize) -> f64 {
-        self.scales[contact].closed_gap()
+        // What an idle piece lacks to acting is the difference of two gaps, whose terms may cancel.
+        let acting = self.pieces.acting(contact);
+        let [own, other] = [contact, acting].map(|i| self.scales[i].closed_gap());
+        own.max(other)
     }
 
     /// Rounding error of a gap.
