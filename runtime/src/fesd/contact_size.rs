@@ -60,6 +60,15 @@ impl ContactSize {
         }
     }
 
+    /// The sizes over an element of this `length` \[s\], in which the gap grows by what rounding leaves of the velocity: that of a coordinate
+    /// which is itself the gap has no other terms.
+    pub(crate) fn over(self, length: f64) -> Self {
+        Self {
+            gap: self.gap + (self.velocity + self.gained) * length,
+            ..self
+        }
+    }
+
     /// The sizes where the gap is a difference from another one.
     pub(crate) fn as_difference_from(self, other: Self) -> Self {
         Self {

@@ -1,6 +1,6 @@
 //! A motion followed a little way ahead, with given sides of switches, by the law of contact at each place.
 
-use super::place::Place;
+use super::place::{Place, sizes};
 use crate::contact::{Balance, Line, ModeError, Touching, View, sum_of_sizes};
 use crate::model::{pair_size, switching_terms};
 
@@ -20,21 +20,23 @@ pub(super) fn set_sides(view: &mut View<'_>, open: &[usize], side: impl Fn(usize
 /// A function of a switch where a motion begins.
 pub(super) struct Begun {
     value: f64,
-    /// Its rate, and what of it is rounding at least.
+    /// Its rate as far as that counts as none, and what of it is rounding at least.
     rate: f64,
     noise: f64,
 }
 
 impl Begun {
-    /// That of a switch that is evaluated, under an acceleration with terms of these `sizes`.
+    /// That of a switch that is evaluated, under an acceleration with terms of these `sizes`, whose rate up to `none` counts as none.
     pub(super) fn of(
         view: &View<'_>,
         contact: usize,
         (acceleration, sizes): (&[f64], &[f64]),
+        none: f64,
     ) -> Self {
+        let rate = view.line_acceleration(Line::tangent(contact), acceleration);
         Self {
             value: view.sliding_velocity(contact),
-            rate: view.line_acceleration(Line::tangent(contact), acceleration),
+            rate: if rate.abs() > none { 0.0 } else { rate },
             noise: NOISE * sum_of_sizes(view.tangent(contact), sizes),
         }
     }
@@ -94,6 +96,13 @@ pub(super) fn acceleration(
     let balance = Balance::first(touching, view, &offsets)?;
     let mut acceleration = view.free_acceleration().to_vec();
     balance.push(view, &balance.forces, &mut acceleration);
+    // What is held moves by rounding, which what only that moves would take for a sign.
+    let sizes = sizes(view, &at.columns(view));
+    for (a, size) in acceleration.iter_mut().zip(sizes) {
+        if a.abs() <= NOISE * size {
+            *a = 0.0;
+        }
+    }
     Ok(acceleration)
 }
 

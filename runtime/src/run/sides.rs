@@ -93,7 +93,8 @@ pub(crate) fn balanced<'a, H: DerefMut<Target = View<'a>>, E>(
         } else if !slow.is_empty() && !early {
             let open = |i: &usize| (known.side)(host, *i, None).is_none();
             let open: Vec<usize> = passed.iter().copied().filter(open).collect();
-            choose(host, at, &open).map_err(Failed::Sides)?;
+            let none: Vec<f64> = open.iter().map(|&i| (known.zero)(host, i)).collect();
+            choose(host, at, (&open, &none)).map_err(Failed::Sides)?;
             chosen = Some(host.sides.clone());
         }
         if solved.is_some() && host.sides == before {
@@ -137,9 +138,14 @@ fn passed<'a, H: DerefMut<Target = View<'a>>>(
         .collect()
 }
 
-/// Chooses the sides of the `open` switches by what follows; none of those that the law of friction holds.
-fn choose(view: &mut View<'_>, at: &Place<'_>, open: &[usize]) -> Result<(), ModeError> {
-    let follows = follows(view, at, open);
+/// Chooses the sides of the `open` switches by what follows, with the rates that count as `none`; no sides of those that the law of
+/// friction holds.
+fn choose(
+    view: &mut View<'_>,
+    at: &Place<'_>,
+    (open, none): (&[usize], &[f64]),
+) -> Result<(), ModeError> {
+    let follows = follows(view, at, (open, none));
     view.evaluate_free_acceleration(at.x);
     for &i in at.touching {
         view.evaluate_sides(i, at.x);
@@ -195,12 +201,16 @@ fn side(choice: usize, k: usize) -> f64 {
 }
 
 /// What follows where the functions of the `open` switches vanish, and of some of them the rates: sides are written to the view.
-fn follows(view: &mut View<'_>, at: &Place<'_>, open: &[usize]) -> Result<Follows, ModeError> {
+fn follows(
+    view: &mut View<'_>,
+    at: &Place<'_>,
+    (open, none): (&[usize], &[f64]),
+) -> Result<Follows, ModeError> {
     if open.len() > MOST {
-        return change_sides(view, at, open);
+        return change_sides(view, at, (open, none));
     }
     let choices = 0..1_usize << open.len();
-    let signs = choices.map(|choice| signs(view, at, open, choice));
+    let signs = choices.map(|choice| signs(view, at, (open, none), choice));
     let signs: Vec<Vec<f64>> = signs.collect::<Result<_, _>>()?;
     let never: Vec<bool> = (0..open.len())
         .map(|k| signs.iter().all(|signs| signs[k] == 0.0))
@@ -251,10 +261,14 @@ fn follows(view: &mut View<'_>, at: &Place<'_>, open: &[usize]) -> Result<Follow
 }
 
 /// Chooses the sides of more switches than all choices of them can be tried: those change that contradict themselves, until none does.
-fn change_sides(view: &mut View<'_>, at: &Place<'_>, open: &[usize]) -> Result<Follows, ModeError> {
+fn change_sides(
+    view: &mut View<'_>,
+    at: &Place<'_>,
+    (open, none): (&[usize], &[f64]),
+) -> Result<Follows, ModeError> {
     let mut choice = 0;
     for _ in 0..=2 * open.len() {
-        let signs = signs(view, at, open, choice)?;
+        let signs = signs(view, at, (open, none), choice)?;
         let wrong = (0..open.len()).find(|&k| signs[k] * side(choice, k) < 0.0);
         let Some(wrong) = wrong else {
             return Ok(Follows::Sides);
@@ -268,13 +282,14 @@ fn change_sides(view: &mut View<'_>, at: &Place<'_>, open: &[usize]) -> Result<F
 fn signs(
     view: &mut View<'_>,
     at: &Place<'_>,
-    open: &[usize],
+    (open, none): (&[usize], &[f64]),
     choice: usize,
 ) -> Result<Vec<f64>, ModeError> {
     set_sides(view, open, |k| side(choice, k));
     let start = acceleration(view, at, at.x, false)?;
     let sizes = sizes(view, &at.columns(view));
-    let begun = open.iter().map(|&i| Begun::of(view, i, (&start, &sizes)));
+    let begun = open.iter().zip(none);
+    let begun = begun.map(|(&i, &none)| Begun::of(view, i, (&start, &sizes), none));
     let begun: Vec<Begun> = begun.collect();
     let mut signs = vec![0.0; open.len()];
     for power in POWERS {

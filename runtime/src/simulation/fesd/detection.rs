@@ -25,7 +25,7 @@ pub(super) fn first_violation(
     detector.open.clear();
     detector.drift = 0.0;
     for (i, size) in detector.sizes.iter_mut().enumerate() {
-        *size = contacts.size(i, start.time);
+        *size = contacts.size(i, start.time).over(element.length());
     }
     for i in 0..detector.sizes.len() {
         // What an idle piece lacks to acting is the difference of two gaps, whose terms may cancel.
