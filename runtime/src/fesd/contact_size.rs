@@ -60,11 +60,11 @@ impl ContactSize {
         }
     }
 
-    /// The sizes over an element of this `length` \[s\], in which the gap grows by what rounding leaves of the velocity: that of a coordinate
-    /// which is itself the gap has no other terms.
-    pub(crate) fn over(self, length: f64) -> Self {
+    /// The sizes where rounding of the coordinates leaves this error of the gap, which may have no terms of its own left: that of a
+    /// coordinate which is itself the gap.
+    pub(crate) fn with_error(self, error: f64) -> Self {
         Self {
-            gap: self.gap + (self.velocity + self.gained) * length,
+            gap: self.gap + error / f64::EPSILON,
             ..self
         }
     }

@@ -25,7 +25,7 @@ pub(super) fn first_violation(
     detector.open.clear();
     detector.drift = 0.0;
     for (i, size) in detector.sizes.iter_mut().enumerate() {
-        *size = contacts.size(i, start.time).over(element.length());
+        *size = contacts.size(i, start.time);
     }
     for i in 0..detector.sizes.len() {
         // What an idle piece lacks to acting is the difference of two gaps, whose terms may cancel.
@@ -48,6 +48,14 @@ pub(super) fn first_violation(
     }
     friction_switch::start_frictions(detector, active, contacts, start);
     force_dips::start(detector, active, start.forces);
+    if let Some(motion) = start.motion {
+        let of_coordinates = element.position_rounding(motion);
+        contacts.evaluate_contacts(start.x, detector.open.iter().copied());
+        for &i in &detector.open {
+            let steepness: f64 = contacts.normal(i).iter().map(|n| n.abs()).sum();
+            detector.sizes[i] = detector.sizes[i].with_error(steepness * of_coordinates);
+        }
+    }
     for k in 0..detector.thetas.len() {
         detector.interpolate(element, k);
         let mut first = gap_switch::first_entry(detector, element, contacts, start, k)?;
