@@ -258,7 +258,7 @@ mod tests {
             self.asked += 1;
             let t = Range::between(a, b);
             // Each part of the slope turns.
-            let turning = t - t;
+            let turning = Range::between(a - b, b - a);
             let slope = t.square().scaled(3.0 * self.c) + turning;
             [slope, t.scaled(6.0 * self.c) + turning]
         }

@@ -15,7 +15,7 @@ pub(crate) fn file(s: f64, x: &str, y: &str) -> String {
 #[test]
 fn nlp_prints_a_summary_and_one_json_object_with_the_keys_of_solve() {
     let scratch = Scratch::new("nlp");
-    let path = scratch.write("two.nl", &file(0.0, "2 0", "3"));
+    let path = scratch.write("two.nl", file(0.0, "2 0", "3"));
     let text = solved(&format!("nlp {path}"));
     for words in [
         "1 pair",
@@ -39,7 +39,7 @@ fn nlp_prints_a_summary_and_one_json_object_with_the_keys_of_solve() {
 #[test]
 fn nlp_writes_the_solution_file_that_modelling_languages_read() {
     let scratch = Scratch::new("nlp-sol");
-    let path = scratch.write("two.nl", &file(0.0, "2 0", "3"));
+    let path = scratch.write("two.nl", file(0.0, "2 0", "3"));
     let sol = scratch.0.join("two.sol");
     let text = solved(&format!("nlp {path} --sol {}", sol.display()));
     assert!(text.contains("wrote "), "{text}");
@@ -55,7 +55,7 @@ fn nlp_writes_the_solution_file_that_modelling_languages_read() {
 #[test]
 fn nlp_without_a_feasible_point_says_what_is_violated_and_ends_with_status_3() {
     let scratch = Scratch::new("nlp-infeasible");
-    let path = scratch.write("none.nl", &file(3.0, "2 1", "1 1"));
+    let path = scratch.write("none.nl", file(3.0, "2 1", "1 1"));
     scratch.write("none.row", "balance\n");
     let (document, stderr) = unsolved(&format!("nlp {path} --json"));
     assert!(
@@ -69,7 +69,7 @@ fn nlp_without_a_feasible_point_says_what_is_violated_and_ends_with_status_3() {
 #[test]
 fn nlp_writes_its_solution_whole_or_leaves_what_there_was() {
     let scratch = Scratch::new("nlp-whole");
-    let path = scratch.write("two.nl", &file(0.0, "2 0", "3"));
+    let path = scratch.write("two.nl", file(0.0, "2 0", "3"));
     let sol = scratch.write("two.sol", "older");
     let text = solved(&format!("nlp {path} --sol {sol}"));
     assert!(text.contains("replaced "), "{text}");
@@ -88,7 +88,7 @@ fn nlp_writes_its_solution_whole_or_leaves_what_there_was() {
 #[test]
 fn nlp_writes_into_a_link_without_touching_what_it_leads_to() {
     let scratch = Scratch::new("nlp-link");
-    let path = scratch.write("two.nl", &file(0.0, "2 0", "3"));
+    let path = scratch.write("two.nl", file(0.0, "2 0", "3"));
     scratch.write("precious", "keep");
     let sol = scratch.0.join("two.sol");
     std::os::unix::fs::symlink("precious", &sol).unwrap();
@@ -102,7 +102,7 @@ fn nlp_writes_into_a_link_without_touching_what_it_leads_to() {
 fn nlp_shows_names_of_files_without_obeying_them() {
     let scratch = Scratch::new("nlp-steering");
     let name = "a\u{1b}[2J\u{9b}31m\u{202e}\nstatus b.nl";
-    let path = scratch.write(name, &file(0.0, "2 0", "3"));
+    let path = scratch.write(name, file(0.0, "2 0", "3"));
     let steers = |c: char| c.is_control() && c != '\n' || c == '\u{202e}';
     let text = solved(vec!["nlp", &path]);
     assert!(!text.contains(steers), "{text:?}");
@@ -136,7 +136,7 @@ fn nlp_beyond_the_limit_on_the_size_of_files_says_so_and_leaves_none() {
     // 3000 free variables, whose values take more than 1 kB
     let count = 3000;
     let path = scratch.write("many.nl",
-        &format!(
+        format!(
             "g3 1 1 0\n {count} 0 1 0 0\n 0 1\n 0 0\n 0 1 0\n 0 0 0 1\n 0 0 0 0 0\n 0 0\n 0 0\n 0 0 0 0 0\nO0 0\no5\nv0\nn2\nb\n{}",
             "3\n".repeat(count)
         ),
