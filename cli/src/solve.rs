@@ -93,7 +93,7 @@ pub(crate) fn tables(
         counted(method.intervals, "interval"),
         counted(method.elements, "element"),
         method.control_shape,
-        method.searched(solution)
+        counted(solution.starts, "start")
     );
     let _ = writeln!(text, "status        {}", ending.status);
     let Some(motion) = &solution.motion else {

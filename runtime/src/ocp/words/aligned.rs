@@ -115,8 +115,8 @@ impl Aligned {
             ..setting
         };
         let mut program = transcribe(setting, &sequence, &guess, &[], &elements);
-        let price = DEARER * goals.price?;
-        let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
+        let dear = goals.at(DEARER * goals.price?);
+        let solution = solved(runner, &mut program, &dear, (BARRIER, ITERATIONS))?;
         Some(solution.objective)
     }
 

@@ -1,24 +1,23 @@
-//! Words to begin with: of simulated motions under random controls, of what they begin with, of the ride without controls, of steps, of a
-//! contact-implicit program, and the one without switches.
+//! Words to begin with: of simulated motions under random controls and under policies, of what they begin with, of the ride without
+//! controls, of a contact-implicit program, and the one without switches.
 
 use super::library::Library;
 use super::off_grid::Goals;
 use super::word::Draft;
 use crate::ocp::collocation::discretization::Setting;
-use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
-use crate::ocp::global::guess::guess;
+use crate::ocp::global::coarse_to_fine::CoarseToFine;
+use crate::ocp::global::guess::{guess, uniform};
 use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::sequence::Sequence;
-use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::problem::has_free_start;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::replay::simulations;
-use crate::ocp::search::sampled::{Range, best_of_each_order};
-use crate::ocp::search::stepping::stepping;
+use crate::ocp::search::sampled::{Range, Sampled, best_of_each_order};
 use crate::ocp::settings::Guess;
 use crate::ocp::tuning::beginnings::{
-    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEPS, WORDS,
+    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, WORDS,
 };
 use crate::simulation::InputError;
 
@@ -32,15 +31,25 @@ pub(in crate::ocp) struct Beginning {
     pub(super) source: &'static str,
 }
 
-/// Words to begin with and the library of what their motions went through; random controls are drawn from a range.
+/// Words to begin with and the library of what their motions went through; random controls are drawn from a range. Of a known motion there
+/// is its own word alone.
 pub(in crate::ocp) fn beginnings(
     runner: &mut Runner,
-    setting: Setting,
+    (setting, guessed): (Setting, &Trajectory),
     range: &Range,
 ) -> Result<(Vec<Beginning>, (Library, Goals)), InputError> {
     let mut library = Library::default();
     let mut found: Vec<Beginning> = Vec::new();
+    if let Guess::Previous(previous) = &runner.settings.guess {
+        let known = previous.candidate(guessed, setting.problem.intervals);
+        let (draft, motion) = read(setting, known);
+        library.learn(&draft.word);
+        add(&mut found, (draft, motion), "known");
+        let goals = Goals::of(setting, &Sampled::default());
+        return Ok((found, (library, goals)));
+    }
     let sampled = best_of_each_order(runner, (setting, range), (DRAWN, CHANGED), LEARNED)?;
+    let goals = Goals::of(setting, &sampled);
     let mut drafts: Vec<(Draft, Trajectory)> = Vec::new();
     for candidate in sampled.motions {
         let (draft, motion) = read(setting, candidate);
@@ -55,44 +64,27 @@ pub(in crate::ocp) fn beginnings(
     for phases in 1..=PHASES {
         add_beginnings(&mut found, &drafts, phases);
     }
-    let Setting {
-        model,
-        problem,
-        bounds,
-        ..
-    } = setting;
-    let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let tolerance = runner.settings.replay_tolerance;
-    for candidate in simulations(setting, &straight, tolerance).unwrap_or_default() {
+    for candidate in simulations(setting, guessed, tolerance).unwrap_or_default() {
         let (draft, motion) = read(setting, candidate);
         library.learn(&draft.word);
         if draft.word.phases() <= MOST_PHASES {
             add(&mut found, (draft, motion), "ride");
         }
     }
-    let empty = Sequence::without_switches(modes_at_start(setting, &straight));
-    let length = straight.horizon / problem.intervals as f64;
-    let draft = Draft::read(&empty, length, straight.horizon);
-    add(&mut found, (draft, straight.clone()), "empty");
-    for sequence in steps(setting, &straight) {
-        let draft = Draft::read(&sequence, length, straight.horizon);
-        add(&mut found, (draft, straight.clone()), "steps");
-    }
+    let empty = Sequence::without_switches(modes_at_start(setting, guessed));
+    let length = guessed.horizon / setting.problem.intervals as f64;
+    let draft = Draft::read(&empty, length, guessed.horizon);
+    add(&mut found, (draft, guessed.clone()), "empty");
     found.retain(|beginning| runner.settings.uses(beginning.source));
     if runner.settings.uses(IMPLICIT)
-        && let Some((draft, motion)) = implicit(runner, setting, &straight)?
+        && let Some((draft, motion)) = implicit(runner, setting, guessed)?
     {
         library.learn(&draft.word);
         if draft.word.phases() <= MOST_PHASES {
             add(&mut found, (draft, motion), IMPLICIT);
         }
     }
-    let goals = Goals {
-        sizes: sizes(setting, &sampled.units),
-        price: Some(sampled.cost)
-            .filter(|cost| *cost > 0.0)
-            .map(Goals::price_of),
-    };
     Ok((found, (library, goals)))
 }
 
@@ -116,39 +108,10 @@ fn implicit(
     setting: Setting,
     guess: &Trajectory,
 ) -> Result<Option<(Draft, Trajectory)>, InputError> {
-    let mut relaxed = RelaxedMotions::default();
     let failure = runner.take_failure();
-    let candidate = CoarseToFine::new(setting, guess).next(runner, &mut relaxed)?;
+    let candidate = CoarseToFine::new(setting, guess).next(runner)?;
     runner.restore_failure(failure, true);
     Ok(candidate.map(|candidate| read(setting, candidate)))
-}
-
-/// Steps of feet that stand at first, as random controls never take them: of each, of two in turn, once and twice.
-fn steps(setting: Setting, straight: &Trajectory) -> Vec<Sequence> {
-    let modes = modes_at_start(setting, straight).into_iter().enumerate();
-    let declared = setting.model.declaration().contacts;
-    let standing = modes.filter(|(contact, mode)| !mode.is_open() && !declared[*contact].dry);
-    if standing.count() < 2 {
-        return Vec::new();
-    }
-    let mut steps = stepping(setting, straight);
-    steps.truncate(STEPS);
-    steps
-}
-
-/// Sizes of the goals: what most random motions miss less, or else the start does.
-fn sizes(setting: Setting, units: &[f64]) -> Vec<f64> {
-    let mut z = setting.problem.start();
-    z.push(setting.units.time);
-    let values = goal_values(setting.model, &z).into_iter().enumerate();
-    let sizes = values.map(|(goal, value)| {
-        let drawn = units.get(goal).copied().unwrap_or(0.0);
-        let all = [drawn, value.abs(), 1.0];
-        all.into_iter()
-            .find(|size| *size > 0.0 && size.is_finite())
-            .unwrap_or(1.0)
-    });
-    sizes.collect()
 }
 
 /// Adds a word that is not there yet; whether it was added.
@@ -174,4 +137,31 @@ fn read(setting: Setting, candidate: Candidate) -> (Draft, Trajectory) {
     let length = trajectory.horizon / setting.problem.intervals as f64;
     let draft = Draft::read(&candidate.sequence, length, trajectory.horizon);
     (draft, trajectory)
+}
+
+/// A word with random times, and a motion under random controls or one that is bent out of shape; none where it cannot be simulated.
+pub(super) fn another(setting: Setting, draft: &Draft, seed: u64) -> Option<(Draft, Trajectory)> {
+    let Setting {
+        model,
+        problem,
+        bounds,
+        ..
+    } = setting;
+    // Random starts are those of simulated motions alone.
+    let kind = match seed.is_multiple_of(2) && !has_free_start(model) {
+        true => Guess::Perturbed(seed),
+        false => Guess::Random(seed),
+    };
+    let motion = guess(model, problem, &kind, bounds).ok()?;
+    let mut random = uniform(!seed);
+    let mut draft = draft.clone();
+    draft.horizon = motion.horizon;
+    let ends = draft.word.ends_with_impact;
+    let times = draft.times.iter_mut();
+    times.for_each(|time| *time = 0.5 * (random() + 1.0) * motion.horizon);
+    draft.times.sort_by(f64::total_cmp);
+    if let Some(last) = draft.times.last_mut().filter(|_| ends) {
+        *last = motion.horizon;
+    }
+    Some((draft, motion))
 }

@@ -6,16 +6,21 @@ use crate::ocp::collocation::layout::Phase;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
+use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::program::runner::{Run, Runner};
 use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::interior_point;
+use crate::ocp::search::sampled::Sampled;
+use crate::ocp::tuning::edits::VANISHED;
+use crate::ocp::tuning::equal::MET;
 use crate::ocp::tuning::off_grid::{
     BARRIER, ELEMENTS, ITERATIONS, LEAST, LEAST_SHARE, LONGEST, PRICE, RESTORED, ROUNDED, TOLERANCE,
 };
 use crate::ocp::tuning::table::WORTH_OF_PHASE;
 use crate::rk::ButcherTableau;
+use crate::simulation::ContactMode;
 use hangtime_solver::nlp;
 
 /// How finely a word is stated.
@@ -35,18 +40,53 @@ pub(in crate::ocp) struct Goals {
     pub(super) sizes: Vec<f64>,
     /// Objective per size; set by the first program if it is not known.
     pub(super) price: Option<f64>,
+    /// Size of the objective of the best word that meets its goals, to which programs are solved; until there is one it is that of the
+    /// price.
+    pub(super) size: Option<f64>,
 }
 
 impl Goals {
+    /// Those of a problem of which so many motions are known.
+    pub(super) fn of(setting: Setting, sampled: &Sampled) -> Self {
+        Self {
+            sizes: sizes(setting, &sampled.units),
+            price: (sampled.cost > 0.0).then(|| Self::price_of(sampled.cost)),
+            size: None,
+        }
+    }
+
     /// The price of a miss where objectives are of that size.
     pub(super) fn price_of(objective: f64) -> f64 {
         PRICE * objective
     }
 
-    /// The size of objectives where a miss has that price.
-    fn objective_of(price: f64) -> f64 {
-        price / PRICE
+    /// The same goals at another price.
+    pub(super) fn at(&self, price: f64) -> Self {
+        Self {
+            price: Some(price),
+            ..self.clone()
+        }
     }
+
+    /// The size of objectives where a miss has that price.
+    fn objective_at(&self, price: f64) -> f64 {
+        self.size.unwrap_or(price / PRICE)
+    }
+}
+
+/// Sizes of the goals: what most random motions miss less, or else the start does.
+fn sizes(setting: Setting, units: &[f64]) -> Vec<f64> {
+    let mut z = setting.problem.start();
+    z.push(setting.units.time);
+    let values = goal_values(setting.model, &z).into_iter().enumerate();
+    let sizes = values.map(|(goal, value)| {
+        let drawn = units.get(goal).copied().unwrap_or(0.0);
+        let all = [drawn, value.abs(), 1.0];
+        all.into_iter()
+            .find(|size| *size > 0.0 && size.is_finite())
+            .unwrap_or(1.0)
+    });
+    sizes.collect()
 }
 
 /// What a solution presses against in a phase.
@@ -163,10 +203,10 @@ pub(super) fn solve(
     };
     let (guess, elements) = begun(&spans, motion);
     let mut program = transcribe(program_setting, &sequence, &guess, &[], &elements);
-    let price = *goals
+    goals
         .price
         .get_or_insert(Goals::price_of(program.program.objective_size()));
-    let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
+    let solution = solved(runner, &mut program, goals, (BARRIER, ITERATIONS))?;
     Some(read(&program, &solution, (draft, &counts)))
 }
 
@@ -188,17 +228,18 @@ pub(super) fn begun(spans: &[Span], motion: &Trajectory) -> (Trajectory, Vec<usi
     (guess, elements.collect())
 }
 
-/// The solution with goals that are missed where that is worth its price.
+/// The solution with goals that are missed where that is worth its price; without a price none.
 pub(super) fn solved(
     runner: &mut Runner,
     program: &mut Collocation,
-    price: f64,
+    goals: &Goals,
     (barrier, iterations): (f64, usize),
 ) -> Option<nlp::Solution> {
+    let price = goals.price?;
     let mut settings = interior_point(runner.settings);
     // Products of bounds and multipliers are measured in the unit of the objective, which is that of the largest control that is allowed.
     let small =
-        (Goals::objective_of(price) / program.program.objective_unit()).clamp(LEAST_SHARE, 1.0);
+        (goals.objective_at(price) / program.program.objective_unit()).clamp(LEAST_SHARE, 1.0);
     settings.tolerance = small * TOLERANCE;
     settings.constraint_tolerance = TOLERANCE;
     settings.initial_barrier_parameter = small * barrier;
@@ -210,9 +251,8 @@ pub(super) fn solved(
         restores: RESTORED,
         best: None,
     };
-    let horizon = program.horizon;
     let failure = runner.take_failure();
-    let solution = runner.solve(&mut program.program, horizon, &run);
+    let solution = runner.solve(&mut program.program, &run);
     runner.restore_failure(failure, true);
     solution.ok()
 }
@@ -349,5 +389,26 @@ impl Timed {
 
     pub(in crate::ocp) fn merit(&self) -> f64 {
         self.merit
+    }
+
+    /// Whether it meets its goals.
+    pub(in crate::ocp) fn meets(&self) -> bool {
+        self.missed <= MET
+    }
+
+    /// The same with a miss at that price.
+    pub(super) fn set_price(&mut self, price: f64) {
+        self.merit = self.objective + price * self.missed;
+    }
+
+    /// The modes of the phases that last.
+    pub(super) fn lasting(&self) -> Vec<Vec<ContactMode>> {
+        let modes = self.word().modes().into_iter();
+        let phases = modes.zip(self.draft.phases());
+        let least = VANISHED * self.draft.horizon;
+        phases
+            .filter(|(_, (from, to))| to - from >= least)
+            .map(|(modes, _)| modes)
+            .collect()
     }
 }

@@ -15,7 +15,8 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::tuning::equal::{MET, OPTIMUM};
 use crate::ocp::tuning::on_grid::{
-    AT_AN_END, BARRIER, BESIDE_A_JUMP, ITERATIONS, JUMP, MOVES, PRESSES,
+    AT_AN_END, BARRIER, BESIDE_A_JUMP, DEARER, DEARER_ROUNDS, ENTRY, ITERATIONS, JUMP, MOVES, NEAR,
+    NO_NEARER, PRESSES, SHIFTS,
 };
 use crate::rk::ButcherTableau;
 
@@ -66,12 +67,7 @@ impl Grid<'_, '_> {
     pub(in crate::ocp) fn rounded(&self, runner: &mut Runner, timed: &Timed) -> Option<Placed> {
         let horizon = timed.motion.horizon;
         let intervals = self.setting.problem.intervals;
-        let end = |k: usize| horizon * k as f64 / intervals as f64;
-        let controls = (0..intervals).map(|k| timed.motion.controls_between(end(k), end(k + 1)));
-        let trajectory = Trajectory {
-            controls: ControlGrid::constant(controls.collect()),
-            ..timed.motion.clone()
-        };
+        let trajectory = self.driven(timed);
         let times = timed.draft.times.iter();
         let times: Vec<f64> = times
             .map(|time| time / horizon * intervals as f64)
@@ -88,6 +84,99 @@ impl Grid<'_, '_> {
         match (one, other) {
             (Some(one), Some(other)) if other.rank() < one.rank() => Some(other),
             (one, other) => one.or(other),
+        }
+    }
+
+    /// The best that a word comes to with single instants an interval earlier and later, and with all behind them, as long as the grid costs
+    /// more than it has to: from the motion off the grid, warped to there.
+    pub(in crate::ocp) fn shifted(
+        &self,
+        runner: &mut Runner,
+        timed: &Timed,
+        placed: Placed,
+    ) -> Placed {
+        let mut best = placed;
+        let mut tried: Vec<Vec<At>> = vec![best.places.clone()];
+        let bound = timed.merit() + NEAR * timed.merit().abs();
+        'again: while !(best.reaches() && best.merit <= bound) {
+            for (places, times) in self.shifts(&best) {
+                if tried.len() > SHIFTS || runner.stopped() {
+                    break 'again;
+                }
+                if tried.contains(&places) || !is_in_order(&places) {
+                    continue;
+                }
+                tried.push(places.clone());
+                let guess = self.warped(timed, &times);
+                let found = self.placed(runner, timed.word(), (&places, &times), &guess);
+                if let Some(found) = found
+                    && found.improves(&best)
+                {
+                    best = found;
+                    continue 'again;
+                }
+            }
+            break;
+        }
+        best
+    }
+
+    /// Single instants an interval earlier and later, and then with all behind them.
+    fn shifts(&self, placed: &Placed) -> Vec<(Vec<At>, Vec<f64>)> {
+        let intervals = self.setting.problem.intervals as isize;
+        let count = placed.places.len();
+        let mut found = Vec::new();
+        for all_behind in [false, true] {
+            for first in 0..count {
+                let last = if all_behind { count } else { first + 1 };
+                if all_behind && last < first + 2 {
+                    continue;
+                }
+                for step in [-1, 1] {
+                    let (mut places, mut times) = (placed.places.clone(), placed.times.clone());
+                    for k in first..last {
+                        let to = places[k].0 as isize + step;
+                        if (0..intervals).contains(&to) {
+                            places[k] = (to as usize, Place::Inside);
+                            let begin = to as f64;
+                            times[k] =
+                                (times[k] + step as f64).clamp(begin + ENTRY, begin + 1.0 - ENTRY);
+                        }
+                    }
+                    if places != placed.places {
+                        found.push((places, times));
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// The motion of a word off the grid with its instants at other times, in intervals.
+    fn warped(&self, timed: &Timed, times: &[f64]) -> Trajectory {
+        let motion = self.driven(timed);
+        let interval = motion.horizon / self.setting.problem.intervals as f64;
+        let own = timed.draft.times.iter();
+        let pairs: Vec<(f64, f64)> = own.zip(times).map(|(a, b)| (*a, interval * b)).collect();
+        let inside = pairs.iter().all(|(a, _)| *a > 0.0 && *a < motion.horizon);
+        let ordered = pairs
+            .windows(2)
+            .all(|pair| pair[0].0 < pair[1].0 && pair[0].1 < pair[1].1);
+        match inside && ordered {
+            true => motion.warped(&pairs),
+            false => motion,
+        }
+    }
+
+    /// The motion of a word off the grid with the controls of the intervals of the grid.
+    fn driven(&self, timed: &Timed) -> Trajectory {
+        let horizon = timed.motion.horizon;
+        let intervals = self.setting.problem.intervals;
+        let end = |k: usize| horizon * k as f64 / intervals as f64;
+        let controls = (0..intervals).map(|k| timed.motion.controls_between(end(k), end(k + 1)));
+        Trajectory {
+            controls: ControlGrid::constant(controls.collect()),
+            ..timed.motion.clone()
         }
     }
 
@@ -175,8 +264,26 @@ impl Grid<'_, '_> {
             ..self.setting
         };
         let mut program = transcribe(setting, &sequence, guess, &[], self.elements);
-        let price = self.goals.price?;
-        let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
+        let with = (BARRIER, ITERATIONS);
+        let mut goals = self.goals.clone();
+        let mut solution = solved(runner, &mut program, &goals, with)?;
+        // What misses, once more where that is dearer, from where it ended.
+        for _ in 0..DEARER_ROUNDS {
+            let missed = program.missed(&solution.x);
+            if missed <= MET || runner.stopped() {
+                break;
+            }
+            goals = goals.at(DEARER * goals.price?);
+            let (from, ordered) = program.result(&solution.x);
+            let mut again = transcribe(setting, &ordered, &from, &[], self.elements);
+            let Some(other) = solved(runner, &mut again, &goals, with) else {
+                break;
+            };
+            if again.missed(&other.x) > NO_NEARER * missed {
+                break;
+            }
+            (program, solution) = (again, other);
+        }
         let (trajectory, sequence) = program.result(&solution.x);
         let missed = program.missed(&solution.x);
         let mut first = 0;
