@@ -6,6 +6,7 @@ use crate::ocp::collocation::layout::Phase;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
+use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem};
@@ -15,6 +16,7 @@ use crate::ocp::search::attempt::interior_point;
 use crate::ocp::search::sampled::Sampled;
 use crate::ocp::tuning::edits::VANISHED;
 use crate::ocp::tuning::equal::MET;
+use crate::ocp::tuning::grids::MOVES;
 use crate::ocp::tuning::off_grid::{
     BARRIER, ELEMENTS, ITERATIONS, LEAST, LEAST_SHARE, LONGEST, PRICE, RESTORED, ROUNDED, TOLERANCE,
 };
@@ -173,8 +175,34 @@ pub(super) fn spans_with(
     spans.collect()
 }
 
-/// Solves the program of a draft from a motion; `None` where it has no order or no solution.
+/// Solves the program of a draft from a motion, and again from where it ends as long as that is an end of the final times that it looks
+/// at; `None` where it has no order or no solution.
 pub(super) fn solve(
+    runner: &mut Runner,
+    setting: Setting,
+    with: (&ButcherTableau, Fineness),
+    from: (&Draft, &Trajectory),
+    goals: &mut Goals,
+) -> Option<Timed> {
+    let mut looked_at = FinalTimes::around(setting.problem, from.1.horizon);
+    let mut found = solve_around(runner, setting, with, from, goals)?;
+    for _ in 0..MOVES {
+        let centre = found.motion.horizon;
+        if looked_at.end_at(centre).is_none() || runner.stopped() {
+            break;
+        }
+        looked_at = FinalTimes::around(setting.problem, centre);
+        let from = (&found.draft, &found.motion);
+        let Some(moved) = solve_around(runner, setting, with, from, goals) else {
+            break;
+        };
+        found = moved;
+    }
+    Some(found)
+}
+
+/// The same with final times around that of the motion.
+fn solve_around(
     runner: &mut Runner,
     setting: Setting,
     (tableau, fineness): (&ButcherTableau, Fineness),
