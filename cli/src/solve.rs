@@ -319,7 +319,7 @@ fn relaxed_and_optima(solution: &Solution) -> String {
             if report.relaxed.led_to_motion {
                 ""
             } else {
-                ", led to no motion; contact sequence of the contact-implicit search"
+                ", led to no motion; contact sequence of the search over words"
             },
             size.variables,
             size.equalities + size.inequalities,

@@ -84,7 +84,7 @@ pub enum Guess {
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Formulation {
-    /// Small contact-implicit programs, from coarse to fine.
+    /// Words, orders of contact modes with phases of free length, that are put on the control grid.
     #[default]
     Phases,
     /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with controls of either shape.

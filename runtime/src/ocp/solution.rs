@@ -108,7 +108,7 @@ pub struct RelaxedReport {
     /// Interior point iterations.
     pub iterations: usize,
     /// Whether the contact sequence of the motion was found by way of it. Where no start led to a motion, it is that of the
-    /// contact-implicit search.
+    /// search over words.
     pub led_to_motion: bool,
 }
 

@@ -39,6 +39,8 @@ pub(in crate::ocp) mod beginnings {
     /// families ends 0.4 % worse.
     pub(in crate::ocp) const PHASES: usize = 3;
     pub(in crate::ocp) const OF_EACH_LENGTH: usize = 2;
+    /// Motions under random controls among which one of a word is looked for, to solve it from once more. Chosen.
+    pub(in crate::ocp) const TRIES: u64 = 16;
     /// Most instants of a cycle of the library. Chosen: a hop has two, a step and a slip three.
     pub(in crate::ocp) const LONGEST_CYCLE: usize = 3;
     /// Most phases of a word. Chosen: without a bound bounces that die out are words of any length.
@@ -73,6 +75,8 @@ pub(in crate::ocp) mod off_grid {
     /// Most iterations of the restoration phase, here and of the first program of a sequence where nothing is to be proved. Measured: of
     /// 1014 that come to nothing 98 in 100 take some, mostly many; of 705 that are solved 29 take some, and four of these more than five.
     pub(in crate::ocp) const RESTORED: usize = 5;
+    /// How often the range of final times of a word is moved at a time, by a factor of 20 at most. Chosen: on the grid it is moved on.
+    pub(in crate::ocp) const MOVES: usize = 2;
     /// Least share of the unit of an objective that counts as its size. Chosen: smaller ones drown in rounding.
     pub(in crate::ocp) const LEAST_SHARE: f64 = 1e-6;
     /// Price of a miss to start with, in sizes of the objective per size of a goal, and by how much dearer it is for a word that would be
@@ -198,6 +202,8 @@ pub(in crate::ocp) mod on_grid {
     pub(in crate::ocp) const LEAST: usize = 8;
     /// Motions on the grid that go on to the judge, the best first. Chosen.
     pub(in crate::ocp) const JUDGED: usize = 3;
+    /// Simulated motions that programs start from where no word leads to one. Chosen: the one without controls, and the two best.
+    pub(in crate::ocp) const SIMULATED: usize = 3;
     /// By how much elements become more at most where intervals are aligned with phases and a motion is not confirmed. Chosen.
     pub(in crate::ocp) const FINEST: usize = 8;
     /// Most words that are looked at on the way from an aligned one. Chosen.
@@ -206,7 +212,7 @@ pub(in crate::ocp) mod on_grid {
 
 /// Random motions of which the best of each order of events is kept.
 pub(in crate::ocp) mod sampled {
-    /// The same as of words ([`super::beginnings`]), for searches on grids and for what is hard in a problem without a motion.
+    /// The same as of words ([`super::beginnings`]), for what is hard in a problem without a motion.
     pub(in crate::ocp) const DRAWN: u64 = 256;
     pub(in crate::ocp) const CHANGED: usize = 768;
     /// Motions under policies beside them, the latest time at which one turns round, as a share of the motion, and the natural sizes up to

@@ -1,4 +1,4 @@
-//! The search for contact sequences: contact-implicit programs from coarse to fine.
+//! Contact sequences from contact-implicit programs, from coarse to fine.
 
 use hangtime_solver::mpcc;
 use hangtime_solver::mpcc::RelaxationRule;
@@ -182,7 +182,7 @@ fn relaxed(
     settings.interior_point.tolerance = relaxation.tolerance;
     settings.interior_point.maximum_iterations = runner.settings.maximum_iterations;
     let unit = program.program.objective_unit();
-    let step = "contact-implicit search";
+    let step = "contact-implicit programs";
     let Ok(solution) = runner.relax(&mut program.program, &settings, step, unit) else {
         return Ok(None);
     };

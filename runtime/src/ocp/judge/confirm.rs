@@ -262,7 +262,7 @@ impl Plan {
             sequence: &self.sequence,
             guess: &self.trajectory,
             cuts,
-            purpose: Purpose::Compare,
+            purpose: Purpose::Near,
         };
         attempts.attempt(runner, attempt)?;
         let Some(again) = &attempts.best else {

@@ -49,13 +49,15 @@ pub(in crate::ocp) enum Verdict {
     Undecided,
 }
 
-/// Why a sequence is attempted while there is a best.
+/// Why a sequence is attempted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::ocp) enum Purpose {
     /// It is a neighbour of the best, and has to be decided.
     Compare,
     /// It may be better, but nothing is claimed about it.
     Explore,
+    /// It is that of a motion which is near a solution of it.
+    Near,
 }
 
 /// A sequence that was attempted.
@@ -292,7 +294,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (None, _) if !proves => &QUICK[..],
             (None, _) => &FIRST,
             (Some(_), Purpose::Compare) => &NEIGHBOUR,
-            (Some(_), Purpose::Explore) => &EXPLORED,
+            (Some(_), Purpose::Explore | Purpose::Near) => &EXPLORED,
         };
         let compares = purpose == Purpose::Compare;
         let near = self.best.as_ref().filter(|_| compares);
@@ -308,12 +310,14 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (None, None) => None,
         };
         let warm = known.map(|(run, known)| (run, 0, Some(known)));
+        let stays = purpose == Purpose::Near && self.best.is_none() && before.is_none();
+        let near = stays.then_some((NEIGHBOUR[0], 0, None));
         // A deep cut leaves little of that solution but the motion itself.
         let again = before.map(|_| (AFTER_CUT, 0, None));
         let cold = barriers.iter().enumerate();
         let cold = cold.map(|(index, &run)| (run, restores(index + 1 == barriers.len()), None));
         let mut status = nlp::Status::Interrupted;
-        let tries = warm.into_iter().chain(again).chain(cold);
+        let tries = warm.into_iter().chain(again).chain(near).chain(cold);
         for (index, ((barrier, iterations), restores, known)) in tries.enumerate() {
             if index > 0 && runner.stopped() {
                 break;
@@ -323,7 +327,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             settings.initial_barrier_parameter = barrier;
             settings.maximum_iterations = settings.maximum_iterations.min(iterations);
             let start = known.map(|(other, solution)| program.start_from(other, solution, barrier));
-            if start.is_some() {
+            if start.is_some() || stays && index == 0 {
                 settings.bound_push = barrier;
                 settings.bound_fraction = barrier;
             }

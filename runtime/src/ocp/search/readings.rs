@@ -40,7 +40,8 @@ pub(in crate::ocp) fn attempt_readings(
     let plan = shaped(setting, candidate);
     if which == Readings::Own {
         // What is to be judged is the plan as it is, whatever other readings make of it.
-        attempt_new(runner, attempts, &plan.sequence, &plan.trajectory)?;
+        let own = (&plan.sequence, &plan.trajectory);
+        attempt_new(runner, attempts, own, Purpose::Near)?;
         if attempts.best.is_some() {
             return Ok(());
         }
@@ -53,7 +54,7 @@ pub(in crate::ocp) fn attempt_readings(
         if runner.stopped() || found && (index >= count || which == Readings::Own) {
             break;
         }
-        attempt_new(runner, attempts, sequence, guess)?;
+        attempt_new(runner, attempts, (sequence, guess), Purpose::Explore)?;
     }
     Ok(())
 }
@@ -62,8 +63,8 @@ pub(in crate::ocp) fn attempt_readings(
 fn attempt_new(
     runner: &mut Runner,
     attempts: &mut Attempts,
-    sequence: &Sequence,
-    guess: &Trajectory,
+    (sequence, guess): (&Sequence, &Trajectory),
+    purpose: Purpose,
 ) -> Result<(), InputError> {
     let intervals = attempts.setting.problem.intervals;
     let Some(sequence) = sequence.clone().ordered(intervals) else {
@@ -74,7 +75,7 @@ fn attempt_new(
             sequence: &sequence,
             guess,
             cuts: &[],
-            purpose: Purpose::Explore,
+            purpose,
         };
         attempts.attempt(runner, attempt)?;
     }

@@ -14,6 +14,7 @@ use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::{guess, random, uniform};
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
+use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Horizon;
 use crate::ocp::program::runner::Runner;
@@ -21,7 +22,7 @@ use crate::ocp::settings::Guess;
 use crate::ocp::tuning::beginnings::MOST_PHASES;
 use crate::ocp::tuning::sampled::{
     ALIKE, BEST, CHANGES, EVENTS, LONGER, NARROWED, NARROWER, OF_EACH_KIND, OF_RANGE, PILOTS,
-    POLICIES, WITHIN,
+    POLICIES, TOLERANCE, WITHIN,
 };
 use crate::simulation::InputError;
 
@@ -36,6 +37,8 @@ pub(super) type Rank = (u64, f64, f64);
 pub(in crate::ocp) struct Sampled {
     /// The best motion of each order, the best ones first.
     pub(in crate::ocp) motions: Vec<Candidate>,
+    /// The one without controls, up to where it comes nearest to the goals.
+    pub(in crate::ocp) ride: Option<Candidate>,
     /// What most of the drawn ones miss less of each goal.
     pub(in crate::ocp) units: Vec<f64>,
     /// Size that the cost of most of the best ones does not exceed.
@@ -71,6 +74,7 @@ pub(in crate::ocp) fn best_of_each_order(
             archive.add_order(end);
         }
     }
+    let ride = archive.ride((setting, &straight), most_events);
     let mut random = uniform(drawn_motions);
     for k in 0..changed {
         if archive.best.is_empty() || !runner.goes_on("random motions") {
@@ -82,8 +86,8 @@ pub(in crate::ocp) fn best_of_each_order(
             archive.add(end);
         }
     }
-    let mut found = Vec::new();
-    for end in archive.sorted().into_iter().take(most) {
+    let tolerance = runner.settings.replay_tolerance;
+    let motion = |end: &End| {
         let Throw {
             start,
             controls,
@@ -96,12 +100,12 @@ pub(in crate::ocp) fn best_of_each_order(
             states: vec![start],
         };
         // One that is refused, as in no time, is none.
-        let tolerance = runner.settings.replay_tolerance;
-        let candidate = simulated(setting, &motion, tolerance).ok().flatten();
-        found.extend(candidate);
-    }
+        simulated(setting, &motion, tolerance).ok().flatten()
+    };
+    let best = archive.sorted().into_iter().take(most);
     Ok(Sampled {
-        motions: found,
+        motions: best.filter_map(&motion).collect(),
+        ride: ride.as_ref().and_then(&motion),
         cost: archive.usual_cost(),
         units: archive.units,
     })
@@ -250,21 +254,31 @@ fn ranges<'v>(values: impl Iterator<Item = &'v Vec<f64>>) -> Vec<(f64, f64)> {
     ranges
 }
 
-/// Units of the conditions: what most of the ends miss by less, or else the most that one misses; of bounds a share of the range.
+/// Units of the conditions: what most of the ends miss by less, or else the most that one misses, but no more than the start misses, which
+/// is no end; of bounds a share of the range.
 fn units(setting: Setting, ends: &[End]) -> Vec<f64> {
     let count = ends.first().map_or(0, |end| end.missing.len());
     let declared = setting.model.declaration().optimal_control;
     let goals = declared.map_or(0, |declared| declared.goals.len());
     let (lower, upper) = setting.bounds;
     let coordinates = setting.problem.q.len();
+    let mut start = setting.problem.start();
+    start.push(setting.units.time);
+    let at_start = goal_values(setting.model, &start);
     let unit = |k: usize| {
         let mut values: Vec<f64> = ends.iter().map(|end| end.missing[k].abs()).collect();
         values.sort_by(f64::total_cmp);
         let usual = values[(WITHIN * values.len() as f64) as usize];
-        if usual > 0.0 {
+        let usual = if usual > 0.0 {
             usual
         } else {
             values[values.len() - 1]
+        };
+        let missed = at_start.get(k).map_or(0.0, |missed| missed.abs());
+        if missed > TOLERANCE * usual {
+            usual.min(missed)
+        } else {
+            usual
         }
     };
     let of_bound = |k: usize| {
@@ -303,6 +317,27 @@ impl Archive {
         if rank.2.is_finite() && rank.1.is_finite() && better {
             self.best.insert(end.order.clone(), (rank, end));
         }
+    }
+
+    /// Adds where the motion without controls may end, and returns the best of these ends.
+    fn ride(
+        &mut self,
+        (setting, straight): (Setting, &Trajectory),
+        most_events: usize,
+    ) -> Option<End> {
+        let throw = Throw {
+            start: setting.problem.start(),
+            controls: straight.controls.clone(),
+            horizon: straight.horizon,
+        };
+        let longest = match setting.problem.horizon {
+            Horizon::Fixed(horizon) => horizon,
+            Horizon::Free { .. } => LONGER * throw.horizon,
+        };
+        let ends = ends(setting, &throw, longest, most_events);
+        ends.iter().for_each(|end| self.add_order(end.clone()));
+        ends.into_iter()
+            .min_by(|a, b| compare(&self.rank(a), &self.rank(b)))
     }
 
     /// Adds an end if there is none of its order from elsewhere, or it is better than one that was added so.
@@ -360,7 +395,9 @@ impl Archive {
         }
         held::complete_start(model, &mut throw.start);
         if matches!(problem.horizon, Horizon::Free { .. }) {
-            throw.horizon *= (share * random()).exp();
+            let range = setting.final_times();
+            let changed = throw.horizon * (share * random()).exp();
+            throw.horizon = changed.clamp(range.shortest, range.longest);
         }
         let mut values = throw.controls.values().to_vec();
         let intervals = values.len();

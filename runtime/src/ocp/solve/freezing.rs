@@ -44,8 +44,8 @@ impl Runs {
     }
 }
 
-/// Solves from all variants that are asked for side by side, or else from a few; the best of them, with the exact solution of its
-/// complementarity problem.
+/// Solves from all variants that are asked for side by side, or else from a few, and by the search over words where none leads to a motion;
+/// the best of them, with the exact solution of its complementarity problem.
 pub(super) fn solve(
     model: &dyn Model,
     problem: &Problem,
@@ -68,9 +68,11 @@ pub(super) fn solve(
         let solved = starts.map(|start| from_start(&task, start));
         let solved = solved.collect::<Result<Vec<(Solution, Work)>, _>>()?;
         let solved = solved.into_iter().enumerate();
-        solved
+        let mut chosen: Vec<usize> = solved
             .map(|(start, run)| runs.add(Source::Start(start), run))
-            .collect()
+            .collect();
+        or_by_words(&task, &mut runs, &mut chosen)?;
+        chosen
     };
     let mut found: Vec<Found> = chosen
         .iter()
@@ -114,13 +116,7 @@ fn few(task: &Task, runs: &mut Runs) -> Result<Vec<usize>, InputError> {
         })?;
         chosen.push(runs.add(Source::Start(1), carried));
     }
-    let moves = |index: &usize| rank(&runs.all[*index].solution).0 == 0;
-    if !task.observer.stopped() && !chosen.iter().any(moves) {
-        let mut reports = runs.all.iter().map(|run| &run.solution.time_freezing);
-        let report = reports.find_map(Clone::clone);
-        let run = by_words(task, report)?;
-        chosen.push(runs.add(Source::Words, run));
-    }
+    or_by_words(task, runs, &mut chosen)?;
     for start in 2..task.settings.starts() {
         let certified = |index: &usize| runs.all[*index].solution.status == Status::Solved;
         if task.observer.stopped() || chosen.iter().any(certified) {
@@ -129,6 +125,18 @@ fn few(task: &Task, runs: &mut Runs) -> Result<Vec<usize>, InputError> {
         chosen.push(runs.add(Source::Start(start), from_start(task, start)?));
     }
     Ok(chosen)
+}
+
+/// Adds what the search over words leads to where none of the chosen runs leads to a motion.
+fn or_by_words(task: &Task, runs: &mut Runs, chosen: &mut Vec<usize>) -> Result<(), InputError> {
+    let moves = |index: &usize| rank(&runs.all[*index].solution).0 == 0;
+    if !task.observer.stopped() && !chosen.iter().any(moves) {
+        let mut reports = runs.all.iter().map(|run| &run.solution.time_freezing);
+        let report = reports.find_map(Clone::clone);
+        let run = by_words(task, report)?;
+        chosen.push(runs.add(Source::Words, run));
+    }
+    Ok(())
 }
 
 /// The motion that the search over words leads to, with the report of a relaxed program that led to none.

@@ -28,7 +28,7 @@ use crate::ocp::tuning::equal::{MOTION, OPTIMUM};
 use crate::ocp::tuning::grids::{ELEMENTS_OF_ONE, FINER, KEPT};
 use crate::ocp::tuning::off_grid::STAGES;
 use crate::ocp::tuning::on_grid::{
-    BEYOND, FINE, FINEST, JUDGED, LEAST, MOVED, MOVED_WITHIN, PLACED,
+    BEYOND, FINE, FINEST, JUDGED, LEAST, MOVED, MOVED_WITHIN, PLACED, SIMULATED,
 };
 use crate::ocp::words::aligned::{Aligned, followed};
 use crate::ocp::words::beginnings::beginnings;
@@ -266,9 +266,10 @@ impl Search {
         let setting = setting(&units);
         let allowed = setting.final_times().allowed(model);
         self.final_times = (allowed.shortest, allowed.longest);
-        let (beginnings, library) = beginnings(runner, (setting, &guessed), &range)?;
-        let words = Words::new(setting, (&coarse, settings), &guessed, library);
-        let (words, goals, starts) = words.run(runner, &beginnings);
+        let (begun, goals) = beginnings(runner, (setting, &guessed), &range)?;
+        let with = (begun.library, goals);
+        let words = Words::new(setting, (&coarse, settings), &guessed, with);
+        let (words, goals, starts) = words.run(runner, &begun.words);
         self.starts = starts;
         let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
         let units: Vec<Units> = words.iter().map(own).collect();
@@ -288,6 +289,34 @@ impl Search {
             self.mapped(task, runner, &found)?;
             if index > 0 && !runner.stopped() {
                 self.carried(task, runner, before.into_iter().take(1))?;
+            } else if settings.grid == ControlNodes::Equal {
+                self.simulated(task, runner, &begun.motions)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What simulated motions lead to, the first ones of them, where no word leads to a motion.
+    fn simulated(
+        &mut self,
+        task: &Task,
+        runner: &mut Runner,
+        motions: &[Candidate],
+    ) -> Result<(), InputError> {
+        for candidate in motions.iter().take(SIMULATED) {
+            if runner.stopped() || self.is_confirmed() {
+                break;
+            }
+            let begin = Begin {
+                candidate: candidate.clone(),
+                readings: Readings::All,
+                elements: task.settings.elements,
+            };
+            let failure = runner.take_failure();
+            let solution = task.conclude(runner, begin)?;
+            runner.restore_failure(failure, true);
+            if solution.motion.is_some() {
+                self.add(solution);
             }
         }
         Ok(())
@@ -541,7 +570,7 @@ fn solved(runner: &mut Runner, moved: &[OnGrid], grids: &[Grid]) -> Result<Vec<B
             sequence: &placed.candidate.sequence,
             guess: &placed.candidate.trajectory,
             cuts: &[],
-            purpose: Purpose::Explore,
+            purpose: Purpose::Near,
         };
         attempts.attempt(runner, attempt)?;
         if let Some(best) = attempts.best.take() {

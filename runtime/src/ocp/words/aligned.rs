@@ -91,7 +91,7 @@ impl Aligned {
             sequence: &sequence,
             guess: &guess,
             cuts: &[],
-            purpose: Purpose::Explore,
+            purpose: Purpose::Near,
         };
         let verdict = attempts.attempt(runner, attempt)?;
         Ok(attempts.best.ok_or(verdict))

@@ -17,7 +17,7 @@ use crate::ocp::search::replay::simulations;
 use crate::ocp::search::sampled::{Range, Sampled, best_of_each_order};
 use crate::ocp::settings::Guess;
 use crate::ocp::tuning::beginnings::{
-    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, WORDS,
+    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, TRIES, WORDS,
 };
 use crate::simulation::InputError;
 
@@ -31,27 +31,45 @@ pub(in crate::ocp) struct Beginning {
     pub(super) source: &'static str,
 }
 
-/// Words to begin with and the library of what their motions went through; random controls are drawn from a range. Of a known motion there
-/// is its own word alone.
+/// What the search begins with.
+#[derive(Default)]
+pub(in crate::ocp) struct Begun {
+    pub(in crate::ocp) words: Vec<Beginning>,
+    /// What motions went through.
+    pub(in crate::ocp) library: Library,
+    /// Simulated motions on the grid: without controls, and of the best orders.
+    pub(in crate::ocp) motions: Vec<Candidate>,
+}
+
+/// Words to begin with, and the goals as motions miss them; random controls are drawn from a range. Of a known motion there is its own word
+/// alone.
 pub(in crate::ocp) fn beginnings(
     runner: &mut Runner,
     (setting, guessed): (Setting, &Trajectory),
     range: &Range,
-) -> Result<(Vec<Beginning>, (Library, Goals)), InputError> {
+) -> Result<(Begun, Goals), InputError> {
     let mut library = Library::default();
     let mut found: Vec<Beginning> = Vec::new();
+    let mut motions: Vec<Candidate> = Vec::new();
     if let Guess::Previous(previous) = &runner.settings.guess {
         let known = previous.candidate(guessed, setting.problem.intervals);
         let (draft, motion) = read(setting, known);
         library.learn(&draft.word);
         add(&mut found, (draft, motion), "known");
         let goals = Goals::of(setting, &Sampled::default());
-        return Ok((found, (library, goals)));
+        let begun = Begun {
+            words: found,
+            library,
+            motions,
+        };
+        return Ok((begun, goals));
     }
     let sampled = best_of_each_order(runner, (setting, range), (DRAWN, CHANGED), LEARNED)?;
     let goals = Goals::of(setting, &sampled);
     let mut drafts: Vec<(Draft, Trajectory)> = Vec::new();
+    motions.extend(sampled.ride);
     for candidate in sampled.motions {
+        motions.push(candidate.clone());
         let (draft, motion) = read(setting, candidate);
         library.learn(&draft.word);
         if draft.word.phases() <= MOST_PHASES {
@@ -85,7 +103,12 @@ pub(in crate::ocp) fn beginnings(
             add(&mut found, (draft, motion), IMPLICIT);
         }
     }
-    Ok((found, (library, goals)))
+    let begun = Begun {
+        words: found,
+        library,
+        motions,
+    };
+    Ok((begun, goals))
 }
 
 /// Adds what motions begin with, of that many phases.
@@ -139,8 +162,13 @@ fn read(setting: Setting, candidate: Candidate) -> (Draft, Trajectory) {
     (draft, trajectory)
 }
 
-/// A word with random times, and a motion under random controls or one that is bent out of shape; none where it cannot be simulated.
-pub(super) fn another(setting: Setting, draft: &Draft, seed: u64) -> Option<(Draft, Trajectory)> {
+/// A word as a motion under random controls goes through it, or else with random times, and a motion under random controls or one that is
+/// bent out of shape; none where it cannot be simulated.
+pub(super) fn another(
+    setting: Setting,
+    draft: &Draft,
+    (seed, tolerance): (u64, f64),
+) -> Option<(Draft, Trajectory)> {
     let Setting {
         model,
         problem,
@@ -153,6 +181,20 @@ pub(super) fn another(setting: Setting, draft: &Draft, seed: u64) -> Option<(Dra
         false => Guess::Random(seed),
     };
     let motion = guess(model, problem, &kind, bounds).ok()?;
+    if matches!(kind, Guess::Random(_)) {
+        let first = u64::MAX - TRIES * seed;
+        let mut drawn = (0..TRIES).filter_map(|k| {
+            let kind = Guess::Random(first - k);
+            let motion = guess(model, problem, &kind, bounds).ok()?;
+            let candidates = simulations(setting, &motion, tolerance).ok()?;
+            let (own, motion) = read(setting, candidates.into_iter().next()?);
+            let own = own.up_to(draft.word.instants.len());
+            (own.word == draft.word).then_some((own, motion))
+        });
+        if let Some(same) = drawn.next() {
+            return Some(same);
+        }
+    }
     let mut random = uniform(!seed);
     let mut draft = draft.clone();
     draft.horizon = motion.horizon;

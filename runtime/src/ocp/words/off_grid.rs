@@ -16,9 +16,9 @@ use crate::ocp::search::attempt::interior_point;
 use crate::ocp::search::sampled::Sampled;
 use crate::ocp::tuning::edits::VANISHED;
 use crate::ocp::tuning::equal::MET;
-use crate::ocp::tuning::grids::MOVES;
 use crate::ocp::tuning::off_grid::{
-    BARRIER, ELEMENTS, ITERATIONS, LEAST, LEAST_SHARE, LONGEST, PRICE, RESTORED, ROUNDED, TOLERANCE,
+    BARRIER, ELEMENTS, ITERATIONS, LEAST, LEAST_SHARE, LONGEST, MOVES, PRICE, RESTORED, ROUNDED,
+    TOLERANCE,
 };
 use crate::ocp::tuning::table::WORTH_OF_PHASE;
 use crate::rk::ButcherTableau;
@@ -175,8 +175,8 @@ pub(super) fn spans_with(
     spans.collect()
 }
 
-/// Solves the program of a draft from a motion, and again from where it ends as long as that is an end of the final times that it looks
-/// at; `None` where it has no order or no solution.
+/// Solves the program of a draft from a motion, and again from where it ends where that is an end of the final times that it looks at;
+/// `None` where it has no order or no solution. What misses its goals does so in a shorter time as well.
 pub(super) fn solve(
     runner: &mut Runner,
     setting: Setting,
@@ -188,7 +188,9 @@ pub(super) fn solve(
     let mut found = solve_around(runner, setting, with, from, goals)?;
     for _ in 0..MOVES {
         let centre = found.motion.horizon;
-        if looked_at.end_at(centre).is_none() || runner.stopped() {
+        let end = looked_at.end_at(centre);
+        let moves = end.is_some_and(|end| found.meets() || end > looked_at.shortest);
+        if !moves || runner.stopped() {
             break;
         }
         looked_at = FinalTimes::around(setting.problem, centre);

@@ -183,9 +183,10 @@ impl<'a, 'r> Words<'a, 'r> {
         } else {
             starts
         };
+        let tolerance = runner.settings.replay_tolerance;
         for _ in 1..starts {
             self.guesses += 1;
-            let Some(guess) = another(self.setting, &draft, self.guesses) else {
+            let Some(guess) = another(self.setting, &draft, (self.guesses, tolerance)) else {
                 continue;
             };
             if runner.stopped() {
