@@ -6,6 +6,7 @@ mod impossible;
 mod known;
 mod nearest;
 mod optima;
+mod placing;
 mod run;
 mod searched;
 mod shared_observer;

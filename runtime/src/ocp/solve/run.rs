@@ -254,7 +254,7 @@ fn is_found(solution: &Solution) -> bool {
 }
 
 /// A plan without its certificate, of another status, unless the last round was interrupted or the plan is none.
-fn demoted(plan: Solution, last: Status, status: Status) -> Solution {
+pub(super) fn demoted(plan: Solution, last: Status, status: Status) -> Solution {
     Solution {
         status: match last {
             Status::Interrupted => Status::Interrupted,

@@ -5,7 +5,8 @@ use hangtime_solver::mpcc::Stationarity;
 use hangtime_solver::nlp;
 
 use super::optima::{Found, costs_the_same, rank, result, sort};
-use super::run::{Begin, Task, failed, tableaus};
+use super::placing::{Begun, grids, on_grid};
+use super::run::{Begin, Task, demoted, failed, tableaus};
 use super::shared_observer::SharedObserver;
 use crate::Observer;
 use crate::model::Model;
@@ -19,7 +20,7 @@ use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
 use crate::ocp::scale::Scale;
-use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
+use crate::ocp::search::attempt::Local;
 use crate::ocp::search::readings::Readings;
 use crate::ocp::search::sampled::drawing_range;
 use crate::ocp::settings::{ControlNodes, Settings};
@@ -27,13 +28,11 @@ use crate::ocp::solution::{Solution, Source, Status};
 use crate::ocp::tuning::equal::{MOTION, OPTIMUM};
 use crate::ocp::tuning::grids::{ELEMENTS_OF_ONE, FINER, KEPT};
 use crate::ocp::tuning::off_grid::STAGES;
-use crate::ocp::tuning::on_grid::{
-    BEYOND, FINE, FINEST, JUDGED, LEAST, MOVED, MOVED_WITHIN, PLACED, SIMULATED,
-};
+use crate::ocp::tuning::on_grid::{BEYOND, FINEST, PLACED, SIMULATED};
 use crate::ocp::words::aligned::{Aligned, followed};
 use crate::ocp::words::beginnings::beginnings;
 use crate::ocp::words::off_grid::{Goals, Timed};
-use crate::ocp::words::on_grid::{Grid, Placed};
+use crate::ocp::words::on_grid::Grid;
 use crate::ocp::words::search::Words;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
@@ -113,17 +112,6 @@ fn state_on(solution: &mut Solution, intervals: usize) {
     }
 }
 
-/// The grids that words are put on, on the way to one with that many intervals: the coarsest and the finest that it contains, or one that is
-/// near. What is found on the first one is a candidate on the next, so that a finer grid ends at nothing worse.
-fn grids(intervals: usize) -> Vec<usize> {
-    let divides = |coarser: &usize| intervals.is_multiple_of(*coarser);
-    let contained: Vec<usize> = (LEAST..=FINE.min(intervals)).filter(divides).collect();
-    let near = intervals.div_ceil(intervals.div_ceil(FINE));
-    let mut grids = vec![*contained.first().unwrap_or(&near)];
-    grids.extend(contained.last().filter(|last| **last > grids[0]));
-    grids
-}
-
 /// Words off the grid, with the units of their motions, and the grid that they are put on.
 struct OffGrid<'a> {
     words: &'a [Timed],
@@ -189,6 +177,12 @@ impl Search {
     /// Whether a motion is confirmed.
     fn is_confirmed(&self) -> bool {
         self.found.iter().any(|found| rank(&found.solution).0 == 0)
+    }
+
+    /// Whether a plan was followed beyond all final times that were looked at.
+    fn is_endless(&self) -> bool {
+        let mut found = self.found.iter();
+        found.any(|found| found.solution.status == Status::Unbounded)
     }
 
     /// On the grids that words are put on, and on the one asked for.
@@ -339,12 +333,13 @@ impl Search {
                 return self.aligned(runner, found.words, &grids, true);
             }
             runner.effort = Effort::Quick;
-            let candidates = on_grid(runner, found.words, &grids)?;
-            let refuted = self.decided(task, runner, (candidates, count))?;
-            if self.is_confirmed() || runner.stopped() {
+            let plans = on_grid(runner, found.words, &grids)?;
+            let refuted = self.decided(task, runner, (plans.begun, count))?;
+            let coarse = plans.cost && FINER * factor <= FINEST;
+            if self.is_confirmed() && !coarse || self.is_endless() || runner.stopped() {
                 return Ok(());
             }
-            if !refuted || FINER * factor > FINEST {
+            if !(refuted || coarse) || FINER * factor > FINEST {
                 return match settings.controls {
                     ControlShape::Constant => self.aligned(runner, found.words, &grids, false),
                     ControlShape::Linear => Ok(()),
@@ -432,7 +427,7 @@ impl Search {
         if !only || self.found.len() > before {
             return Ok(());
         }
-        for (plan, _) in on_grid(runner, words, grids)? {
+        for (plan, _) in on_grid(runner, words, grids)?.begun {
             if let Some(grid) = grids.first()
                 && let Some(aligned) = Aligned::of_plan(plan)
                 && let Some(solution) = confirmed(runner, grid, aligned)?
@@ -487,104 +482,11 @@ fn replayed(
     let local = local.polished(runner);
     let elements = vec![elements; setting.problem.intervals];
     let solution = confirm(runner, setting, &elements, &local, stationarity)?;
+    // At an end of the final times that its program looks at a plan is no optimum: others lie beyond it.
+    if setting.final_times().end_at(solution.horizon).is_some() {
+        let status = solution.status;
+        return Ok(demoted(solution, status, Status::Unbounded));
+    }
     report(runner, &solution);
     Ok(solution)
-}
-
-/// A plan to begin with on the grid, and how it is read.
-type Begun = (Candidate, Readings);
-
-/// What the best words come to on the grid, the best first.
-fn on_grid(runner: &mut Runner, words: &[Timed], grids: &[Grid]) -> Result<Vec<Begun>, InputError> {
-    let placed = placed(runner, words, grids);
-    let moved = moved(runner, words, placed, grids);
-    let mut plans = solved(runner, &moved, grids)?;
-    if plans.is_empty() {
-        // What their motions do otherwise may be a plan where they are none themselves.
-        let reached = moved.into_iter().filter(|(placed, _)| placed.reaches());
-        let reached = reached
-            .take(JUDGED)
-            .map(|(placed, _)| (placed.candidate, Readings::All));
-        plans.extend(reached);
-    }
-    Ok(plans)
-}
-
-/// A word on the grid, and the index of the word, whose units it has.
-type OnGrid = (Placed, usize);
-
-/// Adds a word behind those that are better.
-fn insert(all: &mut Vec<OnGrid>, one: OnGrid) {
-    let place = all.partition_point(|(other, _)| other.rank() < one.0.rank());
-    all.insert(place, one);
-}
-
-/// The words with their switches rounded to the grid, the best first.
-fn placed(runner: &mut Runner, words: &[Timed], grids: &[Grid]) -> Vec<OnGrid> {
-    let mut placed: Vec<OnGrid> = Vec::new();
-    for (index, (word, grid)) in words.iter().zip(grids).enumerate() {
-        let reached = placed.iter().find(|(best, _)| best.reaches());
-        let least = reached.map_or(f64::INFINITY, |(best, _)| best.merit);
-        let enough = index >= PLACED && least.is_finite();
-        if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
-            continue;
-        }
-        if let Some(best) = grid.rounded(runner, word) {
-            insert(&mut placed, (best, index));
-        }
-    }
-    placed
-}
-
-/// The same with the switches of the best ones moved to other intervals where these cost more than they have to, and through the ends of
-/// their intervals.
-fn moved(runner: &mut Runner, words: &[Timed], placed: Vec<OnGrid>, grids: &[Grid]) -> Vec<OnGrid> {
-    let least = placed.first().map_or(f64::INFINITY, |(best, _)| best.merit);
-    let mut moved: Vec<OnGrid> = Vec::new();
-    for (rank, (best, index)) in placed.into_iter().enumerate() {
-        let near = !best.reaches() || best.merit <= least + MOVED_WITHIN * least.abs();
-        let uses = |rule: &str| rank < MOVED && near && runner.settings.uses(rule);
-        let (shifts, goes_through) = (uses("shift"), uses("through"));
-        let mut best = best;
-        if shifts {
-            best = grids[index].shifted(runner, &words[index], best);
-        }
-        if goes_through {
-            best = grids[index].moved(runner, best);
-        }
-        insert(&mut moved, (best, index));
-    }
-    moved
-}
-
-/// The best ones that reach the goals, solved exactly, the best first.
-fn solved(runner: &mut Runner, moved: &[OnGrid], grids: &[Grid]) -> Result<Vec<Begun>, InputError> {
-    let mut plans: Vec<Candidate> = Vec::new();
-    for (placed, index) in moved.iter().filter(|(placed, _)| placed.reaches()) {
-        if plans.len() >= JUDGED || runner.stopped() {
-            break;
-        }
-        let grid = &grids[*index];
-        let mut attempts = Attempts::new(grid.setting, grid.elements);
-        let attempt = Attempt {
-            sequence: &placed.candidate.sequence,
-            guess: &placed.candidate.trajectory,
-            cuts: &[],
-            purpose: Purpose::Near,
-        };
-        attempts.attempt(runner, attempt)?;
-        if let Some(best) = attempts.best.take() {
-            let place = plans.partition_point(|other| other.objective < best.cost);
-            let plan = Candidate {
-                objective: best.cost,
-                sequence: best.sequence,
-                trajectory: best.trajectory,
-            };
-            plans.insert(place, plan);
-        }
-    }
-    Ok(plans
-        .into_iter()
-        .map(|plan| (plan, Readings::Own))
-        .collect())
 }

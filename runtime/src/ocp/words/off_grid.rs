@@ -122,6 +122,8 @@ pub(in crate::ocp) struct Timed {
     pub(super) merit: f64,
     /// By how much goals are missed, in their sizes.
     pub(super) missed: f64,
+    /// The price at which they are.
+    pub(super) price: f64,
     pub(super) presses: Vec<Press>,
 }
 
@@ -274,6 +276,9 @@ pub(super) fn solved(
     settings.constraint_tolerance = TOLERANCE;
     settings.initial_barrier_parameter = small * barrier;
     settings.maximum_iterations = iterations;
+    // A motion that is near its solution stays there.
+    settings.bound_push = barrier;
+    settings.bound_fraction = barrier;
     program.penalize(price);
     let run = Run {
         settings: &settings,
@@ -316,6 +321,7 @@ pub(super) fn read(
         objective: solution.objective - missed * program.price(),
         merit: solution.objective,
         missed,
+        price: program.price(),
         presses: presses(program, solution, counts, &begins),
         motion: trajectory,
     }
@@ -426,8 +432,14 @@ impl Timed {
         self.missed <= MET
     }
 
-    /// The same with a miss at that price.
+    /// The same with a miss at that price, or at the one that it is worth where that is dearer: what is missed at a dear price is so at a lower
+    /// one, whatever that leaves of the objective.
     pub(super) fn set_price(&mut self, price: f64) {
+        let price = if self.meets() {
+            price
+        } else {
+            price.max(self.price)
+        };
         self.merit = self.objective + price * self.missed;
     }
 

@@ -16,7 +16,7 @@ use crate::ocp::program::runner::Runner;
 use crate::ocp::tuning::equal::{MET, OPTIMUM};
 use crate::ocp::tuning::on_grid::{
     AT_AN_END, BARRIER, BESIDE_A_JUMP, DEARER, DEARER_ROUNDS, ENTRY, ITERATIONS, JUMP, MOVES, NEAR,
-    NO_NEARER, PRESSES, SHIFTS,
+    NEARBY, NO_NEARER, PRESSES, SHIFTS,
 };
 use crate::rk::ButcherTableau;
 
@@ -25,12 +25,14 @@ type At = (usize, Place);
 
 /// A word on the grid, solved with these places.
 pub(in crate::ocp) struct Placed {
-    word: Word,
     places: Vec<At>,
     /// Of the instants, in intervals.
     times: Vec<f64>,
     pub(in crate::ocp) merit: f64,
     pub(in crate::ocp) missed: f64,
+    /// Whether it costs less than the word does off the grid, by more than that is let be: mostly an element that is too long for what
+    /// happens in it.
+    is_below: bool,
     pub(in crate::ocp) candidate: Candidate,
 }
 
@@ -49,15 +51,16 @@ impl Placed {
         self.missed <= MET
     }
 
-    /// Those that reach the goals first, then by merit.
-    pub(in crate::ocp) fn rank(&self) -> (bool, f64) {
-        (!self.reaches(), self.merit)
+    /// Those that reach the goals first, of these the ones that cost no less than their word, then by merit.
+    pub(in crate::ocp) fn rank(&self) -> (bool, bool, f64) {
+        (!self.reaches(), self.is_below, self.merit)
     }
 
     /// Whether it is better than another one by more than nothing.
     fn improves(&self, other: &Self) -> bool {
         let gain = other.merit - self.merit > OPTIMUM * other.merit.abs();
-        self.reaches() && !other.reaches() || self.reaches() == other.reaches() && gain
+        let of = |placed: &Self| (!placed.reaches(), placed.is_below);
+        of(self) < of(other) || of(self) == of(other) && gain
     }
 }
 
@@ -77,7 +80,7 @@ impl Grid<'_, '_> {
         let differs = at_jumps != inside && runner.settings.uses("at-jumps");
         let mut placed = |places: &[At]| {
             let going_on = !runner.stopped();
-            going_on.then(|| self.placed(runner, timed.word(), (places, &times), &trajectory))?
+            going_on.then(|| self.placed(runner, timed, (places, &times), &trajectory))?
         };
         let one = placed(&inside);
         let other = differs.then(|| placed(&at_jumps)).flatten();
@@ -98,9 +101,15 @@ impl Grid<'_, '_> {
         let mut best = placed;
         let mut tried: Vec<Vec<At>> = vec![best.places.clone()];
         let bound = timed.merit() + NEAR * timed.merit().abs();
-        'again: while !(best.reaches() && best.merit <= bound) {
-            for (places, times) in self.shifts(&best) {
-                if tried.len() > SHIFTS || runner.stopped() {
+        let nearby = match runner.settings.uses("near") {
+            true => self.nearby(timed),
+            false => Vec::new(),
+        };
+        let most = SHIFTS + nearby.len();
+        'again: while best.is_below || !best.reaches() || best.merit > bound {
+            let shifts = self.shifts(&best).into_iter();
+            for (places, times) in shifts.chain(nearby.iter().cloned()) {
+                if tried.len() > most || runner.stopped() {
                     break 'again;
                 }
                 if tried.contains(&places) || !is_in_order(&places) {
@@ -108,7 +117,7 @@ impl Grid<'_, '_> {
                 }
                 tried.push(places.clone());
                 let guess = self.warped(timed, &times);
-                let found = self.placed(runner, timed.word(), (&places, &times), &guess);
+                let found = self.placed(runner, timed, (&places, &times), &guess);
                 if let Some(found) = found
                     && found.improves(&best)
                 {
@@ -119,6 +128,33 @@ impl Grid<'_, '_> {
             break;
         }
         best
+    }
+
+    /// Places of all instants, the nearest to the times off the grid first: in their intervals, at the ends of these, and in the next ones.
+    fn nearby(&self, timed: &Timed) -> Vec<(Vec<At>, Vec<f64>)> {
+        let intervals = self.setting.problem.intervals;
+        let horizon = timed.motion.horizon;
+        let count = timed.draft.times.len();
+        let mut all: Vec<Near> = vec![Near::default()];
+        for (index, time) in timed.draft.times.iter().enumerate() {
+            let ends = timed.word().ends_with_impact && index + 1 == count;
+            let time = time / horizon * intervals as f64;
+            let choices = match ends {
+                true => vec![((intervals, Place::Start), time)],
+                false => choices(time, intervals),
+            };
+            let more = all.iter().flat_map(|near| {
+                let choices = choices.iter();
+                choices.filter_map(|(at, to)| near.and(*at, *to, (to - time).abs()))
+            });
+            let mut more: Vec<Near> = more.collect();
+            more.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+            more.truncate(NEARBY);
+            all = more;
+        }
+        all.into_iter()
+            .map(|near| (near.places, near.times))
+            .collect()
     }
 
     /// Single instants an interval earlier and later, and then with all behind them.
@@ -181,7 +217,12 @@ impl Grid<'_, '_> {
     }
 
     /// The best that switches come to which are moved through the ends of their intervals.
-    pub(in crate::ocp) fn moved(&self, runner: &mut Runner, placed: Placed) -> Placed {
+    pub(in crate::ocp) fn moved(
+        &self,
+        runner: &mut Runner,
+        timed: &Timed,
+        placed: Placed,
+    ) -> Placed {
         let mut best = placed;
         let mut tried: Vec<Vec<At>> = vec![best.places.clone()];
         let mut moves = 0;
@@ -195,7 +236,7 @@ impl Grid<'_, '_> {
                 tried.push(places.clone());
                 moves += 1;
                 let with = (&places[..], &best.times[..]);
-                let found = self.placed(runner, &best.word, with, &best.candidate.trajectory);
+                let found = self.placed(runner, timed, with, &best.candidate.trajectory);
                 if let Some(found) = found
                     && found.improves(&best)
                 {
@@ -251,10 +292,11 @@ impl Grid<'_, '_> {
     fn placed(
         &self,
         runner: &mut Runner,
-        word: &Word,
+        timed: &Timed,
         (places, times): (&[At], &[f64]),
         guess: &Trajectory,
     ) -> Option<Placed> {
+        let word = timed.word();
         let sequence = sequence(word, places, times, self.setting.problem.intervals)?;
         let setting = Setting {
             tableau: self.tableau,
@@ -292,11 +334,11 @@ impl Grid<'_, '_> {
             sequence.switches[first - instant.len()].time
         });
         Some(Placed {
-            word: word.clone(),
             places: places.to_vec(),
             times: times.collect(),
             merit: solution.objective,
             missed,
+            is_below: solution.objective < timed.merit() - NEAR * timed.merit().abs(),
             candidate: Candidate {
                 objective: solution.objective,
                 trajectory,
@@ -304,6 +346,47 @@ impl Grid<'_, '_> {
             },
         })
     }
+}
+
+/// Places of the first instants, their times in intervals, and how far they are from the times off the grid in all.
+#[derive(Default)]
+struct Near {
+    places: Vec<At>,
+    times: Vec<f64>,
+    distance: f64,
+}
+
+impl Near {
+    /// The same with one more, so far from its time; none where that comes before the last one.
+    fn and(&self, at: At, time: f64, distance: f64) -> Option<Self> {
+        let last = self.places.last();
+        let twice = at.1 == Place::Start && last == Some(&at);
+        (!twice && last.is_none_or(|last| *last <= at)).then(|| Self {
+            places: [&self.places[..], &[at]].concat(),
+            times: [&self.times[..], &[time]].concat(),
+            distance: self.distance + distance,
+        })
+    }
+}
+
+/// Where an instant may be whose time, in intervals, is that.
+fn choices(time: f64, intervals: usize) -> Vec<(At, f64)> {
+    let own = (time.max(0.0) as usize).min(intervals - 1);
+    let inside = |interval: usize| {
+        let begin = interval as f64;
+        let time = time.clamp(begin + ENTRY, begin + 1.0 - ENTRY);
+        ((interval, Place::Inside), time)
+    };
+    let end = |end: usize| ((end, Place::Start), end as f64);
+    let ends = [own, own + 1].into_iter();
+    let ends = ends.filter(|end| (1..intervals).contains(end)).map(end);
+    let next = [own.checked_sub(1), Some(own + 1)].into_iter().flatten();
+    let next = next.filter(|next| *next < intervals).map(inside);
+    [((own, Place::Inside), time)]
+        .into_iter()
+        .chain(ends)
+        .chain(next)
+        .collect()
 }
 
 /// The sequence of a word with its instants at these places; `None` where that is no order.

@@ -6,6 +6,7 @@ use super::library::Library;
 use super::off_grid::{Fineness, Goals, Timed, solve};
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::has_free_start;
 use crate::ocp::program::runner::Runner;
@@ -321,7 +322,7 @@ impl<'a, 'r> Words<'a, 'r> {
         if !first.meets() && if self.met { worse } else { self.in_vain } {
             return Some(first);
         }
-        let (mut timed, mut price) = self.dearer(runner, first, base);
+        let (mut timed, mut price) = self.dearer(runner, from, first, base);
         let decides = timed.meets() && (!self.met || timed.objective < self.best_merit());
         if timed.meets() && price > self.first_price && (price > base || !self.met) {
             (timed, price) = self.cheaper(runner, timed, price);
@@ -346,8 +347,16 @@ impl<'a, 'r> Words<'a, 'r> {
         Some(timed)
     }
 
-    /// A word that misses its goals at higher prices, as long as that brings it nearer to them, and the price.
-    fn dearer(&mut self, runner: &mut Runner, mut timed: Timed, base: f64) -> (Timed, f64) {
+    /// A word that misses its goals at higher prices, as long as that brings it nearer to them, and the price. What has shrunk to the
+    /// shortest final time says nothing of what it misses in a longer one: it starts anew.
+    fn dearer(
+        &mut self,
+        runner: &mut Runner,
+        from: (&Draft, &Trajectory),
+        mut timed: Timed,
+        base: f64,
+    ) -> (Timed, f64) {
+        let looked_at = FinalTimes::around(self.setting.problem, from.1.horizon);
         let (step, most) = match self.met {
             true => (DEARER, 1),
             false => (UNMET, IN_VAIN),
@@ -360,12 +369,16 @@ impl<'a, 'r> Words<'a, 'r> {
             && !runner.stopped()
         {
             price *= step;
-            let Some(again) = self.at(runner, (&timed.draft, &timed.motion), price) else {
+            let end = looked_at.end_at(timed.motion.horizon);
+            let shrunk = end.is_some_and(|end| end < looked_at.longest);
+            let ended = (&timed.draft, &timed.motion);
+            let start = if shrunk { from } else { ended };
+            let Some(again) = self.at(runner, start, price) else {
                 break;
             };
             in_vain = match again.missed < NO_NEARER * timed.missed {
                 true => 0,
-                false => in_vain + 1,
+                false => in_vain + usize::from(!shrunk),
             };
             timed = again;
         }
