@@ -38,7 +38,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 22] = [
+pub const RULES: [Rule; 23] = [
     rule(
         Source,
         "sample",
@@ -51,6 +51,7 @@ pub const RULES: [Rule; 22] = [
     ),
     rule(Source, "ride", "The motion without controls."),
     rule(Source, "empty", "No switch at all."),
+    rule(Source, "steps", "Steps of feet that stand at the start."),
     rule(
         Source,
         "contact-implicit",

@@ -39,6 +39,10 @@ pub(in crate::ocp) mod beginnings {
     /// families ends 0.4 % worse.
     pub(in crate::ocp) const PHASES: usize = 3;
     pub(in crate::ocp) const OF_EACH_LENGTH: usize = 2;
+    /// Words of steps of feet that stand at the start, and the share of its part of the motion for which a foot stands before its step, and
+    /// after it. Chosen: of one, and of two in turn, once and twice.
+    pub(in crate::ocp) const STEPS: usize = 8;
+    pub(in crate::ocp) const STEP: f64 = 0.25;
     /// Motions under random controls among which one of a word is looked for, to solve it from once more. Chosen.
     pub(in crate::ocp) const TRIES: u64 = 16;
     /// Most instants of a cycle of the library. Chosen: a hop has two, a step and a slip three.

@@ -1,5 +1,5 @@
 //! Words to begin with: of simulated motions under random controls and under policies, of what they begin with, of the ride without
-//! controls, of a contact-implicit program, and the one without switches.
+//! controls, of steps, of a contact-implicit program, and the one without switches.
 
 use super::library::Library;
 use super::off_grid::Goals;
@@ -9,7 +9,8 @@ use crate::ocp::global::coarse_to_fine::CoarseToFine;
 use crate::ocp::global::guess::{guess, uniform};
 use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::motion::candidate::Candidate;
-use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::mode::{closed_mode, is_frictional};
+use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::has_free_start;
 use crate::ocp::program::runner::Runner;
@@ -17,9 +18,9 @@ use crate::ocp::search::replay::simulations;
 use crate::ocp::search::sampled::{Range, Sampled, best_of_each_order};
 use crate::ocp::settings::Guess;
 use crate::ocp::tuning::beginnings::{
-    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, TRIES, WORDS,
+    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEP, STEPS, TRIES, WORDS,
 };
-use crate::simulation::InputError;
+use crate::simulation::{ContactMode, InputError};
 
 /// The source whose words come from a contact-implicit program.
 const IMPLICIT: &str = "contact-implicit";
@@ -94,6 +95,10 @@ pub(in crate::ocp) fn beginnings(
     let length = guessed.horizon / setting.problem.intervals as f64;
     let draft = Draft::read(&empty, length, guessed.horizon);
     add(&mut found, (draft, guessed.clone()), "empty");
+    for sequence in steps(setting, &empty) {
+        let draft = Draft::read(&sequence, length, guessed.horizon);
+        add(&mut found, (draft, guessed.clone()), "steps");
+    }
     found.retain(|beginning| runner.settings.uses(beginning.source));
     if runner.settings.uses(IMPLICIT)
         && let Some((draft, motion)) = implicit(runner, setting, guessed)?
@@ -135,6 +140,48 @@ fn implicit(
     let candidate = CoarseToFine::new(setting, guess).next(runner)?;
     runner.restore_failure(failure, true);
     Ok(candidate.map(|candidate| read(setting, candidate)))
+}
+
+/// Steps of feet of which two or more stand at first, which random controls never take and no edit of a jump leads to: of each alone, of two
+/// in turn, once and twice.
+fn steps(setting: Setting, standing: &Sequence) -> Vec<Sequence> {
+    let model = setting.model;
+    let declared = model.declaration().contacts;
+    let modes = standing.initially.iter().enumerate();
+    let feet = modes.filter(|(contact, mode)| !mode.is_open() && !declared[*contact].dry);
+    let feet: Vec<usize> = feet.map(|(contact, _)| contact).collect();
+    if feet.len() < 2 {
+        return Vec::new();
+    }
+    let intervals = setting.problem.intervals;
+    let sequences = gaits(&feet).into_iter().filter_map(|gait| {
+        let part = intervals as f64 / gait.len() as f64;
+        let mut sequence = standing.clone();
+        for (step, &foot) in gait.iter().enumerate() {
+            let [off, on] = [STEP, 1.0 - STEP].map(|share| (step as f64 + share) * part);
+            let mode = closed_mode(is_frictional(model, foot), 0.0, 0.0);
+            let lifts = Switch::inside(foot, false, ContactMode::Open, off);
+            let lands = Switch {
+                impulse: mode,
+                ..Switch::inside(foot, true, mode, on)
+            };
+            sequence.switches.extend([lifts, lands]);
+        }
+        sequence.ordered(intervals)
+    });
+    sequences.take(STEPS).collect()
+}
+
+/// Feet that step, one after the other: each alone, two in turn, each twice, two in turn twice.
+fn gaits(feet: &[usize]) -> Vec<Vec<usize>> {
+    let alone = feet.iter().map(|&one| vec![one]);
+    let in_turn = feet.iter().flat_map(|&one| {
+        let others = feet.iter().filter(move |&&other| other != one);
+        others.map(move |&other| vec![one, other])
+    });
+    let once: Vec<Vec<usize>> = alone.chain(in_turn).collect();
+    let twice = once.iter().map(|gait| gait.repeat(2));
+    once.iter().cloned().chain(twice).collect()
 }
 
 /// Adds a word that is not there yet; whether it was added.
@@ -206,4 +253,16 @@ pub(super) fn another(
         *last = motion.horizon;
     }
     Some((draft, motion))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_feet_step_alone_in_turn_and_twice() {
+        let once = [vec![3], vec![5], vec![3, 5], vec![5, 3]];
+        let twice = [vec![3, 3], vec![5, 5], vec![3, 5, 3, 5], vec![5, 3, 5, 3]];
+        assert_eq!(gaits(&[3, 5]), [once, twice].concat());
+    }
 }

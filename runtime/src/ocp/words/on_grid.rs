@@ -474,6 +474,30 @@ mod tests {
     use super::*;
 
     #[test]
+    fn an_instant_may_be_in_its_interval_at_its_ends_and_in_the_next_ones() {
+        use Place::{Inside, Start};
+        let places = |time| choices(time, 8).into_iter().map(|(at, _)| at);
+        let middle = [
+            (3, Inside),
+            (3, Start),
+            (4, Start),
+            (2, Inside),
+            (4, Inside),
+        ];
+        assert!(places(3.4).eq(middle));
+        // Ends of the motion are no ends at which controls change.
+        assert!(places(0.2).eq([(0, Inside), (1, Start), (1, Inside)]));
+        assert!(places(8.0).eq([(7, Inside), (7, Start), (6, Inside)]));
+        // One instant stays behind the other, and both are not at one end.
+        let near = Near::default().and((3, Start), 3.0, 0.4);
+        let near = near.expect("the first");
+        assert!(near.and((3, Start), 3.0, 0.0).is_none());
+        assert!(near.and((2, Inside), 2.9, 0.0).is_none());
+        let both = near.and((3, Inside), 3.4, 0.1).expect("in order");
+        assert!((both.distance - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
     fn places_stay_in_order_and_two_at_an_end_are_at_it_and_after_it() {
         use Place::{Inside, Start};
         let given = vec![(3, Start), (3, Start), (2, Inside), (5, Inside)];
