@@ -63,6 +63,7 @@ struct Waiting {
 }
 
 /// A search over words.
+// Many fields: a table, what makes its rows, and how far it is.
 pub(in crate::ocp) struct Words<'a, 'r> {
     setting: Setting<'a>,
     tableau: &'r ButcherTableau,
@@ -347,8 +348,7 @@ impl<'a, 'r> Words<'a, 'r> {
         Some(timed)
     }
 
-    /// A word that misses its goals at higher prices, as long as that brings it nearer to them, and the price. What has shrunk to the
-    /// shortest final time says nothing of what it misses in a longer one: it starts anew.
+    /// A word that misses its goals at higher prices, as long as that brings it nearer, anew where it has shrunk to no time, and the price.
     fn dearer(
         &mut self,
         runner: &mut Runner,
