@@ -6,7 +6,7 @@ use super::disagreement::compare;
 use super::forces;
 use super::gradient::gradient;
 use super::margins::margins;
-use super::objective::{Replayed, replayed};
+use super::objective::replayed;
 use super::refine_grid::{ROUNDS, refine, refine_all};
 use crate::model::Model;
 use crate::ocp::collocation::between_stages::{excess, violated};
@@ -287,26 +287,6 @@ fn excess_of(plan: &Local, objective: f64) -> f64 {
     (plan.solution.objective - objective) / plan.program.program.size_of(objective)
 }
 
-/// The motion under the controls of a plan, and its objective beside that of the plan, at as many instants as tell it.
-fn resimulated(
-    setting: Setting,
-    trajectory: &Trajectory,
-    (plan, tolerance): ((&Sequence, f64), f64),
-    cost: f64,
-) -> Result<(Simulation, Option<Replayed>), InputError> {
-    let mut outputs = OUTPUTS;
-    loop {
-        let replay = simulate(setting, trajectory, Some(plan), (tolerance, outputs))?;
-        let again = replayed(setting.model, &trajectory.controls, &replay, cost)
-            .filter(|_| replay.status == SimulationStatus::Solved);
-        let coarse = again.is_some_and(|again| again.is_coarse);
-        if !coarse || outputs >= MOST_OUTPUTS {
-            return Ok((replay, again));
-        }
-        outputs *= 2;
-    }
-}
-
 /// Re-simulates a plan and compares.
 pub(in crate::ocp) fn confirm(
     runner: &Runner,
@@ -325,8 +305,19 @@ pub(in crate::ocp) fn confirm(
     } = plan;
     let cost = plan.cost;
     let let_pass = setting.largest_distance(settings, trajectory);
-    let with = ((sequence, let_pass), settings.resimulation_tolerance);
-    let (replay, again) = resimulated(setting, trajectory, with, cost)?;
+    let plan = Some((sequence, let_pass));
+    let mut outputs = OUTPUTS;
+    let (replay, again) = loop {
+        let with = (settings.resimulation_tolerance, outputs);
+        let replay = simulate(setting, trajectory, plan, with)?;
+        let again = replayed(setting.model, &trajectory.controls, &replay, cost)
+            .filter(|_| replay.status == SimulationStatus::Solved);
+        let coarse = again.is_some_and(|again| again.is_coarse);
+        if !coarse || outputs >= MOST_OUTPUTS {
+            break (replay, again);
+        }
+        outputs *= 2;
+    };
     let apart = Apart::of(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
     let limits = Limits::new(setting, settings);

@@ -199,34 +199,25 @@ impl Task<'_, '_> {
             trajectory: best.trajectory.clone(),
         });
         let with = (&elements[..], finer);
+        let mut solution = judge(runner, setting, with, (best, stationarity), f64::INFINITY)?;
+        if solution.status == Status::Unconfirmed
+            && let Some(outdone) = outdone
+        {
+            // The one before it is what is left where the re-simulation does not confirm it.
+            let last = (outdone, Stationarity::None);
+            let other = judge(runner, setting, with, last, f64::INFINITY)?;
+            if other.status != Status::Unconfirmed {
+                solution = other;
+            }
+        }
         Ok(Round {
-            solution: judged(runner, setting, with, (best, stationarity), outdone)?,
+            solution,
             range,
             at_an_end,
             off_units,
             next,
         })
     }
-}
-
-/// The judgement of a plan, or of the one before it where the re-simulation confirms that one alone.
-fn judged<'a>(
-    runner: &mut Runner,
-    setting: Setting<'a>,
-    with: (&[usize], &'a [ButcherTableau]),
-    best: (Local<'a>, Stationarity),
-    outdone: Option<Local<'a>>,
-) -> Result<Solution, InputError> {
-    let solution = judge(runner, setting, with, best, f64::INFINITY)?;
-    let Some(outdone) = outdone.filter(|_| solution.status == Status::Unconfirmed) else {
-        return Ok(solution);
-    };
-    let last = (outdone, Stationarity::None);
-    let other = judge(runner, setting, with, last, f64::INFINITY)?;
-    Ok(match other.status {
-        Status::Unconfirmed => solution,
-        _ => other,
-    })
 }
 
 /// What one round comes to.
