@@ -1,6 +1,9 @@
 //! Which contacts are active right after an instant, and which of them stick: the complementarity of gaps and
 //! normal contact accelerations with Coulomb's law; where that is undecided, of what follows a moment later.
 
+mod later;
+
+use self::later::{Sign, accept_after, sign_after, signs_after};
 use super::contact_problem::ContactProblem;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
@@ -25,8 +28,6 @@ const MOMENTS: [(f64, f64); 7] = [
     (1e-1, 4.0),
     (1e-1, 0.0),
 ];
-/// Forces and accelerations below this share of the terms they are sums of may be rounding error.
-const NOISE: f64 = 1e-13;
 /// Largest number of modes that are compared by what follows a moment later; of more undecided contacts each is decided
 /// by itself.
 const MOST_MODES: usize = 64;
@@ -608,116 +609,4 @@ fn hold_dependent(dynamics: &mut Dynamics<'_>, t: f64, y: &[f64]) {
             dynamics.set_mode(&mode);
         }
     }
-}
-
-/// Sign of the smallest of the forces (of held contacts) and accelerations (of released ones).
-enum Sign {
-    Positive,
-    Zero,
-    Negative,
-}
-
-/// Accepts the forces of the mode after a time `delta`.
-fn accept_after(
-    dynamics: &mut Dynamics<'_>,
-    probe: &mut Dop853,
-    (t, y): (f64, &[f64]),
-    delta: f64,
-) {
-    if stepped(dynamics, probe, (t, y), delta) {
-        switching::accept_forces(dynamics);
-    }
-}
-
-/// Takes a step of length `delta` in the mode of `dynamics`; whether that can be held.
-fn stepped(
-    dynamics: &mut Dynamics<'_>,
-    probe: &mut Dop853,
-    (t, y): (f64, &[f64]),
-    delta: f64,
-) -> bool {
-    let mut start = y.to_vec();
-    if !motion::project(dynamics, t, &mut start) {
-        return false;
-    }
-    probe.begin(dynamics, t, &start);
-    probe.step(dynamics, t, &start, delta);
-    let held = motion::project(dynamics, t + delta, probe.end_mut());
-    if held {
-        probe.finish(dynamics, t, delta);
-    }
-    held
-}
-
-/// Looks at undecided contacts after a time `delta` in the mode of `dynamics`; `multiple` of their remainders
-/// count as noise.
-fn sign_after(
-    dynamics: &mut Dynamics<'_>,
-    probe: &mut Dop853,
-    (t, y): (f64, &[f64]),
-    undecided: &[&Candidate],
-    delta: f64,
-    multiple: f64,
-) -> Sign {
-    let Some(signs) = signs_after(dynamics, probe, (t, y), undecided, delta, multiple) else {
-        return Sign::Negative;
-    };
-    let any = |what: fn(&Sign) -> bool| signs.iter().any(what);
-    if any(|sign| matches!(sign, Sign::Negative)) {
-        Sign::Negative
-    } else if any(|sign| matches!(sign, Sign::Zero)) {
-        Sign::Zero
-    } else {
-        Sign::Positive
-    }
-}
-
-/// The sign of each; `None` where the mode cannot be held.
-fn signs_after(
-    dynamics: &mut Dynamics<'_>,
-    probe: &mut Dop853,
-    (t, y): (f64, &[f64]),
-    undecided: &[&Candidate],
-    delta: f64,
-    multiple: f64,
-) -> Option<Vec<Sign>> {
-    if !stepped(dynamics, probe, (t, y), delta) {
-        return None;
-    }
-    let n = dynamics.n;
-    let accelerations = probe.end_slope()[n..2 * n].to_vec();
-    let signs = undecided.iter().map(|candidate| {
-        let i = candidate.contact;
-        dynamics.evaluate_sides(i);
-        let (normal, tangential) = dynamics.contact_accelerations(i, &accelerations);
-        // What the others hold has no acceleration that could tell.
-        if dynamics.state(i).is_open() && motion::keeps_apart(dynamics, i) {
-            return Sign::Positive;
-        }
-        let value = match dynamics.state(i) {
-            ContactState::Open => normal,
-            ContactState::Stick | ContactState::StickInSpace => {
-                dynamics.normal_force(i).min(dynamics.friction_reserve(i))
-            }
-            ContactState::Slip(direction) if candidate.stops => {
-                dynamics.normal_force(i).min(direction.sign() * tangential)
-            }
-            ContactState::Slip(_) | ContactState::Frictionless | ContactState::Held(_) => {
-                dynamics.normal_force(i)
-            }
-        };
-        let mut scale = dynamics.normal_acceleration_scale(i);
-        if dynamics.has_friction(i) {
-            scale = scale.max(dynamics.sliding_acceleration_scale(i));
-        }
-        let noise = (multiple * candidate.remainder).max(NOISE * scale);
-        if value < -noise || value.is_nan() {
-            Sign::Negative
-        } else if value <= noise {
-            Sign::Zero
-        } else {
-            Sign::Positive
-        }
-    });
-    Some(signs.collect())
 }
