@@ -3,7 +3,7 @@
 
 mod later;
 
-use self::later::{Sign, accept_after, sign_after, signs_after};
+use self::later::{Candidate, Sign, accept_after, sign_after, signs_after};
 use super::contact_problem::ContactProblem;
 use super::dop853::{Dop853, System};
 use super::dynamics::{Dynamics, Switch, motion, switching};
@@ -42,17 +42,6 @@ const BIACTIVE: f64 = 1e-10;
 /// Choices of a mode before the direction of sliding counts as undetermined; the second is the last in exact
 /// arithmetic.
 const ATTEMPTS: usize = 4;
-
-/// A closed contact at rest in its normal direction, with the states that are possible.
-struct Candidate {
-    contact: usize,
-    /// In order of preference.
-    states: Vec<ContactState>,
-    /// What rounding error may have left of the accelerations that decide.
-    remainder: f64,
-    /// Whether its sliding velocity is zero now.
-    stops: bool,
-}
 
 /// How far what follows is looked at.
 #[derive(Debug, Clone, Copy)]

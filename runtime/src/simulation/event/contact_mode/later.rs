@@ -1,12 +1,22 @@
 //! What the forces and accelerations of undecided contacts are a moment later.
 
-use super::Candidate;
 use crate::contact::ContactState;
 use crate::simulation::event::dop853::Dop853;
 use crate::simulation::event::dynamics::{Dynamics, motion, switching};
 
 /// Forces and accelerations below this share of the terms they are sums of may be rounding error.
 const NOISE: f64 = 1e-13;
+
+/// A closed contact at rest in its normal direction, with the states that are possible.
+pub(super) struct Candidate {
+    pub(super) contact: usize,
+    /// In order of preference.
+    pub(super) states: Vec<ContactState>,
+    /// What rounding error may have left of the accelerations that decide.
+    pub(super) remainder: f64,
+    /// Whether its sliding velocity is zero now.
+    pub(super) stops: bool,
+}
 
 /// Sign of the smallest of the forces (of held contacts) and accelerations (of released ones).
 pub(super) enum Sign {
