@@ -79,6 +79,16 @@ pub(crate) fn load_unread(scene: &Scene, text: &'static str) -> Result<&'static 
     })))
 }
 
+/// A scene with another text.
+pub(crate) fn load_changed(scene: &Scene, text: &str) -> Result<&'static Scene, BadInput> {
+    let read = load_text(scene.name, text)?;
+    Ok(Box::leak(Box::new(Scene {
+        text: read.text,
+        source: scene.source.map(|_| &*text.to_owned().leak()),
+        ..*scene
+    })))
+}
+
 /// The scene of a file as an entry of the list of scenes.
 pub(crate) fn entry(file: &str, scene: TextScene) -> &'static Scene {
     let model: &'static TextScene = Box::leak(Box::new(scene));

@@ -5,11 +5,12 @@ use std::path::Path;
 use crate::Scene;
 use hangtime::model::Model;
 use hangtime::simulation::InputError;
+use hangtime_scene_files::TextScene;
 use hangtime_units::{Quantity, UnitError};
 
 use crate::arguments::SceneArguments;
 use crate::failure::{BadInput, did_you_mean};
-use crate::scene_file::{EXTENSION, is_path, load, load_unread};
+use crate::scene_file::{EXTENSION, is_path, load, load_changed, load_unread};
 use crate::table::number;
 
 /// A scene with its settings applied.
@@ -35,7 +36,8 @@ impl ChosenScene {
 
     /// Applies `settings`, each `NAME=VALUE[UNIT]`, to a scene.
     pub(crate) fn new(scene: &'static Scene, settings: &[String]) -> Result<Self, BadInput> {
-        let pairs = split_all(settings)?;
+        let mut pairs = split_all(settings)?;
+        let scene = with_counts(scene, &mut pairs)?;
         let (choices, model) = choose(scene, &pairs)?;
         let mut chosen = Self {
             scene,
@@ -186,6 +188,29 @@ pub(crate) fn find(scenes: &'static [Scene], name: &str) -> Result<&'static Scen
     match known.unread {
         Some(text) => load_unread(known, text),
         None => Ok(known),
+    }
+}
+
+/// The scene with these numbers in the place of its counts, which are no settings of its model then.
+fn with_counts(
+    scene: &'static Scene,
+    pairs: &mut Vec<(&str, &str)>,
+) -> Result<&'static Scene, BadInput> {
+    let Some(text) = scene.text.map(TextScene::source) else {
+        return Ok(scene);
+    };
+    let mut changed = None;
+    pairs.retain(|&(name, value)| {
+        let before: &str = changed.as_deref().unwrap_or(text);
+        let counted = value.parse().ok();
+        let counted = counted.and_then(|value| hangtime_dsl::with_count(before, name, value));
+        let kept = counted.is_none();
+        changed = counted.or(changed.take());
+        kept
+    });
+    match changed {
+        Some(text) => load_changed(scene, &text),
+        None => Ok(scene),
     }
 }
 

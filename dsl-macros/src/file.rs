@@ -1,8 +1,8 @@
 //! A declaration that stands in a file of its own.
 
+use hangtime_dsl::WholeText;
 use proc_macro::TokenStream;
 use std::env;
-use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -13,26 +13,66 @@ pub(crate) fn expand(input: TokenStream) -> TokenStream {
     code.parse().unwrap_or_default()
 }
 
-fn expanded(argument: &str) -> Result<String, String> {
-    let name = path(argument)?;
+/// The declaration in the macro itself, with the files beside the manifest that it uses.
+pub(crate) fn expand_with_used(input: TokenStream) -> TokenStream {
+    let mut files = Vec::new();
+    let whole = hangtime_dsl::with_files(input.into(), |name| {
+        let file = beside_manifest(name);
+        let text = read(&file);
+        files.push(file);
+        text
+    });
+    let mut code: TokenStream = match whole {
+        Ok(tokens) => hangtime_dsl::expand(tokens).into(),
+        Err(message) => refusal(&message).parse().unwrap_or_default(),
+    };
+    let included = files.iter().map(|file| included(file));
+    code.extend(included.map(|code| code.parse::<TokenStream>().unwrap_or_default()));
+    code
+}
+
+fn beside_manifest(name: &str) -> PathBuf {
     let folder = env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
-    let file = folder.unwrap_or_default().join(name);
-    let text = hangtime_dsl::read_whole(&file, hangtime_dsl::LONGEST).and_then(|bytes| {
+    folder.unwrap_or_default().join(name)
+}
+
+fn read(file: &Path) -> Result<String, String> {
+    let text = hangtime_dsl::read_whole(file, hangtime_dsl::LONGEST).and_then(|bytes| {
         String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
     });
-    let text = text.map_err(|error| {
+    text.map_err(|error| {
         format!(
             "cannot read {}: {error}; give a path from the folder of the package's manifest",
             file.display()
         )
+    })
+}
+
+/// Another text of a file is another scene.
+fn included(file: &Path) -> String {
+    let file = file.to_string_lossy();
+    format!("const _: &[u8] = ::core::include_bytes!({file:?});")
+}
+
+fn expanded(argument: &str) -> Result<String, String> {
+    let name = path(argument)?;
+    let file = beside_manifest(name);
+    let mut files = vec![file.clone()];
+    let whole = WholeText::read(read(&file)?, |name| {
+        let file = file.with_file_name(name);
+        let text = read(&file);
+        files.push(file);
+        text
     })?;
     let stem = Path::new(name).file_stem().unwrap_or_default();
-    let mut code = match hangtime_dsl::expand_text(&text, &stem.to_string_lossy()) {
+    let mut code = match hangtime_dsl::expand_text(&whole.text, &stem.to_string_lossy()) {
         Ok(expanded) | Err(expanded) => {
             let (tokens, mistakes) = expanded;
             let mut code = tokens.to_string();
             for mistake in mistakes {
-                let (line, column) = position(&text, mistake.place.start);
+                let (used, text, place) = whole.at(&mistake.place);
+                let (line, column) = position(text, place.start);
+                let name = used.unwrap_or(name);
                 let message = format!("{name}:{line}:{column}: {}", mistake.text());
                 code += &if mistake.warning {
                     lint(&message)
@@ -43,12 +83,7 @@ fn expanded(argument: &str) -> Result<String, String> {
             code
         }
     };
-    // Another text of the file is another scene.
-    let _ = write!(
-        code,
-        "const _: &[u8] = ::core::include_bytes!({:?});",
-        file.to_string_lossy()
-    );
+    code.extend(files.iter().map(|file| included(file)));
     Ok(code)
 }
 

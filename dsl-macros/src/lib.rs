@@ -5,7 +5,7 @@
 /// Expands one declaration; see the language at `hangtime::model!`.
 #[proc_macro]
 pub fn model(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
-    hangtime_dsl::expand(input.into()).into()
+    file::expand_with_used(input)
 }
 
 mod file;

@@ -1,7 +1,7 @@
 //! Mistakes as a report that shows their lines.
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
-use hangtime_dsl::TextMistake;
+use hangtime_dsl::{TextMistake, WholeText};
 use std::fmt::Write as _;
 
 /// Most mistakes that are shown.
@@ -9,14 +9,15 @@ const MOST: usize = 20;
 
 /// Every mistake and every warning with file, line, column, the line itself, a mark below it, and the page that tells
 /// more; empty if there is none.
-pub(crate) fn report(file: &str, text: &str, mistakes: &[TextMistake]) -> String {
+pub(crate) fn report(file: &str, whole: &WholeText, mistakes: &[TextMistake]) -> String {
     let renderer = Renderer::plain();
     let mut shown = String::new();
     if mistakes.is_empty() {
         return shown;
     }
     for mistake in mistakes.iter().take(MOST) {
-        let place = place(text, mistake);
+        let (used, text, within) = whole.at(&mistake.place);
+        let place = place(text, &within);
         let level = if mistake.warning {
             Level::WARNING
         } else {
@@ -27,7 +28,9 @@ pub(crate) fn report(file: &str, text: &str, mistakes: &[TextMistake]) -> String
             title = title.id(code);
         }
         let mark = AnnotationKind::Primary.span(place);
-        let snippet = Snippet::source(text).path(file).annotation(mark);
+        let snippet = Snippet::source(text)
+            .path(used.unwrap_or(file))
+            .annotation(mark);
         let page = hangtime_dsl::page_name(mistake.code);
         let help = Level::HELP.message(format!("`hangtime explain {page}` tells more"));
         let group = title.element(snippet).element(help);
@@ -57,7 +60,7 @@ fn counted(count: usize, what: &str) -> Option<String> {
 }
 
 /// The place of a mistake in one line: of one that spans several lines the first.
-fn place(text: &str, mistake: &TextMistake) -> std::ops::Range<usize> {
+fn place(text: &str, place: &std::ops::Range<usize>) -> std::ops::Range<usize> {
     let boundary = |at: usize| {
         let at = at.min(text.len());
         (0..=at)
@@ -65,7 +68,7 @@ fn place(text: &str, mistake: &TextMistake) -> std::ops::Range<usize> {
             .find(|&at| text.is_char_boundary(at))
             .unwrap_or(0)
     };
-    let (start, end) = (boundary(mistake.place.start), boundary(mistake.place.end));
+    let (start, end) = (boundary(place.start), boundary(place.end));
     let line = text[start..]
         .find('\n')
         .map_or(text.len(), |line| start + line);

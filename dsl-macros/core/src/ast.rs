@@ -29,7 +29,7 @@ impl Name {
         if words::is_raw(&self.text) {
             Ident::new_raw(&self.text, self.ident.span())
         } else {
-            self.ident.clone()
+            Ident::new(&self.rust(), self.ident.span())
         }
     }
 }
@@ -198,6 +198,7 @@ pub(crate) enum Statement {
     Rates(Vec<Assignment>),
     Let {
         name: Name,
+        unit: Option<WrittenUnit>,
         value: Expr,
     },
     Function {

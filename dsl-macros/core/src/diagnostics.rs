@@ -19,6 +19,12 @@ impl Place {
         }
     }
 
+    /// Whether it is the same place, as spans are shown: they are compared in no other way on stable Rust.
+    fn is_that(self, other: Self) -> bool {
+        let shown = |place: Self| format!("{:?}{:?}", place.start, place.end);
+        shown(self) == shown(other)
+    }
+
     /// From the start of this place to the end of another.
     pub(crate) fn to(self, other: Self) -> Self {
         Self {
@@ -31,7 +37,7 @@ impl Place {
 /// One mistake.
 #[derive(Debug, Clone)]
 pub struct Mistake {
-    /// Code of the mistake (`E01` to `E25`); `None` for plain syntax errors.
+    /// Code of the mistake (`E01` to `E27`); `None` for plain syntax errors.
     pub code: Option<&'static str>,
     /// What is wrong and what to write instead.
     pub message: String,
@@ -151,11 +157,14 @@ impl Diagnostics {
         warning: bool,
     ) -> Reported {
         let message = with_short_names(in_one_line(message));
-        if !self
-            .mistakes
-            .iter()
-            .any(|known| known.code == code && known.message == message)
-        {
+        // Of all members of a repetition one is told.
+        let same = |known: &Mistake| {
+            known.code == code
+                && (known.message == message
+                    || without_numbers(&known.message) == without_numbers(&message)
+                        && known.place.is_that(place))
+        };
+        if !self.mistakes.iter().any(same) {
             self.mistakes.push(Mistake {
                 code,
                 message,
@@ -211,6 +220,10 @@ fn in_one_line(message: String) -> String {
     let words = message.split(|c: char| c.is_control() || c == ' ');
     let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
     words.join(" ")
+}
+
+fn without_numbers(message: &str) -> String {
+    message.chars().filter(|c| !c.is_ascii_digit()).collect()
 }
 
 /// Longest name that a message quotes whole, in characters: a line of a terminal.

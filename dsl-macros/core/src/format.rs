@@ -19,10 +19,9 @@ const INDENT: &str = "    ";
 pub(crate) fn formatted(text: &str) -> String {
     let pieces = pieces(text);
     let mut writer = Writer::default();
-    let begins = |piece: &Piece| words::STATEMENTS.contains(&piece.text.as_str());
     let first = pieces.iter().position(|piece| !piece.is_comment());
     match first {
-        Some(first) if !begins(&pieces[first]) => {
+        Some(first) if !begins(&pieces, first) => {
             // `pub Name { ... }`.
             let open = pieces.iter().position(|piece| piece.is("{"));
             let open = open.unwrap_or(pieces.len());
@@ -107,7 +106,8 @@ impl Writer {
         // A profile has its argument and its units before the block, `when` its condition, `at` its time, what is measured its file.
         let open = pieces.iter().position(|piece| piece.is("{"));
         let named = |&open: &usize| {
-            open == 1 || ["profile", "measured", "when", "at"].contains(&pieces[0].text.as_str())
+            open == 1
+                || ["profile", "measured", "when", "at", "part"].contains(&pieces[0].text.as_str())
         };
         let remarks = |head: &[Piece]| head.iter().any(Piece::is_comment);
         let Some(open) = open
@@ -117,6 +117,13 @@ impl Writer {
             return self.expression(pieces, false, "");
         };
         let word = &plain(&pieces[..open], false);
+        if pieces[0].text == "part" {
+            self.line(&format!("{word} {{"));
+            self.depth += 1;
+            self.statements(&pieces[open + 1..pieces.len() - 1]);
+            self.depth -= 1;
+            return self.line("}");
+        }
         let picture = word == "picture";
         let inner = &pieces[open + 1..pieces.len() - 1];
         let entries = entries(inner);
@@ -202,15 +209,38 @@ fn is_value(pieces: &[Piece]) -> bool {
     }
 }
 
+/// Whether a statement begins there, also one that is written out: `count n =`, `part leg(`, `left: leg(`.
+fn begins(pieces: &[Piece], index: usize) -> bool {
+    let is = |at: usize, symbol: &str| pieces.get(at).is_some_and(|piece| piece.is(symbol));
+    let is_word = |at: usize| pieces.get(at).is_some_and(|piece| piece.kind == Kind::Word);
+    let text = pieces[index].text.as_str();
+    let before = index.checked_sub(1).map(|before| &pieces[before]);
+    let named = before.is_some_and(|before| match before.kind {
+        Kind::Word => {
+            words::STATEMENTS.contains(&before.text.as_str()) || before.text == "friction"
+        }
+        Kind::Symbol => ![")", "]", "}", ";"].contains(&before.text.as_str()),
+        Kind::Comment => false,
+    });
+    let indices = pieces[index + 1..].iter().position(|piece| piece.is("]"));
+    let colon = match is(index + 1, "[") {
+        true => index + 2 + indices.unwrap_or(0),
+        false => index + 1,
+    };
+    is_word(index)
+        && (words::STATEMENTS.contains(&text)
+            || !named
+                && is_word(index + 1)
+                && (text == "count" && is(index + 2, "=") || text == "part" && is(index + 2, "("))
+            || !named && is(colon, ":") && is_word(colon + 1) && is(colon + 2, "("))
+}
+
 /// Where the first statement ends: before the next one, or before what belongs to that.
 fn statement_end(pieces: &[Piece]) -> usize {
     let mut depth = 0_usize;
     for (index, piece) in pieces.iter().enumerate() {
-        let begins = index > 0
-            && depth == 0
-            && piece.kind == Kind::Word
-            && words::STATEMENTS.contains(&piece.text.as_str())
-            && !is_value(&pieces[index..]);
+        let begins =
+            index > 0 && depth == 0 && begins(pieces, index) && !is_value(&pieces[index..]);
         if begins {
             // Comments above the next statement are its own; one behind this statement stays there.
             let comments = pieces[..index].iter().rev();

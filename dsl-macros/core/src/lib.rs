@@ -21,6 +21,7 @@ mod diagnostics;
 mod dimension;
 mod emit;
 mod evaluate;
+mod expand;
 mod format;
 mod graph;
 mod mistakes;
@@ -38,7 +39,7 @@ mod testing;
 
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes, page_name};
-pub use text::{LONGEST, TextMistake};
+pub use text::{LONGEST, TextMistake, WholeText};
 pub use whole::read_whole;
 pub use words::{is_word, words};
 
@@ -59,6 +60,33 @@ pub fn expand(input: TokenStream) -> TokenStream {
             tokens
         }
     }
+}
+
+/// A declaration with those of the files that `use "leg.hang"` names in it behind it, and so on; `read` reads one.
+///
+/// # Errors
+/// What `read` said of a file that it cannot read, or that a file is made of no tokens.
+pub fn with_files(
+    input: TokenStream,
+    mut read: impl FnMut(&str) -> Result<String, String>,
+) -> Result<TokenStream, String> {
+    let mut names = parse::body(input.clone()).map_or_else(Vec::new, expand::files);
+    let (mut whole, mut asked) = (input, 0);
+    while let Some(name) = names.get(asked).cloned() {
+        let tokens = text::tokens_of_used(&read(&name)?);
+        let tokens = tokens.map_err(|mistake| format!("{name}: {mistake}"))?;
+        let more = expand::files(tokens.clone()).into_iter();
+        names.extend(
+            more.filter(|name| !names.contains(name))
+                .collect::<Vec<_>>(),
+        );
+        whole.extend(tokens);
+        asked += 1;
+    }
+    Ok(match asked {
+        0 => whole,
+        _ => text::taken_in(whole),
+    })
 }
 
 /// What stands for a scene with mistakes, so that its uses give no further messages.
@@ -217,6 +245,22 @@ fn describe_as(
     }
 }
 
+/// The text of a scene file with another number in `count name = ..`; none if it has no such count.
+///
+/// ```
+/// let text = "count n = 2 coordinates { x[n]: m } lagrangian sum(k in 1..=n: dot(x[k])^2)";
+/// let more = hangtime_dsl::with_count(text, "n", 3).expect("a count");
+/// assert!(more.starts_with("count n = 3 ") && hangtime_dsl::with_count(text, "m", 3).is_none());
+/// ```
+#[must_use]
+pub fn with_count(text: &str, name: &str, value: i64) -> Option<String> {
+    let tokens = text::tokens(text, name).ok()?;
+    let counts = expand::counts(parse::body(tokens)?);
+    let (_, place) = counts.into_iter().find(|(known, _)| known == name)?;
+    let (before, after) = (text.get(..place.start)?, text.get(place.end..)?);
+    Some(format!("{before}{value}{after}"))
+}
+
 /// Gives back what this thread remembers of the texts that it has read, for threads that read many. Nothing that
 /// [`describe_text`] returned is affected.
 ///
@@ -247,9 +291,18 @@ pub fn forget_places() {
 /// ");
 /// ```
 pub fn format_text(text: &str, stem: &str) -> Result<String, Vec<TextMistake>> {
-    let (declared, _) = describe_text(text, stem)?;
+    format_used(text, "", stem)
+}
+
+/// The same of a text with those of the files that it uses behind it, which are not formatted.
+///
+/// # Errors
+/// The text has mistakes.
+pub fn format_used(text: &str, behind: &str, stem: &str) -> Result<String, Vec<TextMistake>> {
+    let described = |text: &str| describe_text(&format!("{text}{behind}"), stem);
+    let (declared, _) = described(text)?;
     let formatted = format::formatted(text);
-    let same = describe_text(&formatted, stem).is_ok_and(|(again, _)| again == declared);
+    let same = described(&formatted).is_ok_and(|(again, _)| again == declared);
     // What the style has no rule for stays as it is.
     Ok(if same { formatted } else { text.to_owned() })
 }

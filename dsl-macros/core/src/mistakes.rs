@@ -1,7 +1,7 @@
 //! A page about each mistake that a declaration, or the start of a simulation, can contain.
 
 /// Codes and pages, in order.
-const PAGES: [(&str, &str); 25] = [
+const PAGES: [(&str, &str); 27] = [
     ("E01", include_str!("pages/E01.md")),
     ("E02", include_str!("pages/E02.md")),
     ("E03", include_str!("pages/E03.md")),
@@ -27,6 +27,8 @@ const PAGES: [(&str, &str); 25] = [
     ("E23", include_str!("pages/E23.md")),
     ("E24", include_str!("pages/E24.md")),
     ("E25", include_str!("pages/E25.md")),
+    ("E26", include_str!("pages/E26.md")),
+    ("E27", include_str!("pages/E27.md")),
 ];
 
 /// The name of the page about mistakes that have no code, and its text.
@@ -83,7 +85,7 @@ mod tests {
             "E0",
             "E+7",
             "7",
-            "E26",
+            "E28",
             "E7x",
             "E99999999999999999999",
         ] {

@@ -199,7 +199,7 @@ impl<'a> Evaluator<'a> {
                     Relation::AtMost => [right, left],
                     Relation::AtLeast | Relation::Equal => [left, right],
                 }),
-                Statement::Let { name, value } => {
+                Statement::Let { name, value, .. } => {
                     lets.insert(name.text.as_str(), value);
                 }
                 Statement::Function {

@@ -1,7 +1,7 @@
 //! A declaration as the text of a file: from characters to tokens, and mistakes with their place in the text.
 
 use crate::diagnostics::{Mistake, closest};
-use crate::words;
+use crate::{expand, parse, words};
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ const MOST: usize = 20;
 /// One mistake of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextMistake {
-    /// Code of the mistake (`E01` to `E25`); `None` for plain syntax errors.
+    /// Code of the mistake (`E01` to `E27`); `None` for plain syntax errors.
     pub code: Option<&'static str>,
     /// What is wrong and what to write instead, in one line.
     pub message: String,
@@ -136,8 +136,10 @@ fn with_header(tokens: TokenStream, stem: &str) -> TokenStream {
             header.extend(tokens.next());
         }
     }
-    let body: Vec<TokenTree> = tokens.collect();
-    if !is_whole(&body) {
+    let mut body: Vec<TokenTree> = tokens.collect();
+    if is_whole(&body) {
+        take_in(&mut body);
+    } else {
         let span = |token: Option<&TokenTree>| token.map_or_else(Span::call_site, TokenTree::span);
         let (first, last) = (span(body.first()), span(body.last()));
         let mut group = Group::new(Delimiter::Brace, body.into_iter().collect());
@@ -150,6 +152,115 @@ fn with_header(tokens: TokenStream, stem: &str) -> TokenStream {
         return header.into_iter().collect();
     }
     header.into_iter().chain(body).collect()
+}
+
+/// The tokens of a file that a declaration uses.
+pub(crate) fn tokens_of_used(text: &str) -> Result<TokenStream, String> {
+    let tokens = text.replace("//!", "// ").parse::<TokenStream>();
+    tokens.map_err(|error| error.to_string())
+}
+
+/// A declaration with the statements behind it inside of its braces.
+pub(crate) fn taken_in(tokens: TokenStream) -> TokenStream {
+    let mut tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    take_in(&mut tokens);
+    tokens.into_iter().collect()
+}
+
+/// Puts what files behind a declaration declare inside of its braces.
+fn take_in(whole: &mut Vec<TokenTree>) {
+    let is_body = |token: &TokenTree| matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace);
+    let Some(at) = whole.iter().position(is_body) else {
+        return;
+    };
+    if let TokenTree::Group(body) = whole[at].clone()
+        && expand::is_declaration(&whole[at + 1..])
+    {
+        let inside = body.stream().into_iter().chain(whole.drain(at + 1..));
+        let mut group = Group::new(Delimiter::Brace, inside.collect());
+        group.set_span(body.span());
+        whole[at] = group.into();
+    }
+}
+
+/// A text, and behind it those of the files that it uses.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WholeText {
+    /// All of them.
+    pub text: String,
+    /// The files, each with the byte at which its text begins.
+    files: Vec<(String, usize)>,
+}
+
+impl From<String> for WholeText {
+    /// A text that uses no files.
+    fn from(text: String) -> Self {
+        let files = Vec::new();
+        Self { text, files }
+    }
+}
+
+impl WholeText {
+    /// A text with those of the files that `use "leg.hang"` names in it, and so on; `read` reads one.
+    ///
+    /// # Errors
+    /// What `read` said of a file that it cannot read.
+    ///
+    /// ```
+    /// use hangtime_dsl::WholeText;
+    /// let leg = "part leg(m: kg) { coordinates { q: m } lagrangian += m/2*dot(q)^2 }";
+    /// let read = |name: &str| Ok(leg.replace("leg", name.trim_end_matches(".hang")));
+    /// let whole = WholeText::read("use \"leg.hang\" left: leg(1 [kg])".to_owned(), read)?;
+    /// assert!(hangtime_dsl::describe_text(&whole.text, "biped").is_ok());
+    /// assert_eq!(whole.at(&(38..41)), (Some("leg.hang"), leg, 5..8));
+    /// # Ok::<(), String>(())
+    /// ```
+    pub fn read(
+        text: String,
+        mut read: impl FnMut(&str) -> Result<String, String>,
+    ) -> Result<Self, String> {
+        let mut whole = Self::from(text);
+        let (mut begin, mut asked) = (0, 0);
+        loop {
+            let own = &whole.text[begin..];
+            let tokens = tokens(own, "scene").ok().and_then(parse::body);
+            for name in tokens.map(expand::files).unwrap_or_default() {
+                if !whole.files.iter().any(|(known, _)| *known == name) {
+                    whole.files.push((name, usize::MAX));
+                }
+            }
+            let Some((name, at)) = whole.files.get_mut(asked) else {
+                return Ok(whole);
+            };
+            whole.text.push('\n');
+            (begin, asked) = (whole.text.len(), asked + 1);
+            *at = begin;
+            whole.text += &read(name)?.replace("//!", "// ");
+        }
+    }
+
+    /// The text of the scene itself.
+    #[must_use]
+    pub fn own(&self) -> &str {
+        &self.text[..self.files.first().map_or(self.text.len(), |(_, at)| at - 1)]
+    }
+
+    /// Where bytes stand: the file that is used and its text, or those of the scene itself, and the bytes in it.
+    #[must_use]
+    pub fn at(&self, place: &Range<usize>) -> (Option<&str>, &str, Range<usize>) {
+        let index = self.files.partition_point(|(_, at)| *at <= place.start);
+        let end = self
+            .files
+            .get(index)
+            .map_or(self.text.len(), |(_, at)| at - 1);
+        match index.checked_sub(1).map(|before| &self.files[before]) {
+            None => (None, self.own(), place.clone()),
+            Some((name, at)) => {
+                let within = place.start - at..place.end.saturating_sub(*at);
+                (Some(name.as_str()), &self.text[*at..end], within)
+            }
+        }
+    }
 }
 
 /// Whether tokens are a declaration with its name and its braces: `pub Name { ... }`. Names of scenes begin with a capital

@@ -30,6 +30,9 @@ pub(crate) const STATEMENTS: [&str; 26] = [
     "picture",
 ];
 
+/// Words that begin a statement where a name follows, and are names otherwise: what is written out before anything is read.
+pub(crate) const WRITTEN_OUT: [&str; 3] = ["count", "part", "use"];
+
 /// Functions of other languages, and what is written instead.
 pub(crate) const FOREIGN: [(&str, &str); 12] = [
     ("log", "the natural logarithm is `ln`"),
@@ -273,7 +276,7 @@ pub(crate) fn is_keyword(text: &str) -> bool {
 /// ```
 #[must_use]
 pub fn is_word(text: &str) -> bool {
-    is_keyword(text) || SHAPES.contains(&text)
+    is_keyword(text) || SHAPES.contains(&text) || WRITTEN_OUT.contains(&text)
 }
 
 /// All words that an editor sets apart: those of which [`is_word`] is true.
@@ -284,7 +287,7 @@ pub fn is_word(text: &str) -> bool {
 /// ```
 #[must_use]
 pub fn words() -> Vec<&'static str> {
-    [&STATEMENTS[..], &LAW_PARTS, &SHAPES].concat()
+    [&STATEMENTS[..], &LAW_PARTS, &SHAPES, &WRITTEN_OUT].concat()
 }
 
 /// Functions of one number.
@@ -416,7 +419,8 @@ pub(crate) fn rust_name(text: &str) -> String {
     if is_raw(text) {
         format!("r#{text}")
     } else {
-        text.to_owned()
+        // Members and parts: `theta[3]`, `left.knee`.
+        text.replace(']', "").replace(['[', '.', '-'], "_")
     }
 }
 

@@ -85,6 +85,12 @@ impl TextScene {
         &self.shared.warnings
     }
 
+    /// The text that it was read from.
+    #[must_use]
+    pub fn source(&self) -> &str {
+        &self.shared.declared.text
+    }
+
     /// Computes what depends on parameters only.
     fn fold(&mut self) {
         self.folded.clear();

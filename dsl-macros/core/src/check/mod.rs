@@ -86,7 +86,7 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
         Statement::Controls(quantities) => values::bounds(checker, quantities, Of::Controls),
         Statement::States(quantities) => values::bounds(checker, quantities, Of::States),
         Statement::Rates(assignments) => states::rates(checker, assignments),
-        Statement::Let { name, value } => abbreviation(checker, name, value),
+        Statement::Let { name, value, .. } => abbreviation(checker, name, value),
         Statement::Function {
             name,
             arguments,

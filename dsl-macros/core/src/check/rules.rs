@@ -324,7 +324,9 @@ pub(super) fn unused(checker: &mut Checker<'_>) {
         }
     }
     for abbreviation in &checker.abbreviations {
-        if is_unused(&abbreviation.name) {
+        // What a part offers, and members of what repeats, need not all be used.
+        let alone = !abbreviation.name.text.contains(['[', '.']);
+        if alone && is_unused(&abbreviation.name) {
             unused.push((
                 abbreviation.name.place(),
                 format!(

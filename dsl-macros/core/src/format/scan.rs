@@ -33,7 +33,7 @@ impl Piece {
 }
 
 /// Symbols of several characters, longer ones first.
-const LONG: [&str; 4] = ["..=", "==", ">=", "<="];
+const LONG: [&str; 6] = ["..=", "==", ">=", "<=", "+=", "!="];
 
 /// Divides a text into pieces.
 pub(super) fn pieces(text: &str) -> Vec<Piece> {

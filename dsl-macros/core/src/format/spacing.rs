@@ -77,7 +77,7 @@ impl Line {
     fn symbol(&mut self, piece: &Piece) {
         match piece.text.as_str() {
             sign @ ("+" | "-") if self.value => self.spaced(sign),
-            sign @ ("=" | "==" | ">=" | "<=" | "<" | ">") => self.spaced(sign),
+            sign @ ("=" | "==" | ">=" | "<=" | "+=" | "!=" | "<" | ">") => self.spaced(sign),
             // The values of a comparison.
             "{" => {
                 self.spaced("{");

@@ -2,6 +2,7 @@
 
 use crate::ast::Name;
 use crate::diagnostics::{Diagnostics, Place, Reported};
+use crate::expand::decoded;
 use proc_macro2::{Delimiter, Group, Ident, Spacing, Span, TokenStream, TokenTree};
 use std::cell::{RefCell, RefMut};
 use std::ops::Range;
@@ -189,7 +190,7 @@ impl Cursor {
                 Delimiter::None => "a group".to_owned(),
             },
             Some(token) => {
-                let text: String = token.to_string().chars().take(40).collect();
+                let text: String = decoded(token.to_string()).chars().take(40).collect();
                 format!("`{text}`")
             }
         }
@@ -254,7 +255,7 @@ impl Cursor {
         let ident = self.ident()?.clone();
         self.position += 1;
         Some(Name {
-            text: ident.to_string(),
+            text: decoded(ident.to_string()),
             ident,
         })
     }

@@ -21,7 +21,7 @@ pub(crate) use law::law_of;
 
 use crate::ast::{Name, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics};
-use crate::words;
+use crate::{expand, words};
 use cursor::{Cursor, Said};
 use documentation::documentation;
 use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
@@ -36,6 +36,15 @@ pub(crate) fn scene(input: TokenStream, diagnostics: &mut Diagnostics) -> Checke
     let mut scene = scene?;
     recorded::record(&mut scene.statements, diagnostics);
     Ok(scene)
+}
+
+/// What stands in the braces of a declaration.
+pub(crate) fn body(input: TokenStream) -> Option<TokenStream> {
+    let groups = input.into_iter().filter_map(|token| match token {
+        TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => Some(group),
+        _ => None,
+    });
+    groups.last().map(|group| group.stream())
 }
 
 /// The declaration at the cursor.
@@ -74,8 +83,10 @@ fn declaration(mut cursor: Cursor) -> Checked<Scene> {
             ),
         );
     }
-    note_names(cursor.inside(&body));
-    let statements = statement::statements(&mut cursor.inside(&body));
+    let statements = expand::expanded(body.stream(), &mut cursor.said())?;
+    let mut inner = Cursor::new(statements, body.span_close(), cursor.all_said());
+    note_names(inner.clone());
+    let statements = statement::statements(&mut inner);
     Ok(Scene {
         documentation,
         visibility,
@@ -103,7 +114,7 @@ fn note_names(mut cursor: Cursor) {
             let mut begins = true;
             while !inner.is_empty() {
                 if let Some(name) = inner.ident().filter(|_| begins) {
-                    cursor.said().declare(&name.to_string());
+                    cursor.said().declare(&expand::decoded(name.to_string()));
                 }
                 begins = inner.at_symbol(",")
                     || matches!(inner.peek(), Some(TokenTree::Group(group))
@@ -156,7 +167,7 @@ pub(crate) fn outline(input: TokenStream) -> Option<Outline> {
 
 /// Whether a name can be emitted as an identifier.
 fn is_plain(name: &Name) -> bool {
-    !words::is_rust_word(&name.text)
+    !words::is_rust_word(&name.rust())
 }
 
 fn visibility(cursor: &mut Cursor) -> TokenStream {

@@ -67,9 +67,13 @@ fn begins_statement(word: &str) -> bool {
 /// An abbreviation; without its value its name is known all the same.
 fn abbreviation(cursor: &mut Cursor) -> Checked<Statement> {
     let name = name(cursor, "the name of the abbreviation")?;
+    let unit = match cursor.eat_symbol(":") {
+        true => unit::declared(cursor).unwrap_or(None),
+        false => None,
+    };
     let value = equals(cursor).and_then(|()| expression(cursor));
     match value {
-        Ok(value) => Ok(Statement::Let { name, value }),
+        Ok(value) => Ok(Statement::Let { name, unit, value }),
         Err(Reported) => {
             cursor.said().poison(&name.text);
             Err(Reported)

@@ -40,6 +40,7 @@ mod limits;
 mod measured;
 mod messages;
 mod pages;
+mod repetition;
 mod sensitivities;
 mod shown;
 mod sizes;

@@ -61,8 +61,14 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             }
             Ok(())
         }
-        Statement::Let { name, value } => {
+        Statement::Let { name, unit, value } => {
             let units = walk.units(value)?;
+            if let Some(written) = unit {
+                let reason = format!("`{}` is declared so", name.text);
+                for own in units.components() {
+                    walk.expect(value, own, &Dimension::of(written.unit), &reason)?;
+                }
+            }
             walk.values.insert(name.text.clone(), units);
             Ok(())
         }

@@ -1,0 +1,372 @@
+//! Names of members and of parts: `theta[3]` and `left.knee` become one name each, if they are declared.
+
+use super::index::{self, Fault, is_punct};
+use super::repeat::{DECLARING, DEEPEST, around, inside, unit_end};
+use crate::diagnostics::{Diagnostics, Place, closest};
+use crate::words;
+use proc_macro2::{Delimiter, Group, Ident, TokenTree};
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::rc::Rc;
+
+/// What stands in an identifier for a point, an opened bracket and a minus sign: signs of which Rust allows identifiers to be
+/// made, and the language none.
+const SIGNS: [(char, char); 3] = [('.', '\u{b7}'), ('[', '\u{203f}'), ('-', '\u{2040}')];
+
+/// A name as one identifier.
+pub(super) fn encoded(name: &str) -> String {
+    let mut text = name.replace(']', "");
+    for (sign, letter) in SIGNS {
+        text = text.replace(sign, &letter.to_string());
+    }
+    text
+}
+
+/// The name that an identifier stands for.
+pub(crate) fn decoded(text: String) -> String {
+    if text.is_ascii() || !SIGNS.iter().any(|&(_, letter)| text.contains(letter)) {
+        return text;
+    }
+    let mut name = String::new();
+    let mut open = false;
+    for c in text.chars() {
+        let sign = SIGNS.iter().find(|&&(_, letter)| letter == c);
+        let c = sign.map_or(c, |&(sign, _)| sign);
+        if open && (c == '[' || c == '.') {
+            name.push(']');
+            open = false;
+        }
+        open |= c == '[';
+        name.push(c);
+    }
+    if open {
+        name.push(']');
+    }
+    name
+}
+
+/// A name with indices.
+pub(super) fn member(name: &str, indices: &[i64]) -> String {
+    let indices = indices.iter().map(|index| format!("[{index}]"));
+    indices.fold(name.to_owned(), |name, index| name + &index)
+}
+
+/// Where names are looked for: in a part, then in the scene.
+#[derive(Default)]
+pub(super) struct Scope {
+    /// What names of the part begin with; empty for the scene itself.
+    pub(super) prefix: String,
+    /// Arguments that are names, and what they name where the part is used.
+    pub(super) aliases: HashMap<String, (Vec<TokenTree>, Rc<Scope>)>,
+}
+
+/// Every name that has indices or belongs to a part.
+#[derive(Default)]
+pub(super) struct Names {
+    /// Which indices a name has.
+    families: HashMap<String, BTreeSet<Vec<i64>>>,
+    known: HashSet<String>,
+    parts: HashSet<String>,
+}
+
+impl Names {
+    pub(super) fn declare(&mut self, name: &str, indices: &[i64]) {
+        if !indices.is_empty() {
+            let family = self.families.entry(name.to_owned()).or_default();
+            family.insert(indices.to_vec());
+        }
+        self.known.insert(member(name, indices));
+    }
+
+    pub(super) fn declare_part(&mut self, name: &str, indices: &[i64]) -> String {
+        self.declare(name, indices);
+        let whole = member(name, indices);
+        self.parts.insert(whole.clone());
+        whole
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.families.contains_key(name) || self.known.contains(name)
+    }
+
+    /// Declares what a statement declares.
+    pub(super) fn declare_all(&mut self, statement: &[TokenTree], scope: &Scope) {
+        let mut tokens = undocumented(statement);
+        let Some((TokenTree::Ident(keyword), rest)) = tokens.split_first() else {
+            return;
+        };
+        let keyword = keyword.to_string();
+        tokens = rest;
+        let block = match tokens.first() {
+            Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => inside(group),
+            _ => Vec::new(),
+        };
+        let entries = || index::items(&block).map(undocumented);
+        match keyword.as_str() {
+            "picture" => entries().for_each(|entry| self.head(entry.get(1..), scope)),
+            block if DECLARING.contains(&block) => {
+                entries().for_each(|entry| self.head(Some(entry), scope));
+            }
+            "dry" => self.head(tokens.get(1..), scope),
+            "let" | "fn" | "surface" | "joint" | "constraint" | "profile" | "measured" | "free" => {
+                self.head(Some(tokens), scope);
+            }
+            _ => {}
+        }
+    }
+
+    /// Declares the name at the begin, with the indices behind it.
+    fn head(&mut self, tokens: Option<&[TokenTree]>, scope: &Scope) {
+        let Some([TokenTree::Ident(name), rest @ ..]) = tokens else {
+            return;
+        };
+        let indices = rest.first().and_then(indices).unwrap_or_default();
+        let name = decoded(name.to_string());
+        if !indices.is_empty() || !scope.prefix.is_empty() {
+            self.declare(&format!("{}{name}", scope.prefix), &indices);
+        }
+    }
+
+    /// Tokens with all names of members and parts put together.
+    pub(super) fn resolved(
+        &self,
+        tokens: &[TokenTree],
+        scope: &Scope,
+        diagnostics: &mut Diagnostics,
+    ) -> Vec<TokenTree> {
+        let keyword = match undocumented(tokens).first() {
+            Some(TokenTree::Ident(word)) => word.to_string(),
+            _ => String::new(),
+        };
+        let mut found = Resolver {
+            names: self,
+            scope,
+            diagnostics,
+            depth: 0,
+            pictured: keyword == "picture",
+            declares: DECLARING.contains(&keyword.as_str())
+                || matches!(keyword.as_str(), "let" | "free" | "profile"),
+        };
+        found.tokens(tokens)
+    }
+}
+
+/// Tokens without their documentation.
+pub(super) fn undocumented(mut tokens: &[TokenTree]) -> &[TokenTree] {
+    while is_punct(tokens.first(), '#') {
+        tokens = tokens.get(2..).unwrap_or_default();
+    }
+    tokens
+}
+
+/// The whole numbers in brackets.
+pub(super) fn indices(token: &TokenTree) -> Option<Vec<i64>> {
+    let group = bracket(Some(token))?;
+    let inner = inside(group);
+    let place = Place::at(group.span());
+    let indices = index::items(&inner).map(|item| index::whole(item, place, &Vec::new()).ok());
+    indices.collect()
+}
+
+fn bracket(token: Option<&TokenTree>) -> Option<&Group> {
+    match token {
+        Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Bracket => Some(group),
+        _ => None,
+    }
+}
+
+struct Resolver<'a> {
+    names: &'a Names,
+    scope: &'a Scope,
+    diagnostics: &'a mut Diagnostics,
+    depth: usize,
+    /// Whether words of a picture may be meant.
+    pictured: bool,
+    /// Whether a unit stands behind a colon.
+    declares: bool,
+}
+
+impl Resolver<'_> {
+    fn tokens(&mut self, tokens: &[TokenTree]) -> Vec<TokenTree> {
+        let mut written: Vec<TokenTree> = Vec::with_capacity(tokens.len());
+        let mut at = 0;
+        while let Some(token) = tokens.get(at) {
+            match token {
+                TokenTree::Ident(name) if !is_punct(written.last(), '.') => {
+                    let (name, length) = self.name(name, &tokens[at + 1..]);
+                    written.push(name.into());
+                    at += length;
+                }
+                TokenTree::Group(group) if self.depth < DEEPEST => {
+                    let is_unit = matches!(written.last(), Some(TokenTree::Literal(_)));
+                    let is_unit = is_unit && group.delimiter() == Delimiter::Bracket;
+                    written.push(match is_unit {
+                        true => token.clone(),
+                        false => {
+                            self.depth += 1;
+                            let inner = self.tokens(&inside(group));
+                            self.depth -= 1;
+                            around(group, inner)
+                        }
+                    });
+                }
+                _ if self.declares && is_punct(Some(token), ':') => {
+                    let end = at + unit_end(&tokens[at..]);
+                    written.extend_from_slice(&tokens[at..end]);
+                    at = end;
+                    continue;
+                }
+                other => written.push(other.clone()),
+            }
+            at += 1;
+        }
+        written
+    }
+
+    /// The whole of a name that begins here, and how many tokens more it takes.
+    fn name(&mut self, first: &Ident, rest: &[TokenTree]) -> (Ident, usize) {
+        let text = decoded(first.to_string());
+        if self.pictured && words::PICTURE.contains(&text.as_str()) {
+            return (first.clone(), 0);
+        }
+        let names = self.names;
+        let Some(mut name) = self.whole(&text, self.scope) else {
+            return (first.clone(), 0);
+        };
+        let (mut length, mut place) = (0, Place::at(first.span()));
+        loop {
+            if let Some(members) = names.families.get(&name) {
+                place.end = rest.get(length).map_or(place.end, TokenTree::span);
+                match self.indexed(&name, members, (rest.get(length), place)) {
+                    Some(indices) => name = member(&name, &indices),
+                    // A word of Rust, so that nothing else is said of it.
+                    None => {
+                        self.diagnostics.poison(&name);
+                        let taken = length + usize::from(bracket(rest.get(length)).is_some());
+                        return (Ident::new(&encoded(&name), first.span()), taken);
+                    }
+                }
+                length += 1;
+            }
+            match &rest[length.min(rest.len())..] {
+                [point, TokenTree::Ident(next), ..]
+                    if is_punct(Some(point), '.') && names.parts.contains(&name) =>
+                {
+                    let part = name.clone();
+                    name = format!("{part}.{next}");
+                    length += 2;
+                    if !names.has(&name) {
+                        self.no_such(&part, next);
+                        self.diagnostics.poison(&name);
+                        break;
+                    }
+                }
+                _ => break,
+            }
+        }
+        (Ident::new(&encoded(&name), first.span()), length)
+    }
+
+    /// The whole of a name as a part or the scene has it, if it is one of those that are put together.
+    fn whole(&mut self, text: &str, scope: &Scope) -> Option<String> {
+        match scope.aliases.get(text) {
+            Some((named, outer)) => {
+                if let [TokenTree::Ident(name)] = &named[..] {
+                    let name = decoded(name.to_string());
+                    return Some(self.whole(&name, outer).unwrap_or(name));
+                }
+                let named = self.names.resolved(named, outer, self.diagnostics);
+                Some(decoded(named.first()?.to_string()))
+            }
+            None => {
+                let own = format!("{}{text}", scope.prefix);
+                let candidates = [own, text.to_owned()];
+                candidates.into_iter().find(|name| self.names.has(name))
+            }
+        }
+    }
+
+    /// The indices of a name that has some.
+    fn indexed(
+        &mut self,
+        name: &str,
+        members: &BTreeSet<Vec<i64>>,
+        (token, place): (Option<&TokenTree>, Place),
+    ) -> Option<Vec<i64>> {
+        let first = members.first()?;
+        let (fault, missing) = match bracket(token) {
+            None => (None, true),
+            Some(group) => {
+                let inner = inside(group);
+                let place = Place::at(group.span_open());
+                let indices: Result<Vec<i64>, Fault> = index::items(&inner)
+                    .map(|item| index::whole(item, place, &Vec::new()))
+                    .collect();
+                match indices {
+                    Ok(indices) if members.contains(&indices) => return Some(indices),
+                    Ok(indices) if indices.len() == first.len() => {
+                        (Some(outside(name, &indices, members)), false)
+                    }
+                    Ok(_) => (None, false),
+                    Err(Fault { place, message }) => {
+                        self.diagnostics.report("E26", place, message);
+                        return None;
+                    }
+                }
+            }
+        };
+        let many = match first.len() {
+            1 => "an index".to_owned(),
+            more => format!("{more} indices"),
+        };
+        let message = fault.unwrap_or_else(|| {
+            let example = member(name, first).replace("][", ", ");
+            format!("`{name}` has {many}; write one of them, as in `{example}`")
+        });
+        let place = match missing {
+            true => Place::at(place.start),
+            false => place,
+        };
+        self.diagnostics.report("E26", place, message);
+        None
+    }
+
+    fn no_such(&mut self, part: &str, next: &Ident) {
+        let begin = format!("{part}.");
+        let names = self.names.known.iter().chain(self.names.families.keys());
+        let names = names.filter_map(|name| name.strip_prefix(&begin));
+        let mut names: Vec<&str> = names.filter(|name| !name.contains(['.', '['])).collect();
+        names.sort_unstable();
+        names.dedup();
+        let text = next.to_string();
+        let message = match closest(&text, names.iter().copied()) {
+            Some(near) => format!("part `{part}` has no `{text}`; did you mean `{part}.{near}`?"),
+            None => format!(
+                "part `{part}` has no `{text}`; it has {}",
+                crate::diagnostics::list(names)
+            ),
+        };
+        self.diagnostics
+            .report("E27", Place::at(next.span()), message);
+    }
+}
+
+/// What is said of indices that a name does not have.
+fn outside(name: &str, indices: &[i64], members: &BTreeSet<Vec<i64>>) -> String {
+    let shown = member(name, indices).replace("][", ", ");
+    for (at, &index) in indices.iter().enumerate() {
+        let values = || members.iter().filter_map(|member| member.get(at).copied());
+        let (Some(lowest), Some(highest)) = (values().min(), values().max()) else {
+            continue;
+        };
+        if !(lowest..=highest).contains(&index) {
+            let which = match indices.len() {
+                1 => "the index".to_owned(),
+                _ => format!("index {}", at + 1),
+            };
+            return format!(
+                "`{shown}` is not declared: {which} of `{name}` is {lowest} to {highest}, not {index}"
+            );
+        }
+    }
+    format!("`{shown}` is not declared: `{name}` leaves out these indices")
+}

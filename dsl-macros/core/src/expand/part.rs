@@ -1,0 +1,344 @@
+//! Counts, and parts: statements that are declared once and used under names.
+
+use super::index::{self, Known, is_punct};
+use super::names::{self, Names, Scope, encoded, undocumented};
+use super::repeat::{Repeat, grouped, inside, punct, word};
+use super::statements;
+use crate::diagnostics::{Diagnostics, Place, closest};
+use crate::words;
+use proc_macro2::{Delimiter, Group, Ident, TokenStream, TokenTree};
+use std::collections::HashMap;
+use std::ops::Range;
+use std::rc::Rc;
+
+/// Deepest parts of parts.
+const DEEPEST: usize = 16;
+
+/// A statement, and where its names are looked for.
+pub(super) type Placed = (Vec<TokenTree>, Rc<Scope>);
+
+fn is_parenthesis(token: &TokenTree) -> bool {
+    matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Parenthesis)
+}
+
+/// Whether `count n =`, `part leg(` or `use "leg.hang"` is there.
+pub(crate) fn is_declaration(tokens: &[TokenTree]) -> bool {
+    match tokens {
+        [TokenTree::Ident(word), TokenTree::Literal(file), ..] if *word == "use" => {
+            file.to_string().starts_with('"')
+        }
+        [TokenTree::Ident(word), TokenTree::Ident(_), next, ..] => {
+            *word == "count" && is_punct(Some(next), '=') || *word == "part" && is_parenthesis(next)
+        }
+        _ => false,
+    }
+}
+
+/// Whether a statement begins here that is written out: a declaration, or `left: leg(..)`, behind that token.
+pub(super) fn begins(tokens: &[TokenTree], before: Option<&TokenTree>) -> bool {
+    let named = match before {
+        Some(TokenTree::Ident(word)) => {
+            let word = word.to_string();
+            words::STATEMENTS.contains(&word.as_str()) || word == "friction"
+        }
+        Some(TokenTree::Punct(mark)) => mark.as_char() != ';',
+        _ => false,
+    };
+    let indexed = matches!(tokens.get(1), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Bracket);
+    let used = match tokens.get(1 + usize::from(indexed)..) {
+        Some([colon, TokenTree::Ident(_), arguments, ..]) => {
+            is_punct(Some(colon), ':') && is_parenthesis(arguments)
+        }
+        _ => false,
+    };
+    !named && (is_declaration(tokens) || used && matches!(tokens[0], TokenTree::Ident(_)))
+}
+
+struct Part {
+    /// Each argument, and its unit with the colon in front.
+    arguments: Vec<(Ident, Vec<TokenTree>)>,
+    body: Vec<TokenTree>,
+}
+
+/// A part in use: `left: leg(hip, a)`.
+struct Use<'a> {
+    name: &'a Ident,
+    indices: Vec<i64>,
+    part: &'a Ident,
+    arguments: &'a Group,
+}
+
+fn a_use(tokens: &[TokenTree]) -> Option<Use<'_>> {
+    let [TokenTree::Ident(name), rest @ ..] = undocumented(tokens) else {
+        return None;
+    };
+    let indices = rest.first().and_then(names::indices);
+    match &rest[usize::from(indices.is_some())..] {
+        [
+            colon,
+            TokenTree::Ident(part),
+            TokenTree::Group(arguments),
+            ..,
+        ] if is_punct(Some(colon), ':') && arguments.delimiter() == Delimiter::Parenthesis => {
+            Some(Use {
+                name,
+                indices: indices.unwrap_or_default(),
+                part,
+                arguments,
+            })
+        }
+        _ => None,
+    }
+}
+
+/// Whether an argument names something: `hip`, `left.p[2]`.
+fn is_name(tokens: &[TokenTree]) -> bool {
+    let mut pointed = true;
+    tokens.iter().all(|token| match token {
+        TokenTree::Ident(_) => std::mem::take(&mut pointed),
+        TokenTree::Group(group) => !pointed && group.delimiter() == Delimiter::Bracket,
+        TokenTree::Punct(mark) => mark.as_char() == '.' && !std::mem::replace(&mut pointed, true),
+        TokenTree::Literal(_) => false,
+    })
+}
+
+/// The statements `let` of `let p[k in 1..=n] = .., p[0] = ..`, those without running indices first.
+fn lets(statement: &[TokenTree]) -> Vec<Vec<TokenTree>> {
+    let pieces: Vec<&[TokenTree]> = index::items(statement).collect();
+    let is_let = matches!(statement.first(), Some(TokenTree::Ident(word)) if word == "let");
+    let is_value = |piece: &&[TokenTree]| matches!(piece, [TokenTree::Ident(_), TokenTree::Group(_), sign, ..] if is_punct(Some(sign), '='));
+    if !is_let || pieces.len() < 2 || !pieces[1..].iter().all(is_value) {
+        return vec![statement.to_vec()];
+    }
+    let values = pieces[1..].iter().chain(&pieces[..1]);
+    let keyword = &statement[0];
+    let whole = values
+        .enumerate()
+        .map(|(at, piece)| match at + 1 < pieces.len() {
+            true => [std::slice::from_ref(keyword), piece].concat(),
+            false => piece.to_vec(),
+        });
+    whole.collect()
+}
+
+#[derive(Default)]
+pub(super) struct Parts {
+    parts: HashMap<String, Part>,
+    /// Counts of the scene, which are known in its parts too.
+    pub(super) counts: Known,
+}
+
+impl Parts {
+    /// Notes a count or a part.
+    pub(super) fn note(&mut self, statement: &[TokenTree], diagnostics: &mut Diagnostics) {
+        let statement = undocumented(statement);
+        let [
+            TokenTree::Ident(word),
+            TokenTree::Ident(name),
+            next,
+            rest @ ..,
+        ] = statement
+        else {
+            return;
+        };
+        if !is_declaration(statement) {
+            return;
+        }
+        let (text, place) = (name.to_string(), Place::at(name.span()));
+        if self.counts.iter().any(|(known, _)| *known == text) || self.parts.contains_key(&text) {
+            let message = format!("`{text}` is declared twice; rename this {word}");
+            diagnostics.report("E19", place, message);
+            return;
+        }
+        if *word == "count" {
+            let rest = index::items(rest).next().unwrap_or_default();
+            let end = rest.iter().position(|token| is_punct(Some(token), ';'));
+            match index::whole(&rest[..end.unwrap_or(rest.len())], place, &self.counts) {
+                Ok(value) => self.counts.push((text, value)),
+                Err(fault) => {
+                    diagnostics.report("E26", fault.place, fault.message);
+                    self.counts.push((text, 1));
+                }
+            }
+            return;
+        }
+        let (TokenTree::Group(arguments), Some(TokenTree::Group(body))) = (next, rest.first())
+        else {
+            let message = format!(
+                "part `{text}` needs its statements in braces, as in `part {text}(a: m) {{ coordinates {{ q: rad }} .. }}`"
+            );
+            diagnostics.report("E27", place, message);
+            return;
+        };
+        let mut part = Part {
+            arguments: Vec::new(),
+            body: inside(body),
+        };
+        for argument in index::items(&inside(arguments)) {
+            match argument {
+                [TokenTree::Ident(name), unit @ ..]
+                    if unit.is_empty() || is_punct(unit.first(), ':') =>
+                {
+                    part.arguments.push((name.clone(), unit.to_vec()));
+                }
+                _ => {
+                    let message = "an argument of a part is a name, with a unit if it has one, as in `part leg(hip, a: m)`";
+                    diagnostics.report("E27", index::place_of(argument, place), message);
+                }
+            }
+        }
+        self.parts.insert(text, part);
+    }
+
+    /// Statements without repetition, those of parts among them.
+    pub(super) fn unrolled(
+        &self,
+        tokens: &[TokenTree],
+        (known, scope): (&Known, &Rc<Scope>),
+        names: &mut Names,
+        repeat: &mut Repeat<'_>,
+    ) -> Vec<Placed> {
+        let mut found = Vec::new();
+        for statement in statements(tokens).into_iter().flat_map(lets) {
+            if is_declaration(undocumented(&statement)) {
+                continue;
+            }
+            for (tokens, known) in repeat.each(&statement, known) {
+                let written = repeat.statement(&tokens, &known);
+                match a_use(&written) {
+                    Some(used) => {
+                        found.extend(self.used(&used, (&known, scope), names, repeat));
+                    }
+                    None => found.push((written, Rc::clone(scope))),
+                }
+            }
+        }
+        found
+    }
+
+    /// The statements of a part under a name.
+    fn used(
+        &self,
+        used: &Use<'_>,
+        (known, scope): (&Known, &Rc<Scope>),
+        names: &mut Names,
+        repeat: &mut Repeat<'_>,
+    ) -> Vec<Placed> {
+        let (text, place) = (used.part.to_string(), Place::at(used.part.span()));
+        let parts = self.parts.keys().map(String::as_str);
+        let refusal = match self.parts.get(&text) {
+            None => match closest(&text, parts) {
+                Some(near) => format!("there is no part `{text}`; did you mean `{near}`?"),
+                None => format!(
+                    "there is no part `{text}`; declare `part {text}(..) {{ .. }}`, or `use` the file that does"
+                ),
+            },
+            Some(_) if repeat.parts >= DEEPEST => {
+                format!(
+                    "part `{text}` is used inside of itself, or parts stand in each other more than {DEEPEST} deep"
+                )
+            }
+            Some(part) => {
+                let own = inside(used.arguments);
+                let own: Vec<&[TokenTree]> = index::items(&own).collect();
+                if own.len() == part.arguments.len() {
+                    repeat.parts += 1;
+                    let found = self.placed((used, part), &own, (known, scope), names, repeat);
+                    repeat.parts -= 1;
+                    return found;
+                }
+                let wanted = part.arguments.iter().map(|(name, _)| name.to_string());
+                let wanted: Vec<String> = wanted.collect();
+                format!(
+                    "part `{text}` takes {}, as in `{}: {text}({})`; found {}",
+                    counted(wanted.len()),
+                    used.name,
+                    wanted.join(", "),
+                    own.len()
+                )
+            }
+        };
+        repeat.diagnostics.report("E27", place, refusal);
+        Vec::new()
+    }
+
+    fn placed(
+        &self,
+        (used, part): (&Use<'_>, &Part),
+        arguments: &[&[TokenTree]],
+        (known, scope): (&Known, &Rc<Scope>),
+        names: &mut Names,
+        repeat: &mut Repeat<'_>,
+    ) -> Vec<Placed> {
+        let name = format!("{}{}", scope.prefix, names::decoded(used.name.to_string()));
+        let name = names.declare_part(&name, &used.indices);
+        let mut inner = Scope {
+            prefix: format!("{name}."),
+            ..Scope::default()
+        };
+        let mut counts = self.counts.clone();
+        let mut found = Vec::new();
+        for ((argument, unit), value) in part.arguments.iter().zip(arguments) {
+            let around = Place::at(used.arguments.span_open());
+            if unit.is_empty()
+                && let Ok(whole) = index::whole(value, around, known)
+            {
+                counts.push((argument.to_string(), whole));
+            } else if unit.is_empty() && is_name(value) {
+                let named = (value.to_vec(), Rc::clone(scope));
+                inner.aliases.insert(argument.to_string(), named);
+            } else {
+                let whole = format!("{name}.{argument}");
+                names.declare(&whole, &[]);
+                let span = argument.span();
+                let mut statement = vec![word("let", span), word(&encoded(&whole), span)];
+                statement.extend_from_slice(unit);
+                statement.push(punct('=', span));
+                let value = value.to_vec();
+                let span = value.first().map_or(span, TokenTree::span);
+                statement.push(grouped(Delimiter::None, value, span));
+                found.push((statement, Rc::clone(scope)));
+            }
+        }
+        found.extend(self.unrolled(&part.body, (&counts, &Rc::new(inner)), names, repeat));
+        found
+    }
+}
+
+fn counted(arguments: usize) -> String {
+    match arguments {
+        1 => "1 argument".to_owned(),
+        more => format!("{more} arguments"),
+    }
+}
+
+/// The files that a text uses.
+pub(crate) fn files(tokens: TokenStream) -> Vec<String> {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    let named = tokens.windows(2).filter(|pair| is_declaration(pair));
+    let named = named.map(|pair| pair[1].to_string());
+    named
+        .map(|name| name.trim_matches('"').to_owned())
+        .collect()
+}
+
+/// The counts of a text, each with the bytes where its number stands.
+pub(crate) fn counts(tokens: TokenStream) -> Vec<(String, Range<usize>)> {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    let mut found = Vec::new();
+    for statement in statements(&tokens) {
+        match undocumented(statement) {
+            [
+                TokenTree::Ident(word),
+                TokenTree::Ident(name),
+                sign,
+                TokenTree::Literal(value),
+                ..,
+            ] if *word == "count" && is_punct(Some(sign), '=') => {
+                found.push((name.to_string(), value.span().byte_range()));
+            }
+            _ => {}
+        }
+    }
+    found
+}

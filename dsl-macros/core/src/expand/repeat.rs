@@ -1,0 +1,413 @@
+//! Repetition: what indices run over is written once for each of their members, with numbers in the place of indices.
+
+use super::index::{self, Fault, Known, Member, is_punct};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
+
+/// Deepest groups that are looked into; deeper ones are refused where they are read.
+pub(super) const DEEPEST: usize = 200;
+/// Most tokens that are written: some hundred for each of the members that a repetition may have.
+const LONGEST: usize = 1 << 22;
+
+/// Blocks whose entries declare names: behind a colon stands a unit.
+pub(super) const DECLARING: [&str; 5] =
+    ["parameters", "coordinates", "controls", "states", "outputs"];
+
+pub(super) fn inside(group: &Group) -> Vec<TokenTree> {
+    group.stream().into_iter().collect()
+}
+
+/// A group like another one, around other tokens.
+pub(super) fn around(group: &Group, tokens: Vec<TokenTree>) -> TokenTree {
+    grouped(group.delimiter(), tokens, group.span())
+}
+
+pub(super) fn grouped(delimiter: Delimiter, tokens: Vec<TokenTree>, span: Span) -> TokenTree {
+    let mut group = Group::new(delimiter, TokenStream::from_iter(tokens));
+    group.set_span(span);
+    group.into()
+}
+
+pub(super) fn punct(mark: char, span: Span) -> TokenTree {
+    let mut punct = Punct::new(mark, Spacing::Alone);
+    punct.set_span(span);
+    punct.into()
+}
+
+pub(super) fn word(text: &str, span: Span) -> TokenTree {
+    Ident::new(text, span).into()
+}
+
+/// A whole number; a negative one in parentheses.
+fn number(value: i64, span: Span) -> TokenTree {
+    let mut literal = Literal::u64_unsuffixed(value.unsigned_abs());
+    literal.set_span(span);
+    match value < 0 {
+        true => grouped(
+            Delimiter::Parenthesis,
+            vec![punct('-', span), literal.into()],
+            span,
+        ),
+        false => literal.into(),
+    }
+}
+
+/// Indices between commas.
+fn listed(indices: &[i64], span: Span) -> Vec<TokenTree> {
+    let numbers = indices.iter().map(|&index| number(index, span));
+    joined(numbers.map(|number| vec![number]), ',', span)
+}
+
+/// Lists of tokens with a mark between them.
+pub(super) fn joined(
+    items: impl Iterator<Item = Vec<TokenTree>>,
+    mark: char,
+    span: Span,
+) -> Vec<TokenTree> {
+    let mut tokens = Vec::new();
+    for item in items {
+        if !tokens.is_empty() {
+            tokens.push(punct(mark, span));
+        }
+        tokens.extend(item);
+    }
+    tokens
+}
+
+/// Where a unit behind a colon ends.
+pub(super) fn unit_end(tokens: &[TokenTree]) -> usize {
+    let ends = |token: &TokenTree| match token {
+        TokenTree::Punct(mark) => mark.as_char() == '=' || mark.as_char() == ',',
+        TokenTree::Ident(word) => word == "in",
+        _ => false,
+    };
+    tokens.iter().position(ends).unwrap_or(tokens.len())
+}
+
+/// Whether `(k in 1..=n: ...)` stands in a group; where its colon is.
+pub(super) fn comprehension(tokens: &[TokenTree]) -> Option<usize> {
+    let colon = tokens.iter().position(|token| is_punct(Some(token), ':'))?;
+    index::is_repetition(&tokens[..colon]).then_some(colon)
+}
+
+/// The indices in brackets that repeat the statement or entry in which they stand.
+fn first_repetition(tokens: &[TokenTree], depth: usize) -> Option<Group> {
+    tokens.iter().find_map(|token| {
+        let TokenTree::Group(group) = token else {
+            return None;
+        };
+        if group.delimiter() == Delimiter::Brace || depth > DEEPEST {
+            return None;
+        }
+        let inner = inside(group);
+        match group.delimiter() {
+            Delimiter::Bracket if index::is_repetition(&inner) => Some(group.clone()),
+            _ if comprehension(&inner).is_some() => None,
+            _ => first_repetition(&inner, depth + 1),
+        }
+    })
+}
+
+/// The same tokens with indices in the place of the first that run.
+fn bound(tokens: &[TokenTree], indices: &mut Option<&[i64]>, depth: usize) -> Vec<TokenTree> {
+    let replaced = tokens.iter().map(|token| match token {
+        TokenTree::Group(group)
+            if indices.is_some() && group.delimiter() != Delimiter::Brace && depth <= DEEPEST =>
+        {
+            let inner = inside(group);
+            if group.delimiter() == Delimiter::Bracket && index::is_repetition(&inner) {
+                let span = group.span();
+                return around(group, listed(indices.take().unwrap_or_default(), span));
+            }
+            match comprehension(&inner) {
+                Some(_) => token.clone(),
+                None => around(group, bound(&inner, indices, depth + 1)),
+            }
+        }
+        other => other.clone(),
+    });
+    replaced.collect()
+}
+
+pub(super) struct Repeat<'a> {
+    pub(super) diagnostics: &'a mut Diagnostics,
+    /// Tokens that have been written.
+    written: usize,
+    /// How many parts are around.
+    pub(super) parts: usize,
+    depth: usize,
+}
+
+impl<'a> Repeat<'a> {
+    pub(super) fn new(diagnostics: &'a mut Diagnostics) -> Self {
+        Self {
+            diagnostics,
+            written: 0,
+            parts: 0,
+            depth: 0,
+        }
+    }
+
+    /// Whether the scene is short enough to be read.
+    pub(super) fn is_bounded(&self) -> Checked<()> {
+        match self.written <= LONGEST {
+            true => Ok(()),
+            false => Err(Reported),
+        }
+    }
+
+    fn refuse(&mut self, Fault { place, message }: Fault) {
+        self.diagnostics.report("E26", place, message);
+    }
+
+    fn members(&mut self, tokens: &[TokenTree], place: Place, known: &Known) -> Vec<Member> {
+        let members = index::members(tokens, place, known);
+        let members = members.unwrap_or_else(|fault| {
+            self.refuse(fault);
+            Vec::new()
+        });
+        if self.is_bounded().is_err() {
+            let message =
+                format!("the repetitions of the scene have more than {LONGEST} words; count fewer");
+            self.diagnostics.report("E22", place, message);
+            return Vec::new();
+        }
+        members
+    }
+
+    /// A statement or an entry for each member of what repeats it.
+    pub(super) fn each(
+        &mut self,
+        tokens: &[TokenTree],
+        known: &Known,
+    ) -> Vec<(Vec<TokenTree>, Known)> {
+        let Some(group) = first_repetition(tokens, 0) else {
+            return vec![(tokens.to_vec(), known.clone())];
+        };
+        let mut found = Vec::new();
+        for member in self.members(&inside(&group), Place::at(group.span_open()), known) {
+            self.written += tokens.len();
+            let indices = &mut Some(&member.indices[..]);
+            found.extend(self.each(&bound(tokens, indices, 0), &member.known));
+        }
+        found
+    }
+
+    /// The entries of a block; `declares` tells that units stand behind colons.
+    fn entries(&mut self, tokens: &[TokenTree], known: &Known, declares: bool) -> Vec<TokenTree> {
+        let mut written = Vec::new();
+        for entry in tokens.split(|token| is_punct(Some(token), ',')) {
+            let entry = match declares {
+                true => counted(entry),
+                false => entry.to_vec(),
+            };
+            let members = self.each(&entry, known);
+            let span = entry.first().map_or_else(Span::call_site, TokenTree::span);
+            let members: Vec<_> = members
+                .iter()
+                .map(|(tokens, known)| match declares {
+                    true => self.declaration(tokens, known),
+                    false => self.tokens(tokens, known),
+                })
+                .collect();
+            if !written.is_empty() && !members.is_empty() {
+                written.push(punct(',', span));
+            }
+            written.extend(joined(members.into_iter(), ',', span));
+        }
+        written
+    }
+
+    /// `name: unit in range = value`, whose unit stays as it is.
+    pub(super) fn declaration(&mut self, tokens: &[TokenTree], known: &Known) -> Vec<TokenTree> {
+        let colon = tokens.iter().position(|token| is_punct(Some(token), ':'));
+        let colon = colon.unwrap_or(tokens.len());
+        let (head, rest) = tokens.split_at(colon);
+        let end = unit_end(rest);
+        let mut written = self.tokens(head, known);
+        written.extend_from_slice(&rest[..end]);
+        written.extend(self.tokens(&rest[end..], known));
+        written
+    }
+
+    /// A statement in which nothing more runs but in its blocks.
+    pub(super) fn statement(&mut self, tokens: &[TokenTree], known: &Known) -> Vec<TokenTree> {
+        let keyword = tokens.iter().find_map(|token| match token {
+            TokenTree::Ident(word) => Some(word.to_string()),
+            _ => None,
+        });
+        match keyword.as_deref() {
+            Some("free" | "let") => self.declaration(tokens, known),
+            Some("profile") => tokens.to_vec(),
+            Some(block) if DECLARING.contains(&block) => {
+                let written = tokens.iter().map(|token| match token {
+                    TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => {
+                        around(group, self.entries(&inside(group), known, true))
+                    }
+                    other => other.clone(),
+                });
+                written.collect()
+            }
+            _ => self.tokens(tokens, known),
+        }
+    }
+
+    /// Tokens with numbers in the place of indices and counts.
+    pub(super) fn tokens(&mut self, tokens: &[TokenTree], known: &Known) -> Vec<TokenTree> {
+        let mut written: Vec<TokenTree> = Vec::with_capacity(tokens.len());
+        let mut at = 0;
+        while let Some(token) = tokens.get(at) {
+            at += 1;
+            match token {
+                TokenTree::Ident(name)
+                    if *name == "if" && self.chosen(tokens, &mut at, known, &mut written) => {}
+                TokenTree::Ident(name) if !is_punct(written.last(), '.') => {
+                    let value = known.iter().rev().find(|(known, _)| name == known);
+                    written.push(match value {
+                        Some(&(_, value)) => number(value, name.span()),
+                        None => token.clone(),
+                    });
+                }
+                TokenTree::Group(group) if self.depth < DEEPEST => {
+                    self.depth += 1;
+                    self.group(group, known, &mut written);
+                    self.depth -= 1;
+                }
+                other => written.push(other.clone()),
+            }
+        }
+        self.written += written.len();
+        written
+    }
+
+    /// `if i < j { a } else { b }` of indices: one of both, and the cursor behind it.
+    fn chosen(
+        &mut self,
+        tokens: &[TokenTree],
+        at: &mut usize,
+        known: &Known,
+        written: &mut Vec<TokenTree>,
+    ) -> bool {
+        let is_brace = |token: &TokenTree| matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace);
+        let rest = &tokens[*at..];
+        let Some(open) = rest.iter().position(is_brace) else {
+            return false;
+        };
+        let [TokenTree::Group(yes), TokenTree::Ident(word), others @ ..] = &rest[open..] else {
+            return false;
+        };
+        let Some(holds) = index::is_true(&rest[..open], known).filter(|_| word == "else") else {
+            return false;
+        };
+        // What follows `else` is a block, or one more `if` with its blocks.
+        let Some(mut end) = others.iter().position(is_brace) else {
+            return false;
+        };
+        while matches!(others.get(end + 1), Some(TokenTree::Ident(word)) if word == "else")
+            && let Some(next) = others[end + 2..].iter().position(is_brace)
+        {
+            end += 2 + next;
+        }
+        let other = match &others[..=end] {
+            [TokenTree::Group(no)] => inside(no),
+            more => more.to_vec(),
+        };
+        let value = match holds {
+            true => inside(yes),
+            false => other,
+        };
+        let value = self.tokens(&value, known);
+        written.push(grouped(Delimiter::Parenthesis, value, yes.span()));
+        *at += open + 2 + end + 1;
+        true
+    }
+
+    fn group(&mut self, group: &Group, known: &Known, written: &mut Vec<TokenTree>) {
+        let inner = inside(group);
+        // A bracket behind a number is a unit.
+        let is_unit = matches!(written.last(), Some(TokenTree::Literal(_)));
+        match group.delimiter() {
+            Delimiter::Bracket if is_unit => written.push(group.clone().into()),
+            Delimiter::Bracket => {
+                let indices: Result<Vec<i64>, Fault> = index::items(&inner)
+                    .map(|item| index::whole(item, Place::at(group.span_open()), known))
+                    .collect();
+                let named = matches!(written.last(), Some(TokenTree::Ident(_)));
+                written.push(match indices {
+                    Ok(indices) if named => around(group, listed(&indices, group.span())),
+                    _ => around(group, self.tokens(&inner, known)),
+                });
+            }
+            Delimiter::Brace => {
+                let entries = self.entries(&inner, known, false);
+                written.push(around(group, entries));
+            }
+            _ => match comprehension(&inner) {
+                Some(colon) => self.list(group, inner.split_at(colon), known, written),
+                None => {
+                    let tokens = self.tokens(&inner, known);
+                    written.push(around(group, tokens));
+                }
+            },
+        }
+    }
+
+    /// `sum(k in 1..=n: value)`, and the same as a list in the parentheses of anything else.
+    fn list(
+        &mut self,
+        group: &Group,
+        (indices, value): (&[TokenTree], &[TokenTree]),
+        known: &Known,
+        written: &mut Vec<TokenTree>,
+    ) {
+        let span = group.span();
+        let members = self.members(indices, Place::at(group.span_open()), known);
+        let is_sum = matches!(written.last(), Some(TokenTree::Ident(word)) if word == "sum");
+        let mut values = Vec::new();
+        for member in members {
+            let value = self.tokens(&value[1..], &member.known);
+            values.push(match is_sum {
+                true => vec![grouped(Delimiter::Parenthesis, value, span)],
+                false => value,
+            });
+        }
+        let mut list = joined(values.into_iter(), if is_sum { '+' } else { ',' }, span);
+        if is_sum {
+            written.pop();
+            if list.is_empty() {
+                list.push(number(0, span));
+            }
+        }
+        written.push(around(group, list));
+    }
+}
+
+/// An entry that declares `name[n]` with `name[_ in 1..=n]` in its place.
+fn counted(entry: &[TokenTree]) -> Vec<TokenTree> {
+    let mut entry = entry.to_vec();
+    let named = entry
+        .iter()
+        .position(|token| matches!(token, TokenTree::Ident(_)));
+    let Some(at) = named.map(|named| named + 1) else {
+        return entry;
+    };
+    if let Some(TokenTree::Group(group)) = entry.get(at).cloned()
+        && group.delimiter() == Delimiter::Bracket
+        && is_punct(entry.get(at + 1), ':')
+    {
+        let inner = inside(&group);
+        let span = group.span();
+        if !index::is_repetition(&inner) {
+            let ranges = index::items(&inner).map(|count| {
+                let head: TokenStream = "_ in 1..=".parse().unwrap_or_default();
+                let head = head.into_iter().map(|mut token| {
+                    token.set_span(span);
+                    token
+                });
+                head.chain(count.iter().cloned()).collect()
+            });
+            entry[at] = around(&group, joined(ranges, ',', span));
+        }
+    }
+    entry
+}
