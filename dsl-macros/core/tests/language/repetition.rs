@@ -302,7 +302,7 @@ fn slips_of_parts_are_told_where_they_stand() {
         ),
         (
             "right: rod((0, 0), <<1 [m]>>, 0.5 [m])",
-            "E03: units differ: `1 [m]` is in m, but kg is needed here: `right.m` is declared so",
+            "E03: units differ: `1 [m]` is in m, where kg is needed (`right.m` is declared so)",
         ),
         (
             "part <<rod>>(a) { }",
@@ -319,8 +319,13 @@ fn slips_of_parts_are_told_where_they_stand() {
     ] {
         assert_told(&scene(slip), wanted);
     }
-    let inside = scene("").replace("m/2*|dot(tip)|^2", "<<mm>>/2*|dot(tip)|^2");
-    assert_told(&inside, "E01: `mm` is not declared; did you mean `left.m`?");
+    // Inside of a part that is used twice it is told once.
+    let twice = scene("right: rod((1 [m], 0 [m]), 1 [kg], 0.5 [m])");
+    let inside = twice.replace("m/2*|dot(tip)|^2", "mass/2*|dot(tip)|^2");
+    let mistakes = describe_text(&inside, "s").expect_err(&inside);
+    assert_eq!(&inside[mistakes[0].place.clone()], "mass");
+    assert!(mistakes[0].text().starts_with("E01: `mass` is not declared"));
+    assert_eq!(mistakes.len(), 1, "{mistakes:?}");
 }
 
 #[test]
@@ -345,13 +350,13 @@ count n = 3 // links
 part link(hip, m: kg, n) {
     coordinates { q[n]: rad }
     // Energies.
-    lagrangian += sum(k in 1..=n, k != 2: m/2*dot(q[k])^2 + m/2*dot(hip)^2)
+    lagrangian += sum(k in 1..=n, k != 0: m/2*dot(hip + 1[m]*q[k])^2) + m/2*dot(hip)^2
     surface stop[i in 2..=n, j in 1..i]: q[i] - q[j] >= -1
     impact stop[i in 2..=n, j in 1..i]: inelastic
 }
 coordinates { x: m }
-first: link(x, 1[kg], n)
-second[k in 1..=2]: link(x, 2[kg], 2 + k - k)
+first: link(x, 1 [kg], n)
+second[k in 1..=2]: link(x, 2 [kg], 2 + k - k)
 start { first.q[k in 1..=n]: 0.1*k }
 ";
     let loose = wanted

@@ -62,15 +62,18 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             Ok(())
         }
         Statement::Let { name, unit, value } => {
-            let units = walk.units(value)?;
-            if let Some(written) = unit {
-                let reason = format!("`{}` is declared so", name.text);
-                for own in units.components() {
-                    walk.expect(value, own, &Dimension::of(written.unit), &reason)?;
-                }
-            }
-            walk.values.insert(name.text.clone(), units);
-            Ok(())
+            let own = walk.units(value)?;
+            let Some(written) = unit else {
+                walk.values.insert(name.text.clone(), own);
+                return Ok(());
+            };
+            // As it is declared, so that its uses give no second message.
+            let wanted = Dimension::of(written.unit);
+            let declared = own.map(|_| wanted.clone());
+            walk.values.insert(name.text.clone(), declared);
+            let reason = format!("`{}` is declared so", name.text);
+            let mut components = own.components().iter();
+            components.try_for_each(|own| walk.expect(value, own, &wanted, &reason))
         }
         Statement::Function {
             name,
