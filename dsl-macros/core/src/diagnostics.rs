@@ -161,8 +161,7 @@ impl Diagnostics {
         let same = |known: &Mistake| {
             known.code == code
                 && (known.message == message
-                    || without_numbers(&known.message) == without_numbers(&message)
-                        && known.place.is_that(place))
+                    || said(&known.message) == said(&message) && known.place.is_that(place))
         };
         if !self.mistakes.iter().any(same) {
             self.mistakes.push(Mistake {
@@ -222,8 +221,10 @@ fn in_one_line(message: String) -> String {
     words.join(" ")
 }
 
-fn without_numbers(message: &str) -> String {
-    message.chars().filter(|c| !c.is_ascii_digit()).collect()
+/// What a message says, without its advice and without indices.
+fn said(message: &str) -> String {
+    let said = message.split(';').next().unwrap_or_default();
+    said.chars().filter(|c| !c.is_ascii_digit()).collect()
 }
 
 /// Longest name that a message quotes whole, in characters: a line of a terminal.

@@ -324,7 +324,11 @@ fn slips_of_parts_are_told_where_they_stand() {
     let inside = twice.replace("m/2*|dot(tip)|^2", "mass/2*|dot(tip)|^2");
     let mistakes = describe_text(&inside, "s").expect_err(&inside);
     assert_eq!(&inside[mistakes[0].place.clone()], "mass");
-    assert!(mistakes[0].text().starts_with("E01: `mass` is not declared"));
+    assert!(
+        mistakes[0]
+            .text()
+            .starts_with("E01: `mass` is not declared")
+    );
     assert_eq!(mistakes.len(), 1, "{mistakes:?}");
 }
 
