@@ -196,22 +196,34 @@ fn with_counts(
     scene: &'static Scene,
     pairs: &mut Vec<(&str, &str)>,
 ) -> Result<&'static Scene, BadInput> {
-    let Some(text) = scene.text.map(TextScene::source) else {
-        return Ok(scene);
-    };
-    let mut changed = None;
-    pairs.retain(|&(name, value)| {
-        let before: &str = changed.as_deref().unwrap_or(text);
-        let counted = value.parse().ok();
-        let counted = counted.and_then(|value| hangtime_dsl::with_count(before, name, value));
-        let kept = counted.is_none();
-        changed = counted.or(changed.take());
-        kept
-    });
+    let mut changed: Option<String> = None;
+    let mut kept = Vec::new();
+    for &(name, value) in &*pairs {
+        let text = changed.as_deref().or(scene.text.map(TextScene::source));
+        let text = text.filter(|text| is_count(text, name));
+        let Some(text) = text else {
+            kept.push((name, value));
+            continue;
+        };
+        let number = value.parse().ok();
+        let with_number = number.and_then(|number| hangtime_dsl::with_count(text, name, number));
+        let refusal = || {
+            let message =
+                format!("--set {name}={value}: count `{name}` is a whole number, as in {name}=3");
+            BadInput::new(message)
+        };
+        changed = Some(with_number.ok_or_else(refusal)?);
+    }
+    *pairs = kept;
     match changed {
         Some(text) => load_changed(scene, &text),
         None => Ok(scene),
     }
+}
+
+/// Whether a text has a count of that name.
+pub(crate) fn is_count(text: &str, name: &str) -> bool {
+    text.contains("count") && hangtime_dsl::with_count(text, name, 1).is_some()
 }
 
 /// Splits every setting at its first `=` and refuses repeated names.

@@ -1,6 +1,5 @@
 //! A declaration that stands in a file of its own.
 
-use hangtime_dsl::WholeText;
 use proc_macro::TokenStream;
 use std::env;
 use std::io;
@@ -15,20 +14,35 @@ pub(crate) fn expand(input: TokenStream) -> TokenStream {
 
 /// The declaration in the macro itself, with the files beside the manifest that it uses.
 pub(crate) fn expand_with_used(input: TokenStream) -> TokenStream {
+    let text = input.to_string();
     let mut files = Vec::new();
-    let whole = hangtime_dsl::with_files(input.into(), |name| {
+    let mut read_used = |name: &str| {
         let file = beside_manifest(name);
         let text = read(&file);
         files.push(file);
         text
-    });
+    };
+    let whole = hangtime_dsl::with_files(input.into(), &mut read_used);
     let mut code: TokenStream = match whole {
         Ok(tokens) => hangtime_dsl::expand(tokens).into(),
         Err(message) => refusal(&message).parse().unwrap_or_default(),
     };
-    let included = files.iter().map(|file| included(file));
-    code.extend(included.map(|code| code.parse::<TokenStream>().unwrap_or_default()));
+    if !files.is_empty() {
+        if let Some(told) = told_of_used(&text) {
+            code = told.parse().unwrap_or_default();
+        }
+        let included: String = files.iter().map(|file| included(file)).collect();
+        code.extend(included.parse::<TokenStream>());
+    }
     code
+}
+
+/// Mistakes in files that a declaration uses, whose places the tokens of the compiler do not know; none if it has no such.
+fn told_of_used(text: &str) -> Option<String> {
+    let _own = OwnTokens::take();
+    let whole = hangtime_dsl::with_used(text, |name| read(&beside_manifest(name))).ok()?;
+    let (code, told) = translated(&whole, "", |used| used.is_some());
+    (told > 0).then_some(code)
 }
 
 fn beside_manifest(name: &str) -> PathBuf {
@@ -58,33 +72,41 @@ fn expanded(argument: &str) -> Result<String, String> {
     let name = path(argument)?;
     let file = beside_manifest(name);
     let mut files = vec![file.clone()];
-    let whole = WholeText::read(read(&file)?, |name| {
+    let whole = hangtime_dsl::with_used(&read(&file)?, |name| {
         let file = file.with_file_name(name);
         let text = read(&file);
         files.push(file);
         text
     })?;
-    let stem = Path::new(name).file_stem().unwrap_or_default();
-    let mut code = match hangtime_dsl::expand_text(&whole.text, &stem.to_string_lossy()) {
-        Ok(expanded) | Err(expanded) => {
-            let (tokens, mistakes) = expanded;
-            let mut code = tokens.to_string();
-            for mistake in mistakes {
-                let (used, text, place) = whole.at(&mistake.place);
-                let (line, column) = position(text, place.start);
-                let name = used.unwrap_or(name);
-                let message = format!("{name}:{line}:{column}: {}", mistake.text());
-                code += &if mistake.warning {
-                    lint(&message)
-                } else {
-                    refusal(&message)
-                };
-            }
-            code
-        }
-    };
+    let (mut code, _) = translated(&whole, name, |_| true);
     code.extend(files.iter().map(|file| included(file)));
     Ok(code)
+}
+
+/// The code of a text, or of a stub of its scene, behind which its mistakes are told in the files that are asked for; and how many.
+fn translated(whole: &str, name: &str, is_asked: fn(Option<&str>) -> bool) -> (String, usize) {
+    let stem = Path::new(name).file_stem().unwrap_or_default();
+    let (Ok(expanded) | Err(expanded)) = hangtime_dsl::expand_text(whole, &stem.to_string_lossy());
+    let (tokens, mistakes) = expanded;
+    let (mut code, mut told) = (tokens.to_string(), 0);
+    for mistake in mistakes {
+        let (used, text, place) = hangtime_dsl::in_used(whole, &mistake.place);
+        if !is_asked(used) {
+            continue;
+        }
+        let (line, column) = position(text, place.start);
+        let file = used.map_or(PathBuf::from(name), |used| {
+            Path::new(name).with_file_name(used)
+        });
+        let message = format!("{}:{line}:{column}: {}", file.display(), mistake.text());
+        code += &if mistake.warning {
+            lint(&message)
+        } else {
+            told += 1;
+            refusal(&message)
+        };
+    }
+    (code, told)
 }
 
 /// The path in a string literal, which needs no escapes.

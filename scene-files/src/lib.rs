@@ -29,7 +29,6 @@ mod report;
 
 pub use hangtime::scene::TextScene;
 pub use hangtime_dsl::TextMistake;
-use hangtime_dsl::WholeText;
 
 use hangtime::scene::{self, TooLarge};
 use std::fmt;
@@ -79,14 +78,7 @@ impl std::error::Error for SceneError {}
 /// # Errors
 /// The file cannot be read, or its text has mistakes.
 pub fn read(file: &Path) -> Result<TextScene, SceneError> {
-    of_whole(&file.display().to_string(), &whole(file)?)
-}
-
-/// The text of a scene file with those of the files that it uses, which stand beside it.
-fn whole(file: &Path) -> Result<WholeText, SceneError> {
-    let folder = file.parent().unwrap_or(Path::new(""));
-    let read = |name: &str| read_text(&folder.join(name)).map_err(|error| error.to_string());
-    WholeText::read(read_text(file)?, read).map_err(SceneError::Unreadable)
+    of_text(&file.display().to_string(), &read_text(file)?)
 }
 
 /// The text of a scene file, and the same in the settled style of [`hangtime_dsl::format_text`].
@@ -94,9 +86,10 @@ fn whole(file: &Path) -> Result<WholeText, SceneError> {
 /// # Errors
 /// The file cannot be read, or its text has mistakes.
 pub fn format(file: &Path) -> Result<(String, String), SceneError> {
-    let whole = whole(file)?;
-    let formatted = formatted(&file.display().to_string(), &whole)?;
-    Ok((whole.own().to_owned(), formatted))
+    let whole = read_text(file)?;
+    let formatted = format_text(&file.display().to_string(), &whole)?;
+    let (_, own, _) = hangtime_dsl::in_used(&whole, &(0..0));
+    Ok((own.to_owned(), formatted))
 }
 
 /// A text in the settled style; `file` is what its messages call the file.
@@ -104,28 +97,25 @@ pub fn format(file: &Path) -> Result<(String, String), SceneError> {
 /// # Errors
 /// The text has mistakes.
 pub fn format_text(file: &str, text: &str) -> Result<String, SceneError> {
-    formatted(file, &alone(text))
-}
-
-fn formatted(file: &str, whole: &WholeText) -> Result<String, SceneError> {
-    let (own, behind) = whole.text.split_at(whole.own().len());
-    let formatted = on_a_thread(file, |stem| hangtime_dsl::format_used(own, behind, stem))?;
+    let formatted = on_a_thread(file, |stem| hangtime_dsl::format_text(text, stem))?;
     formatted.map_err(|mistakes| SceneError::Mistakes {
-        report: report::report(file, whole, &mistakes),
+        report: report::report(file, text, &mistakes),
         mistakes,
     })
 }
 
-/// A text that uses no files.
-fn alone(text: &str) -> WholeText {
-    WholeText::from(text.to_owned())
-}
-
-/// Reads the text of a scene file, whatever stands in it.
+/// Reads the text of a scene file, whatever stands in it, with those of the files that it uses behind it, which are found from
+/// where it stands ([`hangtime_dsl::with_used`]).
 ///
 /// # Errors
-/// The file cannot be read, is too long for a scene, or is no text.
+/// A file cannot be read, is too long for a scene, or is no text.
 pub fn read_text(file: &Path) -> Result<String, SceneError> {
+    let used = |name: &str| alone(&file.with_file_name(name)).map_err(|error| error.to_string());
+    hangtime_dsl::with_used(&alone(file)?, used).map_err(SceneError::Unreadable)
+}
+
+/// The text of a file.
+fn alone(file: &Path) -> Result<String, SceneError> {
     let shown = file.display();
     let unreadable = |why: String| SceneError::Unreadable(format!("scene file `{shown}`: {why}"));
     let bytes = hangtime_dsl::read_whole(file, hangtime_dsl::LONGEST).map_err(|error| {
@@ -160,18 +150,13 @@ pub fn read_text(file: &Path) -> Result<String, SceneError> {
 /// # Errors
 /// The text has mistakes.
 pub fn of_text(file: &str, text: &str) -> Result<TextScene, SceneError> {
-    of_whole(file, &alone(text))
-}
-
-fn of_whole(file: &str, whole: &WholeText) -> Result<TextScene, SceneError> {
-    let text = whole.text.as_str();
     let refuse = |mistakes: Vec<TextMistake>| SceneError::Mistakes {
-        report: report::report(file, whole, &mistakes),
+        report: report::report(file, text, &mistakes),
         mistakes,
     };
     let derived = on_a_thread(file, |stem| hangtime_dsl::describe_text(text, stem))?;
     let (description, warnings) = derived.map_err(refuse)?;
-    let report = report::report(file, whole, &warnings);
+    let report = report::report(file, text, &warnings);
     TextScene::new(description, text, report).map_err(|TooLarge| {
         refuse(vec![TextMistake {
             code: Some("E22"),

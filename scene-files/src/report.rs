@@ -1,22 +1,27 @@
 //! Mistakes as a report that shows their lines.
 
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
-use hangtime_dsl::{TextMistake, WholeText};
+use hangtime_dsl::{TextMistake, in_used};
 use std::fmt::Write as _;
+use std::path::Path;
 
 /// Most mistakes that are shown.
 const MOST: usize = 20;
 
 /// Every mistake and every warning with file, line, column, the line itself, a mark below it, and the page that tells
 /// more; empty if there is none.
-pub(crate) fn report(file: &str, whole: &WholeText, mistakes: &[TextMistake]) -> String {
+pub(crate) fn report(file: &str, text: &str, mistakes: &[TextMistake]) -> String {
     let renderer = Renderer::plain();
     let mut shown = String::new();
     if mistakes.is_empty() {
         return shown;
     }
     for mistake in mistakes.iter().take(MOST) {
-        let (used, text, within) = whole.at(&mistake.place);
+        let (used, text, within) = in_used(text, &mistake.place);
+        let file = match used {
+            Some(used) => Path::new(file).with_file_name(used).display().to_string(),
+            None => file.to_owned(),
+        };
         let place = place(text, &within);
         let level = if mistake.warning {
             Level::WARNING
@@ -28,9 +33,7 @@ pub(crate) fn report(file: &str, whole: &WholeText, mistakes: &[TextMistake]) ->
             title = title.id(code);
         }
         let mark = AnnotationKind::Primary.span(place);
-        let snippet = Snippet::source(text)
-            .path(used.unwrap_or(file))
-            .annotation(mark);
+        let snippet = Snippet::source(text).path(file).annotation(mark);
         let page = hangtime_dsl::page_name(mistake.code);
         let help = Level::HELP.message(format!("`hangtime explain {page}` tells more"));
         let group = title.element(snippet).element(help);

@@ -1,9 +1,10 @@
 //! `--over NAME=from:to:count[UNIT]` and `--over NAME=a,b,c`: the values of one parameter.
 
+use hangtime_scene_files::TextScene;
 use hangtime_units::Quantity;
 
 use crate::failure::{BadInput, did_you_mean};
-use crate::settings::ChosenScene;
+use crate::settings::{ChosenScene, is_count};
 
 /// Most points of a sweep: their rows are ordered in memory.
 pub(super) const MOST_POINTS: usize = 10_000_000;
@@ -78,10 +79,12 @@ impl Axis {
         })
     }
 
-    /// The choices of a form of the scene.
+    /// The choices of a form of the scene, or its counts.
     fn choice(chosen: &ChosenScene, name: &str, values: &str) -> Result<Self, BadInput> {
         let choices = chosen.choices.iter().map(|&(choice, _)| choice);
-        if choices.clone().any(|choice| choice == name) {
+        let text = chosen.scene.text.map(TextScene::source);
+        let counted = text.is_some_and(|text| is_count(text, name));
+        if counted || choices.clone().any(|choice| choice == name) {
             return Ok(Self {
                 name: name.to_owned(),
                 unit: "",

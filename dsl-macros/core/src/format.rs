@@ -209,7 +209,7 @@ fn is_value(pieces: &[Piece]) -> bool {
     }
 }
 
-/// Whether a statement begins there, also one that is written out: `count n =`, `part leg(`, `left: leg(`.
+/// Whether a statement begins there, also one that is written out: `count n =`, `part leg(`, `use "leg.hang"`, `left: leg(`.
 fn begins(pieces: &[Piece], index: usize) -> bool {
     let is = |at: usize, symbol: &str| pieces.get(at).is_some_and(|piece| piece.is(symbol));
     let is_word = |at: usize| pieces.get(at).is_some_and(|piece| piece.kind == Kind::Word);
@@ -231,7 +231,9 @@ fn begins(pieces: &[Piece], index: usize) -> bool {
         && (words::STATEMENTS.contains(&text)
             || !named
                 && is_word(index + 1)
-                && (text == "count" && is(index + 2, "=") || text == "part" && is(index + 2, "("))
+                && (text == "count" && is(index + 2, "=")
+                    || text == "part" && is(index + 2, "(")
+                    || text == "use" && pieces[index + 1].text.starts_with('"'))
             || !named && is(colon, ":") && is_word(colon + 1) && is(colon + 2, "("))
 }
 

@@ -39,7 +39,7 @@ mod testing;
 
 pub use diagnostics::Mistake;
 pub use mistakes::{explanation, mistake_codes, page_name};
-pub use text::{LONGEST, TextMistake, WholeText};
+pub use text::{LONGEST, TextMistake, in_used, with_used};
 pub use whole::read_whole;
 pub use words::{is_word, words};
 
@@ -70,21 +70,18 @@ pub fn with_files(
     input: TokenStream,
     mut read: impl FnMut(&str) -> Result<String, String>,
 ) -> Result<TokenStream, String> {
-    let mut names = parse::body(input.clone()).map_or_else(Vec::new, expand::files);
-    let (mut whole, mut asked) = (input, 0);
-    while let Some(name) = names.get(asked).cloned() {
-        let tokens = text::tokens_of_used(&read(&name)?);
+    let own = parse::body(input.clone()).unwrap_or_default();
+    let (mut whole, mut names, mut asked) = (input, vec![String::new()], 1);
+    text::note_used(own, &mut names, 0);
+    while let Some(name) = names.get(asked) {
+        let tokens = text::tokens_of_used(&read(name)?);
         let tokens = tokens.map_err(|mistake| format!("{name}: {mistake}"))?;
-        let more = expand::files(tokens.clone()).into_iter();
-        names.extend(
-            more.filter(|name| !names.contains(name))
-                .collect::<Vec<_>>(),
-        );
+        text::note_used(tokens.clone(), &mut names, asked);
         whole.extend(tokens);
         asked += 1;
     }
     Ok(match asked {
-        0 => whole,
+        1 => whole,
         _ => text::taken_in(whole),
     })
 }
@@ -291,20 +288,14 @@ pub fn forget_places() {
 /// ");
 /// ```
 pub fn format_text(text: &str, stem: &str) -> Result<String, Vec<TextMistake>> {
-    format_used(text, "", stem)
-}
-
-/// The same of a text with those of the files that it uses behind it, which are not formatted.
-///
-/// # Errors
-/// The text has mistakes.
-pub fn format_used(text: &str, behind: &str, stem: &str) -> Result<String, Vec<TextMistake>> {
-    let described = |text: &str| describe_text(&format!("{text}{behind}"), stem);
-    let (declared, _) = described(text)?;
-    let formatted = format::formatted(text);
+    let own = in_used(text, &(0..0)).1;
+    let behind = &text[own.len()..];
+    let described = |own: &str| describe_text(&format!("{own}{behind}"), stem);
+    let (declared, _) = described(own)?;
+    let formatted = format::formatted(own);
     let same = described(&formatted).is_ok_and(|(again, _)| again == declared);
     // What the style has no rule for stays as it is.
-    Ok(if same { formatted } else { text.to_owned() })
+    Ok(if same { formatted } else { own.to_owned() })
 }
 
 fn in_text(mistakes: Vec<Mistake>) -> Vec<TextMistake> {

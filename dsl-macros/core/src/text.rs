@@ -4,11 +4,14 @@ use crate::diagnostics::{Mistake, closest};
 use crate::{expand, parse, words};
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use std::ops::Range;
+use std::path::Path;
 
 /// Most bytes of a text: some thousand lines.
 pub const LONGEST: u64 = 1 << 18;
 /// Most brackets inside each other.
 const DEEPEST: usize = 64;
+/// What stands between a text and that of a file which it uses, before the name of the file: the begin of a comment.
+const USED: &str = "\n// \u{c}use ";
 /// Most mistakes of the characters that are listed.
 const MOST: usize = 20;
 
@@ -183,84 +186,74 @@ fn take_in(whole: &mut Vec<TokenTree>) {
     }
 }
 
-/// A text, and behind it those of the files that it uses.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct WholeText {
-    /// All of them.
-    pub text: String,
-    /// The files, each with the byte at which its text begins.
-    files: Vec<(String, usize)>,
-}
-
-impl From<String> for WholeText {
-    /// A text that uses no files.
-    fn from(text: String) -> Self {
-        let files = Vec::new();
-        Self { text, files }
-    }
-}
-
-impl WholeText {
-    /// A text with those of the files that `use "leg.hang"` names in it, and so on; `read` reads one.
-    ///
-    /// # Errors
-    /// What `read` said of a file that it cannot read.
-    ///
-    /// ```
-    /// use hangtime_dsl::WholeText;
-    /// let leg = "part leg(m: kg) { coordinates { q: m } lagrangian += m/2*dot(q)^2 }";
-    /// let read = |name: &str| Ok(leg.replace("leg", name.trim_end_matches(".hang")));
-    /// let whole = WholeText::read("use \"leg.hang\" left: leg(1 [kg])".to_owned(), read)?;
-    /// assert!(hangtime_dsl::describe_text(&whole.text, "biped").is_ok());
-    /// assert_eq!(whole.at(&(38..41)), (Some("leg.hang"), leg, 5..8));
-    /// # Ok::<(), String>(())
-    /// ```
-    pub fn read(
-        text: String,
-        mut read: impl FnMut(&str) -> Result<String, String>,
-    ) -> Result<Self, String> {
-        let mut whole = Self::from(text);
-        let (mut begin, mut asked) = (0, 0);
-        loop {
-            let own = &whole.text[begin..];
+/// A text with those of the files that `use "leg.hang"` names in it behind it, and so on; `read` reads one, by its name as
+/// seen from where the text stands.
+///
+/// # Errors
+/// What `read` said of a file that it cannot read.
+///
+/// ```
+/// use hangtime_dsl::{in_used, with_used};
+/// let leg = "part leg(m: kg) { coordinates { q: m } lagrangian += m/2*dot(q)^2 }";
+/// let read = |name: &str| Ok(leg.replace("leg", name.trim_end_matches(".hang")));
+/// let whole = with_used("use \"leg.hang\" left: leg(1 [kg])", read)?;
+/// assert!(hangtime_dsl::describe_text(&whole, "biped").is_ok());
+/// let place = whole.find("leg(m").map_or(0..0, |at| at..at + 3);
+/// assert_eq!(in_used(&whole, &place), (Some("leg.hang"), leg, 5..8));
+/// # Ok::<(), String>(())
+/// ```
+pub fn with_used(
+    text: &str,
+    mut read: impl FnMut(&str) -> Result<String, String>,
+) -> Result<String, String> {
+    let mut whole = text.to_owned();
+    let (mut begin, mut names, mut asked) = (0, vec![String::new()], 0);
+    loop {
+        let own = &whole[begin..];
+        if own.contains("use") {
             let tokens = tokens(own, "scene").ok().and_then(parse::body);
-            for name in tokens.map(expand::files).unwrap_or_default() {
-                if !whole.files.iter().any(|(known, _)| *known == name) {
-                    whole.files.push((name, usize::MAX));
-                }
-            }
-            let Some((name, at)) = whole.files.get_mut(asked) else {
-                return Ok(whole);
-            };
-            whole.text.push('\n');
-            (begin, asked) = (whole.text.len(), asked + 1);
-            *at = begin;
-            whole.text += &read(name)?.replace("//!", "// ");
+            note_used(tokens.unwrap_or_default(), &mut names, asked);
+        }
+        asked += 1;
+        let Some(name) = names.get(asked) else {
+            return Ok(whole);
+        };
+        whole += &format!("{USED}{name}\n");
+        begin = whole.len();
+        whole += &read(name)?.replace("//!", "// ");
+    }
+}
+
+/// The files that these tokens of one of them use behind those that are known, each once and as seen from the first one.
+pub(crate) fn note_used(tokens: TokenStream, names: &mut Vec<String>, user: usize) {
+    for name in expand::files(tokens) {
+        let name = Path::new(&names[user]).with_file_name(name);
+        let name = name.to_string_lossy().into_owned();
+        if !names.contains(&name) {
+            names.push(name);
         }
     }
+}
 
-    /// The text of the scene itself.
-    #[must_use]
-    pub fn own(&self) -> &str {
-        &self.text[..self.files.first().map_or(self.text.len(), |(_, at)| at - 1)]
-    }
-
-    /// Where bytes stand: the file that is used and its text, or those of the scene itself, and the bytes in it.
-    #[must_use]
-    pub fn at(&self, place: &Range<usize>) -> (Option<&str>, &str, Range<usize>) {
-        let index = self.files.partition_point(|(_, at)| *at <= place.start);
-        let end = self
-            .files
-            .get(index)
-            .map_or(self.text.len(), |(_, at)| at - 1);
-        match index.checked_sub(1).map(|before| &self.files[before]) {
-            None => (None, self.own(), place.clone()),
-            Some((name, at)) => {
-                let within = place.start - at..place.end.saturating_sub(*at);
-                (Some(name.as_str()), &self.text[*at..end], within)
-            }
-        }
-    }
+/// Where bytes of a text of [`with_used`] stand: the file that is used and its text, or none and that of the scene itself, and the
+/// bytes in it.
+#[must_use]
+pub fn in_used<'a>(
+    text: &'a str,
+    place: &Range<usize>,
+) -> (Option<&'a str>, &'a str, Range<usize>) {
+    let before = text
+        .get(..place.start)
+        .and_then(|before| before.rfind(USED));
+    let name = before.map(|at| text[at + USED.len()..].lines().next().unwrap_or_default());
+    let begin = match (before, name) {
+        (Some(at), Some(name)) => at + USED.len() + name.len() + 1,
+        _ => 0,
+    };
+    let own = text.get(begin..).unwrap_or_default();
+    let own = own.find(USED).map_or(own, |end| &own[..end]);
+    let within = |at: usize| at.saturating_sub(begin);
+    (name, own, within(place.start)..within(place.end))
 }
 
 /// Whether tokens are a declaration with its name and its braces: `pub Name { ... }`. Names of scenes begin with a capital

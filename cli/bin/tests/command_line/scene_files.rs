@@ -248,3 +248,49 @@ fn fmt_writes_the_settled_style_or_says_what_is_not_in_it() {
         "coordinates { z: m } lagrangian"
     );
 }
+
+/// A row of masses, of which a file in another folder has the springs, and that one the walls from beside it.
+const ROW: &str = "use \"parts/spring.hang\" count n = 3 coordinates { x[n]: m }
+    lagrangian += sum(k in 1..=n: 1 [kg]/2*dot(x[k])^2) s[k in 1..n]: spring(x[k], x[k + 1])
+    start { x[k in 1..=n]: 1 [m]*k^2 } horizon 1 [s]";
+
+#[test]
+fn counts_are_settings_and_used_files_are_found_from_where_they_are_named() {
+    let scratch = Scratch::new("counted-scene");
+    let file = scratch.write("row.hang", ROW);
+    std::fs::create_dir_all(scratch.0.join("parts")).unwrap();
+    let spring = "use \"wall.hang\"\npart spring(a, b) {\n    lagrangian += -1 [N/m]/2*(a - b)^2 w: wall(a) }";
+    scratch.write("parts/spring.hang", spring);
+    let wall = "part wall(a) { surface w: a >= 0 impact w: restitution 1 }";
+    scratch.write("parts/wall.hang", wall);
+    // Equal masses on equal springs keep the place of their centre: of 1, 4 and of 1, 4, 9, 16.
+    for (n, centre) in [(2, 2.5), (4, 7.5)] {
+        let result = json(&format!("simulate {file} --set n={n} --json"));
+        let places = result["final"]["q"].as_array().unwrap();
+        assert_eq!(places.len(), n);
+        let sum: f64 = places.iter().map(|place| place.as_f64().unwrap()).sum();
+        assert!((sum / n as f64 - centre).abs() < 1e-9, "{sum}");
+    }
+    let refusal = refused(&format!("simulate {file} --set n=2.5"));
+    assert!(
+        refusal.contains("count `n` is a whole number, as in n=3"),
+        "{refusal}"
+    );
+    let table = format!("{}/t.csv", scratch.text());
+    solved(&format!(
+        "sweep {file} --over n=2,3 --record final.x[2] --out {table}"
+    ));
+    let table = scratch.read("t.csv");
+    assert_eq!(
+        table.lines().filter(|line| line.contains("solved")).count(),
+        2,
+        "{table}"
+    );
+    // A mistake is told in its file, for every number.
+    scratch.write("parts/wall.hang", wall.replace(">= 0", ">= 0 [s]"));
+    for line in ["check", "simulate --set n=2", "simulate --set n=4"] {
+        let said = hangtime(&format!("{line} {file}"));
+        assert_eq!(said.status, Some(2));
+        assert!(said.err.contains("parts/wall.hang:1:24"), "{}", said.err);
+    }
+}

@@ -6,17 +6,17 @@ mod index;
 mod names;
 mod part;
 mod repeat;
+mod tokens;
 
 pub(crate) use names::decoded;
 pub(crate) use part::{counts, files, is_declaration};
 
 use crate::diagnostics::{Checked, Diagnostics};
-use crate::words;
-use index::is_punct;
 use names::{Names, Scope};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
-use repeat::{DEEPEST, Repeat, grouped, inside, joined};
+use repeat::{DEEPEST, Repeat};
 use std::rc::Rc;
+use tokens::{group_in, grouped, inside, is_punct, joined, word};
 
 /// Statements of a scene without repetition and parts.
 ///
@@ -28,7 +28,7 @@ pub(crate) fn expanded(stream: TokenStream, diagnostics: &mut Diagnostics) -> Ch
         return Ok(stream);
     }
     let (mut names, mut parts) = (Names::default(), part::Parts::default());
-    for statement in statements(&tokens) {
+    for statement in part::statements(&tokens) {
         parts.note(statement, diagnostics);
     }
     let (mut repeat, scope) = (Repeat::new(diagnostics), Rc::new(Scope::default()));
@@ -65,69 +65,37 @@ fn is_used(tokens: &[TokenTree], depth: usize) -> bool {
             _ => false,
         };
         // `theta[3]: rad` declares three.
-        let bracket = matches!(rest.get(1), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Bracket);
+        let bracket = group_in(rest.get(1), Delimiter::Bracket).is_some();
         here || bracket && named && is_punct(rest.get(2), ':')
     })
 }
 
-/// Whether a statement begins at the first of these tokens.
-fn begins(tokens: &[TokenTree], before: Option<&TokenTree>) -> bool {
-    let Some(TokenTree::Ident(word)) = tokens.first() else {
-        return false;
-    };
-    let word = word.to_string();
-    let called = matches!(tokens.get(1), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis);
-    let is_value = called && (word == words::START || word == words::AT);
-    !is_punct(before, '.')
-        && (words::STATEMENTS.contains(&word.as_str()) && !is_value || part::begins(tokens, before))
-}
-
-/// The statements that tokens hold, each with its documentation.
-fn statements(tokens: &[TokenTree]) -> Vec<&[TokenTree]> {
-    let mut found = Vec::new();
-    let (mut begin, mut documented) = (0, false);
-    for at in 0..tokens.len() {
-        let before = at.checked_sub(1).and_then(|before| tokens.get(before));
-        let documents = is_punct(tokens.get(at), '#') && !is_punct(before, '#');
-        if documents && !documented || !documented && begins(&tokens[at..], before) {
-            found.push(&tokens[begin..at]);
-            begin = at;
-        }
-        documented = documents || documented && !begins(&tokens[at..], before);
-    }
-    found.push(&tokens[begin..]);
-    found.retain(|statement| !statement.is_empty());
-    found
-}
-
 /// All `lagrangian += ..`, and `dissipation += ..`, as one statement each, in the place of the last.
 fn in_one(mut statements: Vec<Vec<TokenTree>>) -> Vec<Vec<TokenTree>> {
-    for word in ["lagrangian", "dissipation"] {
-        let is_one = |statement: &Vec<TokenTree>| matches!(statement.first(), Some(TokenTree::Ident(first)) if first == word);
-        let adds = |statement: &Vec<TokenTree>| {
-            is_one(statement) && is_punct(statement.get(1), '+') && is_punct(statement.get(2), '=')
-        };
+    for name in ["lagrangian", "dissipation"] {
+        let is_one = |statement: &Vec<TokenTree>| matches!(statement.first(), Some(TokenTree::Ident(first)) if first == name);
+        let adds =
+            |statement: &Vec<TokenTree>| is_one(statement) && is_punct(statement.get(1), '+');
         let Some(last) = statements.iter().rposition(adds) else {
             continue;
         };
         let span = statements[last][0].span();
-        let terms: Vec<Vec<TokenTree>> = statements
-            .iter_mut()
-            .filter(|statement| is_one(statement))
+        let among = |marks: [char; 2]| {
+            move |token: &&TokenTree| marks.iter().any(|&mark| is_punct(Some(token), mark))
+        };
+        let of_it = statements.iter_mut().filter(|statement| is_one(statement));
+        let terms: Vec<Vec<TokenTree>> = of_it
             .map(|statement| {
-                let signs =
-                    |token: &&TokenTree| is_punct(Some(token), '+') || is_punct(Some(token), '=');
-                let ends =
-                    |token: &&TokenTree| is_punct(Some(token), ';') || is_punct(Some(token), ',');
-                let begin = 1 + statement[1..].iter().take_while(signs).count();
-                let end = statement.len() - statement.iter().rev().take_while(ends).count();
+                let begin = 1 + statement[1..].iter().take_while(among(['+', '='])).count();
+                let ends = statement.iter().rev().take_while(among([';', ','])).count();
+                let end = statement.len() - ends;
                 let term = statement[begin.min(end)..end].to_vec();
                 statement.clear();
                 let span = term.first().map_or(span, TokenTree::span);
                 vec![grouped(Delimiter::None, term, span)]
             })
             .collect();
-        statements[last].push(repeat::word(word, span));
+        statements[last].push(word(name, span));
         statements[last].extend(joined(terms.into_iter(), '+', span));
     }
     statements

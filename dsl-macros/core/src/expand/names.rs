@@ -1,7 +1,8 @@
 //! Names of members and of parts: `theta[3]` and `left.knee` become one name each, if they are declared.
 
-use super::index::{self, Fault, is_punct};
-use super::repeat::{DECLARING, DEEPEST, around, inside, unit_end};
+use super::index::{self, Fault};
+use super::repeat::{DECLARING, DEEPEST, unit_end};
+use super::tokens::{around, group_in, inside, is_punct, items, keyword, undocumented};
 use crate::diagnostics::{Diagnostics, Place, closest};
 use crate::words;
 use proc_macro2::{Delimiter, Group, Ident, TokenTree};
@@ -77,11 +78,11 @@ impl Names {
         self.known.insert(member(name, indices));
     }
 
-    pub(super) fn declare_part(&mut self, name: &str, indices: &[i64]) -> String {
+    /// The whole name of a part in use; none if another one has it.
+    pub(super) fn declare_part(&mut self, name: &str, indices: &[i64]) -> Option<String> {
         self.declare(name, indices);
         let whole = member(name, indices);
-        self.parts.insert(whole.clone());
-        whole
+        self.parts.insert(whole.clone()).then_some(whole)
     }
 
     fn has(&self, name: &str) -> bool {
@@ -90,18 +91,10 @@ impl Names {
 
     /// Declares what a statement declares.
     pub(super) fn declare_all(&mut self, statement: &[TokenTree], scope: &Scope) {
-        let mut tokens = undocumented(statement);
-        let Some((TokenTree::Ident(keyword), rest)) = tokens.split_first() else {
-            return;
-        };
-        let keyword = keyword.to_string();
-        tokens = rest;
-        let block = match tokens.first() {
-            Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Brace => inside(group),
-            _ => Vec::new(),
-        };
-        let entries = || index::items(&block).map(undocumented);
-        match keyword.as_str() {
+        let tokens = undocumented(statement).get(1..).unwrap_or_default();
+        let block = group_in(tokens.first(), Delimiter::Brace).map_or_else(Vec::new, inside);
+        let entries = || items(&block).map(undocumented);
+        match keyword(statement).as_str() {
             "picture" => entries().for_each(|entry| self.head(entry.get(1..), scope)),
             block if DECLARING.contains(&block) => {
                 entries().for_each(|entry| self.head(Some(entry), scope));
@@ -133,10 +126,7 @@ impl Names {
         scope: &Scope,
         diagnostics: &mut Diagnostics,
     ) -> Vec<TokenTree> {
-        let keyword = match undocumented(tokens).first() {
-            Some(TokenTree::Ident(word)) => word.to_string(),
-            _ => String::new(),
-        };
+        let keyword = keyword(tokens);
         let mut found = Resolver {
             names: self,
             scope,
@@ -150,28 +140,20 @@ impl Names {
     }
 }
 
-/// Tokens without their documentation.
-pub(super) fn undocumented(mut tokens: &[TokenTree]) -> &[TokenTree] {
-    while is_punct(tokens.first(), '#') {
-        tokens = tokens.get(2..).unwrap_or_default();
-    }
-    tokens
-}
-
 /// The whole numbers in brackets.
 pub(super) fn indices(token: &TokenTree) -> Option<Vec<i64>> {
-    let group = bracket(Some(token))?;
-    let inner = inside(group);
-    let place = Place::at(group.span());
-    let indices = index::items(&inner).map(|item| index::whole(item, place, &Vec::new()).ok());
-    indices.collect()
+    numbers(bracket(Some(token))?).ok()
+}
+
+fn numbers(group: &Group) -> Result<Vec<i64>, Fault> {
+    let (inner, place) = (inside(group), Place::at(group.span_open()));
+    items(&inner)
+        .map(|item| index::whole(item, place, &Vec::new()))
+        .collect()
 }
 
 fn bracket(token: Option<&TokenTree>) -> Option<&Group> {
-    match token {
-        Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Bracket => Some(group),
-        _ => None,
-    }
+    group_in(token, Delimiter::Bracket)
 }
 
 struct Resolver<'a> {
@@ -293,25 +275,16 @@ impl Resolver<'_> {
         (token, place): (Option<&TokenTree>, Place),
     ) -> Option<Vec<i64>> {
         let first = members.first()?;
-        let (fault, missing) = match bracket(token) {
-            None => (None, true),
-            Some(group) => {
-                let inner = inside(group);
-                let place = Place::at(group.span_open());
-                let indices: Result<Vec<i64>, Fault> = index::items(&inner)
-                    .map(|item| index::whole(item, place, &Vec::new()))
-                    .collect();
-                match indices {
-                    Ok(indices) if members.contains(&indices) => return Some(indices),
-                    Ok(indices) if indices.len() == first.len() => {
-                        (Some(outside(name, &indices, members)), false)
-                    }
-                    Ok(_) => (None, false),
-                    Err(Fault { place, message }) => {
-                        self.diagnostics.report("E26", place, message);
-                        return None;
-                    }
-                }
+        let indices = bracket(token).map(numbers).transpose();
+        let fault = match indices {
+            Ok(Some(indices)) if members.contains(&indices) => return Some(indices),
+            Ok(Some(indices)) if indices.len() == first.len() => {
+                Some(outside(name, &indices, members))
+            }
+            Ok(_) => None,
+            Err(Fault { place, message }) => {
+                self.diagnostics.report("E26", place, message);
+                return None;
             }
         };
         let many = match first.len() {
@@ -322,9 +295,9 @@ impl Resolver<'_> {
             let example = member(name, first).replace("][", ", ");
             format!("`{name}` has {many}; write one of them, as in `{example}`")
         });
-        let place = match missing {
-            true => Place::at(place.start),
-            false => place,
+        let place = match bracket(token) {
+            None => Place::at(place.start),
+            Some(_) => place,
         };
         self.diagnostics.report("E26", place, message);
         None

@@ -1,9 +1,11 @@
 //! Counts, and parts: statements that are declared once and used under names.
 
-use super::index::{self, Known, is_punct};
-use super::names::{self, Names, Scope, encoded, undocumented};
-use super::repeat::{Repeat, grouped, inside, punct, word};
-use super::statements;
+use super::index::{self, Known};
+use super::names::{self, Names, Scope, encoded};
+use super::repeat::Repeat;
+use super::tokens::{
+    group_in, grouped, inside, is_punct, items, keyword, place_of, punct, undocumented, word,
+};
 use crate::diagnostics::{Diagnostics, Place, closest};
 use crate::words;
 use proc_macro2::{Delimiter, Group, Ident, TokenStream, TokenTree};
@@ -17,10 +19,6 @@ const DEEPEST: usize = 16;
 /// A statement, and where its names are looked for.
 pub(super) type Placed = (Vec<TokenTree>, Rc<Scope>);
 
-fn is_parenthesis(token: &TokenTree) -> bool {
-    matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Parenthesis)
-}
-
 /// Whether `count n =`, `part leg(` or `use "leg.hang"` is there.
 pub(crate) fn is_declaration(tokens: &[TokenTree]) -> bool {
     match tokens {
@@ -28,7 +26,8 @@ pub(crate) fn is_declaration(tokens: &[TokenTree]) -> bool {
             file.to_string().starts_with('"')
         }
         [TokenTree::Ident(word), TokenTree::Ident(_), next, ..] => {
-            *word == "count" && is_punct(Some(next), '=') || *word == "part" && is_parenthesis(next)
+            *word == "count" && is_punct(Some(next), '=')
+                || *word == "part" && group_in(Some(next), Delimiter::Parenthesis).is_some()
         }
         _ => false,
     }
@@ -44,14 +43,37 @@ pub(super) fn begins(tokens: &[TokenTree], before: Option<&TokenTree>) -> bool {
         Some(TokenTree::Punct(mark)) => mark.as_char() != ';',
         _ => false,
     };
-    let indexed = matches!(tokens.get(1), Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Bracket);
-    let used = match tokens.get(1 + usize::from(indexed)..) {
-        Some([colon, TokenTree::Ident(_), arguments, ..]) => {
-            is_punct(Some(colon), ':') && is_parenthesis(arguments)
-        }
-        _ => false,
+    !named && (is_declaration(tokens) || a_use(tokens).is_some())
+}
+
+/// Whether a statement begins at the first of these tokens.
+fn begins_any(tokens: &[TokenTree], before: Option<&TokenTree>) -> bool {
+    let Some(TokenTree::Ident(word)) = tokens.first() else {
+        return false;
     };
-    !named && (is_declaration(tokens) || used && matches!(tokens[0], TokenTree::Ident(_)))
+    let word = word.to_string();
+    let called = group_in(tokens.get(1), Delimiter::Parenthesis).is_some();
+    let is_value = called && (word == words::START || word == words::AT);
+    !is_punct(before, '.')
+        && (words::STATEMENTS.contains(&word.as_str()) && !is_value || begins(tokens, before))
+}
+
+/// The statements that tokens hold, each with its documentation.
+pub(super) fn statements(tokens: &[TokenTree]) -> Vec<&[TokenTree]> {
+    let mut found = Vec::new();
+    let (mut begin, mut documented) = (0, false);
+    for at in 0..tokens.len() {
+        let before = at.checked_sub(1).and_then(|before| tokens.get(before));
+        let documents = is_punct(tokens.get(at), '#') && !is_punct(before, '#');
+        if documents && !documented || !documented && begins_any(&tokens[at..], before) {
+            found.push(&tokens[begin..at]);
+            begin = at;
+        }
+        documented = documents || documented && !begins_any(&tokens[at..], before);
+    }
+    found.push(&tokens[begin..]);
+    found.retain(|statement| !statement.is_empty());
+    found
 }
 
 struct Part {
@@ -63,32 +85,48 @@ struct Part {
 /// A part in use: `left: leg(hip, a)`.
 struct Use<'a> {
     name: &'a Ident,
-    indices: Vec<i64>,
+    indices: Option<&'a TokenTree>,
     part: &'a Ident,
     arguments: &'a Group,
 }
 
 fn a_use(tokens: &[TokenTree]) -> Option<Use<'_>> {
-    let [TokenTree::Ident(name), rest @ ..] = undocumented(tokens) else {
+    let [TokenTree::Ident(name), rest @ ..] = tokens else {
         return None;
     };
-    let indices = rest.first().and_then(names::indices);
-    match &rest[usize::from(indices.is_some())..] {
-        [
-            colon,
-            TokenTree::Ident(part),
-            TokenTree::Group(arguments),
-            ..,
-        ] if is_punct(Some(colon), ':') && arguments.delimiter() == Delimiter::Parenthesis => {
-            Some(Use {
-                name,
-                indices: indices.unwrap_or_default(),
-                part,
-                arguments,
-            })
-        }
+    let indexed = group_in(rest.first(), Delimiter::Bracket).is_some();
+    let (indices, rest) = rest.split_at(usize::from(indexed));
+    match rest {
+        [colon, TokenTree::Ident(part), arguments, ..] if is_punct(Some(colon), ':') => Some(Use {
+            name,
+            indices: indices.first(),
+            part,
+            arguments: group_in(Some(arguments), Delimiter::Parenthesis)?,
+        }),
         _ => None,
     }
+}
+
+fn ends(token: &TokenTree) -> bool {
+    is_punct(Some(token), ',') || is_punct(Some(token), ';')
+}
+
+/// What stands behind a declaration or the use of a part, which is read as a statement and so refused.
+fn behind(statement: &[TokenTree]) -> &[TokenTree] {
+    let statement = undocumented(statement);
+    let length = match keyword(statement).as_str() {
+        _ if !is_declaration(statement) => {
+            let is_last = |token| group_in(Some(token), Delimiter::Parenthesis).is_some();
+            statement.iter().position(is_last).map(|last| last + 1)
+        }
+        "use" => Some(2),
+        "part" => Some(4),
+        _ => statement.iter().position(ends),
+    };
+    let rest = length
+        .and_then(|length| statement.get(length..))
+        .unwrap_or_default();
+    &rest[rest.iter().take_while(|token| ends(token)).count()..]
 }
 
 /// Whether an argument names something: `hip`, `left.p[2]`.
@@ -104,21 +142,17 @@ fn is_name(tokens: &[TokenTree]) -> bool {
 
 /// The statements `let` of `let p[k in 1..=n] = .., p[0] = ..`, those without running indices first.
 fn lets(statement: &[TokenTree]) -> Vec<Vec<TokenTree>> {
-    let pieces: Vec<&[TokenTree]> = index::items(statement).collect();
-    let is_let = matches!(statement.first(), Some(TokenTree::Ident(word)) if word == "let");
+    let pieces: Vec<&[TokenTree]> = items(statement).collect();
+    let is_let = keyword(statement) == "let";
     let is_value = |piece: &&[TokenTree]| matches!(piece, [TokenTree::Ident(_), TokenTree::Group(_), sign, ..] if is_punct(Some(sign), '='));
     if !is_let || pieces.len() < 2 || !pieces[1..].iter().all(is_value) {
         return vec![statement.to_vec()];
     }
-    let values = pieces[1..].iter().chain(&pieces[..1]);
-    let keyword = &statement[0];
-    let whole = values
-        .enumerate()
-        .map(|(at, piece)| match at + 1 < pieces.len() {
-            true => [std::slice::from_ref(keyword), piece].concat(),
-            false => piece.to_vec(),
-        });
-    whole.collect()
+    let values = pieces[1..].iter().map(|piece| {
+        let keyword = word("let", piece[0].span());
+        [&[keyword], *piece].concat()
+    });
+    values.chain([pieces[0].to_vec()]).collect()
 }
 
 #[derive(Default)]
@@ -151,15 +185,20 @@ impl Parts {
             return;
         }
         if *word == "count" {
-            let rest = index::items(rest).next().unwrap_or_default();
-            let end = rest.iter().position(|token| is_punct(Some(token), ';'));
-            match index::whole(&rest[..end.unwrap_or(rest.len())], place, &self.counts) {
-                Ok(value) => self.counts.push((text, value)),
-                Err(fault) => {
-                    diagnostics.report("E26", fault.place, fault.message);
-                    self.counts.push((text, 1));
-                }
-            }
+            let end = rest.iter().position(ends).unwrap_or(rest.len());
+            let value = index::whole(&rest[..end], place, &self.counts);
+            let value = value.and_then(|value| match value < 0 {
+                true => index::fault(
+                    place,
+                    format!("count `{text}` is {value}, where 0 is the least"),
+                ),
+                false => Ok(value),
+            });
+            let value = value.unwrap_or_else(|fault| {
+                diagnostics.report("E26", fault.place, fault.message);
+                1
+            });
+            self.counts.push((text, value));
             return;
         }
         let (TokenTree::Group(arguments), Some(TokenTree::Group(body))) = (next, rest.first())
@@ -174,7 +213,7 @@ impl Parts {
             arguments: Vec::new(),
             body: inside(body),
         };
-        for argument in index::items(&inside(arguments)) {
+        for argument in items(&inside(arguments)) {
             match argument {
                 [TokenTree::Ident(name), unit @ ..]
                     if unit.is_empty() || is_punct(unit.first(), ':') =>
@@ -183,7 +222,7 @@ impl Parts {
                 }
                 _ => {
                     let message = "an argument of a part is a name, with a unit if it has one, as in `part leg(hip, a: m)`";
-                    diagnostics.report("E27", index::place_of(argument, place), message);
+                    diagnostics.report("E27", place_of(argument, place), message);
                 }
             }
         }
@@ -201,13 +240,15 @@ impl Parts {
         let mut found = Vec::new();
         for statement in statements(tokens).into_iter().flat_map(lets) {
             if is_declaration(undocumented(&statement)) {
+                found.push((behind(&statement).to_vec(), Rc::clone(scope)));
                 continue;
             }
             for (tokens, known) in repeat.each(&statement, known) {
                 let written = repeat.statement(&tokens, &known);
-                match a_use(&written) {
+                match a_use(undocumented(&written)) {
                     Some(used) => {
                         found.extend(self.used(&used, (&known, scope), names, repeat));
+                        found.push((behind(&written).to_vec(), Rc::clone(scope)));
                     }
                     None => found.push((written, Rc::clone(scope))),
                 }
@@ -240,7 +281,7 @@ impl Parts {
             }
             Some(part) => {
                 let own = inside(used.arguments);
-                let own: Vec<&[TokenTree]> = index::items(&own).collect();
+                let own: Vec<&[TokenTree]> = items(&own).collect();
                 if own.len() == part.arguments.len() {
                     repeat.parts += 1;
                     let found = self.placed((used, part), &own, (known, scope), names, repeat);
@@ -271,7 +312,16 @@ impl Parts {
         repeat: &mut Repeat<'_>,
     ) -> Vec<Placed> {
         let name = format!("{}{}", scope.prefix, names::decoded(used.name.to_string()));
-        let name = names.declare_part(&name, &used.indices);
+        let indices = used.indices.and_then(names::indices).unwrap_or_default();
+        let Some(name) = names.declare_part(&name, &indices) else {
+            let message = format!(
+                "`{}` is declared twice; rename this use of a part",
+                used.name
+            );
+            let place = Place::at(used.name.span());
+            repeat.diagnostics.report("E19", place, message);
+            return Vec::new();
+        };
         let mut inner = Scope {
             prefix: format!("{name}."),
             ..Scope::default()

@@ -1,8 +1,12 @@
 //! Repetition: what indices run over is written once for each of their members, with numbers in the place of indices.
 
-use super::index::{self, Fault, Known, Member, is_punct};
+use super::index::{self, Fault, Known, Member};
+use super::tokens::{
+    around, group_in, grouped, inside, is_punct, items, joined, keyword, number, place_of, punct,
+    undocumented,
+};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
-use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
+use proc_macro2::{Delimiter, Group, Span, TokenStream, TokenTree};
 
 /// Deepest groups that are looked into; deeper ones are refused where they are read.
 pub(super) const DEEPEST: usize = 200;
@@ -13,65 +17,10 @@ const LONGEST: usize = 1 << 22;
 pub(super) const DECLARING: [&str; 5] =
     ["parameters", "coordinates", "controls", "states", "outputs"];
 
-pub(super) fn inside(group: &Group) -> Vec<TokenTree> {
-    group.stream().into_iter().collect()
-}
-
-/// A group like another one, around other tokens.
-pub(super) fn around(group: &Group, tokens: Vec<TokenTree>) -> TokenTree {
-    grouped(group.delimiter(), tokens, group.span())
-}
-
-pub(super) fn grouped(delimiter: Delimiter, tokens: Vec<TokenTree>, span: Span) -> TokenTree {
-    let mut group = Group::new(delimiter, TokenStream::from_iter(tokens));
-    group.set_span(span);
-    group.into()
-}
-
-pub(super) fn punct(mark: char, span: Span) -> TokenTree {
-    let mut punct = Punct::new(mark, Spacing::Alone);
-    punct.set_span(span);
-    punct.into()
-}
-
-pub(super) fn word(text: &str, span: Span) -> TokenTree {
-    Ident::new(text, span).into()
-}
-
-/// A whole number; a negative one in parentheses.
-fn number(value: i64, span: Span) -> TokenTree {
-    let mut literal = Literal::u64_unsuffixed(value.unsigned_abs());
-    literal.set_span(span);
-    match value < 0 {
-        true => grouped(
-            Delimiter::Parenthesis,
-            vec![punct('-', span), literal.into()],
-            span,
-        ),
-        false => literal.into(),
-    }
-}
-
 /// Indices between commas.
 fn listed(indices: &[i64], span: Span) -> Vec<TokenTree> {
     let numbers = indices.iter().map(|&index| number(index, span));
     joined(numbers.map(|number| vec![number]), ',', span)
-}
-
-/// Lists of tokens with a mark between them.
-pub(super) fn joined(
-    items: impl Iterator<Item = Vec<TokenTree>>,
-    mark: char,
-    span: Span,
-) -> Vec<TokenTree> {
-    let mut tokens = Vec::new();
-    for item in items {
-        if !tokens.is_empty() {
-            tokens.push(punct(mark, span));
-        }
-        tokens.extend(item);
-    }
-    tokens
 }
 
 /// Where a unit behind a colon ends.
@@ -90,43 +39,39 @@ pub(super) fn comprehension(tokens: &[TokenTree]) -> Option<usize> {
     index::is_repetition(&tokens[..colon]).then_some(colon)
 }
 
-/// The indices in brackets that repeat the statement or entry in which they stand.
-fn first_repetition(tokens: &[TokenTree], depth: usize) -> Option<Group> {
-    tokens.iter().find_map(|token| {
+/// The indices in brackets that repeat the statement or entry in which they stand, and the way to them: a place a group.
+fn first_repetition(tokens: &[TokenTree]) -> Option<(Group, Vec<usize>)> {
+    let within = |(at, token): (usize, &TokenTree)| {
         let TokenTree::Group(group) = token else {
             return None;
         };
-        if group.delimiter() == Delimiter::Brace || depth > DEEPEST {
-            return None;
-        }
         let inner = inside(group);
         match group.delimiter() {
-            Delimiter::Bracket if index::is_repetition(&inner) => Some(group.clone()),
+            Delimiter::Brace => None,
+            Delimiter::Bracket if index::is_repetition(&inner) => Some((group.clone(), vec![at])),
             _ if comprehension(&inner).is_some() => None,
-            _ => first_repetition(&inner, depth + 1),
+            _ => first_repetition(&inner).map(|(found, mut way)| {
+                way.insert(0, at);
+                (found, way)
+            }),
         }
-    })
+    };
+    tokens.iter().enumerate().find_map(within)
 }
 
-/// The same tokens with indices in the place of the first that run.
-fn bound(tokens: &[TokenTree], indices: &mut Option<&[i64]>, depth: usize) -> Vec<TokenTree> {
-    let replaced = tokens.iter().map(|token| match token {
-        TokenTree::Group(group)
-            if indices.is_some() && group.delimiter() != Delimiter::Brace && depth <= DEEPEST =>
-        {
-            let inner = inside(group);
-            if group.delimiter() == Delimiter::Bracket && index::is_repetition(&inner) {
-                let span = group.span();
-                return around(group, listed(indices.take().unwrap_or_default(), span));
-            }
-            match comprehension(&inner) {
-                Some(_) => token.clone(),
-                None => around(group, bound(&inner, indices, depth + 1)),
-            }
-        }
-        other => other.clone(),
-    });
-    replaced.collect()
+/// The same tokens with numbers in the place of the indices to which a way leads.
+fn bound(tokens: &[TokenTree], way: &[usize], indices: &[i64]) -> Vec<TokenTree> {
+    let mut tokens = tokens.to_vec();
+    if let [at, way @ ..] = way
+        && let TokenTree::Group(group) = &tokens[*at]
+    {
+        let inner = match way {
+            [] => listed(indices, group.span()),
+            _ => bound(&inside(group), way, indices),
+        };
+        tokens[*at] = around(group, inner);
+    }
+    tokens
 }
 
 pub(super) struct Repeat<'a> {
@@ -181,14 +126,14 @@ impl<'a> Repeat<'a> {
         tokens: &[TokenTree],
         known: &Known,
     ) -> Vec<(Vec<TokenTree>, Known)> {
-        let Some(group) = first_repetition(tokens, 0) else {
+        let Some((group, way)) = first_repetition(tokens) else {
             return vec![(tokens.to_vec(), known.clone())];
         };
         let mut found = Vec::new();
         for member in self.members(&inside(&group), Place::at(group.span_open()), known) {
             self.written += tokens.len();
-            let indices = &mut Some(&member.indices[..]);
-            found.extend(self.each(&bound(tokens, indices, 0), &member.known));
+            let bound = bound(tokens, &way, &member.indices);
+            found.extend(self.each(&bound, &member.known));
         }
         found
     }
@@ -220,6 +165,18 @@ impl<'a> Repeat<'a> {
 
     /// `name: unit in range = value`, whose unit stays as it is.
     pub(super) fn declaration(&mut self, tokens: &[TokenTree], known: &Known) -> Vec<TokenTree> {
+        let name = undocumented(tokens).iter().find_map(|token| match token {
+            TokenTree::Ident(name) if *name != "let" && *name != "free" => Some(name),
+            _ => None,
+        });
+        if let Some(name) = name
+            && known.iter().any(|(known, _)| name == known)
+        {
+            let message = format!("`{name}` is an index or a count here; choose another name");
+            let place = Place::at(name.span());
+            self.diagnostics.report("E19", place, message);
+            return Vec::new();
+        }
         let colon = tokens.iter().position(|token| is_punct(Some(token), ':'));
         let colon = colon.unwrap_or(tokens.len());
         let (head, rest) = tokens.split_at(colon);
@@ -232,14 +189,10 @@ impl<'a> Repeat<'a> {
 
     /// A statement in which nothing more runs but in its blocks.
     pub(super) fn statement(&mut self, tokens: &[TokenTree], known: &Known) -> Vec<TokenTree> {
-        let keyword = tokens.iter().find_map(|token| match token {
-            TokenTree::Ident(word) => Some(word.to_string()),
-            _ => None,
-        });
-        match keyword.as_deref() {
-            Some("free" | "let") => self.declaration(tokens, known),
-            Some("profile") => tokens.to_vec(),
-            Some(block) if DECLARING.contains(&block) => {
+        match keyword(tokens).as_str() {
+            "free" | "let" => self.declaration(tokens, known),
+            "profile" => tokens.to_vec(),
+            block if DECLARING.contains(&block) => {
                 let written = tokens.iter().map(|token| match token {
                     TokenTree::Group(group) if group.delimiter() == Delimiter::Brace => {
                         around(group, self.entries(&inside(group), known, true))
@@ -288,7 +241,7 @@ impl<'a> Repeat<'a> {
         known: &Known,
         written: &mut Vec<TokenTree>,
     ) -> bool {
-        let is_brace = |token: &TokenTree| matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace);
+        let is_brace = |token: &TokenTree| group_in(Some(token), Delimiter::Brace).is_some();
         let rest = &tokens[*at..];
         let Some(open) = rest.iter().position(is_brace) else {
             return false;
@@ -329,7 +282,7 @@ impl<'a> Repeat<'a> {
         match group.delimiter() {
             Delimiter::Bracket if is_unit => written.push(group.clone().into()),
             Delimiter::Bracket => {
-                let indices: Result<Vec<i64>, Fault> = index::items(&inner)
+                let indices: Result<Vec<i64>, Fault> = items(&inner)
                     .map(|item| index::whole(item, Place::at(group.span_open()), known))
                     .collect();
                 let named = matches!(written.last(), Some(TokenTree::Ident(_)));
@@ -344,6 +297,13 @@ impl<'a> Repeat<'a> {
             }
             _ => match comprehension(&inner) {
                 Some(colon) => self.list(group, inner.split_at(colon), known, written),
+                None if index::is_repetition(&inner) => {
+                    let place = place_of(&inner, Place::at(group.span_open()));
+                    let message =
+                        "behind indices stands a colon, as in `sum(k in 1..=n: x[k])`".to_owned();
+                    self.refuse(Fault { place, message });
+                    written.push(number(0, group.span()));
+                }
                 None => {
                     let tokens = self.tokens(&inner, known);
                     written.push(around(group, tokens));
@@ -385,29 +345,23 @@ impl<'a> Repeat<'a> {
 /// An entry that declares `name[n]` with `name[_ in 1..=n]` in its place.
 fn counted(entry: &[TokenTree]) -> Vec<TokenTree> {
     let mut entry = entry.to_vec();
-    let named = entry
-        .iter()
-        .position(|token| matches!(token, TokenTree::Ident(_)));
-    let Some(at) = named.map(|named| named + 1) else {
-        return entry;
-    };
-    if let Some(TokenTree::Group(group)) = entry.get(at).cloned()
-        && group.delimiter() == Delimiter::Bracket
+    let is_name = |token: &TokenTree| matches!(token, TokenTree::Ident(_));
+    let at = entry.iter().position(is_name).map_or(0, |named| named + 1);
+    if let Some(group) = group_in(entry.get(at), Delimiter::Bracket)
         && is_punct(entry.get(at + 1), ':')
+        && let inner = inside(group)
+        && !index::is_repetition(&inner)
     {
-        let inner = inside(&group);
         let span = group.span();
-        if !index::is_repetition(&inner) {
-            let ranges = index::items(&inner).map(|count| {
-                let head: TokenStream = "_ in 1..=".parse().unwrap_or_default();
-                let head = head.into_iter().map(|mut token| {
-                    token.set_span(span);
-                    token
-                });
-                head.chain(count.iter().cloned()).collect()
+        let ranges = items(&inner).map(|count| {
+            let head: TokenStream = "_ in 1..=".parse().unwrap_or_default();
+            let head = head.into_iter().map(|mut token| {
+                token.set_span(span);
+                token
             });
-            entry[at] = around(&group, joined(ranges, ',', span));
-        }
+            head.chain(count.iter().cloned()).collect()
+        });
+        entry[at] = around(group, joined(ranges, ',', span));
     }
     entry
 }

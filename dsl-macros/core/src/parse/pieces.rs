@@ -118,7 +118,24 @@ pub(super) fn target(cursor: &mut Cursor) -> Checked<(Name, bool)> {
         return Err(cursor.said().syntax(cursor.place(), message));
     }
     if !velocity {
-        return Ok((name(cursor, "a coordinate")?, false));
+        let target = name(cursor, "a coordinate")?;
+        let own = &target.text;
+        let (code, message) = if cursor.at_symbol(".") {
+            (
+                "E27",
+                format!("`{own}` is no part in use; write `{own}: leg(..)` for that"),
+            )
+        } else if matches!(cursor.peek(), Some(TokenTree::Group(_))) {
+            (
+                "E26",
+                format!(
+                    "`{own}` is declared with no index; write `coordinates {{ {own}[n]: m }}` for that"
+                ),
+            )
+        } else {
+            return Ok((target, false));
+        };
+        return Err(cursor.said().report(code, cursor.place(), message));
     }
     cursor.advance();
     let group = cursor.eat_group(Delimiter::Parenthesis);

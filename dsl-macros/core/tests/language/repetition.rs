@@ -252,7 +252,7 @@ fn slips_of_indices_are_told_with_name_and_range() {
         ),
         (
             "forces { theta[<<n/2>>]: 1 [N m] }",
-            "E26: 3 / 2 is no whole number",
+            "E26: `3 / 2` is no whole number",
         ),
         (
             "forces { theta[<<k in 1>>]: 1 [N m] }",
@@ -273,6 +273,55 @@ fn slips_of_indices_are_told_with_name_and_range() {
         ),
     ] {
         assert_told(&chain(slip), wanted);
+    }
+}
+
+#[test]
+fn slips_in_the_writing_of_counts_and_indices_are_told() {
+    for (slip, wanted) in [
+        (
+            "let <<n>> = 4",
+            "E19: `n` is an index or a count here; choose another name",
+        ),
+        (
+            "parameters { <<n>>: m = 1 }",
+            "E19: `n` is an index or a count here; choose another name",
+        ),
+        (
+            "count <<k>> = 2 - n",
+            "E26: count `k` is -1, where 0 is the least",
+        ),
+        (
+            "count k = 4, <<l>> = 5",
+            "expected a statement such as `parameters` or `lagrangian`, found `=`",
+        ),
+        ("<<count>> k", "`count` is written as in `count n = 3`"),
+        (
+            "forces { theta[1]: sum(<<k in 1..=n, theta[k]>>)*1 [N m] }",
+            "E26: behind indices stands a colon, as in `sum(k in 1..=n: x[k])`",
+        ),
+        (
+            "forces { theta[<<k>>]: 1 [N m]*sum(k in 1..=n: theta[k]) }",
+            "E26: `k` is no index here and no count; write `count k = 3`, or let it run as in `k in 1..=3`",
+        ),
+        (
+            "forces { theta[<<1.5>>]: 1 [N m] }",
+            "E26: `1.5` is no whole number",
+        ),
+        (
+            "forces { theta[<<1..=n>>]: 1 [N m] }",
+            "E26: `1 ..= 3` has no meaning as an index; it is made of whole numbers, counts, `+`, `-`, `*`, `/`, `%`, and compared by \
+             `<`, `<=`, `==`, `!=`",
+        ),
+        (
+            "forces { y<<[>>1]: 1 [N m] }",
+            "E26: `y` is declared with no index; write `coordinates { y[n]: m }` for that",
+        ),
+    ] {
+        assert_told(
+            &CHAIN.replace("start {", &format!("{slip} start {{")),
+            wanted,
+        );
     }
 }
 
@@ -303,6 +352,19 @@ fn slips_of_parts_are_told_where_they_stand() {
         (
             "right: rod((0, 0), <<1 [m]>>, 0.5 [m])",
             "E03: units differ: `1 [m]` is in m, where kg is needed (`right.m` is declared so)",
+        ),
+        (
+            "<<left>>: rod((0, 0), 1 [kg], 0.5 [m])",
+            "E19: `left` is declared twice; rename this use of a part",
+        ),
+        (
+            "forces { right<<.>>q: 1 [N m] }",
+            "E27: `right` is no part in use; write `right: leg(..)` for that",
+        ),
+        ("<<use>> leg", "`use` is written as in `use \"leg.hang\"`"),
+        (
+            "<<part>> leg { }",
+            "`part` is written as in `part leg(a: m) { coordinates { q: rad } .. }`",
         ),
         (
             "part <<rod>>(a) { }",
@@ -350,6 +412,7 @@ fn settled_style_keeps_repetition_and_parts() {
     let wanted = "\
 //! Links.
 
+use \"leg.hang\"
 count n = 3 // links
 part link(hip, m: kg, n) {
     coordinates { q[n]: rad }
@@ -366,7 +429,7 @@ start { first.q[k in 1..=n]: 0.1*k }
     let loose = wanted
         .replace("+=", " +=  ")
         .replace("link(x, ", "link( x ,")
-        .replace("count n = 3", "count n=3");
+        .replace("\ncount n = 3", " count n=3");
     for text in [&loose, wanted] {
         assert_eq!(
             hangtime_dsl::format_text(text, "s").expect("no mistakes"),

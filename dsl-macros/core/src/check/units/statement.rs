@@ -4,6 +4,7 @@ use super::walk::{Units, Walk};
 use super::{angle, shown};
 use crate::ast::{
     Assignment, Condition, Expr, FreeStart, Kind, Law, Name, Quantity, Scene, Statement,
+    WrittenUnit,
 };
 use crate::check::law::velocities;
 use crate::check::measured::contains_misfit;
@@ -61,20 +62,7 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
             }
             Ok(())
         }
-        Statement::Let { name, unit, value } => {
-            let own = walk.units(value)?;
-            let Some(written) = unit else {
-                walk.values.insert(name.text.clone(), own);
-                return Ok(());
-            };
-            // As it is declared, so that its uses give no second message.
-            let wanted = Dimension::of(written.unit);
-            let declared = own.map(|_| wanted.clone());
-            walk.values.insert(name.text.clone(), declared);
-            let reason = format!("`{}` is declared so", name.text);
-            let mut components = own.components().iter();
-            components.try_for_each(|own| walk.expect(value, own, &wanted, &reason))
-        }
+        Statement::Let { name, unit, value } => abbreviation(walk, (name, unit.as_ref()), value),
         Statement::Function {
             name,
             arguments,
@@ -137,6 +125,25 @@ pub(super) fn statement(walk: &mut Walk<'_>, statement: &Statement) -> Checked<(
         Statement::Outputs(quantities) => shown::outputs(walk, quantities),
         Statement::Picture { shapes, .. } => shown::picture(walk, shapes),
     }
+}
+
+/// An abbreviation; one with a unit has it for its uses whatever its value has, so that these give no second message.
+fn abbreviation(
+    walk: &mut Walk<'_>,
+    (name, unit): (&Name, Option<&WrittenUnit>),
+    value: &Expr,
+) -> Checked<()> {
+    let own = walk.units(value)?;
+    let Some(written) = unit else {
+        walk.values.insert(name.text.clone(), own);
+        return Ok(());
+    };
+    let wanted = Dimension::of(written.unit);
+    let declared = own.map(|_| wanted.clone());
+    walk.values.insert(name.text.clone(), declared);
+    let reason = format!("`{}` is declared so", name.text);
+    let mut components = own.components().iter();
+    components.try_for_each(|own| walk.expect(value, own, &wanted, &reason))
 }
 
 /// Conditions at the end; each reports its own mistakes.

@@ -1,0 +1,103 @@
+//! Tokens as they are taken apart and put together.
+
+use crate::diagnostics::Place;
+use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
+
+pub(super) fn is_punct(token: Option<&TokenTree>, mark: char) -> bool {
+    matches!(token, Some(TokenTree::Punct(punct)) if punct.as_char() == mark)
+}
+
+/// The group that a token is, if it has these brackets.
+pub(super) fn group_in(token: Option<&TokenTree>, delimiter: Delimiter) -> Option<&Group> {
+    match token {
+        Some(TokenTree::Group(group)) if group.delimiter() == delimiter => Some(group),
+        _ => None,
+    }
+}
+
+pub(super) fn inside(group: &Group) -> Vec<TokenTree> {
+    group.stream().into_iter().collect()
+}
+
+/// Tokens between commas; a comma at the end ends nothing.
+pub(super) fn items(tokens: &[TokenTree]) -> impl Iterator<Item = &[TokenTree]> {
+    tokens
+        .split(|token| is_punct(Some(token), ','))
+        .filter(|item| !item.is_empty())
+}
+
+/// Tokens without their documentation.
+pub(super) fn undocumented(mut tokens: &[TokenTree]) -> &[TokenTree] {
+    while is_punct(tokens.first(), '#') {
+        tokens = tokens.get(2..).unwrap_or_default();
+    }
+    tokens
+}
+
+/// The first word of a statement.
+pub(super) fn keyword(statement: &[TokenTree]) -> String {
+    match undocumented(statement).first() {
+        Some(TokenTree::Ident(word)) => word.to_string(),
+        _ => String::new(),
+    }
+}
+
+/// The place of tokens, or that of what stands around them if there are none.
+pub(super) fn place_of(tokens: &[TokenTree], around: Place) -> Place {
+    match tokens {
+        [first, .., last] => Place::at(first.span()).to(Place::at(last.span())),
+        [only] => Place::at(only.span()),
+        [] => around,
+    }
+}
+
+/// A group like another one, around other tokens.
+pub(super) fn around(group: &Group, tokens: Vec<TokenTree>) -> TokenTree {
+    grouped(group.delimiter(), tokens, group.span())
+}
+
+pub(super) fn grouped(delimiter: Delimiter, tokens: Vec<TokenTree>, span: Span) -> TokenTree {
+    let mut group = Group::new(delimiter, TokenStream::from_iter(tokens));
+    group.set_span(span);
+    group.into()
+}
+
+pub(super) fn punct(mark: char, span: Span) -> TokenTree {
+    let mut punct = Punct::new(mark, Spacing::Alone);
+    punct.set_span(span);
+    punct.into()
+}
+
+pub(super) fn word(text: &str, span: Span) -> TokenTree {
+    Ident::new(text, span).into()
+}
+
+/// A whole number; a negative one in parentheses.
+pub(super) fn number(value: i64, span: Span) -> TokenTree {
+    let mut literal = Literal::u64_unsuffixed(value.unsigned_abs());
+    literal.set_span(span);
+    match value < 0 {
+        true => grouped(
+            Delimiter::Parenthesis,
+            vec![punct('-', span), literal.into()],
+            span,
+        ),
+        false => literal.into(),
+    }
+}
+
+/// Lists of tokens with a mark between them.
+pub(super) fn joined(
+    items: impl Iterator<Item = Vec<TokenTree>>,
+    mark: char,
+    span: Span,
+) -> Vec<TokenTree> {
+    let mut tokens = Vec::new();
+    for item in items {
+        if !tokens.is_empty() {
+            tokens.push(punct(mark, span));
+        }
+        tokens.extend(item);
+    }
+    tokens
+}
