@@ -291,6 +291,6 @@ fn counts_are_settings_and_used_files_are_found_from_where_they_are_named() {
     for line in ["check", "simulate --set n=2", "simulate --set n=4"] {
         let said = hangtime(&format!("{line} {file}"));
         assert_eq!(said.status, Some(2));
-        assert!(said.err.contains("parts/wall.hang:1:24"), "{}", said.err);
+        assert!(said.err.contains("parts/wall.hang:1:27"), "{}", said.err);
     }
 }
