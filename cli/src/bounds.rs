@@ -72,7 +72,7 @@ impl Bounds {
         }
     }
 
-    /// The same request for a solver, which looks for it within a step too.
+    /// The request to end for a solver, which looks for it within a step too.
     pub(crate) fn interrupt(&self) -> Interrupt {
         Interrupt::by(Arc::clone(&self.asked))
     }

@@ -21,7 +21,7 @@ pub(crate) fn regular_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The same of a file of text.
+/// Reads a regular file of text in UTF-8, of at most so many bytes.
 pub(crate) fn regular_text(path: &Path, most: u64) -> io::Result<String> {
     String::from_utf8(regular_bytes(path, most)?)
         .map_err(|_| io::Error::other("this is no text in UTF-8"))

@@ -77,13 +77,13 @@ impl CommandLine {
         }
     }
 
-    /// The same, which shows what methods make of these scenes by `chart --stability`.
+    /// This command line, which shows what methods make of these scenes by `chart --stability`.
     #[must_use]
     pub const fn with_hard(self, hard: &'static [HardScene]) -> Self {
         Self { hard, ..self }
     }
 
-    /// The same, which shows what optimal control makes of these problems by `chart --stability`.
+    /// This command line, which shows what optimal control makes of these problems by `chart --stability`.
     #[must_use]
     pub const fn with_hard_optima(self, hard_optima: &'static [HardOptimum]) -> Self {
         Self {
@@ -92,7 +92,7 @@ impl CommandLine {
         }
     }
 
-    /// The same, which writes this page by `play`.
+    /// This command line, which writes this page by `play`.
     #[must_use]
     pub const fn with_page(self, page: PlayPage) -> Self {
         Self {
@@ -101,7 +101,7 @@ impl CommandLine {
         }
     }
 
-    /// The same, whose charts show runs of other programs on its scenes beside its own: a table in CSV with the columns `date`,
+    /// This command line, whose charts show runs of other programs on its scenes beside its own: a table in CSV with the columns `date`,
     /// `machine`, `study` (the title of a chart's section), `curve`, `settings`, `CPU time [s]` and
     /// `coordinates at the end` (apart by spaces). A file `peers.csv` in the output directory goes before it.
     #[must_use]
@@ -109,13 +109,13 @@ impl CommandLine {
         Self { peers, ..self }
     }
 
-    /// The same, whose charts of all scenes show how good the optima of these scenes are as well.
+    /// This command line, whose charts of all scenes show how good the optima of these scenes are as well.
     #[must_use]
     pub const fn with_controlled(self, controlled: &'static [ControlScene]) -> Self {
         Self { controlled, ..self }
     }
 
-    /// The same, whose page of published results opens with this ride, beside a published motion.
+    /// This command line, whose page of published results opens with this ride, beside a published motion.
     #[must_use]
     pub const fn opening_with(self, ride: OpeningRide) -> Self {
         Self {

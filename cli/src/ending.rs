@@ -91,7 +91,7 @@ impl Ending {
         Self { status, diagnosis }
     }
 
-    /// The same, or what `stop` says, if that asked it to end.
+    /// This ending, or what `stop` says, if that asked the run to end.
     fn or(self, stop: Option<Stop>, limits: &LimitArguments) -> Self {
         match stop {
             Some(stop) => Self::new(stop.name(), Some(stop.diagnosis(limits))),

@@ -410,7 +410,7 @@ impl Run {
         self.files_with(&self.json())
     }
 
-    /// The same with a document that is known.
+    /// The files of the run by name, with its JSON document, which is known.
     pub(crate) fn files_with(&self, json: &str) -> Vec<(String, String)> {
         let (chosen, stem) = (self.chosen(), &self.stem);
         let Some(simulation) = self.motion() else {

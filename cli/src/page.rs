@@ -24,7 +24,7 @@ pub(crate) struct Page {
 /// One section of a page.
 #[derive(Default)]
 pub(crate) struct Section {
-    /// Heading; none where the title of the page says it.
+    /// Heading; empty where the title of the page says it.
     pub(crate) heading: String,
     /// What it shows, in order.
     pub(crate) blocks: Vec<Block>,
@@ -63,7 +63,7 @@ pub(crate) struct Player {
 pub(crate) struct Figure {
     /// As SVG.
     svg: String,
-    /// The same for narrow screens.
+    /// As SVG for narrow screens.
     narrow: Option<String>,
 }
 

@@ -70,7 +70,7 @@ impl State {
         state.recorded(model)
     }
 
-    /// The same with the outputs of the scene.
+    /// The state with the outputs of the scene.
     fn recorded(self, model: &dyn Model) -> Self {
         let count = model.outputs().len();
         if count == 0 {

@@ -193,7 +193,7 @@ impl Scene {
         }
     }
 
-    /// The same with the text of the file from which it was compiled.
+    /// The scene with the text of the file from which it was compiled.
     #[must_use]
     pub const fn compiled_from(self, source: &'static str) -> Self {
         Self {
@@ -202,19 +202,19 @@ impl Scene {
         }
     }
 
-    /// The same in a group of the list.
+    /// The scene in a group of the list.
     #[must_use]
     pub const fn in_group(self, group: &'static str) -> Self {
         Self { group, ..self }
     }
 
-    /// The same with a picture of its motion.
+    /// The scene with a picture of its motion.
     #[must_use]
     pub const fn pictured(self, picture: &'static str) -> Self {
         Self { picture, ..self }
     }
 
-    /// The same with what one may ask of it.
+    /// The scene with what one may ask of it.
     #[must_use]
     pub const fn asking(self, question: Question) -> Self {
         Self {

@@ -55,7 +55,7 @@ impl ChosenScene {
         Ok(chosen)
     }
 
-    /// The same for coefficients of impact laws.
+    /// Refuses coefficients that the laws of contact do not allow.
     fn check_coefficients(&self) -> Result<(), BadInput> {
         for (index, contact) in self.model.declaration().contacts.iter().enumerate() {
             let laws = [

@@ -39,7 +39,7 @@ impl Interrupt {
     }
 }
 
-/// The same flag, or none.
+/// Equal where both have one flag, or both none.
 impl PartialEq for Interrupt {
     fn eq(&self, other: &Self) -> bool {
         match (&self.0, &other.0) {

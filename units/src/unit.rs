@@ -35,7 +35,7 @@ impl Unit {
         }
     }
 
-    /// The same dimension with scale 1.
+    /// The unit of this dimension with scale 1.
     #[must_use]
     pub const fn si(self) -> Self {
         Self {

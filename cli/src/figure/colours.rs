@@ -63,12 +63,12 @@ impl Look {
         }
     }
 
-    /// The same with the mark of a variant.
+    /// This look with the mark of a variant.
     pub(crate) fn variant(self, mark: usize) -> Self {
         Self { mark, ..self }
     }
 
-    /// The same, dashed.
+    /// This look, dashed.
     pub(crate) fn dashed(self) -> Self {
         Self {
             dashed: true,

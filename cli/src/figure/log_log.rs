@@ -131,7 +131,7 @@ impl LogLog<'_> {
         self.laid_out(&WIDE)
     }
 
-    /// The same for narrow screens; a page shows one of them.
+    /// The drawing for narrow screens; a page shows this or the wide one.
     pub(crate) fn narrow_svg(&self) -> String {
         self.laid_out(&NARROW)
     }

@@ -32,7 +32,7 @@ pub(crate) fn part(
     of_kept(model, trajectory, &kept_instants(trajectory, most), name)
 }
 
-/// The same at chosen instants.
+/// The columns of a name at chosen instants.
 pub(super) fn of_kept(
     model: &dyn Model,
     trajectory: &Trajectory,

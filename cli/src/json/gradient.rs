@@ -33,7 +33,7 @@ pub(super) struct GradientEntry<'a> {
     range: Option<Vec<RangeEntry<'a>>>,
     /// `true`, or why there is no derivative by some quantity.
     exists: Existence<'a>,
-    /// The same by quantity. Only where there is none by some of them.
+    /// By quantity `true`, or why there is no derivative by it. Only where there is none by some of them.
     #[serde(skip_serializing_if = "Option::is_none")]
     exists_by: Option<Vec<Existence<'a>>>,
     /// Of the end to both sides, only where there are no others; null by other quantities.

@@ -134,7 +134,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// The same with derivatives, those of outputs in the rows of the trajectory.
+    /// The document with derivatives, those of outputs in the rows of the trajectory.
     pub(crate) fn with_gradient(
         self,
         model: &'a dyn Model,

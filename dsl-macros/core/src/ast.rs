@@ -397,7 +397,7 @@ impl Expr {
 }
 
 impl Expr {
-    /// The same, to be changed.
+    /// The expressions that this one is made of, to be changed.
     pub(crate) fn children_mut(&mut self) -> Vec<&mut Self> {
         match &mut self.kind {
             Kind::Number { .. } | Kind::Name(_) | Kind::Profile { .. } => Vec::new(),

@@ -163,7 +163,7 @@ pub fn describe_text(
     describe_differentiated(text, stem, &[])
 }
 
-/// The same with derivatives of everything by `parameters`, which are names, as
+/// Derives a scene from a text, with derivatives of everything by `parameters`, which are names, as
 /// [`sensitivity`](description::Structure::sensitivity); names that no
 /// parameter has are left out.
 ///
@@ -189,8 +189,8 @@ pub fn describe_differentiated(
     describe_as(text, stem, parameters, Parameters::Differentiated)
 }
 
-/// The same with those parameters as coordinates without motion behind all others, as [`held`](description::Structure::held), so that
-/// everything is differentiated by them twice; names that no parameter has are left out. The order is that of declaration.
+/// Derives a scene from a text, with these parameters as coordinates without motion behind all others, as [`held`](description::Structure::held), so
+/// that everything is differentiated by them twice; names that no parameter has are left out. The order is that of declaration.
 ///
 /// # Errors
 /// Every mistake and every warning found, in the order of the text, among them bounds that depend on those parameters.

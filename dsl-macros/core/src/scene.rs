@@ -42,7 +42,7 @@ pub(crate) struct CheckedScene {
     pub(crate) remembered: Vec<usize>,
     /// Whether these are coordinates without motion here, behind all others.
     pub(crate) remembers: bool,
-    /// What the largest values in optimal control are here; none where they are not unknowns.
+    /// What the largest values in optimal control are here; `None` where they are not unknowns.
     pub(crate) lifted: Option<Lifted>,
 }
 
@@ -210,7 +210,7 @@ pub(crate) struct Epigraph {
     pub(crate) over: Over,
     /// What is not negative: the unknown less each value.
     pub(crate) rows: Vec<Sym>,
-    /// The same at the start of the motion, as far as it is known there.
+    /// What is not negative at the start of the motion, as far as it is known there.
     pub(crate) at_start: Vec<Sym>,
 }
 
@@ -305,7 +305,7 @@ pub(crate) struct Contact {
 #[derive(Clone)]
 pub(crate) struct Action {
     pub(crate) force: Vec<Sym>,
-    /// The same with each control as large as it is usually, so that what is measured by it has derivatives where a control is 0.
+    /// The force with each control as large as it is usually, so that what is measured by it has derivatives where a control is 0.
     pub(crate) usual: Vec<Sym>,
     /// Whether it vanishes with the function, as that of a kink does.
     pub(crate) kink: bool,

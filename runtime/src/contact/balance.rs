@@ -100,7 +100,7 @@ impl Balance {
         solutions.others(&self.forces).any(differs)
     }
 
-    /// The same with all solutions that are found; `None` without any.
+    /// The balance with all solutions that are found; `None` without any.
     pub(crate) fn all(
         touching: Touching,
         view: &View<'_>,
@@ -129,7 +129,7 @@ impl Balance {
         }
     }
 
-    /// The same motion by the forces that are the farthest from leaving the laws of all contacts that hold, where these share their load in more
+    /// The motion by the forces that are the farthest from leaving the laws of all contacts that hold, where these share their load in more
     /// ways than one: what each does next is told by what all of them together can carry.
     pub(crate) fn spread(mut self, view: &View<'_>) -> Self {
         if !self.touching.in_space {

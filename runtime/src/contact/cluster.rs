@@ -64,7 +64,7 @@ impl NearContact {
         }
     }
 
-    /// The same with a coefficient of `restitution` for what is faster than the `slowest` bounce.
+    /// The cluster with a coefficient of `restitution` for what is faster than the `slowest` bounce.
     pub(crate) fn bouncing(self, restitution: f64, slowest: f64) -> Self {
         Self {
             restitution,

@@ -61,7 +61,7 @@ fn tied(view: &View<'_>, contact: usize, zeros: impl Fn(usize) -> Zeros) -> Opti
     least.map(|(piece, ahead)| (piece, view.normal_velocity(contact) - ahead))
 }
 
-/// The same, or the contact itself where it is at no edge.
+/// The piece whose gap is the largest from here on and its normal velocity, or the contact itself where it is at no edge.
 pub(crate) fn leading(
     view: &View<'_>,
     contact: usize,

@@ -24,7 +24,7 @@ const FEW_LINES: usize = 14;
 const FEW_DECISIONS: usize = 5;
 /// Violation of the law that is rounding error where one solution is sought, relative to the largest force or offset.
 const ROUNDING: f64 = 1e-11;
-/// The same where nothing else is left: contacts that are nearly dependent.
+/// Relative violation of the law that is let pass where nothing else is left: contacts that are nearly dependent.
 const ILL_CONDITIONED: f64 = 1e-7;
 /// Components below this times the largest offset count as zero where all solutions are sought: the systems are solved to some `1e-15`.
 const ZERO: f64 = 1e-12;

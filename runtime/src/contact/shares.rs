@@ -115,7 +115,7 @@ impl Shares {
         Self::along(view, lines, push, (matrix, right))
     }
 
-    /// The same of forces that `push` a change of the motion, which may be of several lines each.
+    /// The shares of forces that `push` a change of the motion, which may be of several lines each.
     pub(crate) fn along(
         view: &View<'_>,
         lines: &[Line],
@@ -225,7 +225,7 @@ impl Shares {
         self.farthest(rooms).0
     }
 
-    /// The same with the margin.
+    /// The shares that are the farthest from violating the laws in `rooms`, with the margin.
     fn farthest(&self, rooms: &[Room]) -> (Vec<f64>, f64, Vec<f64>) {
         let size = self.size();
         if self.free.is_empty() || size == 0.0 {

@@ -65,7 +65,7 @@ pub(crate) fn solve_in_space(
     }
 }
 
-/// The same with the cones of rest alone.
+/// Solves with the coefficients `friction` of all cones.
 fn solve_with(matrix: &[f64], offsets: &[f64], cones: &[Cone], forces: &mut [f64]) -> bool {
     let mut problem = Problem::new(matrix, offsets, cones);
     let (mut factors, mut pivots) = (matrix.to_vec(), vec![0; offsets.len()]);

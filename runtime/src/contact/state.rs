@@ -14,7 +14,7 @@ pub(crate) enum ContactState {
     Frictionless,
     /// Carries a normal force and the tangential force that keeps its sliding velocity zero.
     Stick,
-    /// The same in space, with two sliding velocities; which way such a contact slides is said by its [frame](crate::model::Frame).
+    /// Sticks in space, with two sliding velocities that vanish; which way such a contact slides is said by its [frame](crate::model::Frame).
     StickInSpace,
     /// Slides, or is about to, and carries the tangential force `s = -mu r` or `+mu r` against it.
     Slip(Direction),

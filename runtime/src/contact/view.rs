@@ -10,7 +10,7 @@ use crate::model::{
 
 /// Number of coordinates from which on couplings are sums over those that do not vanish. Chosen: below, finding them takes as long.
 const LARGE: usize = 16;
-/// The same of lines.
+/// Number of lines from which on couplings are sums over those that do not vanish.
 const MANY: usize = 6;
 
 /// Contacts at a point, as last evaluated, and the coefficients of their laws; owns the memory for them.
@@ -30,7 +30,7 @@ pub(crate) struct View<'a> {
     pub(crate) rest: Option<Rest>,
     /// Coefficients of friction, 0 for contacts without friction.
     friction: Vec<f64>,
-    /// The same of contacts that slide.
+    /// Coefficients of friction of contacts that slide.
     kinetic: Vec<f64>,
     /// What dry frictions follow of the forces of contacts.
     loads: Loads,

@@ -36,7 +36,7 @@ pub(super) enum Value {
 }
 
 impl Value {
-    /// Its row; none where the objective has no derivatives.
+    /// Its row; `None` where the objective has no derivatives.
     pub(super) fn of<'e>(self, end: &'e End, event_times: &'e [Vec<f64>]) -> Option<&'e [f64]> {
         match self {
             Self::Objective => end.objective.as_deref(),
@@ -47,7 +47,7 @@ impl Value {
     }
 }
 
-/// Derivatives of some values, a row a value; none where there are none or they cannot be had backwards.
+/// Derivatives of some values, a row a value; `None` where there are none or they cannot be had backwards.
 pub(super) fn adjoint(
     model: &dyn Model,
     motion: (&InitialValueProblem, &Simulation),

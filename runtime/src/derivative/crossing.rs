@@ -154,7 +154,7 @@ impl Crossing<'_, '_> {
         }
     }
 
-    /// The derivatives behind events that happen in this order at one instant; none where that is another motion.
+    /// The derivatives behind events that happen in this order at one instant; `None` where that is another motion.
     fn in_order(
         &mut self,
         (found, order): (&[Cause<'_>], &[usize]),

@@ -149,7 +149,7 @@ pub(super) fn force_size(acceleration: &Acceleration<'_>, contact: usize) -> f64
 }
 
 /// The friction force of a sticking contact and what the law allows against this sense, whose sum vanishes where it gives way in it,
-/// with the derivatives of that sum and the size of its terms; none where the forces are not those of the mode.
+/// with the derivatives of that sum and the size of its terms; `None` where the forces are not those of the mode.
 pub(super) fn friction_left(
     acceleration: &Acceleration<'_>,
     contact: usize,

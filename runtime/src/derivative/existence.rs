@@ -11,7 +11,7 @@ use crate::simulation::Event;
 
 /// Share of its terms that the derivative of what a contact holds may have.
 pub(super) const HELD: f64 = 1e-6;
-/// The same after a step, which has the error of the motion.
+/// Share of its terms that it may have after a step, which has the error of the motion.
 pub(super) const DRIFT: f64 = 1e-3;
 /// Share of the largest derivative by which those of two orders of events may differ: rounding, and the error of the motion.
 const SAME: f64 = 1e-8;

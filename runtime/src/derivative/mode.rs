@@ -230,7 +230,7 @@ impl<'a> Acceleration<'a> {
         }
     }
 
-    /// Factors of `rho' C`; none where the lines depend on each other.
+    /// Factors of `rho' C`; `None` where the lines depend on each other.
     pub(super) fn factors(&self) -> Option<Factors> {
         Factors::of(self.view.couplings(&self.lines))
     }

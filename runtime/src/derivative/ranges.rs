@@ -23,7 +23,7 @@ const AT_REST: f64 = 1e-8;
 /// How far one quantity may go.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SequenceRange {
-    /// Towards smaller values; none where nothing ends it.
+    /// Towards smaller values; `None` where nothing ends it.
     pub below: Option<SequenceLimit>,
     /// Towards larger values.
     pub above: Option<SequenceLimit>,

@@ -17,7 +17,7 @@ use crate::rk::{ButcherTableau, Scheme};
 const STAGES: usize = 7;
 /// Newton iterations of a step with derivatives of all stages.
 const MOST_ITERATIONS: usize = 8;
-/// The same of changes that get no smaller.
+/// Relative change that is rounding where changes get no smaller.
 const ROUNDING: f64 = 1e-9;
 /// Iterations without new derivatives between two of them: each costs a fraction of one with.
 const MOST_REPEATED: usize = 6;

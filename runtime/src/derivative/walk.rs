@@ -40,7 +40,7 @@ pub(super) struct Walk<'w> {
     pub(super) event_times: Vec<Vec<f64>>,
     /// Derivatives of `(q, v)` at the instants passed.
     pub(super) states: Vec<Matrix>,
-    /// The same of the outputs.
+    /// Derivatives of the outputs at the instants passed.
     pub(super) outputs: Vec<Matrix>,
     /// What is looked at between the instants, if anything is.
     pub(super) samples: Option<Samples<'w>>,

@@ -7,7 +7,7 @@ use crate::model::{Explicit, Model, joint_rows};
 
 /// Factor by which a divisor may change where its inverse is a polynomial of a few powers.
 const FACTOR: f64 = 4.0;
-/// The same at places of a part: less than what a parabola does whose least value is in the part.
+/// Factor by which a divisor may change between places of a part: less than a parabola does whose least value is in the part.
 const STEADY: f64 = 1.5;
 
 /// Evaluates explicit functions of a model on ranges of their inputs.
@@ -173,7 +173,7 @@ impl<'a> Bounds<'a> {
         }
     }
 
-    /// A number that a gap is not below wherever the inputs lie between `low` and `high`, up to rounding; none where it is not known.
+    /// A number that a gap is not below wherever the inputs lie between `low` and `high`, up to rounding; `None` where it is not known.
     pub(crate) fn least_gap(&mut self, contact: usize, low: &[f64], high: &[f64]) -> Option<f64> {
         let range = self.of(Explicit::Gap(contact), |k| Range {
             low: low[k],

@@ -84,7 +84,7 @@ impl Evaluation {
 
 /// What is minimized.
 pub(super) trait Residuals {
-    /// Residuals and derivatives at `x`; none where there are no residuals.
+    /// Residuals and derivatives at `x`; `None` where there are no residuals.
     fn evaluate(&mut self, x: &[f64]) -> Option<Evaluation>;
 
     /// Whether to end.
@@ -169,7 +169,7 @@ impl Linear {
     }
 }
 
-/// Minimizes from `start` within `bounds`; none where there are no residuals at the start.
+/// Minimizes from `start` within `bounds`; `None` where there are no residuals at the start.
 pub(super) fn minimize(
     problem: &mut dyn Residuals,
     start: &[f64],

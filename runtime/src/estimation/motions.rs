@@ -189,7 +189,7 @@ impl<'a, 'o> Motions<'a, 'o> {
         }
     }
 
-    /// What is seen of one experiment at these values; none where it has no motion to the last time that counts.
+    /// What is seen of one experiment at these values; `None` where it has no motion to the last time that counts.
     fn seen(&mut self, index: usize, x: &[f64]) -> Option<Observed> {
         self.set(index, x);
         self.simulations += 1;

@@ -78,7 +78,7 @@ pub struct Direction {
     /// Changes of the parameters that take part, by their place among the parameters that were looked for, in their units; the
     /// largest as a share of its range is 1 % of that.
     pub changes: Vec<(usize, f64)>,
-    /// The same in words.
+    /// The change in words.
     pub text: String,
 }
 
@@ -91,7 +91,7 @@ pub struct FittedExperiment {
     pub times: Vec<f64>,
     /// By time and quantity, in their units; not a number where nothing was measured.
     pub measured: Vec<Vec<f64>>,
-    /// The same of the motion; right before an event at such a time.
+    /// What the motion has by time and quantity; right before an event at such a time.
     pub computed: Vec<Vec<f64>>,
     /// The motion.
     pub motion: Simulation,
@@ -143,7 +143,7 @@ pub struct Estimate {
     pub covariance: Vec<Vec<f64>>,
     /// Directions in which the measurements determine nothing.
     pub undetermined: Vec<Direction>,
-    /// The experiments; none where there is no motion.
+    /// The experiments; empty where there is no motion.
     pub experiments: Vec<FittedExperiment>,
     /// The ends of all searches, the best first.
     pub optima: Vec<LocalFit>,

@@ -18,7 +18,7 @@ pub(super) struct Constraints<'a> {
     n: usize,
     active: Vec<ActiveContact>,
     friction: Vec<f64>,
-    /// The same of contacts that slide.
+    /// Coefficients of friction of contacts that slide.
     kinetic: Vec<f64>,
     /// What given forces follow of those of surfaces: both constraints, and the factor.
     pub(super) loads: Vec<(usize, usize, f64)>,

@@ -124,7 +124,7 @@ fn balance(contacts: &Contacts<'_>, touching: &[usize], time: f64) -> Result<Bal
     Ok(Balance::first(touching, contacts, &free)?.spread(contacts))
 }
 
-/// The same with the sides of the switches that are passed now.
+/// The balance of accelerations with the sides of the switches that are passed now.
 fn sided(
     contacts: &mut Contacts<'_>,
     x: &[f64],

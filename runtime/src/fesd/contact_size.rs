@@ -25,7 +25,7 @@ pub(crate) struct ContactSize {
     pub(super) sliding: f64,
     /// What accelerations have added to the normal velocity, and taken from it again.
     pub(super) gained: f64,
-    /// The same for the sliding velocity.
+    /// What accelerations have added to the sliding velocity, and taken from it again.
     pub(super) gained_sliding: f64,
     /// What accelerations change of the normal velocity in the shortest time that a run tells apart.
     pub(super) unresolved: f64,

@@ -38,7 +38,7 @@ pub(crate) struct Contacts<'a> {
     /// Largest sum of terms of each normal acceleration of the motion so far: the scale of its rounding error. At
     /// one instant the terms may cancel inside the model.
     scales: Vec<f64>,
-    /// The same for the sliding accelerations.
+    /// Largest sums of terms of the sliding accelerations of the motion so far.
     tangent_scales: Vec<f64>,
     /// Largest sizes of gaps and velocities of the motion so far.
     sizes: Vec<ContactSize>,

@@ -79,7 +79,7 @@ pub(crate) fn factorize(a: &mut [f64], pivots: &mut [usize]) -> Result<(), Singu
     Ok(())
 }
 
-/// The same for equations that may follow from each other; `false` where they do, or a number is not finite.
+/// Factorizes the matrix of equations that may follow from each other; `false` where they do, or a number is not finite.
 pub(crate) fn factorize_independent(a: &mut [f64], pivots: &mut [usize]) -> bool {
     if factorize(a, pivots).is_err() {
         return false;

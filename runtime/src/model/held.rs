@@ -43,7 +43,7 @@ pub(crate) fn complete_start(model: &dyn Model, start: &mut [f64]) {
     }
 }
 
-/// The scene with the laws of contact that go with the parameters in the start of a motion; none where they are its own.
+/// The scene with the laws of contact that go with the parameters in the start of a motion; `None` where they are its own.
 pub(crate) fn with_laws(model: &dyn Model, q: &[f64]) -> Option<Box<dyn Model>> {
     let held = model.held()?;
     let is_law = |given: &Given| matches!(given, Given::Restitution(_) | Given::Friction(_));

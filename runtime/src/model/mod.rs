@@ -143,7 +143,7 @@ pub trait Model: Send + Sync {
     /// Gap `g_i(q)` of one contact.
     fn gap(&self, contact: usize, x: &[f64]) -> f64;
 
-    /// The operations of an explicit function, by which its range is bounded where its inputs lie in ranges; none where they are not
+    /// The operations of an explicit function, by which its range is bounded where its inputs lie in ranges; `None` where they are not
     /// known. Events of functions that are known so are never missed, and contacts that cannot close are left out of account, in scenes
     /// with many.
     fn tape(&self, _function: Explicit) -> Option<Tape<'_>> {

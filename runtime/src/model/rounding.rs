@@ -7,7 +7,7 @@
 pub(crate) const ROUNDINGS: f64 = 64.0;
 /// Share of the motion of a moment by which the points are apart.
 const APART: f64 = 1e-4;
-/// The same where a moment is so short that large terms of the gap are the same number at most points.
+/// Larger shares, where a moment is so short that large terms of the gap are one number at most points.
 const FURTHER_APART: [f64; 5] = [1e-3, 1e-2, 1e-1, 1.0, 1e1];
 /// Share of the coordinates themselves by which they are moved as well.
 const OF_ALL: f64 = 1e-9;
@@ -22,7 +22,7 @@ pub(crate) fn rounding_error(mut gap: impl FnMut(f64) -> f64) -> f64 {
     left_at(&mut gap, APART)
 }
 
-/// The same at the start `x = (q, v, ..)` of a motion, for the gap as a function of that: along the motion with accelerations `a` in a
+/// Rounding error of a gap at the start `x = (q, v, ..)` of a motion, as a function of that: along the motion with accelerations `a` in a
 /// `moment` that is short beside any wave on the way, and along the line from the origin, since what rests does not move.
 pub(crate) fn rounding_error_at_start(
     x: &[f64],

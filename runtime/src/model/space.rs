@@ -93,7 +93,7 @@ impl Space {
         self.turn(contact, by, tangent);
     }
 
-    /// The same along the sliding velocity, where that has a direction.
+    /// Turns the frame so that it points along the sliding velocity, where that has a direction.
     pub(crate) fn align_with_sliding(&mut self, contact: usize, tangent: &mut [f64]) {
         let velocity = (
             tangent[tangent_point::SLIDING_VELOCITY],

@@ -11,7 +11,7 @@ pub enum Explicit {
     /// Of a contact with friction sliding velocity, curvature and tangent, `(v_t, curvature, b_1..b_nq)`, see
     /// [`tangent_point`](super::tangent_point).
     Tangent(usize),
-    /// The same of the second sliding velocity in space.
+    /// Of a contact with friction in space second sliding velocity, curvature and tangent.
     Across(usize),
     /// Accelerations without contact, or the matrix and the right-hand side of the linear system that they solve.
     Motion,

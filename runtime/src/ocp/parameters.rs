@@ -63,7 +63,7 @@ pub struct OptimumGradient {
     pub obstacles: Vec<Option<String>>,
     /// Derivatives to both sides where there is no other one.
     pub sides: Vec<Option<OptimumSides>>,
-    /// Derivatives of the final time \[s\]; none where the optimum leaves it open to first order.
+    /// Derivatives of the final time \[s\]; `None` where the optimum leaves it open to first order.
     pub final_time: Vec<Option<f64>>,
     /// How far each may go, to first order, until other bounds and conditions of the plan hold, among them gaps, forces and lengths of
     /// phases: until the contact sequence is another one, or the optimum has a kink.
@@ -82,7 +82,7 @@ pub struct OptimumSides {
 }
 
 impl OptimumGradient {
-    /// The same by these parameters (indices), in their order.
+    /// Keeps the derivatives by these parameters (indices), in their order.
     pub(in crate::ocp) fn reorder(&mut self, order: &[usize]) {
         let place = |index: &usize| self.parameters.iter().position(|known| known == index);
         let places: Vec<usize> = order.iter().filter_map(place).collect();

@@ -252,7 +252,7 @@ impl Problem {
         Ok(())
     }
 
-    /// The same with a start that lies below a surface by no more than is let pass, but by more than rounding, moved onto it: what is so
+    /// The problem with a start that lies below a surface by no more than is let pass, but by more than rounding, moved onto it: what is so
     /// little over the whole motion is not over a part of it, which would be refused.
     pub(in crate::ocp) fn on_the_ground(&self, model: &dyn Model) -> Self {
         let n = self.q.len();

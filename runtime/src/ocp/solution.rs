@@ -300,7 +300,7 @@ pub struct Solution {
     /// Shortest and longest final time that was looked at \[s\]; where the final time is free, the range is moved until
     /// the plan lies inside.
     pub final_times: (f64, f64),
-    /// The values of the free parameters; none where nothing is free, or no motion was found. The motion is that of the scene
+    /// The values of the free parameters; empty where nothing is free, or no motion was found. The motion is that of the scene
     /// with these values.
     pub parameters: Vec<FoundParameter>,
     /// How the optimum changes with given parameters, where that is asked for by

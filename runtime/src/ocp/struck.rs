@@ -17,7 +17,7 @@ pub(in crate::ocp) struct Struck {
     notes: Vec<String>,
 }
 
-/// The problem after the impact of its start; none where nothing is struck there, or where it cannot be known beforehand what is.
+/// The problem after the impact of its start; `None` where nothing is struck there, or where it cannot be known beforehand what is.
 pub(in crate::ocp) fn after_impact(model: &dyn Model, problem: &Problem) -> Option<Struck> {
     let declaration = model.declaration();
     let control = declaration.optimal_control;

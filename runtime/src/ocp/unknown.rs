@@ -18,7 +18,7 @@ type Free = (usize, (f64, f64));
 pub(in crate::ocp) struct Unknown<'a> {
     /// The scene as it was given.
     scene: &'a dyn Model,
-    /// The same with its free parameters as coordinates.
+    /// The scene with its free parameters as coordinates.
     pub(in crate::ocp) model: Box<dyn Model>,
     pub(in crate::ocp) problem: Problem,
     /// The parameters (indices) that are coordinates in it.
@@ -29,7 +29,7 @@ pub(in crate::ocp) struct Unknown<'a> {
     gradient: Vec<usize>,
 }
 
-/// The problem with free parameters as unknowns, and with those that it is differentiated by as variables; none where there are
+/// The problem with free parameters as unknowns, and with those that it is differentiated by as variables; `None` where there are
 /// none.
 pub(in crate::ocp) fn with_unknowns<'a>(
     scene: &'a dyn Model,

@@ -20,7 +20,7 @@ pub(crate) trait Instant<'a> {
     /// The contacts, as last evaluated.
     fn view(&self) -> &View<'a>;
 
-    /// The same, to evaluate them elsewhere.
+    /// The contacts, to evaluate them elsewhere.
     fn view_mut(&mut self) -> &mut View<'a>;
 
     /// Time \[s\].

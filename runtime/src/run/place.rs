@@ -6,7 +6,7 @@ use crate::contact::{Line, View};
 pub(crate) struct Place<'p> {
     /// Input vector, `(q, v, u[, t])`.
     pub(crate) x: &'p [f64],
-    /// Rates of its part behind the velocities; none where they are zero.
+    /// Rates of its part behind the velocities; empty where they are zero.
     pub(crate) rates: &'p [f64],
     /// Contacts that touch.
     pub(crate) touching: &'p [usize],

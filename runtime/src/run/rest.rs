@@ -9,7 +9,7 @@ use crate::contact::{Rest, View};
 pub(crate) const BURST: f64 = 1e-6;
 /// Share of the terms of an acceleration up to which it is zero where a rest is looked for.
 pub(super) const BALANCED: f64 = 1e-9;
-/// The same where a rest goes on: its end is a place in time, which this is the accuracy of.
+/// Share up to which it is zero where a rest goes on: its end is a place in time, which this is the accuracy of.
 const HOLDS: f64 = 1e-13;
 /// Sweeps over the parts of the sides in a mixture.
 const SWEEPS: usize = 1_000;
@@ -17,7 +17,7 @@ const SWEEPS: usize = 1_000;
 const LOOKS: usize = 64;
 pub(super) const HALVINGS: usize = 60;
 
-/// How long the motion rests from the present state on, at most a time `longest` \[s\], and whether it is over then; none where it does not
+/// How long the motion rests from the present state on, at most a time `longest` \[s\], and whether it is over then; `None` where it does not
 /// rest. The parts of the sides are those at the end.
 pub(crate) fn lasts<'a>(now: &mut impl Instant<'a>, longest: f64) -> Option<(f64, bool)> {
     let rest = now.view().rest.clone()?;

@@ -335,7 +335,7 @@ fn followed(
     Ok(vec![None; open.len()])
 }
 
-/// The same in so many steps.
+/// Follows the motions of all choices in so many steps.
 fn ways(
     view: &mut View<'_>,
     at: &Place<'_>,

@@ -11,7 +11,7 @@ pub trait Scene: Clone + Send + Sync + 'static {
     /// What it declares, and of which kernels it consists. Of a compiled scene it is a constant, so that kernels are called by their names.
     fn structure(&self) -> &'static Structure;
 
-    /// The same with the text that it follows from.
+    /// The declaration with the text that it follows from.
     fn declared(&self) -> &Declared;
 
     /// A number that kernels read besides their inputs: a parameter, in its unit, and behind those for each equation of a joint
@@ -24,7 +24,7 @@ pub trait Scene: Clone + Send + Sync + 'static {
     /// Evaluates a kernel at an input vector `x`, with multipliers or unknowns `y`.
     fn evaluate(&self, kernel: usize, x: &[f64], y: &[f64], out: &mut [f64]);
 
-    /// The operations of an explicit function; none where they are not known.
+    /// The operations of an explicit function; `None` where they are not known.
     fn tape(&self, _function: Explicit) -> Option<Tape<'_>> {
         None
     }

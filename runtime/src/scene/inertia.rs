@@ -312,7 +312,7 @@ fn back_substitute(factors: &[f64], envelope: &[usize], x: &mut [f64]) {
     }
 }
 
-/// The same for all columns of a matrix with `columns` of them, row-major.
+/// Back substitution for all columns of a matrix with `columns` of them, row-major.
 fn back_substitute_rows(factors: &[f64], envelope: &[usize], x: &mut [f64], columns: usize) {
     let n = envelope.len();
     for (i, &first) in envelope.iter().enumerate() {

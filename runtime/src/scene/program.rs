@@ -15,7 +15,7 @@ pub(super) struct Program {
     pub(super) folded: Range<usize>,
     /// Components of the input vector, and their registers.
     inputs: Vec<(u32, u16)>,
-    /// The same for the second vector.
+    /// Components of the second vector, and their registers.
     weights: Vec<(u32, u16)>,
     runs: Vec<Run>,
     /// Registers of the outputs.

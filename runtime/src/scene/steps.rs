@@ -146,7 +146,7 @@ fn cosines(operations: &[Operation], constant: &[bool]) -> BTreeMap<usize, usize
     pairs.collect()
 }
 
-/// The same steps, such that equal ones follow each other where possible.
+/// These steps, in an order in which equal ones follow each other where possible.
 fn scheduled(steps: Vec<Step>, values: usize) -> Vec<Step> {
     let mut made = vec![false; values];
     for &result in steps.iter().flat_map(|step| &step.results) {

@@ -70,7 +70,7 @@ impl TextScene {
         scene
     }
 
-    /// The same scene in an experiment.
+    /// The scene in an experiment.
     pub(super) fn in_start_of(self, experiment: usize) -> Self {
         Self {
             experiment: Some(experiment),

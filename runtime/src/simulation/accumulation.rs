@@ -11,7 +11,7 @@ const SHORTER: f64 = 1e-3;
 /// Share of the horizon that all of them take at most: what is longer may still go on in another way.
 const SHORT: f64 = 1e-5;
 
-/// The status of a run to `horizon` whose conditions come true ever faster; none where they do not.
+/// The status of a run to `horizon` whose conditions come true ever faster; `None` where they do not.
 pub(super) fn of(events: &[Event], horizon: f64) -> Option<SimulationStatus> {
     let last = events.last().filter(|last| last.kind == EventKind::When)?;
     let mut times: Vec<f64> = Vec::with_capacity(INSTANTS);

@@ -12,7 +12,7 @@ const ROUNDING: f64 = 1e-12;
 /// angle that only rounding error turns has no size of its own.
 const IDLE: f64 = 1e-3;
 
-/// The same share of what free bodies would do in the time of the run: where all are held only rounding error moves them.
+/// Least share of what free bodies would do in the time of the run: where all are held only rounding error moves them.
 const HELD: f64 = 1e-9;
 
 /// How far two runs to the same horizon are apart.

@@ -23,7 +23,7 @@ const PLACES: [f64; 4] = [0.21, 0.55, 0.83, 1.0];
 const FIRST_PARTS: usize = 256;
 /// Share of the range of a function that the cubic may miss.
 const MISSED: f64 = 1e-3;
-/// The same as a share of its largest value, which is rounding.
+/// Share of the largest value of a function that is rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 /// Longest step relative to the last one, and in moments where that was short: looking far ahead of a motion that is stopped by
 /// events is in vain.

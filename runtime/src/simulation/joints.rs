@@ -108,7 +108,7 @@ impl<'a> Closed<'a> {
         self.end(run, true);
     }
 
-    /// The same of a method that does not locate impacts.
+    /// Measures how well the joints hold along a `run` of a method that does not locate impacts.
     pub(crate) fn finish_without_events(self, run: &mut Simulation) {
         self.end(run, false);
     }
@@ -351,7 +351,7 @@ fn correction(joints: &mut Joints<'_>, x: &[f64], n: usize) -> Result<Vec<f64>, 
     Ok(along(joints, n))
 }
 
-/// The same with the directions of `from` for the values at `x`.
+/// Newton's correction of the positions at `x` along the directions at `from`.
 fn correction_along(
     joints: &mut Joints<'_>,
     from: &[f64],

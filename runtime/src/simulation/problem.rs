@@ -76,7 +76,7 @@ pub enum ControlSignal {
 }
 
 impl ControlSignal {
-    /// The same controls at all times, in order of declaration.
+    /// Controls that are constant in time, in order of declaration.
     #[must_use]
     pub fn constant(values: &[f64]) -> Self {
         Self::PiecewiseConstant {

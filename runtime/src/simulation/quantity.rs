@@ -19,7 +19,7 @@ pub(crate) enum Quantity {
     Friction(usize),
     /// Normal impulse of all impacts of a contact so far.
     Impulse(usize),
-    /// The same along its sliding velocity.
+    /// Tangential impulse of all impacts of a contact so far.
     FrictionImpulse(usize),
     /// What the scene declares in `outputs`.
     Output(usize),

@@ -393,7 +393,7 @@ pub struct Event {
     /// It follows from the jump of the velocities. Where contacts are so many that different impulses give the same
     /// jump, it is the smallest.
     pub contact_impulse: Vec<f64>,
-    /// The same along the sliding velocities; empty if no contact declares friction as well.
+    /// Tangential impulses, along the sliding velocities; empty if no contact declares friction as well.
     pub friction_impulse: Vec<f64>,
 }
 

@@ -45,7 +45,7 @@ pub struct Trajectory {
     /// Tangential contact forces, one vector an instant, 0 for contacts that carry none; no vector at
     /// all if no contact declares friction.
     pub friction_force: Vec<Vec<f64>>,
-    /// The same by quantity instead of instant, gathered when first asked for.
+    /// All of these by quantity instead of instant, gathered when first asked for.
     columns: OnceLock<Vec<Vec<f64>>>,
     /// What is recorded along it, and the columns of that.
     pub(super) recorder: Option<Recorder>,

@@ -20,7 +20,7 @@ pub(super) struct Watch<'o> {
     progress: Progress,
     /// Most points of a trajectory.
     most_points: usize,
-    /// The same, or more where jumps alone take more.
+    /// Most points of this run: more where jumps alone take more.
     points: usize,
     /// Whether the observer sees the time of this run.
     shown: bool,

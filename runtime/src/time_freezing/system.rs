@@ -71,7 +71,7 @@ impl<'a> TimeFreezingSystem<'a> {
         }
     }
 
-    /// The same system in which the contacts in `resting` do not bounce.
+    /// This system, in which the contacts in `resting` do not bounce.
     pub(crate) fn without_bounces(mut self, resting: &[usize]) -> Self {
         for &i in resting {
             self.restitution[i] = 0.0;

@@ -76,7 +76,7 @@ impl Attempt {
         }
     }
 
-    /// The same with any feasible point as its aim.
+    /// This attempt with any feasible point as its aim.
     pub(crate) fn until_feasible(self) -> Self {
         Self {
             patience: Patience::UntilFeasible,

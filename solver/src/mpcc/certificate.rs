@@ -121,7 +121,7 @@ pub(crate) struct Certifier<'a> {
     gradient: Vec<f64>,
     /// Rate of descent of the linear programs that counts as none.
     least: f64,
-    /// The same of each variable, for its multiplier.
+    /// What counts as zero of the multiplier of each variable.
     tolerance: Vec<f64>,
     pattern: Vec<(usize, usize)>,
     values: Vec<f64>,

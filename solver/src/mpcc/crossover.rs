@@ -37,7 +37,7 @@ impl Exact {
         Self::below(problem, settings, (vanishes, point), f64::INFINITY, watch)
     }
 
-    /// The same of one that a descent from a point of this objective led to.
+    /// The exact point of a choice that a descent from a point of this objective led to.
     fn below(
         problem: &mut dyn Mpcc,
         settings: &Settings,

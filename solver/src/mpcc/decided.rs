@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-13;
 /// Most passes over all rows; bounds that creep towards a limit need not get there.
 const MOST_PASSES: usize = 20;
 
-/// The same problem with decided sides fixed at zero.
+/// A problem with decided sides fixed at zero.
 pub(crate) struct Decided<'a> {
     problem: &'a mut dyn Mpcc,
     vanishes: Vec<bool>,

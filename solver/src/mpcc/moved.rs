@@ -13,7 +13,7 @@ use crate::nlp::{self, InputError, IterationInfo, NlpProblem, violation};
 /// Violation, scaled, up to which a start keeps the rows: further digits are left to the runs from there.
 const KEPT: f64 = 1e-6;
 
-/// The same problem from another point.
+/// A problem that starts from another point.
 pub(crate) struct Moved<'a> {
     problem: &'a mut dyn Mpcc,
     start: Vec<f64>,

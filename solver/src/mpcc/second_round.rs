@@ -82,7 +82,7 @@ fn warm(solution: &Solution) -> nlp::WarmStart {
     }
 }
 
-/// The same from where a penalty of the smaller sides leads, if it leads anywhere.
+/// Tries sides from where a penalty of the smaller ones leads, if it leads anywhere.
 fn try_penalty(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -108,7 +108,7 @@ fn try_sides(
     try_choice(problem, settings, (end, vanishes, &from), best, watch)
 }
 
-/// The same with a choice of sides.
+/// Tries a choice of sides, from a start.
 fn try_choice(
     problem: &mut dyn Mpcc,
     settings: &Settings,

@@ -40,9 +40,9 @@ pub struct Moved {
     /// Derivatives of the objective towards smaller and towards larger values: the same where there is one. Not a number to a side on
     /// which no solution is near, or where none was found.
     pub objective: [f64; 2],
-    /// Derivatives of all variables, 1 for the fixed one; none where the held rows and bounds leave them undetermined.
+    /// Derivatives of all variables, 1 for the fixed one; `None` where the held rows and bounds leave them undetermined.
     pub x: Option<Vec<f64>>,
-    /// How far the fixed variable may move, to first order, until other rows or bounds hold: down and up; none where nothing ends that,
+    /// How far the fixed variable may move, to first order, until other rows or bounds hold: down and up; `None` where nothing ends that,
     /// or nothing is known of it.
     pub range: [Option<RangeEnd>; 2],
 }
@@ -188,7 +188,7 @@ impl<'r> Ranges<'r> {
         (lower < upper).then_some([x - lower, upper - x])
     }
 
-    /// The same of a row that is no equation.
+    /// How far a row that is no equation is from its bounds.
     fn row_room(&self, row: usize) -> Option<[f64; 2]> {
         let [lower, upper] = [self.row_bounds[0][row], self.row_bounds[1][row]];
         let c = self.rows[row];
@@ -363,7 +363,7 @@ fn numbered(chosen: &[bool]) -> Vec<Option<usize>> {
 /// Derivatives of all variables, and of the multipliers of all rows.
 type Direction = (Vec<f64>, Vec<f64>);
 
-/// These by each fixed variable, and whether the rows that hold are independent; none where the system has no solution.
+/// These by each fixed variable, and whether the rows that hold are independent; `None` where the system has no solution.
 fn directions(
     [hessian, jacobian]: [&Entries; 2],
     [free, held]: [&[Option<usize>]; 2],

@@ -56,7 +56,7 @@ impl SecondOrder {
 /// Curvature that counts as none, relative to the entries of the Hessian in the same row: points are accurate to about the square root of
 /// the tolerance, 1e-4, where curvature vanishes.
 const FLAT: f64 = 1e-4;
-/// The same, relative to the largest entry of all: a hundred thousand roundings of a factorization.
+/// Curvature that counts as none, relative to the largest entry of all: a hundred thousand roundings of a factorization.
 const ROUNDING: f64 = 1e-11;
 /// Part of the gradient of the objective that a multiplier has to reach to be away from zero, and distance of a bound, relative to
 /// the variable, to be away.

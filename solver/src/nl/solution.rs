@@ -97,7 +97,7 @@ impl Work {
 pub struct Solution {
     /// How the solve ended.
     pub status: Status,
-    /// The same in words.
+    /// How it ended in words.
     pub reason: String,
     /// What is proved about the point.
     pub stationarity: Stationarity,

@@ -492,7 +492,7 @@ impl End {
         self
     }
 
-    /// The same in the terms of the file, with what second derivatives say of the point.
+    /// The result in the terms of the file, with what second derivatives say of the point.
     fn in_file(self, program: &mut Program) -> Solution {
         let pairs = program.complementarities().to_vec();
         let second_order = (self.stationarity == Stationarity::S).then(|| {

@@ -141,7 +141,7 @@ pub(super) fn listed(scene: &'static Scene) -> Result<Vec<Study>, BadInput> {
 pub(super) struct Reference {
     /// Coordinates at the end.
     pub(super) coordinates: Vec<f64>,
-    /// The same by another method, against which event-driven runs are measured.
+    /// Coordinates at the end by another method, against which event-driven runs are measured.
     pub(super) confirming: Vec<f64>,
     /// How far they may be off: rounding, or the distance of two methods.
     pub(super) uncertainty: f64,

@@ -5,7 +5,7 @@
 pub(super) enum Verdict {
     /// Within the stated bound of what is right, with its relative error.
     Right(f64),
-    /// The same by another method, to which the one that was asked for has handed over.
+    /// Within that bound by another method, to which the one that was asked for has handed over, with its relative error.
     HandedOver(f64),
     /// Farther off than the bound, with its relative error, and says itself that it may be.
     Rough(f64),

@@ -112,7 +112,7 @@ pub(super) struct DryFriction {
     pub(super) bound: Sym,
     /// Surfaces whose normal forces are added to that, each times a factor.
     pub(super) loads: Vec<(u16, Sym)>,
-    /// The same of equations of joints.
+    /// Equations of joints whose forces are added, each times a factor.
     pub(super) joint_loads: Vec<(u16, Sym)>,
     pub(super) sliding: Sym,
 }
@@ -430,7 +430,7 @@ impl Checker<'_> {
         Err(self.diagnostics.report("E01", name.place(), message))
     }
 
-    /// The number that a value is for the defaults of the parameters; none where a default is missing or wrong.
+    /// The number that a value is for the defaults of the parameters; `None` where a default is missing or wrong.
     pub(super) fn at_default(&self, value: Sym) -> Option<f64> {
         let defaults: Vec<f64> = self.parameters.iter().map(|known| known.default).collect();
         graph::substitute(&[value], |variable| match variable {

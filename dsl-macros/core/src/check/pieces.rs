@@ -74,7 +74,7 @@ pub(super) fn all_hold(
     all_pieces(function, left.place.to(right.place), checker, &kinks)
 }
 
-/// The same with known maxima and minima.
+/// The smooth pieces of a function whose maxima and minima are known.
 pub(super) fn all_pieces(
     function: Sym,
     place: Place,

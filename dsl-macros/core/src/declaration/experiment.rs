@@ -11,7 +11,7 @@ pub struct Experiment {
     pub file: &'static str,
     /// What was measured.
     pub quantities: &'static [MeasuredQuantity],
-    /// From how many standard deviations on a residual counts linearly; none where squares are added up.
+    /// From how many standard deviations on a residual counts linearly; `None` where squares are added up.
     pub huber: Option<f64>,
     /// Whether it has a start of its own, see `Model::in_experiment`.
     pub own_start: bool,

@@ -332,7 +332,7 @@ impl Locked<'_> {
         }
     }
 
-    /// The same where it takes fewer operations than loops over a full matrix.
+    /// The factors of the matrix, where they take fewer operations than loops over a full matrix.
     ///
     /// # Errors
     /// The coordinate whose pivot is structurally zero.

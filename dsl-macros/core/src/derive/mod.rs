@@ -75,7 +75,7 @@ pub(crate) struct Equations {
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
     pub(crate) contacts: Vec<ContactEquations>,
-    /// The inertia that directions of contacts are solved for with; none where those are formulas.
+    /// The inertia that directions of contacts are solved for with; `None` where those are formulas.
     pub(crate) inertia: Option<SharedInertia>,
     /// None without joints.
     pub(crate) joints: Option<JointEquations>,
@@ -365,7 +365,7 @@ fn mass_matrix(momenta: &[Sym], velocities: &[Variable]) -> Result<Vec<Sym>, Fai
     entries_of_mass(velocities, column, simplify_equation)
 }
 
-/// The same from its columns; `simple` is the form of an entry.
+/// The mass matrix, row-major, from its columns; `simple` is the form of an entry.
 fn entries_of_mass(
     velocities: &[Variable],
     column: impl Fn(Variable) -> Vec<Sym>,

@@ -11,7 +11,7 @@ const TERMS: usize = 200;
 /// are left alone (measured: 150 saves a quarter of the Hessian of a bicycle on two wheels against 400).
 const SIZE: usize = 150;
 
-/// The same for an equation of motion, from which all derivatives come; a form of more than [`SIZE`]
+/// Most operations of an equation of motion, from which all derivatives come; a form of more than [`SIZE`]
 /// operations is left for one of half of them only.
 const EQUATION: usize = 2000;
 
@@ -34,7 +34,7 @@ pub(crate) fn simplify(sym: Sym) -> Sym {
     simplify_up_to(sym, SIZE)
 }
 
-/// The same for an equation of motion, which may be longer.
+/// The cheapest of these forms of an equation of motion, which may be longer.
 pub(crate) fn simplify_equation(sym: Sym) -> Sym {
     simplify_up_to(sym, EQUATION)
 }

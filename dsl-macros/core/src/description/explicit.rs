@@ -12,7 +12,7 @@ pub enum ExplicitFunction {
     Normal(usize),
     /// Sliding velocity, curvature and tangent of a contact with friction.
     Tangent(usize),
-    /// The same of the second sliding velocity in space.
+    /// Second sliding velocity in space, curvature and tangent of a contact with friction.
     Across(usize),
     /// Accelerations without contact, or the matrix and the right-hand side of the linear system that they solve.
     Motion,

@@ -73,7 +73,7 @@ impl Operation {
         first.into_iter().chain(second)
     }
 
-    /// The same operation on other operands.
+    /// This operation on other operands.
     #[must_use]
     pub fn with_operands(self, to: impl Fn(u32) -> u32) -> Self {
         match self {
@@ -119,7 +119,7 @@ impl Kernel {
         }
     }
 
-    /// The same with some of its `outputs` only, and the operations that these need.
+    /// The code of some of its `outputs` only, with the operations that these need.
     pub(super) fn part(&self, outputs: impl IntoIterator<Item = usize>) -> Self {
         let outputs: Vec<u32> = outputs.into_iter().map(|k| self.outputs[k]).collect();
         let mut needed = vec![false; self.operations.len()];

@@ -62,7 +62,7 @@ pub struct Structure {
     pub given: Given,
     /// The free motion.
     pub motion: Motion,
-    /// The inertia that directions of contacts are solved for with; none where all of them are formulas.
+    /// The inertia that directions of contacts are solved for with; `None` where all of them are formulas.
     pub inertia: Option<Inertia>,
     /// Contacts in order of declaration.
     pub contacts: &'static [Contact],

@@ -16,7 +16,7 @@ pub(crate) fn formula(scene: &CheckedScene, sym: Sym) -> String {
     formula_with(scene, sym, &[])
 }
 
-/// The same with names for further variables: `Argument(i)` is called `names[i]`.
+/// The expression in the names of the scene and those of further variables: `Argument(i)` is called `names[i]`.
 pub(crate) fn formula_with(scene: &CheckedScene, sym: Sym, names: &[String]) -> String {
     let mut printer = Printer {
         scene,

@@ -16,7 +16,7 @@ pub struct Sensitivity {
     pub parameters: &'static [usize],
     /// Initial coordinates and then velocities by the parameters.
     pub start: Derivative,
-    /// The same of the experiments that have a start of their own.
+    /// Initial coordinates and velocities by the parameters, of each experiment that has a start of its own.
     pub starts: &'static [Option<Derivative>],
     /// Horizon by the parameters, if it is declared.
     pub horizon: Option<Derivative>,

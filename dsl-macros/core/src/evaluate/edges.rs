@@ -136,7 +136,7 @@ pub(super) fn call(scope: &mut Scope, text: &str, mut parts: Vec<Sym>) -> Value 
     Value::Scalar(Sym::variable(variable))
 }
 
-/// The same as a number: `max(a, b) = (a + b + |a - b|)/2`.
+/// A maximum or minimum as a number: `max(a, b) = (a + b + |a - b|)/2`.
 fn computed(text: &str, parts: &[Sym]) -> Sym {
     let sign = if text == "min" { -1.0 } else { 1.0 };
     let mut parts = parts.iter().copied();

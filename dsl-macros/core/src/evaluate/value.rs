@@ -20,7 +20,7 @@ impl<T: Clone> Value<T> {
         }
     }
 
-    /// The same shape with other components.
+    /// A value of this shape with other components.
     pub(super) fn with_components(&self, components: Vec<T>) -> Self {
         match self {
             Self::Scalar(own) => {
@@ -31,7 +31,7 @@ impl<T: Clone> Value<T> {
         }
     }
 
-    /// The same shape with another component for each.
+    /// A value of this shape with another component for each.
     pub(crate) fn map(&self, other: impl Fn(&T) -> T) -> Self {
         self.with_components(self.components().iter().map(other).collect())
     }

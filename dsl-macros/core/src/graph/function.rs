@@ -14,7 +14,7 @@ pub(crate) trait Compose {
     fn power(self, halves: i32) -> Self;
     fn square(self) -> Self;
     fn scaled(self, factor: f64) -> Self;
-    /// The same value as one quantity; see [`Node::Kept`]. Coefficients and signs stay outside.
+    /// Its value as one quantity; see [`Node::Kept`]. Coefficients and signs stay outside.
     fn kept(self) -> Self;
     fn call(self, function: Function) -> Self;
     fn call2(self, function: Function2, other: Self) -> Self;

@@ -10,7 +10,7 @@ use std::cell::Cell;
 /// nodes: some seconds, and some hundred megabytes. A chain of ten links takes a quarter of it.
 pub(crate) const WORK: usize = 16_000_000;
 
-/// The same of all that follows from a declaration: four times as many, some more seconds.
+/// Most terms, factors and visits of all that follows from a declaration: four times [`WORK`], some more seconds.
 pub(crate) const DERIVED_WORK: usize = 64_000_000;
 
 /// What happened to a constant.

@@ -42,7 +42,7 @@ pub(crate) enum Variable {
     /// Normal acceleration that a contact provides, or normal velocity that it does in an impact: what its force or its
     /// impulse is to the solvers.
     Provided(u16),
-    /// The same of the tangential side.
+    /// Tangential acceleration that a contact provides, or tangential velocity that it does in an impact.
     ProvidedSliding(u16),
     /// One of the sums over all impacts.
     Sum(u16),

@@ -121,7 +121,7 @@ pub(crate) struct Sweeps {
     /// Places of the parts of each node.
     parts: Vec<Vec<usize>>,
     place: Table<Sym, usize>,
-    /// Places of the roots; none where there was too much to look at.
+    /// Places of the roots; `None` where there was too much to look at.
     roots: Vec<Option<usize>>,
     /// What becomes of the rate of what is one quantity.
     keep: fn(Sym) -> Sym,
@@ -242,7 +242,7 @@ pub(crate) fn gradient(root: Sym, by: &[Variable]) -> Vec<Sym> {
     gradient_by(root, by, |adjoint| adjoint)
 }
 
-/// The same with `keep` applied to each adjoint that is handed on.
+/// Gradient of `root` with respect to `by`, with `keep` applied to each adjoint that is handed on.
 pub(super) fn gradient_by(root: Sym, by: &[Variable], keep: fn(Sym) -> Sym) -> Vec<Sym> {
     let mut adjoints: Table<Sym, Vec<(Sym, f64)>> = Table::default();
     adjoints.insert(root, vec![(Sym::ONE, 1.0)]);

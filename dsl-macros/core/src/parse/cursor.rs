@@ -59,12 +59,12 @@ impl Cursor {
         self.said.borrow_mut()
     }
 
-    /// The same to be kept.
+    /// The list of mistakes found so far, to be kept.
     pub(super) fn all_said(&self) -> Said {
         Rc::clone(&self.said)
     }
 
-    /// The same position, of which no mistake is told.
+    /// This position, of which no mistake is told.
     pub(super) fn silent(&self) -> Self {
         Self {
             said: Said::default(),

@@ -21,7 +21,7 @@ pub(super) fn expression(cursor: &mut Cursor) -> Checked<Expr> {
     whole(cursor, (false, &[]))
 }
 
-/// The same where the expression ends before any of these words.
+/// Parses one expression, which ends before any of these words.
 pub(super) fn expression_before(
     words: &'static [&'static str],
     cursor: &mut Cursor,
@@ -29,7 +29,7 @@ pub(super) fn expression_before(
     whole(cursor, (false, words))
 }
 
-/// The same for the right side of a comparison.
+/// Parses the right side of a comparison.
 pub(super) fn compared(cursor: &mut Cursor) -> Checked<Expr> {
     whole(cursor, (true, &[]))
 }

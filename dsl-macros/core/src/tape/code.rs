@@ -56,7 +56,7 @@ pub(crate) struct Tape {
 }
 
 impl Tape {
-    /// The same operations with the calls of functions, and what those need, before all others: a call
+    /// These operations with the calls of functions, and what those need, before all others: a call
     /// leaves no value in a register, so whatever is computed before one and used behind it takes
     /// the way through memory.
     pub(super) fn calls_first(self) -> Self {

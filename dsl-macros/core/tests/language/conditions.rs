@@ -11,12 +11,12 @@ fn messages(statements: &str) -> Vec<String> {
     super::mistakes_in(&source)
 }
 
-/// The same with a rate.
+/// Messages of the scene with a rate.
 fn with_rate(statements: &str) -> Vec<String> {
     messages(&format!("rates {{ on: 0 }} {statements}"))
 }
 
-/// The same of optimal control with a free place.
+/// Messages of a problem of optimal control with a rate and a free place.
 fn solved(statements: &str) -> Vec<String> {
     with_rate(&format!(
         "minimize integral(u^2) free {{ x }} horizon 1 [s] {statements}"

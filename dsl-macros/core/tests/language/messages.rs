@@ -9,7 +9,7 @@ fn with(statements: &str) -> Vec<String> {
     ))
 }
 
-/// The same with a correct Lagrangian.
+/// Messages of the scene with a correct Lagrangian.
 fn beside(statements: &str) -> Vec<String> {
     with(&format!(
         "lagrangian m/2*|dot((y, z))|^2 - m*g*z {statements}"

@@ -13,12 +13,12 @@ fn messages(statements: &str) -> Vec<String> {
 const LAW: &str = "lagrangian m/2*dot(x)^2";
 const RATE: &str = "forces { x: k*i } rates { i: (u - i)/tau }";
 
-/// The same with the law of the mass.
+/// Messages of the scene with the law of the mass.
 fn beside(statements: &str) -> Vec<String> {
     messages(&format!("{LAW} {statements}"))
 }
 
-/// The same with a force and a rate besides.
+/// Messages of the scene with the law of the mass, a force and a rate.
 fn complete(statements: &str) -> Vec<String> {
     beside(&format!("{RATE} {statements}"))
 }

@@ -43,7 +43,7 @@ fn split(expansion: &str) -> (String, String) {
     (format!("{before}{after}"), text.to_owned())
 }
 
-/// The same code, and texts of the scene in it that say the same when they are read again.
+/// Code is equal, and so is what the texts of the scene in it say when they are read again.
 fn assert_same(one: &str, other: &str) {
     let (one, other) = (split(one), split(other));
     assert_eq!(one.0, other.0);

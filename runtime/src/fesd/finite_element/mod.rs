@@ -195,7 +195,7 @@ impl<'a> FiniteElement<'a> {
         }
     }
 
-    /// The same element in numerical time, with the acceleration `a_bar` of the auxiliary dynamics.
+    /// This element in numerical time, with the acceleration `a_bar` of the auxiliary dynamics.
     pub(crate) fn in_numerical_time(mut self, auxiliary_acceleration: f64) -> Self {
         self.clock = StageClock::slowed(auxiliary_acceleration);
         self

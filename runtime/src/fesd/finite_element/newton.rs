@@ -24,7 +24,7 @@ const CONTRACTS: f64 = 0.1;
 const FORCES: f64 = 1e-9;
 /// Contraction above which the Jacobian is evaluated anew.
 const SLOW: f64 = 0.05;
-/// The same of stages that share one, and the iterations after which these count as not converged.
+/// That contraction of stages that share one Jacobian, and the iterations after which these count as not converged.
 const SLOW_APART: f64 = 0.2;
 const ITERATIONS_APART: usize = 25;
 /// Unknowns of an element from which on its matrix is looked at for a band, and share of the largest entry of a column up to which a pivot

@@ -478,7 +478,7 @@ impl<'a> Transcription<'a> {
         contacts.iter().enumerate().map(number).collect()
     }
 
-    /// The block with whose state element `index` starts; none where the start is given.
+    /// The block with whose state element `index` starts; `None` where the start is given.
     fn block_before(&self, index: usize) -> Option<&Block> {
         match index.checked_sub(1) {
             Some(before) => self.elements[before].blocks.last(),

@@ -90,7 +90,7 @@ pub(super) struct Ramp {
 }
 
 impl Ramp {
-    /// The ramps of a block of interval `k`, their rows from `first` on; none where controls are constant or given.
+    /// The ramps of a block of interval `k`, their rows from `first` on; empty where controls are constant or given.
     pub(super) fn of(
         block: &Block,
         (states, time): (usize, usize),

@@ -229,7 +229,7 @@ fn weights(
     terms.filter_map(|&(place, factor)| Some((block.variables[place]?, factor)))
 }
 
-/// Variable of the speed of the clock by which a force is multiplied in its row; none where that is one.
+/// Variable of the speed of the clock by which a force is multiplied in its row; `None` where that is one.
 fn speed_at(transcription: &Transcription<'_>, place: Place) -> Option<usize> {
     let Place::Stage { element, stage } = place else {
         return None;

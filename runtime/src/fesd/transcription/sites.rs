@@ -37,7 +37,7 @@ impl Row {
 /// An argument of the functions of a site.
 #[derive(Clone)]
 pub(super) struct Input {
-    /// Its variable, or none where it is constant.
+    /// Its variable, or `None` where it is constant.
     pub(super) variable: Option<usize>,
     pub(super) unit: f64,
     /// Its value where it is constant.

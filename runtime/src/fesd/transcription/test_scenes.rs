@@ -23,7 +23,7 @@ crate::model! {
 }
 
 crate::model! {
-    /// The same bead, which rubs on the floor, and bounces off the wall and rubs on it.
+    /// A bead that rubs on the floor, and bounces off the wall and rubs on it.
     pub(crate) RoughBead {
         parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5, c: kg/s = 0.3 }
         coordinates { y: m, z: m }
@@ -94,7 +94,7 @@ crate::model! {
 }
 
 crate::model! {
-    /// The same without contacts.
+    /// A bead without contacts.
     pub(crate) Wire {
         parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5, f: N = 3 }
         coordinates { y: m, z: m }

@@ -16,7 +16,7 @@ enum Unknown {
     NothingUnderRamps,
     /// Controls and horizon.
     Everything,
-    /// The same with controls that are linear between nodes.
+    /// Controls that are linear between nodes, and the horizon.
     EverythingBetweenNodes,
 }
 

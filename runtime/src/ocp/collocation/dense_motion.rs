@@ -49,7 +49,7 @@ impl<'p, 'm> DenseMotion<'p, 'm> {
         }
     }
 
-    /// The same with positions that have the velocities as their slopes. Right after a start, where gaps grow with a high power of the
+    /// Writes the input there with positions that have the velocities as their slopes. Right after a start, where gaps grow with a high power of the
     /// time, those of [`Self::write`] are less accurate than what they grow to.
     pub(super) fn write_smooth(&self, phase: usize, theta: f64, input: &mut [f64]) {
         self.write(phase, theta, input);

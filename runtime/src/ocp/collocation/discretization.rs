@@ -81,7 +81,7 @@ impl<'a> Setting<'a> {
 /// Lengths of the control intervals.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::ocp) enum Lengths<'a> {
-    /// The same of all.
+    /// One length for all.
     Equal,
     /// Each one free, so that switches may be at any time; of constant controls, with bounds of coordinates at nodes.
     Free,

@@ -19,7 +19,7 @@ const GUESS_MARGIN: f64 = 0.02;
 /// Shortest phase relative to its interval: in a phase of no length the contact forces are undetermined.
 const SHORTEST: f64 = 2e-3;
 
-/// The same of an interval of free length without a switch inside, relative to the length of all if they were equal.
+/// Shortest interval of free length without a switch inside, relative to the length of all if they were equal.
 const SHORTEST_INTERVAL: f64 = 0.1;
 
 /// What the switches at the end of a phase ask of it.
@@ -240,7 +240,7 @@ fn guessed_ends(interval: usize, switches: &[Switch], inside: &[usize]) -> Vec<f
     ends
 }
 
-/// Adds the lengths of the phases of an interval, as a variable and a factor, which make it up; none where it is one phase of the length
+/// Adds the lengths of the phases of an interval, as a variable and a factor, which make it up; empty where it is one phase of the length
 /// of all intervals.
 fn durations(builder: &mut Builder, interval: usize, ends: &[f64]) -> Vec<(usize, f64)> {
     if let Some((span, place)) = builder.setting.lengths.span(interval) {

@@ -100,7 +100,7 @@ pub(in crate::ocp) struct Tangential {
     pub(in crate::ocp) unit: f64,
     /// Tangential force or impulse, if the contact sticks.
     pub(in crate::ocp) force: Option<usize>,
-    /// The same of a contact that slips, where its coefficient of friction is an unknown.
+    /// Tangential force or impulse of a contact that slips, where its coefficient of friction is an unknown.
     pub(in crate::ocp) slipping: Option<usize>,
     /// Rows that hold on both sides: of the friction cone, towards the direction in which the contact would slip; or
     /// of the sliding velocity in the direction of the slip.

@@ -18,7 +18,7 @@ pub(in crate::ocp) struct Turns {
     pub(in crate::ocp) yielded: Vec<usize>,
     /// Contacts whose sliding velocity vanishes at the end.
     pub(in crate::ocp) stopping: Vec<usize>,
-    /// The same because they are parts of the body of another one that stops.
+    /// Contacts that stop because they are parts of the body of another one that does.
     pub(in crate::ocp) stopped: Vec<usize>,
     /// Contacts whose force reaches the edge of the cone at the end.
     pub(in crate::ocp) yielding: Vec<(usize, Direction)>,

@@ -10,7 +10,7 @@ use crate::ocp::parameters::{OptimumGradient, OptimumSides};
 use crate::ocp::program::sparse_program::Program;
 use crate::ocp::search::attempt::Local;
 
-/// Derivatives by the parameters that stand behind the coordinates and are given; none where there are none.
+/// Derivatives by the parameters that stand behind the coordinates and are given; `None` where there are none.
 pub(super) fn gradient(local: &mut Local) -> Option<OptimumGradient> {
     let program = &mut local.program;
     let held = program.model.held()?;

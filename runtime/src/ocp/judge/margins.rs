@@ -11,7 +11,7 @@ use crate::ocp::solution::Margin;
 /// Share of the objective below which the cost of a margin that the caller chooses is none: multipliers are known to the
 /// tolerance of the solver.
 const CHOSEN: f64 = 1e-9;
-/// The same of one that nobody asked for: above it a plan is another one than the optimum.
+/// Share of the objective below which the cost of a margin that nobody asked for is none: above it a plan is not the optimum.
 const OWN: f64 = 1e-6;
 
 /// The distances that cost something, to first order, the dearest first.

@@ -66,7 +66,7 @@ impl ControlGrid {
         }
     }
 
-    /// The same with intervals that begin at these shares of the motion, the last of them its end.
+    /// These controls on intervals that begin at these shares of the motion, the last of them its end.
     pub(in crate::ocp) fn with_nodes(self, nodes: Vec<f64>) -> Self {
         Self {
             nodes: Some(nodes),

@@ -9,7 +9,7 @@ const SHORT_CONTACT: f64 = 1.5;
 /// A flight that is shorter than this many intervals is deleted at the start.
 const SHORT_FLIGHT: f64 = 0.6;
 
-/// The same for a contact that sticks, or slips in one direction.
+/// Sticking, or slipping in one direction, that is shorter than this many intervals is deleted at the start.
 const SHORT_SLIDING: f64 = 0.6;
 
 /// An impact less than this many intervals from the end of one may be meant there: two elements of the relaxed motion.

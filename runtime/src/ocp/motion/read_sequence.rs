@@ -261,14 +261,14 @@ pub(in crate::ocp) fn landed(sequence: Sequence, model: &dyn Model, within: f64)
     })
 }
 
-/// The same of bounces in the control interval in which they come to rest, in which a plan has them.
+/// Bounces in the control interval in which they come to rest as one landing, as a plan has them.
 pub(in crate::ocp) fn landed_in_an_interval(sequence: Sequence, model: &dyn Model) -> Sequence {
     landed_where(sequence, model, |bounce, rest| {
         bounce.interval == rest.interval
     })
 }
 
-/// The same of bounces from a landing of a plan on, which may last as long as the phase after it.
+/// Bounces from a landing of a plan on as that landing, which may last as long as the phase after it.
 pub(in crate::ocp) fn landed_as(
     plan: &Sequence,
     sequence: Sequence,

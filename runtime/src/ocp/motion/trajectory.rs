@@ -90,7 +90,7 @@ impl Trajectory {
         shorter
     }
 
-    /// The same motion over another time: states as they are, at other instants.
+    /// This motion over another time: states as they are, at other instants.
     pub(in crate::ocp) fn stretched(mut self, horizon: f64) -> Self {
         let factor = horizon / self.horizon;
         self.time.iter_mut().for_each(|time| *time *= factor);
@@ -98,7 +98,7 @@ impl Trajectory {
         self
     }
 
-    /// The same states with what happens at some instants, in their order, at others; between them time passes evenly.
+    /// These states with what happens at some instants, in their order, at others; between them time passes evenly.
     pub(in crate::ocp) fn warped(&self, instants: &[(f64, f64)]) -> Self {
         let mut all = vec![(0.0, 0.0)];
         all.extend(instants);

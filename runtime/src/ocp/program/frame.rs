@@ -21,7 +21,7 @@ pub(in crate::ocp) struct Frame<'a> {
     pub(in crate::ocp) controls: Vec<Vec<usize>>,
     /// `(q, v)` at the start; fixed but for the free initial values.
     pub(in crate::ocp) start: Vec<usize>,
-    /// Sums over impacts; none where they are not asked for.
+    /// Sums over impacts; empty where they are not asked for.
     pub(in crate::ocp) sums: Vec<Sum>,
 }
 

@@ -282,7 +282,7 @@ impl<'a> Program<'a> {
         });
     }
 
-    /// The same of functions that read more: `behind` all else, where there is none for 0.
+    /// Adds a block of functions that read more: `behind` all else, where there is none for 0.
     pub(in crate::ocp) fn block_behind(
         &mut self,
         kernel: &Kernel,

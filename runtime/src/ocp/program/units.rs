@@ -139,14 +139,14 @@ fn control_units(bounds: (&[f64], &[f64]), n: usize, controls: usize) -> Vec<f64
 }
 
 impl Units {
-    /// The same with controls measured by a part of their bounds.
+    /// These units with controls measured by a part of their bounds.
     pub(in crate::ocp) fn driven_within(mut self, range: (&[f64], &[f64])) -> Self {
         let controls = self.controls.len();
         self.controls = control_units(range, range.0.len() - controls, controls);
         self
     }
 
-    /// The same with controls that have no bounds measured by those of a known motion.
+    /// These units with controls that have no bounds measured by those of a known motion.
     pub(in crate::ocp) fn measured_by(
         mut self,
         controls: &[Vec<f64>],
@@ -158,7 +158,7 @@ impl Units {
         self
     }
 
-    /// The same measured by another motion, but for controls and the objective: where that motion lasts another time, other sizes are
+    /// These units measured by another motion, but for controls and the objective: where that motion lasts another time, other sizes are
     /// of the order of one.
     pub(in crate::ocp) fn of_motion(
         &self,
@@ -179,8 +179,8 @@ impl Units {
         self.gap_rows[contact].min(1.0)
     }
 
-    /// The same of distances between a plan and its re-simulation, for each coordinate: by what goals ask of it and how far it goes, or
-    /// else by its unit; where motions are far larger than the unit of the scene, as much more.
+    /// Share of a distance in the unit of the scene by which plan and re-simulation may differ, a coordinate: by what goals ask of it and how
+    /// far it goes, or else by its unit; where motions are far larger than the unit of the scene, as much more.
     pub(in crate::ocp) fn shares_of_distances(&self, plan: &Trajectory) -> Vec<f64> {
         let shares = self.ways.iter().enumerate().map(|(k, &way)| {
             let farthest = |from: f64| {
@@ -210,7 +210,7 @@ impl Units {
         velocities.iter().copied().fold(0.0, f64::max).min(1.0)
     }
 
-    /// The same with the objective measured as exactly as it can be.
+    /// These units with the objective measured as exactly as it can be.
     pub(in crate::ocp) fn exact(self) -> Self {
         let is_exact = true;
         Self { is_exact, ..self }

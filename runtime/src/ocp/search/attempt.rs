@@ -179,7 +179,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
         self.attempt_from(runner, attempt, None)
     }
 
-    /// The same from the motion of a program of that sequence.
+    /// Attempts a sequence from the motion of a program of that sequence.
     pub(super) fn attempt_from(
         &mut self,
         runner: &mut Runner,
@@ -438,7 +438,7 @@ fn second(
 }
 
 impl Local<'_> {
-    /// The same with smaller residuals. Where a solution is not strictly complementary its objective is off by the root of the
+    /// The solution with smaller residuals. Where it is not strictly complementary its objective is off by the root of the
     /// barrier parameter, and what errors of the states grow to until the end may be far more than the tolerance.
     pub(in crate::ocp) fn polished(mut self, runner: &mut Runner) -> Self {
         if runner.stopped() {

@@ -9,7 +9,7 @@ use crate::ocp::tuning::equal::MET;
 use crate::ocp::tuning::sampled::{CHANGED, CHANGES, DRAWN};
 use crate::simulation::InputError;
 
-/// The simulated motion that comes nearest to the goals; none where no simulation ends.
+/// The simulated motion that comes nearest to the goals; `None` where no simulation ends.
 pub(in crate::ocp) fn nearest(setting: Setting) -> Result<Option<Nearest>, InputError> {
     let archive = drawn((setting, &drawing_range(setting)?), DRAWN, usize::MAX)?;
     let distance = |end: &End| archive.rank(end).2;

@@ -29,7 +29,7 @@ impl Neighbour {
         Self { sequence, adjoins }
     }
 
-    /// The same with its switches in order, if they have one.
+    /// The neighbour with its switches in order, if they have one.
     pub(super) fn ordered(self, intervals: usize) -> Option<Self> {
         let sequence = self.sequence.ordered(intervals)?;
         Some(Self { sequence, ..self })

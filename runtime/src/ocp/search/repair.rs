@@ -91,7 +91,7 @@ pub(in crate::ocp) fn certificate(
 /// The sequences around the best, and its motion to start them from.
 struct Around {
     neighbours: Vec<Neighbour>,
-    /// The same with shorter contacts and flights where some are inserted; of a proof only.
+    /// Those with shorter contacts and flights where some are inserted; of a proof only.
     nearer: Vec<Neighbour>,
     /// No neighbours, but often in another basin: nothing is claimed about them.
     explored: Vec<Sequence>,

@@ -66,7 +66,7 @@ pub(in crate::ocp) fn simulated(
     Ok(simulations(setting, driven, tolerance)?.into_iter().next())
 }
 
-/// The same with each way to read the bounces of a contact that comes to rest: those in the control interval of the rest are the
+/// The simulated motion with each way to read the bounces of a contact that comes to rest: those in the control interval of the rest are the
 /// landing that a plan has there, or those within half an interval.
 pub(in crate::ocp) fn simulations(
     setting: Setting,

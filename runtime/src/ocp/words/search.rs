@@ -31,7 +31,7 @@ const EVEN: Fineness = Fineness {
     free: false,
 };
 
-/// The same of the best ones at last.
+/// Control pieces of the best words at last.
 const REFINED: Fineness = Fineness {
     pieces: EVEN_PIECES,
     least: LEAST_PIECES,

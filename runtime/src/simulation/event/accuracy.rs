@@ -13,7 +13,7 @@ use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus};
 
 /// Error that is promised, at least.
 const PROMISE: f64 = 1e-6;
-/// The same as a multiple of the tolerance.
+/// Error that is promised as a multiple of the tolerance.
 const TOLERANCES: f64 = 1e3;
 /// Tolerance of the run to compare with, relative to that of the run that is returned, and the largest.
 const COARSER: f64 = 1e2;

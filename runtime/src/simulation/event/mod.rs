@@ -84,7 +84,7 @@ pub(crate) fn simulate_once(
     simulate_to(settings, model, problem, None)
 }
 
-/// The same for a motion whose `ending` may be known.
+/// Simulates once a motion whose `ending` may be known.
 ///
 /// # Errors
 /// [`InputError`] if the problem or the method's settings are refused.
@@ -128,7 +128,7 @@ pub(super) fn simulate_instead(
     )
 }
 
-/// The same to check another method's run, under its observer, which does not see the time.
+/// Simulates to check another method's run, under its observer, which does not see the time.
 pub(super) fn simulate_to_check(
     tolerance: f64,
     (model, problem): (&dyn Model, &InitialValueProblem),

@@ -416,7 +416,7 @@ impl<'a> EventSearch<'a> {
         self.refine(dynamics, method, step, function, bracket)
     }
 
-    /// The same where the continuous extension is positive nowhere before it falls; the true solution may be, for a
+    /// Locates a fall where the continuous extension is positive nowhere before it; the true solution may be, for a
     /// while. A flight too low to be seen in the gap ends where it begins to fall.
     fn sink(
         &mut self,

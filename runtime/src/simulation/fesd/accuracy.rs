@@ -22,7 +22,7 @@ use crate::simulation::{InitialValueProblem, Simulation, SimulationStatus};
 const MAX_RUNS: usize = 5;
 /// Error estimates of the elements of a run relative to those of the one before.
 const TIGHTER: f64 = 1e-2;
-/// The same of a run that confirms one which is accurate enough, and takes few elements more.
+/// Relative error estimates of a run that confirms one which is accurate enough, and takes few elements more.
 const WITNESS: f64 = 0.3;
 /// Longest elements of each run relative to those of the first that is returned: what an element damps or passes over, another
 /// one of its length does as well.

@@ -149,7 +149,7 @@ impl<'a> Driver<'a> {
         }
     }
 
-    /// The same run with element lengths that keep the error estimate of each element below `tolerance`; the `longest` is
+    /// This run with element lengths that keep the error estimate of each element below `tolerance`; the `longest` is
     /// this share of the longest there are.
     pub(super) fn controlled(mut self, tolerance: f64, longest: f64) -> Self {
         self.control.tolerance = Some(tolerance);
@@ -160,7 +160,7 @@ impl<'a> Driver<'a> {
         self
     }
 
-    /// The same run without a trajectory but its end.
+    /// This run without a trajectory but its end.
     pub(super) fn forgetful(mut self) -> Self {
         self.record.forgetful = true;
         self

@@ -14,7 +14,7 @@ const LEAST_FIRST: f64 = 1e-9;
 const LENGTH_CHANGE: (f64, f64) = (0.2, 4.0);
 /// Halvings of the elements of a step before it counts as failed.
 const MAX_HALVINGS: usize = 8;
-/// The same under error control, where each halves the length that lasts.
+/// Halvings of a step under error control, where each halves the length that lasts.
 const MAX_CONTROLLED_HALVINGS: usize = 24;
 
 /// How errors are measured and kept small.

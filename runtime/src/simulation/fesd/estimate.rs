@@ -29,7 +29,7 @@ pub(super) fn estimated(
     other_grid::estimated(settings, others, &judge, (model, problem), watch, run)
 }
 
-/// Half as many elements, by fewer steps or else by fewer elements of each; none where there is one element.
+/// Half as many elements, by fewer steps or else by fewer elements of each; `None` where there is one element.
 fn coarser(settings: &Fesd) -> Option<OtherGrid<Fesd>> {
     let steps = settings.steps.unwrap_or(Fesd::DEFAULT_STEPS);
     let (steps, elements, words) = match (steps, settings.elements) {

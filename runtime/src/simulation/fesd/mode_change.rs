@@ -79,7 +79,7 @@ pub(super) fn settle(driver: &mut Driver<'_>, switched: &[usize]) -> Result<(), 
     settle_after(driver, switched, None)
 }
 
-/// The same where the function of a condition may just have been `located`.
+/// Impact, contact mode and events where the function of a condition may just have been `located`.
 fn settle_after(
     driver: &mut Driver<'_>,
     switched: &[usize],

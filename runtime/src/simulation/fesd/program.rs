@@ -23,7 +23,7 @@ use crate::time_freezing::TimeFreezingSystem;
 
 /// Finite elements that one switch with an impact needs: before, jump, after.
 pub(super) const ELEMENTS: usize = 3;
-/// The same for a bounce: before, fall, rise, after.
+/// Finite elements that a bounce needs: before, fall, rise, after.
 pub(super) const BOUNCE_ELEMENTS: usize = 4;
 /// Numbers of elements that are tried in turn; another number often solves a step that one does not.
 const ATTEMPTS: usize = 3;

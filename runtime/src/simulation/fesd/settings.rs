@@ -154,7 +154,7 @@ impl Fesd {
         self
     }
 
-    /// The same settings on a grid: `steps` of `elements` elements each.
+    /// These settings on a grid: `steps` of `elements` elements each.
     #[must_use]
     pub fn with_grid(mut self, steps: usize, elements: usize) -> Self {
         self.steps = Some(steps);
@@ -162,14 +162,14 @@ impl Fesd {
         self
     }
 
-    /// The same settings with element lengths controlled to `tolerance`.
+    /// These settings with element lengths controlled to `tolerance`.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f64) -> Self {
         self.tolerance = Some(tolerance);
         self
     }
 
-    /// The same settings with another way of solving a step.
+    /// These settings with another way of solving a step.
     #[must_use]
     pub fn with_formulation(mut self, formulation: StepFormulation) -> Self {
         self.formulation = formulation;

@@ -73,7 +73,7 @@ impl Walk<'_> {
         self.expect_called(expr, (own, wanted), reason, ["", ""])
     }
 
-    /// The same where a unit is usually called otherwise than it is shown: the one by the other.
+    /// An expression has the wanted dimension, where a unit is usually called otherwise than it is shown: the one by the other.
     pub(super) fn expect_called(
         &mut self,
         expr: &Expr,
@@ -118,7 +118,7 @@ impl Walk<'_> {
         self.expect(expr, &own, wanted, reason)
     }
 
-    /// The same where a bare number is meant in that unit.
+    /// An expression has the unit of what it belongs to, or is a bare number, which is meant in that unit.
     pub(super) fn given(&mut self, expr: &Expr, wanted: &Dimension, reason: &str) -> Checked<()> {
         match is_bare(expr) {
             true => Ok(()),

@@ -65,7 +65,7 @@ pub(super) struct Equations {
     pub(super) columns: Vec<f64>,
     /// What the unknowns add to the rows, row-major, as of the last solution.
     pub(super) couplings: Vec<f64>,
-    /// The same, taken apart where it is solved.
+    /// The matrix of the couplings, taken apart where it is solved.
     pub(super) matrix: Vec<f64>,
     /// The couplings of many rows.
     pub(super) sparse: Sparse,

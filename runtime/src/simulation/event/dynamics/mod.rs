@@ -335,7 +335,7 @@ impl<'a> Dynamics<'a> {
             .max(self.switching.force_floor[contact])
     }
 
-    /// The same for the rate of the sliding velocity.
+    /// Sizes of the terms of the rate of the sliding velocity of a contact, or the floor if that is larger.
     pub(in crate::simulation) fn sliding_acceleration_scale(&self, contact: usize) -> f64 {
         let curvature = self.tangent_point(contact)[tangent_point::CURVATURE];
         self.acceleration_scale(self.tangent(contact), curvature)
@@ -412,7 +412,7 @@ impl<'a> Dynamics<'a> {
         }
     }
 
-    /// The same for a step of length `h` from a state.
+    /// Looks around for a step of length `h` from a state, if it may leave where nothing can close.
     pub(in crate::simulation) fn prepare_step(&mut self, t: f64, y: &[f64], h: f64) {
         self.near.expect_step(h);
         self.load(t, y);

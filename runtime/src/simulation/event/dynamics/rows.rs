@@ -152,7 +152,7 @@ fn acts_by_nothing(dynamics: &Dynamics<'_>, row: usize) -> bool {
     dynamics.switch_of(contact).is_some() && dynamics.friction_direction(contact).iter().all(still)
 }
 
-/// Solves many rows by those of their couplings that do not vanish; none where they are not few, or depend on each other.
+/// Solves many rows by those of their couplings that do not vanish; `None` where they are not few, or depend on each other.
 fn solve_sparsely(dynamics: &mut Dynamics<'_>, rows: usize, slipping: bool) -> Option<f64> {
     let mut sparse = std::mem::take(&mut dynamics.equations.sparse);
     sparse.holds = rows >= MANY;

@@ -24,7 +24,7 @@ pub(super) struct ContactScale {
     highest: f64,
     /// Largest sum of the terms of the normal velocity so far.
     normal_velocity: f64,
-    /// The same for the sliding velocity.
+    /// Largest sum of the terms of the sliding velocity so far.
     sliding_velocity: f64,
     /// Rounding error that the place leaves in the normal velocity.
     turn: f64,
@@ -56,7 +56,7 @@ impl<'a> Instant<'a> {
         }
     }
 
-    /// The same at a time on which gaps depend.
+    /// These states at a time on which gaps depend.
     pub(super) fn at(self, time: f64) -> Self {
         Self { time, ..self }
     }

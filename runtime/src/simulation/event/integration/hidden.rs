@@ -7,7 +7,7 @@ use crate::simulation::hidden_force::mean_change;
 
 /// Change of a velocity, as a share of what errors are measured by, above which it counts: a tenth of what a run promises.
 const COUNTS: f64 = 1e-7;
-/// The same as a multiple of the tolerance, beside which steps differ by themselves.
+/// Change as a multiple of the tolerance above which it counts: beside that steps differ by themselves.
 const BESIDE_TOLERANCE: f64 = 100.0;
 
 /// Tolerance above which nobody looks: such a run is not as accurate as what would count.
