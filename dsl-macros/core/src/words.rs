@@ -426,7 +426,8 @@ pub(crate) fn rust_name(text: &str) -> String {
 
 /// Whether a word cannot name a field or a type in Rust.
 pub(crate) fn is_rust_word(text: &str) -> bool {
-    !is_raw(text) && (text.starts_with("r#") || syn::parse_str::<syn::Ident>(text).is_err())
+    let in_rust = || syn::parse_str::<syn::Ident>(&rust_name(text));
+    !is_raw(text) && (text.starts_with("r#") || in_rust().is_err())
 }
 
 /// The name whose velocity is written like this elsewhere, such as `y` by `ydot`, `y_dot` or `dy`; `dot(y)` is meant.

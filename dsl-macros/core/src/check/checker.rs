@@ -285,7 +285,7 @@ impl Checker<'_> {
                 format!("`{text}` is reserved for {meaning}; choose another name"),
             ));
         }
-        if words::is_rust_word(&name.rust()) && !self.diagnostics.is_data {
+        if words::is_rust_word(text) && !self.diagnostics.is_data {
             return Err(self.diagnostics.report(
                 "E11",
                 place,

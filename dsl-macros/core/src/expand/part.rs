@@ -65,7 +65,7 @@ pub(super) fn statements(tokens: &[TokenTree]) -> Vec<&[TokenTree]> {
     for at in 0..tokens.len() {
         let before = at.checked_sub(1).and_then(|before| tokens.get(before));
         let documents = is_punct(tokens.get(at), '#') && !is_punct(before, '#');
-        if documents && !documented || !documented && begins_any(&tokens[at..], before) {
+        if !documented && (documents || begins_any(&tokens[at..], before)) {
             found.push(&tokens[begin..at]);
             begin = at;
         }

@@ -167,7 +167,7 @@ pub(crate) fn outline(input: TokenStream) -> Option<Outline> {
 
 /// Whether a name can be emitted as an identifier.
 fn is_plain(name: &Name) -> bool {
-    !words::is_rust_word(&name.rust())
+    !words::is_rust_word(&name.text)
 }
 
 fn visibility(cursor: &mut Cursor) -> TokenStream {
