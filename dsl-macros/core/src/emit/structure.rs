@@ -28,7 +28,7 @@ pub(super) fn tokens(scene: &CheckedScene, derived: &Description) -> TokenStream
     });
     let setters = scene.parameters.iter().map(|parameter| {
         let ident = parameter.name.rust_ident();
-        let setter = format_ident!("with_{}", parameter.name.text, span = Span::call_site());
+        let setter = format_ident!("with_{}", ident, span = Span::call_site());
         let documentation = doc(&format!(
             "The same scene with another `{}`{}.",
             parameter.name.text,
@@ -95,7 +95,7 @@ pub(crate) fn stub(visibility: &TokenStream, name: &Name, parameters: &[Name]) -
     .map(|signature| quote!(fn #signature { ::core::panic!("this scene has mistakes") }));
     let fields = parameters.iter().map(Name::rust_ident);
     let setters = parameters.iter().map(|parameter| {
-        let setter = format_ident!("with_{}", parameter.text, span = Span::call_site());
+        let setter = format_ident!("with_{}", parameter.rust_ident(), span = Span::call_site());
         quote!(pub fn #setter(self, _: ::core::primitive::f64) -> Self { self })
     });
     quote! {

@@ -302,6 +302,7 @@ impl<'a> Repeat<'a> {
                     let message =
                         "behind indices stands a colon, as in `sum(k in 1..=n: x[k])`".to_owned();
                     self.refuse(Fault { place, message });
+                    written.pop_if(|last| matches!(last, TokenTree::Ident(_)));
                     written.push(number(0, group.span()));
                 }
                 None => {

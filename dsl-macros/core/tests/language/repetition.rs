@@ -291,6 +291,10 @@ fn slips_in_the_writing_of_counts_and_indices_are_told() {
             "count <<k>> = 2 - n",
             "E26: count `k` is -1, where 0 is the least",
         ),
+        (
+            "forces { theta[1]: sum(<<k in 1..=n, theta[k]>>)*1 [N m] }",
+            "E26: behind indices stands a colon, as in `sum(k in 1..=n: x[k])`",
+        ),
         ("; <<count>> k", "`count` is written as in `count n = 3`"),
         (
             "forces { theta[<<k>>]: 1 [N m]*sum(k in 1..=n: theta[k]) }",
@@ -404,6 +408,7 @@ fn settled_style_keeps_repetition_and_parts() {
     let wanted = "\
 //! Links.
 
+use \"leg.hang\"
 count n = 3 // links
 part link(hip, m: kg, n) {
     coordinates { q[n]: rad }
@@ -420,7 +425,7 @@ start { first.q[k in 1..=n]: 0.1*k }
     let loose = wanted
         .replace("+=", " +=  ")
         .replace("link(x, ", "link( x ,")
-        .replace("count n = 3", "count n=3");
+        .replace("\ncount n = 3", " count n=3");
     for text in [&loose, wanted] {
         assert_eq!(
             hangtime_dsl::format_text(text, "s").expect("no mistakes"),
