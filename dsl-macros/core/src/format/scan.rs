@@ -52,9 +52,6 @@ pub(super) fn pieces(text: &str) -> Vec<Piece> {
             (Kind::Comment, block_comment(trimmed))
         } else if begins_number(trimmed) {
             (Kind::Word, number(trimmed))
-        } else if first == '"' {
-            let end = trimmed[1..].find('"');
-            (Kind::Word, end.map_or(trimmed.len(), |end| end + 2))
         } else if first.is_alphanumeric() || first == '_' {
             let end = trimmed.find(|c: char| !c.is_alphanumeric() && c != '_');
             (Kind::Word, end.unwrap_or(trimmed.len()))
