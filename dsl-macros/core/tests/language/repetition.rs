@@ -408,7 +408,6 @@ fn settled_style_keeps_repetition_and_parts() {
     let wanted = "\
 //! Links.
 
-use \"leg.hang\"
 count n = 3 // links
 part link(hip, m: kg, n) {
     coordinates { q[n]: rad }
@@ -425,7 +424,7 @@ start { first.q[k in 1..=n]: 0.1*k }
     let loose = wanted
         .replace("+=", " +=  ")
         .replace("link(x, ", "link( x ,")
-        .replace("\ncount n = 3", " count n=3");
+        .replace("count n = 3", "count n=3");
     for text in [&loose, wanted] {
         assert_eq!(
             hangtime_dsl::format_text(text, "s").expect("no mistakes"),
