@@ -13,6 +13,7 @@ mod impact_laws;
 mod joints;
 mod optimal_control_functions;
 mod profiles;
+mod repetition;
 mod same;
 mod scene_texts;
 mod shown;

@@ -414,7 +414,7 @@ pub(crate) fn is_raw(text: &str) -> bool {
     RAW.contains(&text)
 }
 
-/// A name as source of any edition of Rust.
+/// A name, or what contains one, as source of any edition of Rust: all that is emitted under a declared name goes through here.
 pub(crate) fn rust_name(text: &str) -> String {
     if is_raw(text) {
         format!("r#{text}")

@@ -70,10 +70,28 @@ fn declare(
     }
 }
 
+/// E19: where a scene is compiled, no two parameters are one field, as `m[1]` and `m_1` would be.
+fn field(checker: &mut Checker<'_>, name: &Name) -> Checked<()> {
+    if checker.diagnostics.is_data {
+        return Ok(());
+    }
+    let field = name.rust();
+    let mut known = checker.parameters.iter().map(|known| &known.name);
+    let Some(known) = known.find(|known| known.rust() == field) else {
+        return Ok(());
+    };
+    let message = format!(
+        "`{}` and `{}` are both the field `{field}` in Rust; rename one",
+        known.text, name.text
+    );
+    Err(checker.diagnostics.report("E19", name.place(), message))
+}
+
 fn parameter(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
     let name = &quantity.name;
     checker.scope.later.remove(&name.text);
     checker.new_name(name, "parameter")?;
+    field(checker, name)?;
     room(checker, name, checker.parameters.len())?;
     // Declared even if its value is missing or wrong, so that its uses give no second message.
     let index = checker.parameters.len() as u16;

@@ -36,7 +36,8 @@ pub(super) fn all(description: &Description, scene: &str) -> String {
 
 /// Name of the function of a kernel; names of surfaces may make two names of kernels equal.
 fn function(description: &Description, kernel: usize) -> String {
-    format!("__{kernel}_{}", description.kernels[kernel].name)
+    let name = format!("__{kernel}_{}", description.kernels[kernel].name);
+    words::rust_name(&name)
 }
 
 /// Writes the function `fn(p: &Scene, x: &[f64], y: &[f64], out: &mut [f64])` of a kernel, with `y` the multipliers or

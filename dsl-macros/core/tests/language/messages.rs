@@ -204,6 +204,8 @@ texts! {
         "E11: `t` is reserved for the physical time; choose another name",
         "E11: `clock` is reserved for the clock of the time-freezing reformulation; choose another name",
         "E11: `type` is a word of Rust and cannot be a field; choose another name";
+    one_field_of_two: messages "S { count n = 1 parameters { a[n] = 1, a_1 = 2 } coordinates { y } lagrangian a[1]*dot(y)^2 - a_1*y }" =>
+        "E19: `a[1]` and `a_1` are both the field `a_1` in Rust; rename one";
     profile_without_order: beside "profile h(y: m): m { (0, 0), (2, 1), (1, 2) }" =>
         "the points of profile `h` must go from left to right: 1 follows 2";
     profile_of_too_few_points: beside "profile h(y: m): m { (0, 0), (2, 1) }" =>

@@ -3,6 +3,7 @@
 use crate::mistakes_in_file;
 use hangtime_dsl::describe_text;
 use hangtime_dsl::description::Description;
+use proc_macro2::{TokenStream, TokenTree};
 
 fn described(text: &str) -> Description {
     match describe_text(text, "scene") {
@@ -430,5 +431,46 @@ start { first.q[k in 1..=n]: 0.1*k }
             hangtime_dsl::format_text(text, "s").expect("no mistakes"),
             wanted
         );
+    }
+}
+
+/// What stands behind every `fn` and its name, in all groups.
+fn behind_functions(tokens: TokenStream, found: &mut Vec<String>) {
+    let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+    for (at, token) in tokens.iter().enumerate() {
+        match token {
+            TokenTree::Group(group) => behind_functions(group.stream(), found),
+            TokenTree::Ident(word) if word == "fn" => {
+                let behind = tokens.get(at + 2).map(ToString::to_string);
+                found.extend(behind.filter(|_| matches!(tokens[at + 1], TokenTree::Ident(_))));
+            }
+            _ => {}
+        }
+    }
+}
+
+#[test]
+fn functions_of_parts_and_members_have_names_of_rust() {
+    let scene = "S {
+        part leg(hip, l: m) {
+            parameters { m: kg = 2 }
+            coordinates { angle: rad }
+            let foot = hip + l*(sin(angle), -cos(angle))
+            lagrangian += m/2*|dot(foot)|^2 - m*9.81 [m/s^2]*foot.z
+            surface sole: foot.z >= -1 [m]
+            impact sole: inelastic, friction 0.8, sliding dot(foot).y
+        }
+        left: leg((0, 0), 0.8 [m])
+        legs[k in 1..=2]: leg((0, k*0.1 [m]), 0.8 [m])
+    }";
+    let code = hangtime_dsl::expand(scene.parse().expect("tokens"));
+    let text = code.to_string();
+    assert!(!text.contains("compile_error"), "{text}");
+    assert!(text.contains("with_legs_2_m"), "{text}");
+    let mut behind = Vec::new();
+    behind_functions(code, &mut behind);
+    assert!(behind.len() > 20, "{behind:?}");
+    for arguments in behind {
+        assert!(arguments.starts_with('('), "{arguments}");
     }
 }
