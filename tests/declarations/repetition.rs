@@ -36,21 +36,24 @@ hangtime::model! {
         left: leg((0, x[1]), 0.8 [m])
         legs[k in 2..=n]: leg((0, x[k]), 0.7 [m])
         outputs { height[k in 1..=n] = x[k] }
+        start { x[k in 1..=n]: 1 [m] }
     }
 }
 
 hangtime::model! {
+    /// The same, written out.
     pub ByHand {
         parameters { a: kg = 0.1, b: kg = 0.2, g: m/s^2 = 9.81, c: kg = 2, e = 0.5, d: kg = 2, f = 0.5 }
-        coordinates { x: m, y: m, u: rad, v: rad }
-        let p = (0, x) + 0.8 [m]*(sin(u), -cos(u))
-        let q = (0, y) + 0.7 [m]*(sin(v), -cos(v))
-        lagrangian a/2*dot(x)^2 + b/2*dot(y)^2 - a*g*x - b*g*y
+        coordinates { r: m, s: m, u: rad, v: rad }
+        let p = (0, r) + 0.8 [m]*(sin(u), -cos(u))
+        let q = (0, s) + 0.7 [m]*(sin(v), -cos(v))
+        lagrangian a/2*dot(r)^2 + b/2*dot(s)^2 - a*g*r - b*g*s
             + c/2*|dot(p)|^2 - c*g*p.z + d/2*|dot(q)|^2 - d*g*q.z
         surface one: p.z >= 0
         impact one: restitution e, friction 0.8, sliding dot(p).y
         surface two: q.z >= 0
         impact two: restitution f, friction 0.8, sliding dot(q).y
+        start { r: 1 [m], s: 1 [m] }
     }
 }
 
@@ -94,6 +97,6 @@ fn compiled_repetition_and_parts_are_the_scene_written_by_hand() {
     assert_eq!(beads.declaration().coordinates[1].name, "next.z");
     assert_all_same(
         include_str!("repetition.rs"),
-        &[&Repeated::default(), &beads],
+        &[&Repeated::default(), &Beads::default()],
     );
 }

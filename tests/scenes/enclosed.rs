@@ -201,7 +201,7 @@ fn conditions_of_random_motions_come_true_as_often_as_their_closed_forms_say() {
 }
 
 #[test]
-#[ignore = "minutes: thousands of random motions"]
+#[ignore = "long"]
 fn conditions_of_thousands_of_random_motions() {
     let (wrong, stopped) = counts(0x5eed_1001, 4000);
     assert!(wrong.is_empty(), "{}: {}", wrong.len(), wrong.join("\n"));
@@ -251,7 +251,7 @@ fn rods_that_spin_touch_the_floor_first_when_their_closed_forms_say() {
 }
 
 #[test]
-#[ignore = "minutes: thousands of random throws"]
+#[ignore = "long"]
 fn thousands_of_rods_that_spin() {
     let wrong = first_touches(0x5eed_1002, 2000);
     assert!(wrong.is_empty(), "{}: {}", wrong.len(), wrong.join("\n"));

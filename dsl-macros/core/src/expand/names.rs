@@ -9,29 +9,28 @@ use proc_macro2::{Delimiter, Group, Ident, TokenTree};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::rc::Rc;
 
-/// What stands in an identifier for a point, an opened bracket and a minus sign: signs of which Rust allows identifiers to be
-/// made, and the language none.
-const SIGNS: [(char, char); 3] = [('.', '\u{b7}'), ('[', '\u{203f}'), ('-', '\u{2040}')];
+/// What stands in an identifier for an opened bracket before a minus sign, one alone, and a point: middle dots, of which Rust allows
+/// identifiers to be made without a warning, and the language none.
+const SIGNS: [(&str, &str); 3] = [("[-", "···"), ("[", "··"), (".", "·")];
 
 /// A name as one identifier.
 pub(super) fn encoded(name: &str) -> String {
-    let mut text = name.replace(']', "");
-    for (sign, letter) in SIGNS {
-        text = text.replace(sign, &letter.to_string());
-    }
-    text
+    let signs = SIGNS.into_iter();
+    signs.fold(name.replace(']', ""), |text, (sign, dots)| {
+        text.replace(sign, dots)
+    })
 }
 
 /// The name that an identifier stands for.
 pub(crate) fn decoded(text: String) -> String {
-    if text.is_ascii() || !SIGNS.iter().any(|&(_, letter)| text.contains(letter)) {
+    if text.is_ascii() || !text.contains('·') {
         return text;
     }
     let mut name = String::new();
     let mut open = false;
+    let signs = SIGNS.into_iter();
+    let text = signs.fold(text, |text, (sign, dots)| text.replace(dots, sign));
     for c in text.chars() {
-        let sign = SIGNS.iter().find(|&&(_, letter)| letter == c);
-        let c = sign.map_or(c, |&(sign, _)| sign);
         if open && (c == '[' || c == '.') {
             name.push(']');
             open = false;
