@@ -397,6 +397,35 @@ impl Expr {
 }
 
 impl Expr {
+    /// Whether it is a number without unit, possibly with sign and arithmetic: such a number is meant in the unit of the
+    /// declaration it belongs to.
+    pub(crate) fn is_bare(&self) -> bool {
+        match &self.kind {
+            Kind::Number { unit, .. } => unit.is_none(),
+            Kind::Name(name) => name.text == "pi",
+            Kind::Negate(inner) => inner.is_bare(),
+            Kind::Chain(..) => self.children().into_iter().all(Self::is_bare),
+            _ => false,
+        }
+    }
+
+    /// Whether a test holds for it or anything in it.
+    pub(crate) fn any(&self, test: &dyn Fn(&Self) -> bool) -> bool {
+        test(self) || self.children().into_iter().any(|part| part.any(test))
+    }
+
+    /// Whether it contains a call of what is called so.
+    pub(crate) fn calls(&self, wanted: &str) -> bool {
+        self.any(
+            &|part| matches!(&part.kind, Kind::Call { function, .. } if function.text == wanted),
+        )
+    }
+
+    /// Whether it contains a name.
+    pub(crate) fn mentions(&self, wanted: &str) -> bool {
+        self.any(&|part| matches!(&part.kind, Kind::Name(name) if name.text == wanted))
+    }
+
     /// The expressions that this one is made of, to be changed.
     pub(crate) fn children_mut(&mut self) -> Vec<&mut Self> {
         match &mut self.kind {

@@ -149,6 +149,13 @@ impl Diagnostics {
         self.push(None, place, message.into(), false)
     }
 
+    /// Takes over what was found apart from these.
+    pub(crate) fn absorb(&mut self, found: Self) {
+        for known in found.mistakes {
+            let _: Reported = self.push(known.code, known.place, known.message, known.warning);
+        }
+    }
+
     fn push(
         &mut self,
         code: Option<&'static str>,

@@ -8,6 +8,18 @@ use std::collections::BTreeMap;
 pub(crate) struct Dimension {
     base: [Ratio; 7],
     unknown: BTreeMap<usize, Ratio>,
+    /// Whether it agrees with every other one: units are not checked, or a mistake with it has been told.
+    silent: bool,
+}
+
+impl Default for Dimension {
+    /// One of which nothing is said.
+    fn default() -> Self {
+        Self {
+            silent: true,
+            ..Self::of(Unit::ONE)
+        }
+    }
 }
 
 impl Dimension {
@@ -15,15 +27,12 @@ impl Dimension {
         Self {
             base: unit.exponents,
             unknown: BTreeMap::new(),
+            silent: false,
         }
     }
 
     pub(crate) fn one() -> Self {
         Self::of(Unit::ONE)
-    }
-
-    pub(crate) fn second() -> Self {
-        Self::of(Unit::mechanical(0, 0, 1))
     }
 
     pub(crate) fn times(&self, other: &Self) -> Self {
@@ -37,6 +46,7 @@ impl Dimension {
     /// `self * other^exponent`.
     fn combine(&self, other: &Self, exponent: Ratio) -> Self {
         let mut result = self.clone();
+        result.silent |= other.silent;
         for (own, its) in result.base.iter_mut().zip(other.base) {
             *own = *own + its * exponent;
         }
@@ -50,6 +60,11 @@ impl Dimension {
 
     pub(crate) fn power(&self, exponent: Ratio) -> Self {
         Self::one().combine(self, exponent)
+    }
+
+    /// Whether nothing is said of it.
+    pub(crate) fn is_silent(&self) -> bool {
+        self.silent
     }
 
     fn is_one(&self) -> bool {
@@ -79,6 +94,7 @@ impl Unifier {
         let mut result = Dimension {
             base: dimension.base,
             unknown: BTreeMap::new(),
+            silent: dimension.silent,
         };
         for (unknown, &exponent) in &dimension.unknown {
             match self.solved.get(unknown) {
@@ -97,7 +113,7 @@ impl Unifier {
     /// Makes both dimensions equal, inferring unknown units; whether that is possible.
     pub(crate) fn unify(&mut self, left: &Dimension, right: &Dimension) -> bool {
         let difference = self.resolve(&left.over(right));
-        if difference.is_one() {
+        if difference.silent || difference.is_one() {
             return true;
         }
         // Numbers that fit anywhere are solved for first, so that names keep their freedom.
@@ -164,7 +180,8 @@ impl Unifier {
     /// The unit, if all of it is known.
     pub(crate) fn known(&self, dimension: &Dimension) -> Option<Unit> {
         let resolved = self.resolve(dimension);
-        resolved.unknown.is_empty().then_some(Unit {
+        let known = resolved.unknown.is_empty() && !resolved.silent;
+        known.then_some(Unit {
             exponents: resolved.base,
             scale: 1.0,
         })

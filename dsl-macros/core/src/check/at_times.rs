@@ -4,10 +4,9 @@
 //! has to be what the condition asks for at the end of the motion. A motion that ends before does not keep to it, as the state begins where no
 //! condition holds.
 
-use super::checker::{Checker, Moment, Reset};
+use super::checker::{Asked, Checker, Moment, Reset};
 use super::names::{self, recorded};
-use super::rules::smooth;
-use super::values::of_an_instant;
+use super::values::condition_at_an_instant;
 use super::{resets, states};
 use crate::ast::{Assignment, Condition, Documentation, Expr, Name, Relation};
 use crate::diagnostics::{Checked, Reported};
@@ -79,7 +78,10 @@ pub(super) fn at(
 
 /// The time of the conditions, which depends on parameters alone.
 fn moment(checker: &mut Checker<'_>, time: &Expr) -> Checked<Moment> {
-    let value = checker.scalar(time)?;
+    let own = checker.number(time)?;
+    let second = checker.scope.units.second();
+    checker.given(time, &own, &second, "conditions hold at a time");
+    let value = own.sym;
     let mut moving = graph::variables(&[value]).into_iter();
     if let Some(variable) = moving.find(|variable| !matches!(variable, Variable::Parameter(_))) {
         let message = format!(
@@ -112,24 +114,23 @@ fn reached(checker: &mut Checker<'_>, time: &Expr) -> Checked<(usize, Sym)> {
     let state = states
         .position(|state| state.name.text == name)
         .ok_or(Reported)?;
-    checker.task.goals.push(vec![scene::Condition {
+    let condition = scene::Condition {
         name,
         documentation: Documentation::default(),
         function: Sym::variable(states::variable(checker, state)),
         equality: false,
         unit: None,
-    }]);
+    };
+    // That the time has come.
+    let unit = checker.scope.units.one();
+    let pieces = vec![condition];
+    checker.task.goals.push(Asked { pieces, unit });
     Ok((state, Sym::ONE))
 }
 
 /// Evaluates a condition and declares what it asks for; the state that records it, and the value that is recorded.
 fn one(checker: &mut Checker<'_>, condition: &Condition, time: &Expr) -> Checked<(usize, Sym)> {
-    let mut side = |expr: &Expr| {
-        let value = of_an_instant(checker, expr)?;
-        smooth(value, expr, checker)?;
-        Ok(value)
-    };
-    let (left, right) = (side(&condition.left), side(&condition.right));
+    let value = condition_at_an_instant(checker, condition);
     let name = recorded(condition, time).text;
     let taken = |state: &usize| {
         let moments = checker.moments.iter();
@@ -139,13 +140,9 @@ fn one(checker: &mut Checker<'_>, condition: &Condition, time: &Expr) -> Checked
     };
     let mut all = (0..checker.states.len()).filter(taken);
     let state = all.find(|&state| checker.states[state].name.text == name);
-    let (left, right, state) = (left?, right?, state.ok_or(Reported)?);
-    let value = match condition.relation {
-        Relation::AtMost => right - left,
-        Relation::AtLeast | Relation::Equal => left - right,
-    };
+    let (value, state) = (value?, state.ok_or(Reported)?);
     let moves = |variable| !matches!(variable, Variable::Parameter(_) | Variable::Time);
-    if !graph::depends_on(value, moves) {
+    if !graph::depends_on(value.sym, moves) {
         let message = format!(
             "`{condition}` is the same for every motion, so it is no condition; use coordinates, velocities or states"
         );
@@ -153,14 +150,18 @@ fn one(checker: &mut Checker<'_>, condition: &Condition, time: &Expr) -> Checked
         return Err(checker.diagnostics.report("E15", place, message));
     }
     let function = Sym::variable(states::variable(checker, state));
-    checker.task.goals.push(vec![scene::Condition {
+    let asked = scene::Condition {
         name,
         documentation: condition.documentation.clone(),
         function,
         equality: condition.relation == Relation::Equal,
         unit: None,
-    }]);
-    Ok((state, value))
+    };
+    checker.task.goals.push(Asked {
+        pieces: vec![asked],
+        unit: value.unit,
+    });
+    Ok((state, value.sym))
 }
 
 /// E17: the times lie inside of a motion whose length is given, and what is recorded begins where nothing holds.

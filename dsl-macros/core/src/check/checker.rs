@@ -1,8 +1,9 @@
 //! What a declaration has said so far, and what every rule asks of it.
 
-use crate::ast::{Assignment, Documentation, Expr, Name};
+use crate::ast::{Assignment, Documentation, Expr, Name, Relation};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
-use crate::evaluate::{Evaluation, Scope, Value, expression};
+use crate::dimension::Dimension;
+use crate::evaluate::{Evaluation, Meaning, Number, Scope, Value, expression};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{self, Coordinate, Parameter};
 use crate::words;
@@ -75,9 +76,17 @@ pub(super) enum Of {
 #[derive(Default)]
 pub(super) struct Laws {
     pub(super) impacts: Vec<CheckedLaw>,
+    pub(super) sliding: Vec<Sliding>,
     pub(super) dry: Vec<DryFriction>,
     pub(super) resets: Vec<Reset>,
     pub(super) joints: Vec<scene::Joint>,
+}
+
+/// A sliding velocity, whose surfaces may stand below.
+pub(super) struct Sliding {
+    pub(super) surfaces: Vec<Name>,
+    pub(super) expr: Expr,
+    pub(super) unit: Dimension,
 }
 
 /// What is set where a condition comes true.
@@ -150,12 +159,18 @@ pub(super) struct CheckedFriction {
 #[derive(Default)]
 pub(super) struct Task {
     pub(super) cost: Option<Cost>,
-    /// As declared, each one condition for every piece.
-    pub(super) constraints: Vec<Vec<scene::Condition>>,
-    pub(super) goals: Vec<Vec<scene::Condition>>,
+    /// As declared.
+    pub(super) constraints: Vec<Asked>,
+    pub(super) goals: Vec<Asked>,
     /// Unknowns that are the largest of some values.
     pub(super) epigraphs: Vec<scene::Epigraph>,
     pub(super) free: Vec<Free>,
+}
+
+/// A condition: one for every piece of it, and the unit of both sides.
+pub(super) struct Asked {
+    pub(super) pieces: Vec<scene::Condition>,
+    pub(super) unit: Dimension,
 }
 
 /// The two parts of an objective.
@@ -197,12 +212,50 @@ impl Checker<'_> {
     }
 
     /// Evaluates an expression that must be a number.
-    pub(super) fn scalar(&mut self, expr: &Expr) -> Checked<Sym> {
+    pub(super) fn number(&mut self, expr: &Expr) -> Checked<Number> {
         expression::scalar(&mut self.evaluation(), expr)
     }
 
+    /// The unit of what a name stands for, if that is a number.
+    pub(super) fn unit_of(&mut self, name: &str) -> Dimension {
+        match self.scope.names.get(name) {
+            Some(Meaning::Value(Value::Scalar(number))) => number.unit.clone(),
+            _ => self.scope.units.unknown(name),
+        }
+    }
+
+    /// The difference of both sides of a comparison, not negative where it holds, in the unit of both.
+    pub(super) fn difference(
+        &mut self,
+        [(left, own), (right, its)]: [(&Expr, &Number); 2],
+        relation: Relation,
+        sides: &str,
+    ) -> Number {
+        let units = &mut self.scope.units;
+        units.angles((left, own), (right, its));
+        let place = left.place.to(right.place);
+        units.same(place, (left, &own.unit), (right, &its.unit), sides);
+        own.with(match relation {
+            Relation::AtLeast | Relation::Equal => own.sym - its.sym,
+            Relation::AtMost => its.sym - own.sym,
+        })
+    }
+
+    /// Whether a number is in the unit of what it belongs to, or bare, which is meant in that unit.
+    pub(super) fn given(&mut self, expr: &Expr, own: &Number, wanted: &Dimension, reason: &str) {
+        if !expr.is_bare() {
+            self.scope.units.expect(expr, &own.unit, wanted, reason);
+        }
+    }
+
+    /// Tells what was found about units.
+    pub(super) fn tell_units(&mut self) {
+        let found = std::mem::take(&mut self.scope.units.found);
+        self.diagnostics.absorb(found);
+    }
+
     /// Evaluates an expression in which a name stands for a number.
-    pub(super) fn value_over(&mut self, named: (&str, Sym), expr: &Expr) -> Checked<Value> {
+    pub(super) fn value_over(&mut self, named: (&str, Number), expr: &Expr) -> Checked<Value> {
         expression::value_over(&mut self.evaluation(), named, expr)
     }
 

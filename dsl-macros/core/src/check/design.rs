@@ -1,7 +1,7 @@
 //! Parameters that optimal control is to find, `free name: unit in lower..=upper = value`.
 
 use super::checker::Checker;
-use super::values;
+use super::values::{self, DECLARED, Target};
 use crate::ast::Quantity;
 use crate::diagnostics::{Checked, Diagnostics, Reported};
 use crate::graph::{self, Sym, Variable};
@@ -19,7 +19,8 @@ pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Chec
         let (Some(index), Some(range)) = (index, &quantity.bounds) else {
             continue;
         };
-        let Ok(range) = values::range(checker, range, quantity.unit.as_ref(), &name.text) else {
+        let of = Target::declared(name, quantity.unit.as_ref());
+        let Ok(range) = values::range(checker, range, &of, DECLARED) else {
             continue;
         };
         let default = checker.parameters[index].default;

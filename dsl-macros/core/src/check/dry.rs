@@ -5,11 +5,10 @@ use super::{friction, law};
 use crate::ast::{Documentation, Expr, Name};
 use crate::derive::simplify;
 use crate::diagnostics::Checked;
-use crate::evaluate::{FIRST_DRY, Role};
+use crate::dimension::Dimension;
+use crate::evaluate::{FIRST_DRY, Number, Role};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::Contact;
-use hangtime_units::Unit;
-use std::collections::HashMap;
 
 /// E20: a surface, a dry friction or a joint has a name of its own.
 pub(super) fn new_contact(checker: &mut Checker<'_>, name: &Name, what: &str) -> Checked<()> {
@@ -36,11 +35,23 @@ pub(super) fn friction(
     sliding: &Expr,
 ) -> Checked<()> {
     new_contact(checker, name, "dry friction")?;
-    let bound = self::bound(checker, name, bound);
-    let sliding = law::sliding(checker, sliding);
-    let (Ok(bound), Ok(sliding)) = (bound, sliding) else {
+    let velocity = law::sliding(checker, sliding);
+    let speed = velocity.as_ref().map(|velocity| velocity.unit.clone());
+    let own = self::bound(checker, name, bound, speed.unwrap_or_default());
+    let (Ok(own), Ok(velocity)) = (own, velocity) else {
         return checker.poison(name);
     };
+    let units = &mut checker.scope.units;
+    // A force does work along the way on which it brakes.
+    let way = velocity.unit.times(&units.second());
+    let wanted = units.energy.over(&way);
+    let reason = format!(
+        "the bound of `{}` is the Lagrangian's unit over that of its sliding velocity times s",
+        name.text
+    );
+    units.expect(bound, &own.unit, &wanted, &reason);
+    units.gaps.insert(name.text.clone(), way);
+    let (bound, sliding) = (own.sym, velocity.sym);
     let forces = graph::variables(&[bound]).into_iter();
     let (mut loads, mut joint_loads) = (Vec::new(), Vec::new());
     for force in forces {
@@ -75,11 +86,12 @@ fn is_force(variable: Variable) -> bool {
 }
 
 /// E07 and E10: the bound is linear in the forces that it follows, and not negative.
-fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
+fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr, speed: Dimension) -> Checked<Number> {
     checker.scope.role = Role::Bound;
-    let bound = friction::with_speed(checker, |checker| checker.scalar(expr));
+    let own = friction::with_speed(checker, speed, |checker| checker.number(expr));
     checker.scope.role = Role::Motion;
-    let bound = bound?;
+    let own = own?;
+    let bound = own.sym;
     for force in graph::variables(&[bound])
         .into_iter()
         .filter(|&v| is_force(v))
@@ -114,17 +126,13 @@ fn bound(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Sym> {
             );
             Err(checker.diagnostics.report("E10", expr.place, message))
         }
-        _ => Ok(bound),
+        _ => Ok(own),
     }
 }
 
 /// Adds the dry frictions behind the surfaces, with units in which their velocities are integrated, and lets the outputs
 /// know their places.
-pub(super) fn append(
-    checker: &mut Checker<'_>,
-    units: &HashMap<String, Unit>,
-    contacts: &mut Vec<Contact>,
-) {
+pub(super) fn append(checker: &mut Checker<'_>, contacts: &mut Vec<Contact>) {
     let surfaces = contacts.len() as u16;
     let place = |value: &mut Sym| {
         let placed = graph::substitute(&[*value], |variable| match variable {
@@ -142,14 +150,14 @@ pub(super) fn append(
     let costs = costs.flat_map(|cost| cost.running.iter_mut().chain(&mut cost.terminal));
     costs.for_each(&place);
     let conditions = task.constraints.iter_mut().chain(&mut task.goals);
-    let conditions = conditions.flatten();
+    let conditions = conditions.flat_map(|asked| &mut asked.pieces);
     conditions.for_each(|condition| place(&mut condition.function));
     let epigraphs = task.epigraphs.iter_mut();
     let rows = epigraphs.flat_map(|known| known.rows.iter_mut().chain(&mut known.at_start));
     rows.for_each(&place);
     for dry in std::mem::take(&mut checker.laws.dry) {
         contacts.push(Contact {
-            unit: units.get(&dry.name.text).copied(),
+            unit: checker.scope.units.gap(&dry.name.text),
             loads: dry.loads,
             joint_loads: dry.joint_loads,
             ..Contact::dry(dry.name, dry.documentation, (dry.sliding, dry.bound))

@@ -7,7 +7,8 @@ use super::checker::{CheckedFriction, Checker, Surface};
 use crate::ast::Expr;
 use crate::derive::simplify;
 use crate::diagnostics::Checked;
-use crate::evaluate::{Meaning, Value};
+use crate::dimension::Dimension;
+use crate::evaluate::{Meaning, Number, Value};
 use crate::graph::{self, Compose, Function, Sym, Variable};
 use crate::scene::Friction;
 use crate::words;
@@ -15,14 +16,16 @@ use crate::words;
 /// What stands for the size of the sliding velocity until that is known.
 const SPEED: Variable = Variable::Argument(12_000);
 
-/// Evaluates what may contain the speed of sliding, by the word for it unless a declaration has taken that.
+/// Evaluates what may contain the speed of sliding in this unit, by the word for it unless a declaration has taken that.
 pub(super) fn with_speed<T>(
     checker: &mut Checker<'_>,
+    unit: Dimension,
     evaluate: impl FnOnce(&mut Checker<'_>) -> T,
 ) -> T {
     let taken = checker.scope.names.contains_key(words::SPEED);
     if !taken {
-        let speed = Meaning::Value(Value::Scalar(Sym::variable(SPEED)));
+        let sym = Sym::variable(SPEED);
+        let speed = Meaning::Value(Value::Scalar(Number { sym, unit }));
         checker.scope.names.insert(words::SPEED.to_owned(), speed);
     }
     let value = evaluate(checker);
@@ -44,13 +47,23 @@ fn still(value: Sym) -> Sym {
     simplify(graph::substitute(&[value], still)[0])
 }
 
+/// E03: a coefficient has no unit.
+pub(super) fn ratio(checker: &mut Checker<'_>, expr: &Expr, own: &Number, of: &str) {
+    let units = &mut checker.scope.units;
+    let reason = format!("a coefficient of {of} is a ratio");
+    units.expect(expr, &own.unit, &units.one(), &reason);
+}
+
 /// The coefficient of sliding, and that at rest if it is another one.
 pub(super) fn coefficients(
     checker: &mut Checker<'_>,
     sliding: &Expr,
     at_rest: Option<&Expr>,
+    speed: Dimension,
 ) -> Checked<(Sym, Option<Sym>)> {
-    let value = with_speed(checker, |checker| checker.scalar(sliding))?;
+    let own = with_speed(checker, speed, |checker| checker.number(sliding))?;
+    ratio(checker, sliding, &own, "friction");
+    let value = own.sym;
     let wrong = |variable: &Variable| match variable {
         Variable::Parameter(_) | Variable::Coordinate(_) | Variable::Time => false,
         other => *other != SPEED,
@@ -67,8 +80,9 @@ pub(super) fn coefficients(
     let Some(expr) = at_rest else {
         return Ok((value, None));
     };
-    let rest = checker.scalar(expr)?;
-    let rest = checker.constant(rest, expr, "the coefficient of friction at rest")?;
+    let rest = checker.number(expr)?;
+    ratio(checker, expr, &rest, "friction");
+    let rest = checker.constant(rest.sym, expr, "the coefficient of friction at rest")?;
     checker.coefficient(rest, expr, "friction", f64::INFINITY)?;
     let values = (checker.at_default(rest), checker.at_default(still(value)));
     if let (Some(rest), Some(slides)) = values
@@ -89,23 +103,18 @@ pub(super) fn completed(
     sliding: Sym,
     checker: &mut Checker<'_>,
 ) -> Checked<Friction> {
+    let law = |coefficient, kinetic, share| Friction {
+        coefficient,
+        kinetic,
+        share,
+        sliding,
+        across: None,
+    };
     let is_number = |value| graph::variables(&[value]).iter().all(is_parameter);
     if is_number(friction.coefficient) {
         return Ok(match friction.at_rest {
-            None => Friction {
-                coefficient: friction.coefficient,
-                kinetic: None,
-                share: None,
-                sliding,
-                across: None,
-            },
-            Some(at_rest) => Friction {
-                coefficient: at_rest,
-                kinetic: Some(friction.coefficient),
-                share: None,
-                sliding,
-                across: None,
-            },
+            None => law(friction.coefficient, None, None),
+            Some(at_rest) => law(at_rest, Some(friction.coefficient), None),
         });
     }
     let slowly = still(friction.coefficient);
@@ -116,13 +125,7 @@ pub(super) fn completed(
     }
     let share = Some(at_speed(friction.coefficient, sliding));
     let Some(at_rest) = friction.at_rest else {
-        return Ok(Friction {
-            coefficient: Sym::ONE,
-            kinetic: None,
-            share,
-            sliding,
-            across: None,
-        });
+        return Ok(law(Sym::ONE, None, share));
     };
     let ratio = simplify(at_rest * slowly.power(-2));
     if !is_number(ratio) {
@@ -130,13 +133,7 @@ pub(super) fn completed(
                        coefficient of sliding that is the same at all places and times";
         return Err(checker.diagnostics.report("E07", friction.place, message));
     }
-    Ok(Friction {
-        coefficient: ratio,
-        kinetic: Some(Sym::ONE),
-        share,
-        sliding,
-        across: None,
-    })
+    Ok(law(ratio, Some(Sym::ONE), share))
 }
 
 /// The law of friction in space, with two sliding velocities.
@@ -155,7 +152,7 @@ pub(super) fn in_space(
         return Err(checker.diagnostics.report("E07", friction.place, message));
     }
     let n = checker.coordinates.len();
-    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let velocities = Variable::velocities(n);
     let [first, second] = [sliding, across].map(|one| graph::gradient(one, &velocities));
     let apart = |i: usize, j: usize| simplify(first[i] * second[j] - first[j] * second[i]);
     let mut pairs = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));

@@ -2,14 +2,12 @@
 
 use super::checker::Checker;
 use super::dry;
-use super::rules::is_velocity;
+use super::rules::{is_square, is_velocity};
 use crate::ast::{Documentation, Expr, Name};
 use crate::diagnostics::{Checked, Place};
-use crate::evaluate::{Value, velocity_direction};
+use crate::evaluate::{Number, Value, velocity_direction};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{Contact, Joint};
-use hangtime_units::Unit;
-use std::collections::{HashMap, HashSet};
 
 /// Most equations of all joints of one scene.
 const MOST: usize = 500;
@@ -34,6 +32,7 @@ pub(super) fn joint(
     let Ok(holonomic) = kind(checker, name, &rows, place) else {
         return checker.poison(name);
     };
+    units(checker, (name, holonomic), (left, &own), (right, &its));
     let first = checker
         .laws
         .joints
@@ -63,7 +62,7 @@ fn rows(
     (left, own): (&Expr, &Value),
     (right, its): (&Expr, &Value),
 ) -> Checked<Vec<Sym>> {
-    let zero = |value: &Value| matches!(value, Value::Scalar(Sym::ZERO));
+    let zero = |value: &Value| matches!(value, Value::Scalar(own) if own.sym == Sym::ZERO);
     let place = left.place.to(right.place);
     let matrix = |value: &Value| matches!(value, Value::Matrix(_));
     if matrix(own) || matrix(its) {
@@ -73,13 +72,13 @@ fn rows(
         );
         return Err(checker.diagnostics.report("E25", place, message));
     }
-    let (first, second) = (own.components(), its.components());
+    let (first, second) = (own.syms(), its.syms());
     // A bare zero is the zero of any number of components.
     if zero(its) {
-        return Ok(first.to_vec());
+        return Ok(first);
     }
     if zero(own) {
-        return Ok(second.iter().map(|&value| -value).collect());
+        return Ok(second.into_iter().map(|value| -value).collect());
     }
     if first.len() != second.len() {
         let components = |value: &Value| match value {
@@ -94,7 +93,7 @@ fn rows(
         );
         return Err(checker.diagnostics.report("E25", place, message));
     }
-    Ok(first.iter().zip(second).map(|(&a, &b)| a - b).collect())
+    Ok(first.into_iter().zip(second).map(|(a, b)| a - b).collect())
 }
 
 /// Whether a joint is one of positions; it is one of velocities otherwise, and linear in them.
@@ -139,7 +138,7 @@ fn kind(checker: &mut Checker<'_>, name: &Name, rows: &[Sym], place: Place) -> C
             _ => format!("component {} of joint `{text}`", i + 1),
         };
         let rate = rate(row, holonomic);
-        let gradient = graph::gradient(rate, &velocities(n));
+        let gradient = graph::gradient(rate, &Variable::velocities(n));
         if gradient.iter().all(|entry| entry.is_structural_zero()) {
             let message = format!(
                 "{component} depends on no coordinate, so that it holds nothing; write positions on its sides, or \
@@ -180,21 +179,6 @@ fn linear(
     Err(checker.diagnostics.report("E25", place, message))
 }
 
-/// Whether a row is one square, or a multiple of it.
-fn is_square(row: Sym) -> bool {
-    let coordinate = |variable: Variable| matches!(variable, Variable::Coordinate(_));
-    let squared = |sym: Sym| match sym.node() {
-        graph::Node::Product(factors) => factors
-            .iter()
-            .any(|&(factor, halves)| halves >= 4 && graph::depends_on(factor, coordinate)),
-        _ => false,
-    };
-    match row.node() {
-        graph::Node::Sum(terms) if terms.len() == 1 => squared(terms[0].0),
-        _ => squared(row),
-    }
-}
-
 /// The rate of a row of positions; a row of velocities itself.
 fn rate(row: Sym, holonomic: bool) -> Sym {
     if holonomic {
@@ -202,10 +186,6 @@ fn rate(row: Sym, holonomic: bool) -> Sym {
     } else {
         row
     }
-}
-
-fn velocities(n: usize) -> Vec<Variable> {
-    (0..n).map(|i| Variable::Velocity(i as u16)).collect()
 }
 
 /// E24: forces of joints in optimal control, where contacts push along normals and tangents, and nothing switches what acts.
@@ -229,18 +209,8 @@ pub(super) fn planned(checker: &mut Checker<'_>, contacts: &[Contact]) {
     checker.diagnostics.report("E24", place, message);
 }
 
-/// Names of the joints that are equations between velocities.
-pub(super) fn of_velocities(checker: &Checker<'_>) -> HashSet<String> {
-    let rolling = checker.laws.joints.iter().filter(|joint| !joint.holonomic);
-    rolling.map(|joint| joint.name.text.clone()).collect()
-}
-
 /// The units of all joints, now that they are known, and contacts that do not go with them.
-pub(super) fn finish(
-    checker: &mut Checker<'_>,
-    units: &HashMap<String, Unit>,
-    contacts: &[Contact],
-) {
+pub(super) fn finish(checker: &mut Checker<'_>, contacts: &[Contact]) {
     if checker.laws.joints.is_empty() {
         return;
     }
@@ -254,7 +224,37 @@ pub(super) fn finish(
         checker.diagnostics.report("E25", place, message);
     }
     for joint in &mut checker.laws.joints {
-        let unit = units.get(&joint.name.text).copied();
-        joint.unit = unit;
+        joint.unit = checker.scope.units.gap(&joint.name.text);
     }
+}
+
+/// E03: both sides agree, component by component, and so do the components. A force does work on what is held: a joint of velocities
+/// is measured by the way.
+fn units(
+    checker: &mut Checker<'_>,
+    (name, holonomic): (&Name, bool),
+    (left, own): (&Expr, &Value),
+    (right, its): (&Expr, &Value),
+) {
+    let units = &mut checker.scope.units;
+    let place = left.place.to(right.place);
+    let [sides, components] =
+        ["both sides", "the components"].map(|what| format!("{what} of joint `{}`", name.text));
+    let (own, its) = (own.components(), its.components());
+    if let ([own], [its]) = (own, its) {
+        units.angles((left, own), (right, its));
+    }
+    // A zero stands for all components of the other side.
+    let at = |list: &[Number], i: usize| list.get(i).unwrap_or(&list[0]).unit.clone();
+    let first = at(own, 0);
+    (0..own.len().max(its.len())).all(|i| {
+        let (own, its) = (at(own, i), at(its, i));
+        units.same(place, (left, &own), (right, &its), &sides)
+            && units.same(place, (left, &first), (left, &own), &components)
+    });
+    let way = match holonomic {
+        true => first,
+        false => first.times(&units.second()),
+    };
+    units.put_gap(name, way);
 }

@@ -1,23 +1,17 @@
 //! Impact laws: what their parts may be, and which surface has which.
 
-use super::checker::{CheckedFriction, CheckedLaw, Checker, Surface};
+use super::checker::{CheckedFriction, CheckedLaw, Checker, Sliding, Surface};
 use super::friction;
 use super::rules::is_velocity;
 use crate::ast::{Expr, Kind, Law, Name};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
-use crate::evaluate::Value;
+use crate::dimension::Dimension;
+use crate::evaluate::{Number, Value};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::parse::law_of;
 use crate::scene::{self, Contact, Friction};
-use hangtime_units::Unit;
-use std::collections::HashMap;
-
-/// A surface with its law, before the law is completed from the Lagrangian.
-pub(super) struct Pair {
-    surface: Surface,
-    law: CheckedLaw,
-}
+use crate::words;
 
 pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) -> Checked<()> {
     let before = checker.diagnostics.mistakes();
@@ -25,16 +19,18 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
         .restitution
         .as_ref()
         .map(|expr| coefficient(checker, expr, "restitution", 1.0));
-    let friction = law
-        .friction
-        .as_ref()
-        .map(|expr| friction::coefficients(checker, expr, law.at_rest.as_ref()));
+    let first = checker.laws.sliding.len();
     let sliding = law.sliding.as_ref().map(|expr| {
         let velocities = velocities(expr).iter();
         velocities
-            .map(|expr| of_piece(checker, expr))
+            .map(|expr| of_piece(checker, surfaces, expr))
             .collect::<Checked<Vec<Vec<Sym>>>>()
     });
+    let speed = speed(checker, &surfaces[0], first);
+    let friction = law
+        .friction
+        .as_ref()
+        .map(|expr| friction::coefficients(checker, expr, law.at_rest.as_ref(), speed));
     let along = law.along.as_ref().map(|expr| direction(checker, expr));
     let held = held(checker, &law.holding);
     let (Ok(restitution), Ok(friction), Ok(sliding), Ok(along), Ok(held)) = (
@@ -44,6 +40,7 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
         along.transpose(),
         held,
     ) else {
+        checker.laws.sliding.truncate(first);
         for surface in surfaces {
             checker.diagnostics.poison(&law_of(&surface.text));
         }
@@ -89,9 +86,40 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
 
 /// E10: a coefficient of parameters between 0 and a bound, for their defaults.
 fn coefficient(checker: &mut Checker<'_>, expr: &Expr, of: &str, most: f64) -> Checked<Sym> {
-    let sym = checker.scalar(expr)?;
-    let sym = checker.constant(sym, expr, &format!("the coefficient of {of}"))?;
+    let own = checker.number(expr)?;
+    friction::ratio(checker, expr, &own, of);
+    let sym = checker.constant(own.sym, expr, &format!("the coefficient of {of}"))?;
     checker.coefficient(sym, expr, of, most)
+}
+
+/// The unit of the speed of sliding, as far as it is known: that behind `sliding`, or the rate of the gap.
+fn speed(checker: &mut Checker<'_>, surface: &Name, sliding: usize) -> Dimension {
+    let units = &mut checker.scope.units;
+    let own = checker.laws.sliding.get(sliding);
+    match (own, units.gaps.get(&surface.text)) {
+        (Some(own), _) => own.unit.clone(),
+        (_, Some(gap)) => gap.over(&units.second()),
+        _ => units.unknown(words::SPEED),
+    }
+}
+
+/// E03: sliding velocities are measured like the gaps, over seconds.
+pub(super) fn sliding_units(checker: &mut Checker<'_>) {
+    for sliding in std::mem::take(&mut checker.laws.sliding) {
+        for surface in sliding.surfaces {
+            let units = &mut checker.scope.units;
+            let Some(gap) = units.gaps.get(&surface.text) else {
+                continue;
+            };
+            let wanted = gap.over(&units.second());
+            let reason = format!(
+                "the sliding velocity of `{}` has the unit of its gap over s",
+                surface.text
+            );
+            units.expect(&sliding.expr, &sliding.unit, &wanted, &reason);
+        }
+    }
+    checker.tell_units();
 }
 
 /// The sliding velocities of a law: one, or one for each piece of a surface with edges.
@@ -103,15 +131,22 @@ pub(super) fn velocities(expr: &Expr) -> &[Expr] {
 }
 
 /// The sliding velocity, which must be `b(q, t)' v + c(q, t)`: `c` is the velocity of a ground that moves.
-pub(super) fn sliding(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
-    let sliding = checker.scalar(expr)?;
-    is_sliding(checker, expr, sliding)
+pub(super) fn sliding(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Number> {
+    let sliding = checker.number(expr)?;
+    is_sliding(checker, expr, sliding.sym)?;
+    Ok(sliding)
 }
 
 /// The sliding velocities of a piece of a surface: one in the plane, two in space.
-fn of_piece(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
+fn of_piece(checker: &mut Checker<'_>, surfaces: &[Name], expr: &Expr) -> Checked<Vec<Sym>> {
     let value = checker.value(expr)?;
-    let components = value.components().to_vec();
+    let own = value.components().iter().map(|component| Sliding {
+        surfaces: surfaces.to_vec(),
+        expr: expr.clone(),
+        unit: component.unit.clone(),
+    });
+    checker.laws.sliding.extend(own);
+    let components = value.syms();
     if components.len() > 2 || matches!(value, Value::Matrix(_)) {
         let message = format!(
             "`{expr}` has {} components; a contact slides with one velocity in the plane and with two in space, as in \
@@ -143,7 +178,7 @@ fn is_sliding(checker: &mut Checker<'_>, expr: &Expr, sliding: Sym) -> Checked<S
         return Err(checker.diagnostics.report("E07", expr.place, message));
     }
     let n = checker.coordinates.len();
-    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let velocities = Variable::velocities(n);
     let tangent = graph::gradient(sliding, &velocities);
     let linear = tangent
         .iter()
@@ -200,7 +235,7 @@ fn held(checker: &mut Checker<'_>, names: &[Name]) -> Checked<Vec<usize>> {
 fn direction(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
     let value = checker.value(expr)?;
     let n = checker.coordinates.len();
-    let components = value.components();
+    let components = value.syms();
     if components.len() != n
         || (matches!(value, Value::Scalar(_)) && n != 1)
         || matches!(value, Value::Matrix(_))
@@ -216,7 +251,8 @@ fn direction(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
             ),
         ));
     }
-    if let Some(variable) = graph::variables(components)
+    proportional(checker, expr, &value);
+    if let Some(variable) = graph::variables(&components)
         .into_iter()
         .find(|variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_)))
     {
@@ -238,6 +274,30 @@ fn direction(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
         .collect())
 }
 
+/// E03: components of an impulse direction are displacements of the coordinates, up to one factor.
+fn proportional(checker: &mut Checker<'_>, expr: &Expr, direction: &Value) {
+    let Kind::Vector(items) = &expr.kind else {
+        return;
+    };
+    let mut factor: Option<Dimension> = None;
+    for (i, (item, own)) in items.iter().zip(direction.components()).enumerate() {
+        let name = checker.coordinates[i].name.text.clone();
+        let unit = checker.unit_of(&name);
+        let factor = factor.get_or_insert_with(|| own.unit.over(&unit));
+        let wanted = factor.times(&unit);
+        let reason = format!(
+            "components of an impulse direction are proportional to displacements, here of `{name}`"
+        );
+        if !checker
+            .scope
+            .units
+            .expect(item, &own.unit, &wanted, &reason)
+        {
+            return;
+        }
+    }
+}
+
 /// A coefficient for an example in a message.
 fn shown_coefficient(checker: &Checker<'_>, friction: &CheckedFriction) -> String {
     match friction.coefficient.node() {
@@ -249,8 +309,8 @@ fn shown_coefficient(checker: &Checker<'_>, friction: &CheckedFriction) -> Strin
     }
 }
 
-/// E20: one law for each surface, no law without a surface.
-pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
+/// E20: one law for each surface, no law without a surface. Each with its own, before that is completed from the Lagrangian.
+pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<(Surface, CheckedLaw)>> {
     let before = checker.diagnostics.mistakes();
     let laws = std::mem::take(&mut checker.laws.impacts);
     let surfaces = std::mem::take(&mut checker.surfaces);
@@ -297,7 +357,7 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<Pair>> {
             checker.diagnostics,
         );
         let law = law.clone();
-        pairs.push(Pair { surface, law });
+        pairs.push((surface, law));
     }
     if checker.diagnostics.mistakes() > before {
         return Err(Reported);
@@ -380,16 +440,15 @@ fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diag
 
 /// Surfaces and laws as contacts, with the sliding velocities that follow from the Lagrangian.
 ///
-/// `energy` is the Lagrangian, and whether it is free of mistakes; `units` those of the gaps.
+/// `energy` is the Lagrangian, and whether it is free of mistakes.
 pub(super) fn contacts(
-    pairs: Vec<Pair>,
+    pairs: Vec<(Surface, CheckedLaw)>,
     energy: (Sym, bool),
-    units: &HashMap<String, Unit>,
     checker: &mut Checker<'_>,
 ) -> Checked<Vec<Contact>> {
     let mut contacts = Vec::with_capacity(pairs.len());
     let mut failed = false;
-    for Pair { surface, law } in pairs {
+    for (surface, law) in pairs {
         let friction = law
             .friction
             .map(|friction| complete(friction, &surface, &law.held, energy, checker))
@@ -400,7 +459,7 @@ pub(super) fn contacts(
         };
         contacts.push(Contact {
             name: surface.contact_name(),
-            unit: units.get(&surface.name.text).copied(),
+            unit: checker.scope.units.gap(&surface.name.text),
             documentation: surface.documentation,
             gap: surface.gap,
             alternatives: surface.alternatives,
@@ -543,7 +602,7 @@ fn along_surface(
     checker: &mut Checker<'_>,
 ) -> Checked<()> {
     let n = checker.coordinates.len();
-    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let velocities = Variable::velocities(n);
     let normal: Vec<Sym> = normal(surface.gap, n).into_iter().map(simplify).collect();
     let row = graph::gradient(sliding, &velocities).into_iter();
     let row: Vec<Sym> = row.map(simplify).collect();
@@ -579,7 +638,7 @@ fn is_point_mass(lagrangian: Sym, n: usize) -> bool {
 
 /// Whether all coordinates have the same inertia and none is coupled to another one.
 fn has_one_mass(lagrangian: Sym, n: usize) -> bool {
-    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let velocities = Variable::velocities(n);
     let momenta = graph::gradient(lagrangian, &velocities);
     let rows: Vec<Vec<Sym>> = velocities
         .iter()
@@ -596,8 +655,6 @@ fn has_one_mass(lagrangian: Sym, n: usize) -> bool {
 
 /// Gradient of a gap with respect to the coordinates.
 pub(crate) fn normal(gap: Sym, coordinates: usize) -> Vec<Sym> {
-    let by: Vec<Variable> = (0..coordinates)
-        .map(|i| Variable::Coordinate(i as u16))
-        .collect();
+    let by = Variable::coordinates(coordinates);
     graph::gradient(gap, &by)
 }

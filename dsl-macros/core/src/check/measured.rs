@@ -2,7 +2,7 @@
 
 use super::checker::Checker;
 use super::states;
-use super::values::{self, StartValues};
+use super::values::{self, StartValues, Target};
 use crate::ast::{Expr, Kind, Measured, MeasuredQuantity, Name, Operator, Scene, Statement};
 use crate::declaration;
 use crate::diagnostics::{Checked, Place, Reported, closest, list};
@@ -23,13 +23,7 @@ struct Term {
 
 /// Whether an objective contains a misfit; a function that the scene calls so is none.
 pub(super) fn is_misfit(checker: &Checker<'_>, objective: &Expr) -> bool {
-    !checker.scope.names.contains_key(words::MISFIT) && contains_misfit(objective)
-}
-
-/// Whether an expression contains a call of what is called so.
-pub(super) fn contains_misfit(expr: &Expr) -> bool {
-    matches!(&expr.kind, Kind::Call { function, .. } if function.text == words::MISFIT)
-        || expr.children().into_iter().any(contains_misfit)
+    !checker.scope.names.contains_key(words::MISFIT) && objective.calls(words::MISFIT)
 }
 
 /// The experiments that the objective compares with, in their order of declaration; none in a scene without a misfit.
@@ -69,6 +63,7 @@ pub(super) fn experiments(
             continue;
         }
         let checked = experiment(checker, known, start);
+        checker.tell_units();
         let Some(term) = terms.iter().find(|term| term.experiment.text == name.text) else {
             let message = format!(
                 "nothing compares with the measured `{0}`; write `minimize misfit({0})`, or add it to the objective",
@@ -302,36 +297,29 @@ fn of_quantity(
         .outputs
         .iter()
         .position(|output| output.name.text == name.text);
-    let (measured, unit) = match (states::index(checker, name), output) {
-        (Some(state), _) if !quantity.velocity => {
-            let unit = checker.states[state].unit.clone();
-            (
-                declaration::Measured::Velocity(checker.coordinates.len() + state),
-                unit,
-            )
-        }
-        (_, Some(output)) if !quantity.velocity => {
-            let unit = checker.shown.outputs[output].unit.clone();
-            (declaration::Measured::Output(output), unit)
-        }
-        _ => {
-            if is_other(checker, name) {
-                let message = format!(
-                    "`{0}` is no coordinate, state or output, which are what can be measured; record it, as in `outputs {{ \
-                     seen = {0} }}`, and measure that",
-                    name.text
-                );
-                return Err(checker.diagnostics.report("E15", name.place(), message));
-            }
-            let index = checker.coordinate_index(name)?;
-            let unit = checker.coordinates[index].unit.clone();
-            match quantity.velocity {
-                true => (declaration::Measured::Velocity(index), unit),
-                false => (declaration::Measured::Coordinate(index), unit),
-            }
-        }
+    let state = states::index(checker, name);
+    let output = output.filter(|_| !quantity.velocity && state.is_none());
+    let (measured, target) = if let Some(output) = output {
+        let unit = checker.shown.outputs[output].unit.as_ref();
+        let target = Target::declared(name, unit);
+        (declaration::Measured::Output(output), target)
+    } else if is_other(checker, name) {
+        let message = format!(
+            "`{0}` is no coordinate, state or output, which are what can be measured; record it, as in `outputs {{ \
+             seen = {0} }}`, and measure that",
+            name.text
+        );
+        return Err(checker.diagnostics.report("E15", name.place(), message));
+    } else {
+        let (place, target) = Target::of(checker, name, quantity.velocity)?;
+        let measured = match place.checked_sub(checker.coordinates.len() + checker.states.len()) {
+            Some(index) => declaration::Measured::Velocity(index),
+            None => declaration::Measured::Coordinate(place),
+        };
+        (measured, target)
     };
-    let within = values::in_declared_unit(checker, &quantity.within, unit.as_ref())?;
+    let because = ["it is the standard deviation of the measured ", ""];
+    let within = values::in_declared_unit(checker, &quantity.within, &target, because)?;
     match within.as_number() {
         Some(value) if value > 0.0 && value.is_finite() => Ok((measured, value)),
         _ => {

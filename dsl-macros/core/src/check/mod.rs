@@ -24,20 +24,18 @@ mod rules;
 mod start;
 mod states;
 mod switches;
-mod units;
 mod values;
 
 pub(crate) use design::without_free_bounds;
 pub(crate) use law::normal;
 pub(crate) use start::inertia_at_start;
 
-use crate::ast::{Documentation, Expr, Name, Relation, Scene, Statement};
+use crate::ast::{Documentation, Expr, Name, Relation, Scene, Statement, WrittenUnit};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::evaluate::{Meaning, Role, Scope, UserFunction};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, CheckedScene};
 use checker::{Abbreviation, Checker, Laws, Of, Shown, Surface, Task};
-use std::collections::HashSet;
 use std::rc::Rc;
 
 /// Checks a declaration. Every mistake found is reported; a scene comes back if its mistakes leave what is derived from
@@ -66,17 +64,22 @@ pub(crate) fn scene(declared: &Scene, diagnostics: &mut Diagnostics) -> Checked<
         shown: Shown::default(),
     };
     names::declare_all(&mut checker, &declared.statements);
-    let mut failed = HashSet::new();
-    for (index, statement) in declared.statements.iter().enumerate() {
+    let (mut complete, mut sound) = (before == 0, true);
+    for statement in &declared.statements {
         // Each statement reports its own mistakes; the next one is checked all the same.
         if one_statement(&mut checker, statement).is_err() {
-            failed.insert(index);
+            complete = false;
+            // Units are no matter of what means nothing.
+            checker.scope.units.found = Diagnostics::default();
         }
+        let energy = matches!(
+            statement,
+            Statement::Lagrangian { .. } | Statement::Let { .. }
+        );
+        sound &= !energy || checker.scope.units.found.mistakes() == 0;
+        checker.tell_units();
     }
-    let rolling = joint::of_velocities(&checker);
-    let units = units::inferred(declared, (&failed, rolling), checker.diagnostics);
-    let complete = before == 0 && failed.is_empty();
-    finish(checker, declared, &units, complete)
+    finish(checker, declared, sound, complete)
 }
 
 fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()> {
@@ -86,7 +89,7 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
         Statement::Controls(quantities) => values::bounds(checker, quantities, Of::Controls),
         Statement::States(quantities) => values::bounds(checker, quantities, Of::States),
         Statement::Rates(assignments) => states::rates(checker, assignments),
-        Statement::Let { name, value, .. } => abbreviation(checker, name, value),
+        Statement::Let { name, unit, value } => abbreviation(checker, (name, unit.as_ref()), value),
         Statement::Function {
             name,
             arguments,
@@ -143,17 +146,30 @@ fn one_statement(checker: &mut Checker<'_>, statement: &Statement) -> Checked<()
     }
 }
 
-fn abbreviation(checker: &mut Checker<'_>, name: &Name, value: &Expr) -> Checked<()> {
+/// An abbreviation; one with a unit has it for its uses whatever its value has, so that these give no second message.
+fn abbreviation(
+    checker: &mut Checker<'_>,
+    (name, unit): (&Name, Option<&WrittenUnit>),
+    expr: &Expr,
+) -> Checked<()> {
     let free = checker.new_name(name, "abbreviation");
     checker.scope.later.remove(&name.text);
     checker.scope.defers = true;
-    let value = checker.value(value);
+    let value = checker.value(expr);
     checker.scope.defers = false;
     free?;
-    let meaning = match value {
+    let mut meaning = match value {
         Ok(value) => value,
         Err(Reported) => return checker.poison(name),
     };
+    if let Some(written) = unit {
+        let units = &mut checker.scope.units;
+        let wanted = units.of(written.unit);
+        let reason = format!("`{}` is declared so", name.text);
+        let mut components = meaning.components().iter();
+        components.all(|own| units.expect(expr, &own.unit, &wanted, &reason));
+        meaning = meaning.map(|own| own.in_unit(wanted.clone()));
+    }
     checker
         .scope
         .names
@@ -217,16 +233,16 @@ fn surface(
 ) -> Checked<()> {
     dry::new_contact(checker, name, "surface")?;
     checker.scope.role = Role::Surface;
-    let left_value = checker.scalar(left);
-    let right_value = checker.scalar(right);
+    let left_value = checker.number(left);
+    let right_value = checker.number(right);
     checker.scope.role = Role::Motion;
-    let (Ok(left_value), Ok(right_value)) = (left_value, right_value) else {
+    let (Ok(own), Ok(its)) = (left_value, right_value) else {
         return checker.poison(name);
     };
-    let gap = match relation {
-        Relation::AtLeast | Relation::Equal => left_value - right_value,
-        Relation::AtMost => right_value - left_value,
-    };
+    let what = format!("both sides of surface `{}`", name.text);
+    let gap = checker.difference([(left, &own), (right, &its)], relation, &what);
+    checker.scope.units.put_gap(name, gap.unit);
+    let gap = gap.sym;
     let Ok(groups) = pieces::groups(gap, (left, right), checker) else {
         return checker.poison(name);
     };
@@ -257,57 +273,56 @@ fn surface(
     Ok(())
 }
 
-/// `complete` tells whether every statement could be read and evaluated.
+/// `sound` tells whether the units of the Lagrangian agree, `complete` whether every statement could be read and evaluated.
 fn finish(
-    checker: Checker<'_>,
+    mut checker: Checker<'_>,
     declared: &Scene,
-    units: &units::Inferred,
+    sound: bool,
     complete: bool,
 ) -> Checked<CheckedScene> {
-    let mut checker = checker;
     rules::missing_statements(&declared.name, &mut checker);
     states::without_rate(&mut checker);
     let start = values::start_values(&mut checker);
-    start::gaps(&mut checker, declared, &start, units, complete);
+    law::sliding_units(&mut checker);
+    start::gaps(&mut checker, declared, &start, complete);
     let experiments = measured::experiments(&mut checker, declared, &start);
-    reach::surfaces(&mut checker, units);
+    reach::surfaces(&mut checker);
     let laws = law::of_surfaces(&mut checker);
-    let (Some((lagrangian, place)), Ok(laws), Ok(start)) =
+    let (Some((lagrangian, place)), Ok(laws), Ok(mut start)) =
         (checker.lagrangian, laws, start.values())
     else {
         return Err(Reported);
     };
-    let mut start = start;
     at_times::finish(&mut checker, &mut start.1);
     // Missing inertia and unused names are most often consequences of other mistakes, but not of units and places.
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
     }
-    let moves = inertia(&mut checker, units, (lagrangian, place));
-    let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &units.gaps, &mut checker);
+    let moves = inertia(&mut checker, sound, (lagrangian, place));
+    let contacts = law::contacts(laws, (lagrangian, moves.is_ok()), &mut checker);
     if let Ok(contacts) = &contacts {
         dependence::gaps(contacts, &mut checker);
     }
     chosen::coordinates(lagrangian, &mut checker);
     rules::unused(&mut checker);
     let mut contacts = contacts?;
-    dry::append(&mut checker, &units.gaps, &mut contacts);
+    dry::append(&mut checker, &mut contacts);
     let mut forces = total_forces(&checker);
     states::append(&mut checker, &mut forces);
     switches::append(&mut checker, &mut forces, &mut contacts)?;
     resets::append(&mut checker, &mut contacts);
-    joint::finish(&mut checker, &units.gaps, &contacts);
+    joint::finish(&mut checker, &contacts);
     joint::planned(&mut checker, &contacts);
     dry::followed(&mut checker, &contacts);
     let mut dynamics = dynamics(lagrangian, &forces, &contacts, &checker.laws.joints);
-    let mut optimal_control = optimal_control::optimal_control(&mut checker, units);
+    let mut optimal_control = optimal_control::optimal_control(&mut checker);
     let remembered = remembered::starts(&mut checker, optimal_control.as_mut(), &start);
     dynamics.extend(optimal_control.iter().flat_map(along_the_way));
     moves?;
     let given = [&dynamics[..], &forces, &start.0, &start.1].concat();
     let task = optimal_control.as_ref();
     free_parameters(&mut checker, given, &contacts, (task, &experiments));
-    outputs::finish(&mut checker, &contacts, units);
+    outputs::finish(&mut checker, &contacts);
     if checker.diagnostics.others_than(&["E03", "E08"]) > 0 {
         return Err(Reported);
     }
@@ -342,10 +357,10 @@ fn finish(
 /// Whether every coordinate has inertia; a scene of states only has no mechanism.
 fn inertia(
     checker: &mut Checker<'_>,
-    units: &units::Inferred,
+    sound: bool,
     (lagrangian, place): (Sym, Place),
 ) -> Checked<()> {
-    if !units.energy {
+    if !sound {
         return Err(Reported);
     }
     if checker.coordinates.is_empty() {
@@ -424,7 +439,7 @@ fn total_forces(checker: &Checker<'_>) -> Vec<Sym> {
         forces[index] += force.scaled(scene::scale(checker.coordinates[index].unit.as_ref()));
     }
     if let Some(dissipation) = checker.dissipation {
-        let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+        let velocities = Variable::velocities(n);
         for (force, damping) in forces
             .iter_mut()
             .zip(graph::gradient(dissipation, &velocities))

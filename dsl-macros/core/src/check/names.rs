@@ -2,9 +2,9 @@
 
 use super::checker::{Checker, Of};
 use super::{states, values};
-use crate::ast::{Condition, Documentation, Expr, Name, Quantity, Statement};
+use crate::ast::{Condition, Documentation, Expr, Name, Quantity, Statement, WrittenUnit};
 use crate::diagnostics::{Checked, Reported};
-use crate::evaluate::{Meaning, Value};
+use crate::evaluate::{Meaning, Number, Value};
 use crate::graph::{Compose, Sym, Variable};
 use crate::scene::{self, Coordinate, FreeParameter, Parameter};
 
@@ -14,6 +14,7 @@ const MOST: usize = 500;
 /// Declares parameters, coordinates and controls, wherever they stand; notes the names of
 /// abbreviations and functions that come later.
 pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
+    checker.scope.units.begin(declares_units(statements));
     for statement in statements {
         if let Statement::Parameters(quantities) = statement {
             let names = quantities.iter().map(|quantity| quantity.name.text.clone());
@@ -55,6 +56,17 @@ pub(super) fn declare_all(checker: &mut Checker<'_>, statements: &[Statement]) {
     }
     declare_recorded(checker, statements);
     checker.scope.state_size = (checker.coordinates.len() + checker.states.len()) as u16;
+    checker.tell_units();
+}
+
+fn declares_units(statements: &[Statement]) -> bool {
+    statements.iter().any(|statement| match statement {
+        Statement::Parameters(list)
+        | Statement::Coordinates(list)
+        | Statement::Controls(list)
+        | Statement::States(list) => list.iter().any(|quantity| quantity.unit.is_some()),
+        _ => false,
+    })
 }
 
 fn declare(
@@ -97,9 +109,9 @@ fn parameter(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
     let index = checker.parameters.len() as u16;
     let unit = quantity.unit.clone();
     let sym = Sym::variable(Variable::Parameter(index)).scaled(scene::scale(unit.as_ref()));
-    declare_value(checker, name, sym);
+    declare_value(checker, name, sym, unit.as_ref());
     let default = match &quantity.value {
-        Some(value) => values::default_value(checker, name, value, unit.as_ref()),
+        Some(value) => values::default_value(checker, quantity, value),
         None => {
             let shown = unit.as_ref().map_or("", |unit| unit.text.as_str());
             let colon = if shown.is_empty() { "" } else { ": " };
@@ -166,7 +178,8 @@ fn listed(checker: &mut Checker<'_>, quantity: &Quantity, of: Of) -> Checked<()>
         Of::States => states::variable(checker, index),
     };
     let scale = scene::scale(quantity.unit.as_ref());
-    declare_value(checker, name, Sym::variable(variable).scaled(scale));
+    let sym = Sym::variable(variable).scaled(scale);
+    declare_value(checker, name, sym, quantity.unit.as_ref());
     checker.list(of).push(Coordinate {
         name: name.clone(),
         unit: quantity.unit.clone(),
@@ -201,7 +214,7 @@ fn declare_recorded(checker: &mut Checker<'_>, statements: &[Statement]) {
                 checker,
                 checker.states.len() + names.len(),
             ));
-            declare_value(checker, &name, state);
+            declare_value(checker, &name, state, None);
             names.push((name, Documentation::default()));
         }
         for (name, documentation) in names {
@@ -246,9 +259,8 @@ fn room(checker: &mut Checker<'_>, name: &Name, taken: usize) -> Checked<()> {
     Err(error)
 }
 
-fn declare_value(checker: &mut Checker<'_>, name: &Name, sym: Sym) {
-    checker
-        .scope
-        .names
-        .insert(name.text.clone(), Meaning::Value(Value::Scalar(sym)));
+fn declare_value(checker: &mut Checker<'_>, name: &Name, sym: Sym, unit: Option<&WrittenUnit>) {
+    let unit = checker.scope.units.declared(&name.text, unit);
+    let meaning = Meaning::Value(Value::Scalar(Number { sym, unit }));
+    checker.scope.names.insert(name.text.clone(), meaning);
 }

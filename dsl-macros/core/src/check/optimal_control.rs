@@ -1,12 +1,13 @@
 //! Optimal control: what a cost, a constraint and a terminal condition may be.
 
-use super::checker::{Checker, Cost, Free, Task};
+use super::checker::{Asked, Checker, Cost, Free, Task};
 use super::rules::smooth;
-use super::{epigraph, pieces, states, units, values};
+use super::values::{self, Target};
+use super::{epigraph, pieces, states};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::declaration::Over;
 use crate::diagnostics::{Checked, Place, Reported};
-use crate::evaluate::{Kink, Role, at_impacts};
+use crate::evaluate::{Kink, Number, Role, Value, at_impacts};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, OptimalControl};
 use crate::words;
@@ -21,51 +22,58 @@ pub(super) fn minimize(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -
     let mut cost = Cost::default();
     let split = split(checker, expr, Sym::ONE, &mut cost);
     checker.task.cost = Some(cost);
-    split
+    split.map(|_| ())
 }
 
-/// E15: adds an expression times a weight to the two parts of the objective.
-fn split(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
-    if !has_integral(expr) {
+/// E15: adds an expression times a weight to the two parts of the objective; the expression with its unit, which is a number
+/// of the motion as a whole.
+fn split(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<Value> {
+    if !expr.calls(words::INTEGRAL) {
         return final_term(checker, expr, weight, cost);
     }
     match &expr.kind {
         Kind::Negate(inner) => split(checker, inner, -weight, cost),
         Kind::Chain(first, rest) if rest[0].operator.is_additive() => {
-            let mut result = split(checker, first, weight, cost);
+            let mut terms = vec![split(checker, first, weight, cost)];
             for link in rest {
                 let sign = if link.operator == Operator::Add {
                     1.0
                 } else {
                     -1.0
                 };
-                result = result.and(split(checker, &link.operand, weight.scaled(sign), cost));
+                terms.push(split(checker, &link.operand, weight.scaled(sign), cost));
             }
-            result
+            let terms: Vec<Value> = terms.into_iter().collect::<Checked<_>>()?;
+            checker.scope.units.of_sum(first, rest, &terms);
+            Ok(terms[0].clone())
         }
         Kind::Chain(first, rest) if is_weighted_integral(expr, rest) => {
             let (mut weight, mut integral) = (weight, &**first);
+            let mut unit = checker.scope.units.one();
             for link in rest.iter().rev() {
-                if has_integral(&link.operand) {
+                if link.operand.calls(words::INTEGRAL) {
                     integral = &link.operand;
                     continue;
                 }
                 let factor = factor(checker, &link.operand)?;
-                weight = match link.operator {
-                    Operator::Divide => weight / factor,
-                    _ => weight * factor,
+                (weight, unit) = match link.operator {
+                    Operator::Divide => (weight / factor.sym, unit.over(&factor.unit)),
+                    _ => (weight * factor.sym, unit.times(&factor.unit)),
                 };
             }
-            if !has_integral(first) {
-                weight *= factor(checker, first)?;
+            if !first.calls(words::INTEGRAL) {
+                let factor = factor(checker, first)?;
+                weight *= factor.sym;
+                unit = unit.times(&factor.unit);
             }
-            split(checker, integral, weight, cost)
+            let integral = split(checker, integral, weight, cost)?;
+            Ok(integral.map(|own| own.in_unit(own.unit.times(&unit))))
         }
         Kind::Call {
             function,
             arguments,
         } if function.text == words::INTEGRAL => match arguments.as_slice() {
-            [argument] if !has_integral(argument) => running_term(checker, argument, weight, cost),
+            [argument] if !argument.calls(words::INTEGRAL) => running_term(checker, argument, weight, cost),
             [argument] => Err(meaningless(checker,
                 argument.place,
                 "`integral` inside `integral`: a running cost is integrated once, over the motion; \
@@ -93,9 +101,9 @@ fn meaningless(checker: &mut Checker<'_>, place: Place, message: String) -> Repo
 }
 
 /// What an integral is multiplied by.
-fn factor(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
-    let value = in_role(checker, Role::Running, |checker| checker.scalar(expr))?;
-    let moving = graph::variables(&[value])
+fn factor(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Number> {
+    let value = in_role(checker, Role::Running, |checker| checker.number(expr))?;
+    let moving = graph::variables(&[value.sym])
         .into_iter()
         .find(|variable| !matches!(variable, Variable::Parameter(_)));
     match moving {
@@ -116,11 +124,12 @@ fn running_term(
     expr: &Expr,
     weight: Sym,
     cost: &mut Cost,
-) -> Checked<()> {
+) -> Checked<Value> {
     checker.scope.takes_apart = true;
-    let value = in_role(checker, Role::Running, |checker| checker.scalar(expr));
+    let own = in_role(checker, Role::Running, |checker| checker.number(expr));
     checker.scope.takes_apart = false;
-    let value = value?;
+    let own = own?;
+    let value = own.sym;
     if !moves(checker, value) {
         return Err(meaningless(
             checker,
@@ -145,14 +154,21 @@ fn running_term(
     let value = epigraph::lifted(checker, (value, expr), weight, Over::Instants)?;
     let known = cost.running.unwrap_or(Sym::ZERO);
     cost.running = Some(known + weight * value);
-    Ok(())
+    let unit = own.unit.times(&checker.scope.units.second());
+    Ok(Value::Scalar(own.in_unit(unit)))
 }
 
-fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -> Checked<()> {
+fn final_term(
+    checker: &mut Checker<'_>,
+    expr: &Expr,
+    weight: Sym,
+    cost: &mut Cost,
+) -> Checked<Value> {
     checker.scope.takes_apart = true;
-    let value = at_the_end(checker, expr, "the final cost");
+    let own = at_the_end(checker, expr, "the final cost");
     checker.scope.takes_apart = false;
-    let value = value?;
+    let own = own?;
+    let value = own.sym;
     if !moves(checker, value) {
         return Err(meaningless(
             checker,
@@ -165,13 +181,14 @@ fn final_term(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Co
     let value = epigraph::lifted(checker, (value, expr), weight, Over::End)?;
     let known = cost.terminal.unwrap_or(Sym::ZERO);
     cost.terminal = Some(known + weight * value);
-    Ok(())
+    Ok(Value::Scalar(own))
 }
 
 /// A number at the final instant, where a control has no value.
-fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym> {
+fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Number> {
     let known = checker.scope.sums.len();
-    let value = in_role(checker, Role::End, |checker| checker.scalar(expr))?;
+    let own = in_role(checker, Role::End, |checker| checker.number(expr))?;
+    let value = own.sym;
     let control = within(value, &checker.scope.kinks)
         .into_iter()
         .find(|variable| matches!(variable, Variable::Control(_)));
@@ -193,7 +210,7 @@ fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Sym
     for sum in new {
         smooth(sum, expr, checker)?;
     }
-    Ok(value)
+    Ok(own)
 }
 
 /// The variables of a value and of the maxima in it.
@@ -224,9 +241,11 @@ pub(super) fn finally(checker: &mut Checker<'_>, goals: &[Condition]) -> Checked
         let (Ok(left), Ok(right)) = (left, right) else {
             continue;
         };
-        let name = goal.to_string();
-        if let Ok(pieces) = checked_condition(checker, goal, name, left, right) {
-            checker.task.goals.push(pieces);
+        let what = "both sides of a terminal condition";
+        if let Ok(goal) =
+            checked_condition(checker, goal, (&goal.to_string(), what), (&left, &right))
+        {
+            checker.task.goals.push(goal);
         }
     }
     if checker.diagnostics.mistakes() > before {
@@ -242,6 +261,7 @@ pub(super) fn constraint(
 ) -> Checked<()> {
     if checker.task.constraints.iter().any(|known| {
         known
+            .pieces
             .iter()
             .any(|piece| piece.name == name.text || piece.name == format!("{}.1", name.text))
     }) {
@@ -253,8 +273,8 @@ pub(super) fn constraint(
     }
     let side = |checker: &mut Checker<'_>, expr: &Expr| {
         in_role(checker, Role::Constraint, |checker| {
-            let value = checker.scalar(expr)?;
-            smooth(value, expr, checker)?;
+            let value = checker.number(expr)?;
+            smooth(value.sym, expr, checker)?;
             Ok(value)
         })
     };
@@ -265,10 +285,11 @@ pub(super) fn constraint(
     );
     checker.scope.takes_apart = false;
     let (left, right) = (left?, right?);
-    let constraint = checked_condition(checker, condition, name.text.clone(), left, right)?;
-    if constraint.iter().any(is_at_impacts) {
+    let what = format!("both sides of constraint `{}`", name.text);
+    let constraint = checked_condition(checker, condition, (&name.text, &what), (&left, &right))?;
+    if constraint.pieces.iter().any(is_at_impacts) {
         for (value, expr) in [(left, &condition.left), (right, &condition.right)] {
-            at_impacts(value, expr, checker.diagnostics)?;
+            at_impacts(value.sym, expr, checker.diagnostics)?;
         }
     }
     checker.task.constraints.push(constraint);
@@ -284,14 +305,12 @@ fn is_at_impacts(constraint: &scene::Condition) -> bool {
 fn checked_condition(
     checker: &mut Checker<'_>,
     condition: &Condition,
-    name: String,
-    left: Sym,
-    right: Sym,
-) -> Checked<Vec<scene::Condition>> {
-    let function = match condition.relation {
-        Relation::AtMost => right - left,
-        Relation::AtLeast | Relation::Equal => left - right,
-    };
+    (name, sides): (&str, &str),
+    (own, its): (&Number, &Number),
+) -> Checked<Asked> {
+    let pair = [(&condition.left, own), (&condition.right, its)];
+    let own = checker.difference(pair, condition.relation, sides);
+    let function = own.sym;
     let kinks = checker.scope.kinks.clone();
     let mut pieces = pieces::all_hold(function, (&condition.left, &condition.right), checker)?;
     if pieces.len() > 1 {
@@ -324,14 +343,17 @@ fn checked_condition(
     let conditions = conditions.map(|(k, function)| scene::Condition {
         name: match several {
             true => format!("{name}.{}", k + 1),
-            false => name.clone(),
+            false => name.to_owned(),
         },
         documentation: condition.documentation.clone(),
         function,
         equality: condition.relation == Relation::Equal,
         unit: None,
     });
-    Ok(conditions.collect())
+    Ok(Asked {
+        pieces: conditions.collect(),
+        unit: own.unit,
+    })
 }
 
 /// Whether a value that does not move is not negative for the defaults of the parameters.
@@ -352,23 +374,8 @@ pub(super) fn free(checker: &mut Checker<'_>, values: &[FreeStart]) -> Checked<(
 }
 
 fn free_value(checker: &mut Checker<'_>, value: &FreeStart) -> Checked<()> {
-    let name = &value.target.text;
-    let (index, shown, unit) = match states::index(checker, &value.target) {
-        Some(state) if !value.velocity => {
-            let unit = checker.states[state].unit.clone();
-            (states::place(checker, state), name.clone(), unit)
-        }
-        _ => {
-            let coordinate = checker.coordinate_index(&value.target)?;
-            let unit = checker.coordinates[coordinate].unit.clone();
-            let n = checker.coordinates.len() + checker.states.len();
-            if value.velocity {
-                (n + coordinate, format!("dot({name})"), unit)
-            } else {
-                (coordinate, name.clone(), unit)
-            }
-        }
-    };
+    let (index, target) = Target::of(checker, &value.target, value.velocity)?;
+    let shown = target.shown();
     if checker.task.free.iter().any(|known| known.index == index) {
         return Err(checker.diagnostics.syntax(
             value.target.place(),
@@ -378,7 +385,7 @@ fn free_value(checker: &mut Checker<'_>, value: &FreeStart) -> Checked<()> {
     let bounds = value
         .bounds
         .as_ref()
-        .map(|bounds| values::range(checker, bounds, unit.as_ref(), &shown))
+        .map(|bounds| values::range(checker, bounds, &target, ["it bounds ", ""]))
         .transpose()?;
     checker.task.free.push(Free {
         index,
@@ -390,30 +397,27 @@ fn free_value(checker: &mut Checker<'_>, value: &FreeStart) -> Checked<()> {
 }
 
 /// The task of optimal control, if the scene declares any part of one.
-pub(super) fn optimal_control(
-    checker: &mut Checker<'_>,
-    units: &units::Inferred,
-) -> Option<OptimalControl> {
+pub(super) fn optimal_control(checker: &mut Checker<'_>) -> Option<OptimalControl> {
     let Task {
         cost,
-        mut constraints,
-        mut goals,
+        constraints,
+        goals,
         mut free,
         epigraphs,
     } = std::mem::take(&mut checker.task);
     if cost.is_none() && constraints.is_empty() && goals.is_empty() && free.is_empty() {
         return None;
     }
-    for (conditions, units) in [
-        (&mut constraints, &units.constraints),
-        (&mut goals, &units.goals),
-    ] {
-        for (pieces, unit) in conditions.iter_mut().zip(units) {
-            pieces.iter_mut().for_each(|piece| piece.unit = *unit);
-        }
-    }
-    let goals = goals.into_iter().flatten().collect();
-    let mut constraints: Vec<scene::Condition> = constraints.into_iter().flatten().collect();
+    let units = &checker.scope.units;
+    let all = |list: Vec<Asked>| -> Vec<scene::Condition> {
+        let pieces = list.into_iter().flat_map(|asked| {
+            let unit = units.known(&asked.unit);
+            let pieces = asked.pieces.into_iter();
+            pieces.map(move |piece| scene::Condition { unit, ..piece })
+        });
+        pieces.collect()
+    };
+    let (goals, mut constraints) = (all(goals), all(constraints));
     constraints.extend(states::constraints(checker));
     free.sort_by_key(|free| free.index);
     let cost = cost.unwrap_or_default();
@@ -442,15 +446,12 @@ fn moves(checker: &Checker<'_>, value: Sym) -> bool {
 
 /// Whether a product holds one integral, which does not divide.
 fn is_weighted_integral(product: &Expr, rest: &[Link]) -> bool {
-    let integrals = product.children().into_iter().filter(|e| has_integral(e));
+    let integrals = product
+        .children()
+        .into_iter()
+        .filter(|part| part.calls(words::INTEGRAL));
     integrals.count() == 1
         && !rest
             .iter()
-            .any(|link| link.operator == Operator::Divide && has_integral(&link.operand))
-}
-
-/// Whether an expression contains an integral.
-fn has_integral(expr: &Expr) -> bool {
-    matches!(&expr.kind, Kind::Call { function, .. } if function.text == words::INTEGRAL)
-        || expr.children().into_iter().any(has_integral)
+            .any(|link| link.operator == Operator::Divide && link.operand.calls(words::INTEGRAL))
 }

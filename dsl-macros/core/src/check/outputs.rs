@@ -1,11 +1,10 @@
 //! Quantities that are recorded along every motion.
 
 use super::checker::Checker;
-use super::{units, values};
 use crate::ast::{Expr, Quantity};
 use crate::diagnostics::{Checked, Reported};
-use crate::evaluate::{Contents, Meaning, Role, Value, has_edge};
-use crate::graph::{self, Compose, Sym, Variable};
+use crate::evaluate::{Contents, Meaning, Number, Role, Value, has_edge};
+use crate::graph::{self, Compose, Variable};
 use crate::scene::{self, Contact};
 
 /// Most outputs of one scene.
@@ -29,6 +28,7 @@ pub(super) fn outputs(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Che
 fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
     let name = &quantity.name;
     let free = checker.new_name(name, "output");
+    let declared = quantity.unit.as_ref();
     checker.scope.later.remove(&name.text);
     if let Some((lower, _)) = &quantity.bounds {
         let message = format!(
@@ -38,10 +38,7 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
         checker.diagnostics.syntax(lower.place, message);
     }
     let Some(expr) = &quantity.value else {
-        let unit = quantity
-            .unit
-            .as_ref()
-            .map(|unit| format!(": {}", unit.text));
+        let unit = declared.map(|unit| format!(": {}", unit.text));
         let message = format!(
             "output `{0}` needs an expression, as in `{0}{1} = ...`",
             name.text,
@@ -51,7 +48,8 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
     };
     let value = recorded(checker, expr, quantity);
     free?;
-    let value = value?;
+    let own = value?;
+    let value = own.sym;
     if checker.shown.outputs.len() >= MOST {
         let message = format!("a scene has at most {MOST} outputs");
         return Err(checker.diagnostics.syntax(name.place(), message));
@@ -61,7 +59,14 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
         edges: has_edge(&[value]),
     };
     checker.scope.recorded.insert(name.text.clone(), contents);
-    let meaning = Meaning::Value(Value::Scalar(value));
+    let mut unit = own.unit.clone();
+    if let Some(written) = declared {
+        let units = &mut checker.scope.units;
+        unit = units.of(written.unit);
+        let reason = format!("output `{}` is declared so", name.text);
+        checker.given(expr, &own, &unit, &reason);
+    }
+    let meaning = Meaning::Value(Value::Scalar(own.in_unit(unit)));
     checker.scope.names.insert(name.text.clone(), meaning);
     checker.shown.outputs.push(scene::Output {
         name: name.clone(),
@@ -73,11 +78,12 @@ fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {
     Ok(())
 }
 
-fn recorded(checker: &mut Checker<'_>, expr: &Expr, quantity: &Quantity) -> Checked<Sym> {
+/// The value of an output, of which a bare number is meant in the declared unit.
+fn recorded(checker: &mut Checker<'_>, expr: &Expr, quantity: &Quantity) -> Checked<Number> {
     checker.scope.role = Role::Record;
     let value = checker.value(expr);
-    let value = match value {
-        Ok(Value::Vector(components)) => {
+    let value = value.and_then(|value| match value {
+        Value::Vector(components) => {
             let message = format!(
                 "`{expr}` is a vector with {} components, and an output is a number; record its components one by \
                  one, as in `{}_y = ({expr}).y`",
@@ -86,24 +92,22 @@ fn recorded(checker: &mut Checker<'_>, expr: &Expr, quantity: &Quantity) -> Chec
             );
             Err(checker.diagnostics.report("E02", expr.place, message))
         }
-        Ok(_) => {
-            let value = checker.scalar(expr);
-            let scale = scene::scale(quantity.unit.as_ref());
-            value.map(|value| match values::is_bare(expr) {
-                true => value.scaled(scale),
-                false => value,
-            })
-        }
-        Err(Reported) => Err(Reported),
-    };
+        _ => checker.number(expr),
+    });
     checker.scope.role = Role::Motion;
-    value
+    let scale = scene::scale(quantity.unit.as_ref());
+    value.map(|value| match expr.is_bare() {
+        true => value.with(value.sym.scaled(scale)),
+        false => value,
+    })
 }
 
 /// Units that follow from the expressions, and whether the contacts have the friction that is recorded.
-pub(super) fn finish(checker: &mut Checker<'_>, contacts: &[Contact], units: &units::Inferred) {
-    for (output, unit) in checker.shown.outputs.iter_mut().zip(&units.outputs) {
-        output.inferred = *unit;
+pub(super) fn finish(checker: &mut Checker<'_>, contacts: &[Contact]) {
+    for i in 0..checker.shown.outputs.len() {
+        let name = checker.shown.outputs[i].name.text.clone();
+        let unit = checker.unit_of(&name);
+        checker.shown.outputs[i].inferred = checker.scope.units.known(&unit);
     }
     for (index, function, place) in std::mem::take(&mut checker.scope.rubbing) {
         if let Some(contact) = contacts.get(index)

@@ -3,13 +3,20 @@
 use super::checker::Checker;
 use crate::ast::{self, Expr, Kind, Name};
 use crate::diagnostics::{Checked, Place, Reported};
-use crate::evaluate::{Meaning, Role, Value};
+use crate::dimension::Dimension;
+use crate::evaluate::{Meaning, Number, Role, Value};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, Form, Picture, Point, Shape};
 use hangtime_units::Unit;
 
 /// Most shapes of one picture.
 const MOST: usize = 500;
+
+/// The unit of what is drawn.
+const METRE: Unit = Unit::mechanical(1, 0, 0);
+
+/// What has it.
+const PLACE: &str = "it is a place in the picture";
 
 /// The number that runs along a curve.
 const ALONG: Variable = Variable::Argument(0);
@@ -55,7 +62,6 @@ pub(super) fn picture(
 
 /// The unit of the first coordinate that is a length; metres if there is none, and nothing in a scene without units.
 fn unit_of_length(checker: &Checker<'_>) -> (String, f64) {
-    let metre = Unit::mechanical(1, 0, 0);
     let quantities = checker.coordinates.iter().chain(&checker.controls);
     let coordinates = quantities.filter_map(|known| known.unit.as_ref());
     let parameters = checker.parameters.iter();
@@ -66,7 +72,7 @@ fn unit_of_length(checker: &Checker<'_>) -> (String, f64) {
     }
     let coordinates = checker.coordinates.iter();
     let mut declared = coordinates.filter_map(|known| known.unit.as_ref());
-    match declared.find(|written| written.unit.same_dimension(metre)) {
+    match declared.find(|written| written.unit.same_dimension(METRE)) {
         Some(written) => (written.text.clone(), written.unit.scale),
         None => ("m".to_owned(), 1.0),
     }
@@ -109,9 +115,12 @@ fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> 
             form,
         } => {
             let free = new_shape(checker, picture, name);
-            let at = place(checker, at);
+            let at = place(checker, at, PLACE);
             let angle = match angle {
-                Some(angle) => checker.scalar(angle),
+                Some(angle) => checker.number(angle).map(|own| {
+                    checker.scope.units.pure("the angle of a body", angle, &own);
+                    own.sym
+                }),
                 None => Ok(Sym::ZERO),
             };
             let form = checked_form(checker, name, form);
@@ -138,21 +147,29 @@ fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> 
         } => {
             let free = new_shape(checker, picture, name);
             let range = range.as_ref().map(|(lower, upper)| {
-                let [lower, upper] = [lower, upper].map(|bound| {
-                    let value = checker.scalar(bound)?;
-                    fixed(checker, value, bound, &name.text)
+                let [low, high] = [lower, upper].map(|bound| {
+                    let value = checker.number(bound)?;
+                    fixed(checker, value.sym, bound, &name.text)?;
+                    Ok(value)
                 });
-                Ok([lower?, upper?])
+                let (low, high) = (low?, high?);
+                let units = &mut checker.scope.units;
+                let what = format!("both ends of `{}`", over.text);
+                let place = lower.place.to(upper.place);
+                units.same(place, (lower, &low.unit), (upper, &high.unit), &what);
+                Ok((low, high))
             });
             let range = range.transpose();
             // Over all that is shown it is a length as the axis shows it.
-            let scale = match range {
-                Ok(None) => picture.unit.1,
-                _ => 1.0,
+            let (scale, unit) = match &range {
+                Ok(None) => (picture.unit.1, checker.scope.units.of(METRE)),
+                Ok(Some((low, _))) => (1.0, low.unit.clone()),
+                Err(Reported) => (1.0, Dimension::default()),
             };
-            let along = (over.text.as_str(), Sym::variable(ALONG).scaled(scale));
+            let sym = Sym::variable(ALONG).scaled(scale);
+            let along = (over.text.as_str(), Number { sym, unit });
             let value = checker.value_over(along, points);
-            let point = value.and_then(|value| two(checker, points, &value));
+            let point = value.and_then(|value| two(checker, points, &value, PLACE));
             free?;
             let point = point?;
             for component in point {
@@ -161,7 +178,7 @@ fn checked(checker: &mut Checker<'_>, picture: &Picture, shape: &ast::Shape) -> 
             Ok(Shape::Curve {
                 name: name.text.clone(),
                 point,
-                range: range?,
+                range: range?.map(|(low, high)| [low.sym, high.sym]),
             })
         }
     }
@@ -184,9 +201,11 @@ fn checked_form(checker: &mut Checker<'_>, name: &Name, form: &ast::Form) -> Che
     Ok(match form {
         ast::Form::Point => Form::Point,
         ast::Form::Circle { radius } => {
-            let value = checker.scalar(radius)?;
+            let value = checker.number(radius)?;
+            let size = Value::Scalar(value.clone());
+            lengths(checker, radius, &size, &size_of(name));
             Form::Circle {
-                radius: fixed(checker, value, radius, &name.text)?,
+                radius: fixed(checker, value.sym, radius, &name.text)?,
             }
         }
         ast::Form::Rectangle { size } => Form::Rectangle {
@@ -204,7 +223,7 @@ fn checked_form(checker: &mut Checker<'_>, name: &Name, form: &ast::Form) -> Che
 }
 
 fn fixed_point(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<Point> {
-    let point = place(checker, expr)?;
+    let point = place(checker, expr, &size_of(name))?;
     for component in point {
         fixed(checker, component, expr, &name.text)?;
     }
@@ -249,19 +268,37 @@ fn end(checker: &mut Checker<'_>, picture: &Picture, expr: &Expr) -> Checked<Poi
             return Err(checker.diagnostics.report("E01", name.place(), message));
         }
     }
-    place(checker, expr)
+    place(checker, expr, PLACE)
 }
 
-fn place(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Point> {
+fn place(checker: &mut Checker<'_>, expr: &Expr, reason: &str) -> Checked<Point> {
     let value = checker.value(expr)?;
-    two(checker, expr, &value)
+    two(checker, expr, &value, reason)
+}
+
+fn size_of(name: &Name) -> String {
+    format!("it is the size of `{}`", name.text)
+}
+
+/// E03: what is drawn are lengths.
+fn lengths(checker: &mut Checker<'_>, expr: &Expr, value: &Value, reason: &str) {
+    let items = match &expr.kind {
+        Kind::Vector(items) => &items[..],
+        _ => &[],
+    };
+    let units = &mut checker.scope.units;
+    let metre = units.of(METRE);
+    for (i, own) in value.components().iter().enumerate() {
+        units.expect(items.get(i).unwrap_or(expr), &own.unit, &metre, reason);
+    }
 }
 
 /// E02: places have two components.
-fn two(checker: &mut Checker<'_>, expr: &Expr, value: &Value) -> Checked<Point> {
+fn two(checker: &mut Checker<'_>, expr: &Expr, value: &Value, reason: &str) -> Checked<Point> {
+    lengths(checker, expr, value, reason);
     let message = match value {
-        Value::Vector(components) => match components[..] {
-            [across, up] => return Ok([across, up]),
+        Value::Vector(components) => match &components[..] {
+            [across, up] => return Ok([across.sym, up.sym]),
             [_, _, _] => format!(
                 "`{expr}` has 3 components, and a picture shows 2; write the two that are to be seen, as in \
                  `(p.x, p.z)`"

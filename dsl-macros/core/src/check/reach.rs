@@ -1,7 +1,6 @@
 //! E07: surfaces that nothing can reach, by the ranges of their gaps over all places and times.
 
 use super::checker::Checker;
-use super::units::Inferred;
 use crate::graph::{self, Function, Function2, Node, Sym, Variable};
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -10,7 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const GAP: f64 = 1e-6;
 
 /// Warns of every surface whose gap is positive everywhere, for the defaults of the parameters.
-pub(super) fn surfaces(checker: &mut Checker<'_>, units: &Inferred) {
+pub(super) fn surfaces(checker: &mut Checker<'_>) {
     let parameters = checker.parameters.iter();
     let parameters: Vec<f64> = parameters.map(|known| known.default).collect();
     let gaps: Vec<Sym> = checker.surfaces.iter().map(|known| known.gap).collect();
@@ -27,7 +26,7 @@ pub(super) fn surfaces(checker: &mut Checker<'_>, units: &Inferred) {
         let pieces = i..i + first.pieces.max(1);
         i = pieces.end;
         let gap = pieces.map(bound).fold(f64::INFINITY, f64::min);
-        if gap > GAP && gap.is_finite() && !units.faulty.contains(&first.name.text) {
+        if gap > GAP && gap.is_finite() && !checker.scope.units.faulty.contains(&first.name.text) {
             untouched.push((first.name.clone(), gap));
         }
     }
@@ -36,7 +35,7 @@ pub(super) fn surfaces(checker: &mut Checker<'_>, units: &Inferred) {
             "nothing ever touches surface `{}`: with the defaults of the parameters its gap is nowhere less than {}; \
              check both sides of the inequality",
             name.text,
-            units.gap(&name.text, gap)
+            checker.scope.units.shown_gap(&name.text, gap)
         );
         checker.diagnostics.warn("E07", name.place(), message);
     }

@@ -3,13 +3,11 @@
 //! The condition is a switch that nothing acts by, so that whatever locates switches locates it.
 
 use super::checker::{Checker, Reset};
-use super::rules::smooth;
-use super::states;
-use super::values::{self, of_an_instant};
-use crate::ast::{Assignment, Condition, Expr, Name, Relation};
+use super::values::{Target, condition_at_an_instant, converted, of_an_instant};
+use crate::ast::{Assignment, Condition, Name};
 use crate::diagnostics::{Checked, Reported};
-use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene::{self, Action, Contact};
+use crate::graph::{self, Sym, Variable};
+use crate::scene::{Action, Contact};
 
 pub(super) fn when(
     checker: &mut Checker<'_>,
@@ -17,21 +15,12 @@ pub(super) fn when(
     assignments: &[Assignment],
 ) -> Checked<()> {
     let before = checker.diagnostics.mistakes();
-    let mut side = |expr: &Expr| {
-        let value = of_an_instant(checker, expr)?;
-        smooth(value, expr, checker)?;
-        Ok(value)
-    };
-    let (left, right) = (side(&condition.left), side(&condition.right));
+    let function = condition_at_an_instant(checker, condition);
     let values: Vec<Checked<(usize, Sym)>> = assignments
         .iter()
         .map(|assignment| set(checker, assignment))
         .collect();
-    let (left, right) = (left?, right?);
-    let function = match condition.relation {
-        Relation::AtMost => right - left,
-        _ => left - right,
-    };
+    let function = function?.sym;
     let place = condition.left.place.to(condition.right.place);
     let moves = |variable| {
         matches!(
@@ -78,30 +67,17 @@ pub(super) fn when(
 pub(super) fn set(checker: &mut Checker<'_>, assignment: &Assignment) -> Checked<(usize, Sym)> {
     let name = &assignment.target;
     let value = of_an_instant(checker, &assignment.value);
-    let (index, unit) = match states::index(checker, name) {
-        Some(state) if !assignment.velocity => {
-            let unit = checker.states[state].unit.clone();
-            (checker.coordinates.len() + state, unit)
-        }
-        _ => {
-            let index = checker.coordinate_index(name)?;
-            if !assignment.velocity {
-                let message = format!(
-                    "`{0}` is a coordinate, and bodies do not jump; set its velocity, `dot({0}) = ...`, or a state",
-                    name.text
-                );
-                return Err(checker.diagnostics.report("E04", name.place(), message));
-            }
-            (index, checker.coordinates[index].unit.clone())
-        }
+    let (place, target) = Target::of(checker, name, assignment.velocity)?;
+    let Some(index) = place.checked_sub(checker.coordinates.len() + checker.states.len()) else {
+        let message = format!(
+            "`{0}` is a coordinate, and bodies do not jump; set its velocity, `dot({0}) = ...`, or a state",
+            name.text
+        );
+        return Err(checker.diagnostics.report("E04", name.place(), message));
     };
-    let value = value?;
-    if values::is_bare(&assignment.value) {
-        // A bare number is meant in the declared unit.
-        return Ok((index, value));
-    }
-    let scale = scene::scale(unit.as_ref());
-    Ok((index, value.scaled(1.0 / scale)))
+    let value = (&assignment.value, &value?);
+    let value = converted(checker, value, &target, ["", " is set to it"])?;
+    Ok((index, value))
 }
 
 /// Puts a contact for each condition behind the others; states have their coordinates.

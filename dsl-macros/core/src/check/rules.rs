@@ -1,7 +1,7 @@
 //! Rules of mechanics, one function each.
 
 use super::checker::Checker;
-use crate::ast::{Expr, Kind, Name};
+use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, list};
 use crate::graph::{self, Function, Node, Sym, Variable};
 use crate::scene::Coordinate;
@@ -87,9 +87,7 @@ pub(super) fn inertia(
              `m/2*dot(y)^2`",
         ));
     }
-    let velocities: Vec<Variable> = (0..coordinates.len())
-        .map(|i| Variable::Velocity(i as u16))
-        .collect();
+    let velocities = Variable::velocities(coordinates.len());
     let momenta = graph::gradient(lagrangian, &velocities);
     let quadratic = coordinates.len() > MANY
         && graph::degree(lagrangian, is_velocity).is_some_and(|degree| degree <= 2);
@@ -238,7 +236,10 @@ pub(super) fn surface(
             .iter()
             .map(|known| known.name.text.clone())
             .collect();
-        let (code, message) = if mentions(left, &names) || mentions(right, &names) {
+        let (code, message) = if names
+            .iter()
+            .any(|name| left.mentions(name) || right.mentions(name))
+        {
             (
                 "E09",
                 format!(
@@ -259,19 +260,7 @@ pub(super) fn surface(
             .diagnostics
             .report(code, left.place.to(right.place), message));
     }
-    let squared = match gap.node() {
-        Node::Product(factors) => factors
-            .iter()
-            .any(|&(factor, halves)| halves >= 4 && graph::depends_on(factor, is_coordinate)),
-        Node::Sum(terms) if terms.len() == 1 => match terms[0].0.node() {
-            Node::Product(factors) => factors
-                .iter()
-                .any(|&(factor, halves)| halves >= 4 && graph::depends_on(factor, is_coordinate)),
-            _ => false,
-        },
-        _ => false,
-    };
-    if squared {
+    if is_square(gap) {
         return Err(checker.diagnostics.report(
             "E09",
             left.place.to(right.place),
@@ -284,14 +273,17 @@ pub(super) fn surface(
     Ok(())
 }
 
-/// Whether an expression contains one of the names.
-fn mentions(expr: &Expr, names: &[String]) -> bool {
-    match &expr.kind {
-        Kind::Name(name) => names.contains(&name.text),
-        _ => expr
-            .children()
-            .into_iter()
-            .any(|inner| mentions(inner, names)),
+/// Whether a function of positions is one square, or a multiple of it.
+pub(super) fn is_square(function: Sym) -> bool {
+    let squared = |sym: Sym| match sym.node() {
+        Node::Product(factors) => factors
+            .iter()
+            .any(|&(factor, halves)| halves >= 4 && graph::depends_on(factor, is_coordinate)),
+        _ => false,
+    };
+    match function.node() {
+        Node::Sum(terms) if terms.len() == 1 => squared(terms[0].0),
+        _ => squared(function),
     }
 }
 

@@ -3,10 +3,10 @@
 
 use super::checker::Checker;
 use super::states;
-use super::units::{Inferred, rounded};
 use super::values::StartValues;
 use crate::ast::{Name, Scene, Statement};
 use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::evaluate::rounded;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::CheckedScene;
 
@@ -39,7 +39,6 @@ pub(super) fn gaps(
     checker: &mut Checker<'_>,
     declared: &Scene,
     start: &StartValues,
-    units: &Inferred,
     complete: bool,
 ) {
     let has = |wanted: fn(&Statement) -> bool| declared.statements.iter().any(wanted);
@@ -67,16 +66,16 @@ pub(super) fn gaps(
             .map(|&i| at.value(surfaces[i].gap));
         let gap = own.filter(|own| others.all(|its| its.is_some_and(|its| its < *own)));
         if let Some(gap) = gap
-            && !units.faulty.contains(&surface.name.text)
+            && !checker.scope.units.faulty.contains(&surface.name.text)
         {
             let rate = steepness(&at, surface.gap, n);
             let known = |i: usize| {
                 let name = &checker.coordinates[i].name.text;
                 let whole = complete && start.complete;
-                (whole || start.declared[i].is_some()) && !units.faulty.contains(name)
+                (whole || start.declared[i].is_some()) && !checker.scope.units.faulty.contains(name)
             };
             if (0..n).filter(|&i| rate[i] > 0.0).all(known) {
-                let gap = units.gap(&surface.name.text, gap);
+                let gap = checker.scope.units.shown_gap(&surface.name.text, gap);
                 inside(checker, &surface.name, &gap, (start, &rate, positions));
             }
         }
@@ -88,7 +87,7 @@ pub(super) fn gaps(
 
 /// How fast a gap changes with each coordinate, absolutely.
 fn steepness(at: &Start, gap: Sym, n: usize) -> Vec<f64> {
-    let by: Vec<Variable> = (0..n).map(|i| Variable::Coordinate(i as u16)).collect();
+    let by = Variable::coordinates(n);
     let slopes = graph::gradient(gap, &by).into_iter();
     slopes
         // What has no value here, as at a tip, still depends on the coordinate.

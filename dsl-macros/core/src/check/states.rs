@@ -25,18 +25,26 @@ pub(super) fn index(checker: &Checker<'_>, name: &Name) -> Option<usize> {
 pub(super) fn rates(checker: &mut Checker<'_>, assignments: &[Assignment]) -> Checked<()> {
     for assignment in assignments {
         checker.scope.acts = true;
-        let value = checker.scalar(&assignment.value);
+        let value = checker.number(&assignment.value);
         checker.scope.acts = false;
         let (Ok(state), Ok(value)) = (of_rate(checker, assignment), value) else {
             continue;
         };
         let name = &assignment.target;
+        let of_state = checker.unit_of(&name.text);
+        let units = &mut checker.scope.units;
+        let wanted = of_state.over(&units.second());
+        let reason = format!(
+            "the rate of `{}` is the unit of the state over s",
+            name.text
+        );
+        units.expect(&assignment.value, &value.unit, &wanted, &reason);
         if checker.rates.iter().any(|&(known, _)| known == state) {
             let message = format!("`{}` has two rates; add them up in one", name.text);
             checker.diagnostics.syntax(name.place(), message);
             continue;
         }
-        checker.rates.push((state, value));
+        checker.rates.push((state, value.sym));
     }
     Ok(())
 }
@@ -100,7 +108,7 @@ pub(super) fn momenta(checker: &mut Checker<'_>, lagrangian: Sym, place: Place) 
         return Ok(());
     }
     let n = checker.coordinates.len();
-    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let velocities = Variable::velocities(n);
     let momenta = graph::gradient(lagrangian, &velocities);
     let first = checker.scope.first_state;
     let is_state = |variable: &Variable| matches!(variable, Variable::Velocity(i) if *i >= first);

@@ -1,11 +1,12 @@
 //! Numbers of the declaration: defaults, bounds, start, horizon; and the formulas of the dynamics.
 
 use super::checker::{Checker, Of};
+use super::rules::smooth;
 use super::states;
-use crate::ast::{Assignment, Expr, Kind, Name, Quantity, WrittenUnit};
+use crate::ast::{Assignment, Condition, Expr, Kind, Name, Quantity, WrittenUnit};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Place, Reported};
-use crate::evaluate::unrepresentable;
+use crate::evaluate::{Number, unrepresentable};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene;
 
@@ -13,46 +14,120 @@ use crate::scene;
 /// own it is meant in the declared one.
 pub(super) fn default_value(
     checker: &mut Checker<'_>,
-    name: &Name,
+    quantity: &Quantity,
     value: &Expr,
-    unit: Option<&WrittenUnit>,
 ) -> Checked<f64> {
-    let sym = match names_a_later_one(checker, value) {
+    let of = Target::declared(&quantity.name, quantity.unit.as_ref());
+    let later = |part: &Expr| matches!(&part.kind, Kind::Name(name) if checker.scope.later.contains(&name.text));
+    let sym = match value.any(&later) {
         true => None,
-        false => Some(in_declared_unit(checker, value, unit)?),
+        false => Some(in_declared_unit(checker, value, &of, DECLARED)?),
     };
     sym.and_then(Sym::as_number).ok_or_else(|| {
         let message = format!(
             "the default of parameter `{}` must be a number; abbreviations of other parameters belong to `let`",
-            name.text
+            quantity.name.text
         );
         checker.diagnostics.syntax(value.place, message)
     })
 }
 
-/// Whether an expression contains the name of a parameter that is declared behind it.
-fn names_a_later_one(checker: &Checker<'_>, expr: &Expr) -> bool {
-    match &expr.kind {
-        Kind::Name(name) => checker.scope.later.contains(&name.text),
-        _ => {
-            let mut parts = expr.children().into_iter();
-            parts.any(|part| names_a_later_one(checker, part))
+/// What a number is of: a coordinate, its velocity, or anything else with a unit.
+pub(super) struct Target {
+    name: String,
+    velocity: bool,
+    /// The unit of the name, as declared.
+    unit: Option<WrittenUnit>,
+    bounds: Option<(Sym, Sym)>,
+}
+
+impl Target {
+    /// What belongs to the declaration of a name with a unit.
+    pub(super) fn declared(name: &Name, unit: Option<&WrittenUnit>) -> Self {
+        Self {
+            name: name.text.clone(),
+            velocity: false,
+            unit: unit.cloned(),
+            bounds: None,
         }
+    }
+
+    /// A coordinate or a state, or the velocity of a coordinate, and its place in `(q, v)`.
+    pub(super) fn of(
+        checker: &mut Checker<'_>,
+        name: &Name,
+        velocity: bool,
+    ) -> Checked<(usize, Self)> {
+        let n = checker.coordinates.len() + checker.states.len();
+        let (place, known) = match states::index(checker, name) {
+            Some(state) if !velocity => (states::place(checker, state), &checker.states[state]),
+            _ => {
+                let index = checker.coordinate_index(name)?;
+                let place = if velocity { n + index } else { index };
+                (place, &checker.coordinates[index])
+            }
+        };
+        let target = Self {
+            velocity,
+            bounds: known.bounds,
+            ..Self::declared(name, known.unit.as_ref())
+        };
+        Ok((place, target))
+    }
+
+    /// As it is written.
+    pub(super) fn shown(&self) -> String {
+        written(&self.name, self.velocity)
     }
 }
 
-/// An expression as a number in a declared unit: bare numbers are in that unit already, anything
-/// else is in SI units and converted.
+/// A name, or its velocity, as it is written.
+fn written(name: &str, velocity: bool) -> String {
+    match velocity {
+        true => format!("dot({name})"),
+        false => name.to_owned(),
+    }
+}
+
+/// Why a number of a declaration has its unit.
+pub(super) const DECLARED: [&str; 2] = ["", " is declared so"];
+
+/// An expression as a number in the declared unit of what it is of, which it has for the reason in words around that.
 pub(super) fn in_declared_unit(
     checker: &mut Checker<'_>,
     expr: &Expr,
-    unit: Option<&WrittenUnit>,
+    of: &Target,
+    because: [&str; 2],
 ) -> Checked<Sym> {
-    let value = checker.scalar(expr)?;
-    if is_bare(expr) {
-        return Ok(value);
+    let own = checker.number(expr)?;
+    converted(checker, (expr, &own), of, because)
+}
+
+/// E03 and E23: a number in the declared unit of what it is of. Bare ones are in that unit already, anything else is in SI units
+/// and converted.
+pub(super) fn converted(
+    checker: &mut Checker<'_>,
+    (expr, own): (&Expr, &Number),
+    of: &Target,
+    [before, behind]: [&str; 2],
+) -> Checked<Sym> {
+    let mut wanted = checker.unit_of(&of.name);
+    let units = &mut checker.scope.units;
+    let mut called = ["", ""];
+    if of.velocity {
+        wanted = wanted.over(&units.second());
+        if units.is_angle(&of.name) {
+            called = ["1/s", "rad/s"];
+        }
+    } else {
+        units.angle_of(&of.name, expr, own.sym);
     }
-    let value = value.scaled(1.0 / scene::scale(unit));
+    if expr.is_bare() {
+        return Ok(own.sym);
+    }
+    let reason = format!("{before}`{}`{behind}", of.shown());
+    units.expect_called(expr, (&own.unit, &wanted), &reason, called);
+    let value = own.sym.scaled(1.0 / scene::scale(of.unit.as_ref()));
     match graph::take_fault() {
         Some(fault) => Err(unrepresentable(fault, expr, checker.diagnostics)),
         None => Ok(value),
@@ -62,13 +137,14 @@ pub(super) fn in_declared_unit(
 /// Bounds of coordinates, controls or states.
 pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity], of: Of) -> Checked<()> {
     for quantity in quantities {
-        let (name, unit) = (&quantity.name.text, quantity.unit.as_ref());
+        let name = &quantity.name;
         let mut known = checker.list(of).iter();
-        let index = known.position(|known| known.name.text == *name);
+        let index = known.position(|known| known.name.text == name.text);
         let (Some(index), Some(bounds)) = (index, &quantity.bounds) else {
             continue;
         };
-        if let Ok(range) = range(checker, bounds, unit, name) {
+        let target = Target::declared(name, quantity.unit.as_ref());
+        if let Ok(range) = range(checker, bounds, &target, DECLARED) {
             checker.list(of)[index].bounds = Some(range);
         }
     }
@@ -79,16 +155,17 @@ pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity], of: Of)
 pub(super) fn range(
     checker: &mut Checker<'_>,
     (lower, upper): &(Expr, Expr),
-    unit: Option<&WrittenUnit>,
-    name: &str,
+    of: &Target,
+    because: [&str; 2],
 ) -> Checked<(Sym, Sym)> {
     let shared = match own_unit(upper) {
-        Some(shared) if is_bare(lower) => shared.unit.scale / scene::scale(unit),
+        Some(shared) if lower.is_bare() => shared.unit.scale / scene::scale(of.unit.as_ref()),
         _ => 1.0,
     };
+    let name = &*of.shown();
     let what = format!("a bound of `{name}`");
     let mut bound = |expr: &Expr, factor: f64| {
-        let sym = in_declared_unit(checker, expr, unit)?.scaled(factor);
+        let sym = in_declared_unit(checker, expr, of, because)?.scaled(factor);
         if let Some(fault) = graph::take_fault() {
             return Err(unrepresentable(fault, expr, checker.diagnostics));
         }
@@ -112,7 +189,10 @@ pub(super) fn range(
 }
 
 pub(super) fn lagrangian(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
-    let value = checker.scalar(expr)?;
+    let own = checker.number(expr)?;
+    let energy = checker.scope.units.energy.clone();
+    checker.scope.units.unify(&own.unit, &energy);
+    let value = own.sym;
     if checker.lagrangian.is_some() {
         return Err(checker.diagnostics.syntax(
             keyword,
@@ -131,13 +211,17 @@ pub(super) fn lagrangian(checker: &mut Checker<'_>, keyword: Place, expr: &Expr)
             ),
         ));
     }
-    super::rules::smooth(value, expr, checker)?;
+    smooth(value, expr, checker)?;
     checker.lagrangian = Some((value, keyword));
     Ok(())
 }
 
 pub(super) fn dissipation(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
-    let value = checker.scalar(expr)?;
+    let own = checker.number(expr)?;
+    let units = &mut checker.scope.units;
+    let wanted = units.energy.over(&units.second());
+    units.expect(expr, &own.unit, &wanted, "the dissipation is a power");
+    let value = own.sym;
     if checker.dissipation.is_some() {
         return Err(checker.diagnostics.syntax(
             keyword,
@@ -151,7 +235,7 @@ pub(super) fn dissipation(checker: &mut Checker<'_>, keyword: Place, expr: &Expr
             "the dissipation contains no velocity; write e.g. `c/2*dot(y)^2` for a damper",
         ));
     }
-    super::rules::smooth(value, expr, checker)?;
+    smooth(value, expr, checker)?;
     damping_grows(checker, value, expr)?;
     damping_is_not_negative(checker, value, expr)?;
     checker.dissipation = Some(value);
@@ -161,8 +245,7 @@ pub(super) fn dissipation(checker: &mut Checker<'_>, keyword: Place, expr: &Expr
 /// E10: no velocity enters linearly only. A power like that has no smallest value, so in one direction it is fed in, by a
 /// force that no velocity changes.
 fn damping_grows(checker: &mut Checker<'_>, dissipation: Sym, expr: &Expr) -> Checked<()> {
-    let velocities = (0..checker.coordinates.len()).map(|i| Variable::Velocity(i as u16));
-    let velocities: Vec<Variable> = velocities.collect();
+    let velocities = Variable::velocities(checker.coordinates.len());
     let slopes = graph::gradient(dissipation, &velocities);
     for (coordinate, slope) in checker.coordinates.iter().zip(slopes) {
         let slope = simplify(slope);
@@ -211,22 +294,28 @@ fn damping_is_not_negative(
 pub(super) fn forces(checker: &mut Checker<'_>, assignments: &[Assignment]) -> Checked<()> {
     for assignment in assignments {
         checker.scope.acts = true;
-        let value = checker.scalar(&assignment.value);
+        let value = checker.number(&assignment.value);
         checker.scope.acts = false;
+        let name = &assignment.target.text;
         let (Ok(index), Ok(value)) = (checker.coordinate_index(&assignment.target), value) else {
             continue;
         };
+        let wanted = checker.unit_of(name);
+        let wanted = checker.scope.units.energy.over(&wanted);
+        let reason =
+            format!("a force on `{name}` is the Lagrangian's unit over that of the coordinate");
+        let pair = (&value.unit, &wanted);
+        // On an angle acts a torque.
+        let units = &mut checker.scope.units;
+        units.expect_called(&assignment.value, pair, &reason, ["J", "N m"]);
         if assignment.velocity {
             checker.diagnostics.syntax(
                 assignment.target.place(),
-                format!(
-                    "a force acts on a coordinate; write `{}: ...`",
-                    assignment.target.text
-                ),
+                format!("a force acts on a coordinate; write `{name}: ...`"),
             );
             continue;
         }
-        checker.forces.push((index, value));
+        checker.forces.push((index, value.sym));
     }
     Ok(())
 }
@@ -293,6 +382,7 @@ fn start_value(checker: &mut Checker<'_>, sym: Sym, expr: &Expr, shown: &str) ->
 pub(super) fn start_values(checker: &mut Checker<'_>) -> StartValues {
     let assignments = std::mem::take(&mut checker.start);
     let values = assigned(checker, &assignments);
+    checker.tell_units();
     if values.complete {
         free_start_within_bounds(checker, &values.declared);
     }
@@ -305,10 +395,12 @@ pub(super) fn assigned(checker: &mut Checker<'_>, assignments: &[Assignment]) ->
     let mut values: Vec<Option<(Sym, Place)>> = vec![None; 2 * n];
     let mut failed = false;
     for assignment in assignments {
-        let value = match states::index(checker, &assignment.target) {
-            Some(state) => state_start(checker, assignment, state),
-            None => coordinate_start(checker, assignment, n),
-        };
+        let name = &assignment.target;
+        let before = checker.scope.units.found.mistakes();
+        let value = start_number(checker, assignment);
+        if checker.scope.units.found.mistakes() > before {
+            checker.scope.units.faulty.insert(name.text.clone());
+        }
         let Ok((slot, value)) = value else {
             failed = true;
             continue;
@@ -317,10 +409,9 @@ pub(super) fn assigned(checker: &mut Checker<'_>, assignments: &[Assignment]) ->
             .replace((value, assignment.value.place))
             .is_some()
         {
-            checker.diagnostics.syntax(
-                assignment.target.place(),
-                format!("`{}` has two start values; keep one", shown(assignment)),
-            );
+            let shown = written(&name.text, assignment.velocity);
+            let message = format!("`{shown}` has two start values; keep one");
+            checker.diagnostics.syntax(name.place(), message);
             failed = true;
         }
     }
@@ -330,80 +421,30 @@ pub(super) fn assigned(checker: &mut Checker<'_>, assignments: &[Assignment]) ->
     }
 }
 
-/// The start value of a coordinate or a velocity, and its place in `(q, v)` of the length `2 n`.
-fn coordinate_start(
-    checker: &mut Checker<'_>,
-    assignment: &Assignment,
-    n: usize,
-) -> Checked<(usize, Sym)> {
-    let index = checker.coordinate_index(&assignment.target)?;
-    let unit = checker.coordinates[index].unit.clone();
-    let value = start_number(
-        checker,
-        &assignment.value,
-        unit.as_ref(),
-        &shown(assignment),
-    )?;
-    if assignment.velocity {
-        return Ok((n + index, value));
-    }
-    if let Some(bounds) = checker.coordinates[index].bounds {
-        checker.within(
-            value,
-            bounds,
-            assignment.value.place,
-            &assignment.target.text,
-        );
-    }
-    Ok((index, value))
-}
-
-/// The start value of a state, and its place in `(q, v)`.
-fn state_start(
-    checker: &mut Checker<'_>,
-    assignment: &Assignment,
-    state: usize,
-) -> Checked<(usize, Sym)> {
-    let name = &assignment.target;
-    if assignment.velocity {
+/// A start value in its declared unit, and its place in `(q, v)`.
+fn start_number(checker: &mut Checker<'_>, assignment: &Assignment) -> Checked<(usize, Sym)> {
+    let (name, expr) = (&assignment.target, &assignment.value);
+    if assignment.velocity && states::index(checker, name).is_some() {
         let message = format!(
             "`{0}` is a state, whose rate stands in `rates`; its start value is written `{0}: ...`",
             name.text
         );
         return Err(checker.diagnostics.syntax(name.place(), message));
     }
-    let unit = checker.states[state].unit.clone();
-    let value = start_number(checker, &assignment.value, unit.as_ref(), &name.text)?;
-    if let Some(bounds) = checker.states[state].bounds {
-        checker.within(value, bounds, assignment.value.place, &name.text);
+    let (place, target) = Target::of(checker, name, assignment.velocity)?;
+    let sym = in_declared_unit(checker, expr, &target, ["it is the start value of ", ""])?;
+    let value = start_value(checker, sym, expr, &target.shown())?;
+    if let Some(bounds) = target.bounds.filter(|_| !target.velocity) {
+        checker.within(value, bounds, expr.place, &name.text);
     }
-    Ok((states::place(checker, state), value))
-}
-
-/// A start value in the unit of what is `shown`.
-fn start_number(
-    checker: &mut Checker<'_>,
-    value: &Expr,
-    unit: Option<&WrittenUnit>,
-    shown: &str,
-) -> Checked<Sym> {
-    let sym = in_declared_unit(checker, value, unit)?;
-    start_value(checker, sym, value, shown)
-}
-
-/// What an assignment is to.
-pub(super) fn shown(assignment: &Assignment) -> String {
-    let name = &assignment.target.text;
-    if assignment.velocity {
-        format!("dot({name})")
-    } else {
-        name.clone()
-    }
+    Ok((place, value))
 }
 
 pub(super) fn horizon(checker: &mut Checker<'_>, keyword: Place, expr: &Expr) -> Checked<()> {
-    let value = checker.scalar(expr)?;
-    let value = checker.constant(value, expr, "the horizon")?;
+    let own = checker.number(expr)?;
+    let second = checker.scope.units.second();
+    checker.given(expr, &own, &second, "the horizon is a time");
+    let value = checker.constant(own.sym, expr, "the horizon")?;
     if checker.horizon.is_some() {
         return Err(checker
             .diagnostics
@@ -442,22 +483,25 @@ fn own_unit(expr: &Expr) -> Option<&WrittenUnit> {
     }
 }
 
-/// Whether an expression is a number without unit, possibly with sign and arithmetic: such a number is
-/// meant in the unit of the declaration it belongs to.
-pub(crate) fn is_bare(expr: &Expr) -> bool {
-    match &expr.kind {
-        Kind::Number { unit, .. } => unit.is_none(),
-        Kind::Name(name) => name.text == "pi",
-        Kind::Negate(inner) => is_bare(inner),
-        Kind::Chain(..) => expr.children().into_iter().all(is_bare),
-        _ => false,
-    }
+/// What a condition compares at an instant, not negative where it holds.
+pub(super) fn condition_at_an_instant(
+    checker: &mut Checker<'_>,
+    condition: &Condition,
+) -> Checked<Number> {
+    let mut side = |expr: &Expr| {
+        let value = of_an_instant(checker, expr)?;
+        smooth(value.sym, expr, checker)?;
+        Ok(value)
+    };
+    let (left, right) = (side(&condition.left), side(&condition.right));
+    let sides = [(&condition.left, &left?), (&condition.right, &right?)];
+    Ok(checker.difference(sides, condition.relation, "both sides of a condition"))
 }
 
 /// E07: a value of an instant, at which a control may jump.
-pub(super) fn of_an_instant(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Sym> {
-    let value = checker.scalar(expr)?;
-    let mut variables = graph::variables(&[value]).into_iter();
+pub(super) fn of_an_instant(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Number> {
+    let value = checker.number(expr)?;
+    let mut variables = graph::variables(&[value.sym]).into_iter();
     let Some(control) = variables.find(|variable| matches!(variable, Variable::Control(_))) else {
         return Ok(value);
     };

@@ -31,7 +31,7 @@ impl Bias<'_> {
     /// The right-hand side of each coordinate but for declared forces.
     pub(super) fn forces(&self) -> Vec<Sym> {
         let n = self.momenta.len();
-        let coordinates: Vec<Variable> = (0..n).map(|i| Variable::Coordinate(i as u16)).collect();
+        let coordinates = Variable::coordinates(n);
         let velocity = |k: usize| Sym::variable(Variable::Velocity(k as u16));
         let at_rest = |values: &[Sym]| {
             graph::substitute(values, |variable| match variable {

@@ -90,7 +90,7 @@ fn geometry(contact: &Contact, (n, moving): (usize, usize)) -> (Vec<Sym>, Sym, V
 
 /// Sliding velocity, its curvature and the tangent.
 fn slip(sliding: Sym, (n, moving): (usize, usize)) -> (Sym, Sym, Vec<Sym>) {
-    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let velocities = Variable::velocities(n);
     let sliding = simplify(sliding);
     let curvature = graph::directional(&[sliding], along_motion(moving))[0];
     let tangent = graph::gradient(sliding, &velocities);

@@ -35,7 +35,7 @@ pub(super) fn rows(scene: &CheckedScene) -> Vec<Row> {
     let n = scene.coordinates.len();
     // What is held has no part in any rate.
     let along = along_motion(moving(scene));
-    let velocities: Vec<Variable> = (0..n).map(|i| Variable::Velocity(i as u16)).collect();
+    let velocities = Variable::velocities(n);
     let joints = scene.joints.iter();
     let rows = joints.flat_map(|joint| joint.rows.iter().map(|&row| (row, joint.holonomic)));
     rows.zip(0_u16..)

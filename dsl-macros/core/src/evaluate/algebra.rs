@@ -1,8 +1,10 @@
 //! Sums, products and quotients of numbers and vectors.
 
-use super::value::{Matrix, Value};
+use super::scope::Evaluation;
+use super::value::{Matrix, Number, Value};
 use crate::ast::{Expr, Link, Operator, Prefix};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use crate::dimension::Dimension;
 use crate::graph::{self, Compose, Function2, Sym};
 
 pub(super) fn not_a_vector(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Reported {
@@ -15,41 +17,45 @@ pub(super) fn not_a_vector(expr: &Expr, value: &Value, diagnostics: &mut Diagnos
     diagnostics.report("E02", expr.place, message)
 }
 
+/// The inner product of what stands in an expression; where it stands, and where a mistake with its form is shown.
 pub(super) fn inner_product(
-    left: &Value,
-    right: &Value,
-    place: Place,
-    diagnostics: &mut Diagnostics,
+    eval: &mut Evaluation<'_>,
+    (left, right): (&Value, &Value),
+    [whole, place]: [Place; 2],
 ) -> Checked<Value> {
-    match (left, right) {
+    let message = match (left, right) {
         (Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => {
-            Ok(Value::Scalar(inner(a.iter().zip(b.iter()))))
+            let products: Vec<Number> = a.iter().zip(b.iter()).map(|(a, b)| a.times(b)).collect();
+            let what = "the inner product";
+            return Ok(Value::Scalar(inner(eval, &products, whole, what)));
         }
-        (a, b) => Err(diagnostics.report(
-            "E02",
-            place,
-            format!(
-                "the inner product needs two vectors of the same length, found {} and {}",
-                a.describe(),
-                b.describe()
-            ),
-        )),
-    }
+        (a, b) => format!(
+            "the inner product needs two vectors of the same length, found {} and {}",
+            a.describe(),
+            b.describe()
+        ),
+    };
+    Err(eval.diagnostics.report("E02", place, message))
 }
 
 pub(super) fn cross_product(
-    left: &Value,
-    right: &Value,
+    eval: &mut Evaluation<'_>,
+    (left, right): (&Value, &Value),
     place: Place,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let vectors = matches!((left, right), (Value::Vector(_), Value::Vector(_)));
-    match (left.components(), right.components()) {
-        (&[a, b], &[c, d]) if vectors => Ok(Value::Scalar(a * d - b * c)),
-        (&[a, b, c], &[d, e, f]) if vectors => Ok(Value::Vector(
-            [b * f - c * e, c * d - a * f, a * e - b * d].into(),
-        )),
-        _ => Err(diagnostics.report(
+    let (own, its) = (left.components(), right.components());
+    let entry = |a: usize, b: usize| {
+        let product = own[a].times(&its[b]);
+        product.with(product.sym - own[b].sym * its[a].sym)
+    };
+    match own.len() {
+        2 if vectors && its.len() == 2 => Ok(Value::Scalar(entry(0, 1))),
+        3 if vectors && its.len() == 3 => {
+            let pairs = [(1, 2), (2, 0), (0, 1)];
+            Ok(Value::Vector(pairs.map(|(a, b)| entry(a, b)).into()))
+        }
+        _ => Err(eval.diagnostics.report(
             "E02",
             place,
             format!(
@@ -63,18 +69,20 @@ pub(super) fn cross_product(
 
 /// `base^exponent`.
 pub(super) fn power(
-    base: &Expr,
-    exponent: &Expr,
+    eval: &mut Evaluation<'_>,
+    [base, exponent]: [&Expr; 2],
     values: [Value; 2],
     place: Place,
-    diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let message = match &values {
-        [Value::Scalar(_), Value::Scalar(exponent)] if *exponent == Sym::ZERO => {
-            return Ok(Value::Scalar(Sym::ONE));
-        }
-        [Value::Scalar(base), Value::Scalar(exponent)] => {
-            return Ok(Value::Scalar(base.call2(Function2::Power, *exponent)));
+        [Value::Scalar(own), Value::Scalar(its)] => {
+            let units = &mut eval.scope.units;
+            let unit = units.of_power((base, own), (exponent, its));
+            let sym = match its.sym {
+                Sym::ZERO => Sym::ONE,
+                its => own.sym.call2(Function2::Power, its),
+            };
+            return Ok(Value::Scalar(Number { sym, unit }));
         }
         [Value::Vector(_), _] => {
             format!("a vector has no power; the square of its length is `|{base}|^2`")
@@ -87,26 +95,35 @@ pub(super) fn power(
             other.describe()
         ),
     };
-    Err(diagnostics.report("E02", place, message))
+    Err(eval.diagnostics.report("E02", place, message))
 }
 
 /// All of a chain at once, if it is made of numbers: the normal form of the whole is built once, not
 /// after each operand again. `None` if it holds something else, or a division by zero.
-pub(super) fn of_numbers(values: &[Value], rest: &[Link]) -> Option<Sym> {
+pub(super) fn of_numbers(values: &[Value], rest: &[Link]) -> Option<Number> {
     let mut numbers = Vec::with_capacity(values.len());
-    for value in values {
-        match value {
-            Value::Scalar(number) => numbers.push(*number),
-            _ => return None,
-        }
+    let mut unit: Option<Dimension> = None;
+    for (i, value) in values.iter().enumerate() {
+        let Value::Scalar(number) = value else {
+            return None;
+        };
+        numbers.push(number.sym);
+        unit = Some(match (unit, i.checked_sub(1).map(|i| rest[i].operator)) {
+            (Some(unit), Some(Operator::Multiply)) => unit.times(&number.unit),
+            (Some(unit), Some(Operator::Divide)) => unit.over(&number.unit),
+            (Some(unit), _) => unit,
+            (None, _) => number.unit.clone(),
+        });
     }
+    let unit = unit.unwrap_or_default();
     let operators = std::iter::once(None).chain(rest.iter().map(|link| Some(link.operator)));
     let operands = numbers.into_iter().zip(operators);
     if rest.iter().any(|link| link.operator.is_additive()) {
-        return Some(graph::sum(operands.map(|(number, operator)| {
+        let sym = graph::sum(operands.map(|(number, operator)| {
             let negative = operator == Some(Operator::Subtract);
             (number, if negative { -1.0 } else { 1.0 })
-        })));
+        }));
+        return Some(Number { sym, unit });
     }
     let mut factors = Vec::with_capacity(values.len());
     for (number, operator) in operands {
@@ -116,51 +133,49 @@ pub(super) fn of_numbers(values: &[Value], rest: &[Link]) -> Option<Sym> {
         }
         factors.push((number, if divides { -2 } else { 2 }));
     }
-    Some(graph::product(factors))
+    let sym = graph::product(factors);
+    Some(Number { sym, unit })
 }
 
-/// One step of a chain: what is on the left of an operator, and what stands on its right.
+/// One step of a chain: what is on the left of an operator, and what stands on its right. The units of sums are compared
+/// elsewhere.
 pub(super) fn step(
-    left: &Prefix<'_>,
-    left_value: &Value,
-    link: &Link,
-    right_value: &Value,
-    diagnostics: &mut Diagnostics,
+    eval: &mut Evaluation<'_>,
+    (left, left_value): (&Prefix<'_>, &Value),
+    (link, right_value): (&Link, &Value),
 ) -> Checked<Value> {
     let (right, place) = (&link.operand, link.place);
+    let diagnostics = &mut *eval.diagnostics;
+    let what = || format!("the product `{left}*{right}`");
     match (link.operator, left_value, right_value) {
-        (Operator::Divide, _, Value::Scalar(divisor)) if divisor.is_structural_zero() => {
+        (Operator::Divide, _, Value::Scalar(divisor)) if divisor.sym.is_structural_zero() => {
             Err(diagnostics.syntax(right.place, format!("`{right}` is zero; it cannot divide")))
         }
-        (Operator::Add, Value::Scalar(a), Value::Scalar(b)) => Ok(Value::Scalar(*a + *b)),
-        (Operator::Subtract, Value::Scalar(a), Value::Scalar(b)) => Ok(Value::Scalar(*a - *b)),
-        (Operator::Multiply, Value::Scalar(a), Value::Scalar(b)) => Ok(Value::Scalar(*a * *b)),
-        (Operator::Divide, _, Value::Scalar(b)) => {
-            let inverse = b.power(-2);
-            Ok(left_value.map(|&component| component * inverse))
-        }
-        (Operator::Multiply, Value::Scalar(a), Value::Vector(_) | Value::Matrix(_)) => {
-            Ok(right_value.map(|&component| *a * component))
-        }
+        (Operator::Divide, _, Value::Scalar(b)) => Ok(left_value.map(|own| own.over(b))),
+        (Operator::Multiply, Value::Scalar(a), _) => Ok(right_value.map(|its| a.times(its))),
+        (Operator::Multiply, _, Value::Scalar(b)) => Ok(left_value.map(|own| own.times(b))),
         (Operator::Multiply, Value::Matrix(m), Value::Vector(v)) if m.columns == v.len() => {
-            Ok(Value::Vector(m.products(v, 1).map(inner).collect()))
+            let entries = m.products(v, 1);
+            let entries = entries.map(|products| inner(eval, &products, place, &what()));
+            Ok(Value::Vector(entries.collect()))
         }
         (Operator::Multiply, Value::Matrix(a), Value::Matrix(b)) if a.columns == b.rows() => {
-            let entries = a.products(&b.entries, b.columns).map(inner);
+            let entries = a.products(&b.entries, b.columns);
+            let entries = entries.map(|products| inner(eval, &products, place, &what()));
             Ok(Value::Matrix(Matrix::new(entries.collect(), b.columns)))
         }
-        (Operator::Multiply, Value::Vector(_) | Value::Matrix(_), Value::Scalar(b)) => {
-            Ok(left_value.map(|&component| component * *b))
+        (Operator::Add | Operator::Subtract, Value::Scalar(_), Value::Scalar(_)) => {
+            Ok(sums(link.operator, left_value, right_value))
         }
         (Operator::Add | Operator::Subtract, Value::Vector(a), Value::Vector(b))
             if a.len() == b.len() =>
         {
-            Ok(left_value.with_components(sums(link.operator, a, b)))
+            Ok(sums(link.operator, left_value, right_value))
         }
         (Operator::Add | Operator::Subtract, Value::Matrix(a), Value::Matrix(b))
             if (a.rows(), a.columns) == (b.rows(), b.columns) =>
         {
-            Ok(left_value.with_components(sums(link.operator, &a.entries, &b.entries)))
+            Ok(sums(link.operator, left_value, right_value))
         }
         (Operator::Multiply, Value::Vector(_), Value::Vector(_)) => Err(diagnostics.report(
             "E02",
@@ -181,17 +196,23 @@ pub(super) fn step(
     }
 }
 
-/// The sum of the products of pairs.
-fn inner<'a>(pairs: impl IntoIterator<Item = (&'a Sym, &'a Sym)>) -> Sym {
-    pairs.into_iter().map(|(&a, &b)| a * b).sum()
+/// The sum of some products, of which `what` consists.
+fn inner(eval: &mut Evaluation<'_>, products: &[Number], place: Place, what: &str) -> Number {
+    let message = |first, other| format!("the terms of {what} are in {first} and {other}");
+    Number {
+        sym: products.iter().map(|product| product.sym).sum(),
+        unit: eval.scope.units.common(products, place, message),
+    }
 }
 
-fn sums(operator: Operator, a: &[Sym], b: &[Sym]) -> Vec<Sym> {
+fn sums(operator: Operator, left: &Value, right: &Value) -> Value {
     let sign = if operator == Operator::Add { 1.0 } else { -1.0 };
-    a.iter()
-        .zip(b)
-        .map(|(&a, &b)| graph::sum([(a, 1.0), (b, sign)]))
-        .collect()
+    let pairs = left.syms().into_iter().zip(right.syms());
+    left.with_syms(
+        pairs
+            .map(|(a, b)| graph::sum([(a, 1.0), (b, sign)]))
+            .collect(),
+    )
 }
 
 /// What fits where two sizes do not.

@@ -2,7 +2,6 @@
 
 use super::kink::{Kink, has_switch};
 use super::scope::{Evaluation, Role, Scope};
-use super::value::Value;
 use crate::ast::{Expr, Kind};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
 use crate::graph::{self, Compose, Function, Node, Sym, Variable};
@@ -108,13 +107,13 @@ pub(super) fn refuse_sign(
 }
 
 /// What `max`, `min`, `clamp` or `abs` of some parts is: in a surface or a condition a variable, the same one for the same parts.
-pub(super) fn call(scope: &mut Scope, text: &str, mut parts: Vec<Sym>) -> Value {
+pub(super) fn call(scope: &mut Scope, text: &str, mut parts: Vec<Sym>) -> Sym {
     if let ("clamp", &[part, low, high]) = (text, &parts[..]) {
-        let below = call(scope, "min", vec![part, high]).components().to_vec();
-        return call(scope, "max", [&below[..], &[low]].concat());
+        let below = call(scope, "min", vec![part, high]);
+        return call(scope, "max", vec![below, low]);
     }
     if scope.role != Role::Surface && !scope.takes_apart {
-        return Value::Scalar(computed(text, &parts));
+        return computed(text, &parts);
     }
     if let ("abs", [part]) = (text, &parts[..]) {
         parts.push(-*part);
@@ -133,7 +132,7 @@ pub(super) fn call(scope: &mut Scope, text: &str, mut parts: Vec<Sym>) -> Value 
         });
         variable
     });
-    Value::Scalar(Sym::variable(variable))
+    Sym::variable(variable)
 }
 
 /// A maximum or minimum as a number: `max(a, b) = (a + b + |a - b|)/2`.

@@ -10,16 +10,17 @@ use super::recorded;
 use super::remembered;
 use super::scope::{Evaluation, Meaning, Role};
 use super::switch;
-use super::value::Value;
+use super::value::{Number, Value};
 use crate::ast::{Expr, Kind, Link, Name, Prefix, WrittenUnit};
 use crate::diagnostics::{Checked, Place, Reported, list};
+use crate::dimension::Dimension;
 use crate::graph::{self, Compose, Fault, Function, Function2, Sym, Variable};
 use crate::words;
 use std::rc::Rc;
 
 /// Most nodes of the syntax tree that one scene may evaluate, calls of functions included: far above
 /// any mechanism, and a second or so of compile time.
-pub(crate) const BUDGET: usize = 300_000;
+const BUDGET: usize = 300_000;
 
 /// Deepest evaluation, functions inserted; within the stack of a thread of 2 MB, without optimization as well.
 const DEPTH: usize = 300;
@@ -53,7 +54,11 @@ pub(crate) fn value(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Value> {
     if graph::is_exhausted() {
         return Err(eval.diagnostics.report("E22", expr.place, TOO_LARGE));
     }
-    if value.components().iter().any(|part| part.depth() > DEEPEST) {
+    if value
+        .components()
+        .iter()
+        .any(|part| part.sym.depth() > DEEPEST)
+    {
         return Err(eval.diagnostics.report("E22", expr.place, TOO_DEEP));
     }
     // A derivative may cancel up to rounding; that is zero on paper.
@@ -75,22 +80,14 @@ fn value_unguarded(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Value> {
         ));
     }
     match &expr.kind {
-        Kind::Number { value, unit, .. } => {
-            let Some(unit) = unit else {
-                return Ok(Value::Scalar(Sym::number(*value)));
-            };
-            // Checked as the product of two constants.
-            let checked = Sym::number(*value).scaled(unit.unit.scale);
-            let value = unit.unit.in_si(*value);
-            Ok(Value::Scalar(match value.is_finite() {
-                true => Sym::number(value),
-                false => checked,
-            }))
-        }
+        Kind::Number { value, unit, .. } => Ok(Value::Scalar(Number {
+            sym: written(*value, unit.as_ref()),
+            unit: eval.scope.units.written(*value, unit.as_ref()),
+        })),
         Kind::Name(name) => eval.scope.name(name, eval.diagnostics),
         Kind::Negate(inner) => {
             let inner = value(eval, inner)?;
-            Ok(inner.map(|&component| -component))
+            Ok(inner.map(|own| own.with(-own.sym)))
         }
         Kind::Chain(first, rest) => chain(eval, first, rest),
         Kind::Power {
@@ -101,7 +98,7 @@ fn value_unguarded(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Value> {
             let values = [base, exponent].map(|expr| value(eval, expr));
             let [base_value, exponent_value] = values;
             let values = [base_value?, exponent_value?];
-            power(base, exponent, values, *place, eval.diagnostics)
+            power(eval, [base, exponent], values, *place)
         }
         Kind::Call {
             function,
@@ -114,7 +111,7 @@ fn value_unguarded(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Value> {
         } => derivative(eval, function, *order, argument),
         Kind::Norm(inner) => norm(eval, expr, inner),
         Kind::Vector(items) => vector(eval, items),
-        Kind::Component { vector, name } => component(eval, vector, name),
+        Kind::Component { vector, name } => component(eval, expr, vector, name),
         Kind::Index { vector, index } => component_at(eval, expr, vector, *index),
         Kind::Profile {
             profile,
@@ -126,8 +123,27 @@ fn value_unguarded(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Value> {
             let of = |unit: &Option<WrittenUnit>| unit.as_ref().map_or(1.0, |unit| unit.unit.scale);
             let (from, to) = (of(argument_unit), of(value_unit));
             let function = Function::Profile(*profile);
-            Ok(at.map(|at| at.scaled(1.0 / from).call(function).scaled(to)))
+            let units = [argument_unit, value_unit];
+            let unit = eval.scope.units.of_points(expr, &at, units);
+            Ok(at.map(|at| Number {
+                sym: at.sym.scaled(1.0 / from).call(function).scaled(to),
+                unit: unit.clone(),
+            }))
         }
+    }
+}
+
+/// A number as it is written, in SI units.
+fn written(value: f64, unit: Option<&WrittenUnit>) -> Sym {
+    let Some(unit) = unit else {
+        return Sym::number(value);
+    };
+    // Checked as the product of two constants.
+    let checked = Sym::number(value).scaled(unit.unit.scale);
+    let value = unit.unit.in_si(value);
+    match value.is_finite() {
+        true => Sym::number(value),
+        false => checked,
     }
 }
 
@@ -151,7 +167,7 @@ fn vector(eval: &mut Evaluation<'_>, items: &[Expr]) -> Checked<Value> {
     if failed {
         return Err(Reported);
     }
-    matrix::stacked(items, values, eval.diagnostics)
+    matrix::stacked(items, &values, eval.diagnostics)
 }
 
 fn component_at(
@@ -182,9 +198,14 @@ fn chain(eval: &mut Evaluation<'_>, first: &Expr, rest: &[Link]) -> Checked<Valu
         .chain(rest.iter().map(|link| &link.operand))
         .any(fades);
     let fault = || graph::take_fault().filter(|fault| !(fading && *fault == Fault::Absorption));
+    let agree = !rest[0].operator.is_additive() || eval.scope.units.of_sum(first, rest, &values);
+    let told = |value: Value| match agree {
+        true => value,
+        false => value.map(|own| own.in_unit(Dimension::default())),
+    };
     if let Some(number) = of_numbers(&values, rest) {
         let Some(fault) = fault() else {
-            return Ok(Value::Scalar(number));
+            return Ok(told(Value::Scalar(number)));
         };
         // Where it happens: with one operand more each time.
         for (i, link) in rest.iter().enumerate() {
@@ -201,7 +222,7 @@ fn chain(eval: &mut Evaluation<'_>, first: &Expr, rest: &[Link]) -> Checked<Valu
             first,
             rest: &rest[..i],
         };
-        total = step(&left, &total, link, value, eval.diagnostics)?;
+        total = step(eval, (&left, &total), (link, value))?;
         match fault() {
             Some(fault) if fault.is_of_range() || link.operator.is_additive() => {
                 return Err(unrepresentable(fault, &link.operand, eval.diagnostics));
@@ -209,16 +230,21 @@ fn chain(eval: &mut Evaluation<'_>, first: &Expr, rest: &[Link]) -> Checked<Valu
             _ => {}
         }
     }
-    Ok(total)
+    Ok(told(total))
 }
 
 /// Evaluates an expression that must be a number.
-pub(crate) fn scalar(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Sym> {
+pub(crate) fn scalar(eval: &mut Evaluation<'_>, expr: &Expr) -> Checked<Number> {
     let value = value(eval, expr)?;
     number(expr, &value, eval.diagnostics)
 }
 
-fn component(eval: &mut Evaluation<'_>, vector: &Expr, name: &Name) -> Checked<Value> {
+fn component(
+    eval: &mut Evaluation<'_>,
+    whole: &Expr,
+    vector: &Expr,
+    name: &Name,
+) -> Checked<Value> {
     let value = value(eval, vector)?;
     let Value::Vector(components) = &value else {
         if name.text == "dot" {
@@ -228,14 +254,16 @@ fn component(eval: &mut Evaluation<'_>, vector: &Expr, name: &Name) -> Checked<V
         }
         return Err(not_a_vector(vector, &value, eval.diagnostics));
     };
-    if let Some(index) = named::position(eval.scope, components, &name.text) {
-        return Ok(Value::Scalar(components[index]));
+    let syms = value.syms();
+    if let Some(index) = named::position(eval.scope, &syms, &name.text) {
+        return Ok(Value::Scalar(components[index].clone()));
     }
-    let names = named::names(eval.scope, components);
+    let names = named::names(eval.scope, &syms);
     // `a . b` with two vectors is their inner product.
     if !named::NAMES.contains(&name.text.as_str()) && eval.scope.names.contains_key(&name.text) {
         let other = eval.scope.name(name, eval.diagnostics)?;
-        return inner_product(&value, &other, name.place(), eval.diagnostics);
+        let places = [whole.place, name.place()];
+        return inner_product(eval, (&value, &other), places);
     }
     Err(eval.diagnostics.report(
         "E02",
@@ -258,19 +286,31 @@ fn component(eval: &mut Evaluation<'_>, vector: &Expr, name: &Name) -> Checked<V
 
 fn norm(eval: &mut Evaluation<'_>, whole: &Expr, inner: &Expr) -> Checked<Value> {
     match value(eval, inner)? {
-        Value::Scalar(part) if eval.scope.may_switch() => switch::size(eval, whole, part),
-        Value::Scalar(part) if edges::admitted(eval.scope) => {
-            Ok(edges::call(eval.scope, "abs", vec![part]))
+        Value::Scalar(part) => {
+            let size = if eval.scope.may_switch() {
+                switch::size(eval, whole, part.sym)?
+            } else if edges::admitted(eval.scope) {
+                edges::call(eval.scope, "abs", vec![part.sym])
+            } else {
+                return Err(edges::refuse_size(eval, inner, part.sym));
+            };
+            Ok(Value::Scalar(part.with(size)))
         }
-        Value::Scalar(part) => Err(edges::refuse_size(eval, inner, part)),
         Value::Vector(components) => {
-            let square: Sym = components.iter().map(|component| component.square()).sum();
+            let message = |first, other| {
+                format!(
+                    "the components of `{inner}` are in {first} and {other}, so they have no common length"
+                )
+            };
+            let unit = eval.scope.units.common(&components, inner.place, message);
+            let square: Sym = components.iter().map(|own| own.sym.square()).sum();
             let is_velocity = |variable| matches!(variable, Variable::Velocity(_));
             let may_rest = eval.scope.may_switch() && graph::contains(square, is_velocity);
-            Ok(Value::Scalar(match may_rest {
+            let sym = match may_rest {
                 true => square.call(graph::Function::Root),
                 false => square.power(1),
-            }))
+            };
+            Ok(Value::Scalar(Number { sym, unit }))
         }
         Value::Matrix(_) => Err(eval.diagnostics.report(
             "E02",
@@ -289,9 +329,12 @@ fn derivative(
     let at = scalar(eval, argument)?;
     eval.scope.arguments += 1;
     let place_holder = Variable::Argument(eval.scope.arguments);
-    let variable = Sym::variable(place_holder);
+    let variable = at.with(Sym::variable(place_holder));
     let value = if let Some(elementary) = elementary(&function.text) {
-        Value::Scalar(elementary(variable))
+        Value::Scalar(Number {
+            sym: elementary(variable.sym),
+            unit: Dimension::default(),
+        })
     } else {
         apply(
             eval,
@@ -300,14 +343,16 @@ fn derivative(
             function.place(),
         )?
     };
-    let mut components = value.components().to_vec();
+    let mut components = value.syms();
     let shown = (function.text.as_str(), function.place());
     edges::differentiable(eval, &components, shown)?;
     for _ in 0..order {
         components = graph::partial(&components, place_holder);
     }
-    let components = graph::substitute(&components, |other| (other == place_holder).then_some(at));
-    Ok(value.with_components(components))
+    let components = graph::substitute(&components, |other| {
+        (other == place_holder).then_some(at.sym)
+    });
+    Ok(value.with_syms(components).per(&at.unit, order))
 }
 
 fn call(
@@ -335,29 +380,28 @@ fn call(
         ));
     }
     if switch::is_switch(text) && eval.scope.may_switch() || switch::may_jump(eval.scope, text) {
-        return switched(eval, whole, (text, arguments));
+        return of_numbers_called(eval, (function, arguments), |eval, parts| {
+            switch::call(eval, whole, (text, arguments), &parts)
+        });
     }
     if words::NONSMOOTH.contains(&text) || text == words::IF {
         if let ("sign" | "signum", [argument]) = (text, arguments)
             && matches!(eval.scope.role, Role::Motion | Role::Bound)
         {
             let part = scalar(eval, argument)?;
-            edges::refuse_sign(whole, argument, part, eval.diagnostics)?;
+            edges::refuse_sign(whole, argument, part.sym, eval.diagnostics)?;
         }
         edges::admit(eval, whole, (text, arguments.len()))?;
-        let parts: Vec<Checked<Sym>> = arguments
-            .iter()
-            .map(|argument| scalar(eval, argument))
-            .collect();
-        let parts = parts.into_iter().collect::<Checked<_>>()?;
-        return Ok(edges::call(eval.scope, text, parts));
+        return of_numbers_called(eval, (function, arguments), |eval, parts| {
+            Ok(edges::call(eval.scope, text, parts))
+        });
     }
     if words::MATRIX_FUNCTIONS.contains(&text) {
         let mut values = Vec::with_capacity(arguments.len());
         for argument in arguments {
-            values.push((argument, value(eval, argument)?));
+            values.push(value(eval, argument)?);
         }
-        return matrix::call(function, &values, eval.diagnostics);
+        return matrix::call(eval, function, (arguments, &values));
     }
     if text == words::SUM && !eval.diagnostics.is_poisoned(text) {
         return sum(eval, whole, arguments);
@@ -399,7 +443,7 @@ fn by_arity(
         let message = format!("`{text}` takes {wanted} argument{plural}, found {found}");
         return Err(eval.diagnostics.report("E02", whole.place, message));
     }
-    known_function(eval, whole, text, arguments)
+    known_function(eval, whole, function, arguments)
 }
 
 /// `sum(expression)`, over all impacts.
@@ -431,24 +475,24 @@ fn peak(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<
     Ok(remembered::peak(eval.scope, whole, known?))
 }
 
-/// A switch of these arguments.
-fn switched(
+/// A function of arguments that must be numbers, each of which reports its own mistakes.
+fn of_numbers_called(
     eval: &mut Evaluation<'_>,
-    whole: &Expr,
-    (text, arguments): (&str, &[Expr]),
+    (function, arguments): (&Name, &[Expr]),
+    value: impl FnOnce(&mut Evaluation<'_>, Vec<Sym>) -> Checked<Sym>,
 ) -> Checked<Value> {
-    let parts: Vec<Checked<Sym>> = arguments
-        .iter()
-        .map(|argument| scalar(eval, argument))
-        .collect();
-    let parts = parts.into_iter().collect::<Checked<Vec<Sym>>>()?;
-    switch::call(eval, whole, (text, arguments), &parts)
+    let numbers = arguments.iter().map(|argument| scalar(eval, argument));
+    let numbers: Vec<Checked<Number>> = numbers.collect();
+    let numbers: Vec<Number> = numbers.into_iter().collect::<Checked<_>>()?;
+    let unit = eval.scope.units.of_call(function, arguments, &numbers);
+    let sym = value(eval, numbers.iter().map(|number| number.sym).collect())?;
+    Ok(Value::Scalar(Number { sym, unit }))
 }
 
 /// Evaluates an expression in which `name` stands for a number.
 pub(crate) fn value_over(
     eval: &mut Evaluation<'_>,
-    (name, number): (&str, Sym),
+    (name, number): (&str, Number),
     expr: &Expr,
 ) -> Checked<Value> {
     let frame = vec![(name.to_owned(), Value::Scalar(number))];
@@ -462,33 +506,29 @@ pub(crate) fn value_over(
 fn known_function(
     eval: &mut Evaluation<'_>,
     whole: &Expr,
-    text: &str,
+    function: &Name,
     arguments: &[Expr],
 ) -> Checked<Value> {
+    let text = function.text.as_str();
     match (text, arguments) {
         ("dot", [argument]) => time_derivative(eval, argument),
         ("dot" | "cross", [left, right]) => {
             let left_value = value(eval, left);
             let right_value = value(eval, right);
             let (left_value, right_value) = (left_value?, right_value?);
-            if text == "dot" {
-                inner_product(&left_value, &right_value, whole.place, eval.diagnostics)
-            } else {
-                cross_product(&left_value, &right_value, whole.place, eval.diagnostics)
+            let values = (&left_value, &right_value);
+            match text {
+                "dot" => inner_product(eval, values, [whole.place; 2]),
+                _ => cross_product(eval, values, whole.place),
             }
         }
-        ("atan2", [y, x]) => {
-            let (y, x) = (scalar(eval, y), scalar(eval, x));
-            Ok(Value::Scalar(y?.call2(Function2::Atan2, x?)))
-        }
-        (_, [argument]) => {
-            let argument = scalar(eval, argument)?;
-            match elementary(text) {
-                Some(elementary) => Ok(Value::Scalar(elementary(argument))),
-                None => Err(Reported),
+        _ => of_numbers_called(eval, (function, arguments), |_, parts| {
+            match (&parts[..], elementary(text)) {
+                (&[y, x], _) => Ok(y.call2(Function2::Atan2, x)),
+                (&[argument], Some(elementary)) => Ok(elementary(argument)),
+                _ => Err(Reported),
             }
-        }
-        _ => Err(Reported),
+        }),
     }
 }
 
@@ -553,6 +593,7 @@ fn apply(
         .collect();
     eval.scope.frames.push(frame);
     eval.scope.active.push(function.text.clone());
+    eval.scope.units.called = Some(function.place());
     let value = value(eval, &declared.body);
     eval.scope.active.pop();
     eval.scope.frames.pop();
@@ -562,7 +603,8 @@ fn apply(
 /// `dot(e)`: the total time derivative along the motion.
 fn time_derivative(eval: &mut Evaluation<'_>, argument: &Expr) -> Checked<Value> {
     let value = value(eval, argument)?;
-    for variable in graph::variables(value.components()) {
+    let syms = value.syms();
+    for variable in graph::variables(&syms) {
         let message = match variable {
             Variable::Velocity(i) if i >= eval.scope.first_state => format!(
                 "`dot({argument})` is the rate of a state; give what stands in `rates` a name by `let`, and use that"
@@ -592,7 +634,7 @@ fn time_derivative(eval: &mut Evaluation<'_>, argument: &Expr) -> Checked<Value>
         });
     }
     let shown = (&*argument.to_string(), argument.place);
-    edges::differentiable(eval, value.components(), shown)?;
-    let rates = graph::directional(value.components(), velocity_direction);
-    Ok(value.with_components(rates))
+    edges::differentiable(eval, &syms, shown)?;
+    let rates = graph::directional(&syms, velocity_direction);
+    Ok(value.with_syms(rates).per(&eval.scope.units.second(), 1))
 }

@@ -24,13 +24,12 @@ pub(super) fn elementary(name: &str) -> Option<Box<dyn Fn(Sym) -> Sym>> {
 
 /// Whether an exponential may make a constant of an expression small: itself, or in a function that the scene declares.
 pub(super) fn fades(expr: &Expr) -> bool {
-    let called = match &expr.kind {
+    expr.any(&|part| match &part.kind {
         Kind::Call { function, .. } => {
             function.text == "exp" || !words::is_function(&function.text)
         }
         _ => false,
-    };
-    called || expr.children().into_iter().any(fades)
+    })
 }
 
 /// Whether an expression is a derivative.

@@ -12,14 +12,14 @@ mod recorded;
 mod remembered;
 mod scope;
 mod switch;
+mod units;
 mod value;
 
 pub(crate) use edges::has_edge;
-pub(crate) use expression::BUDGET;
 pub(crate) use functions::velocity_direction;
 pub(crate) use kink::{Kink, Peak, Switch};
-pub(crate) use matrix::stacked;
 pub(crate) use number::unrepresentable;
 pub(crate) use recorded::{FIRST_DRY, at_impacts};
 pub(crate) use scope::{Contents, Evaluation, Meaning, Role, Scope, UserFunction};
-pub(crate) use value::{Matrix, Value};
+pub(crate) use units::rounded;
+pub(crate) use value::{Number, Value};

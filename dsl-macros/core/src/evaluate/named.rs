@@ -39,7 +39,7 @@ fn coordinate(scope: &Scope, name: &str) -> Option<u16> {
     let Some(Meaning::Value(Value::Scalar(value))) = scope.names.get(name) else {
         return None;
     };
-    match value.node() {
+    match value.sym.node() {
         Node::Variable(Variable::Coordinate(index)) => Some(index),
         _ => None,
     }

@@ -1,9 +1,9 @@
 //! What numbers have to be: finite, held by double precision, and no vectors.
 
-use super::value::Value;
+use super::value::{Number, Value};
 use crate::ast::Expr;
 use crate::diagnostics::{Checked, Diagnostics, Reported};
-use crate::graph::{Fault, Sym};
+use crate::graph::Fault;
 
 /// E21: a constant that double precision does not hold.
 pub(crate) fn unrepresentable(
@@ -26,13 +26,13 @@ pub(crate) fn unrepresentable(
 }
 
 /// A value that must be a number.
-pub(super) fn number(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Checked<Sym> {
+pub(super) fn number(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Checked<Number> {
     match value {
-        Value::Scalar(sym) => {
-            if sym.as_number().is_some_and(|value| !value.is_finite()) {
+        Value::Scalar(number) => {
+            if number.sym.as_number().is_some_and(|value| !value.is_finite()) {
                 return Err(unrepresentable(Fault::Overflow, expr, diagnostics));
             }
-            Ok(*sym)
+            Ok(number.clone())
         }
         Value::Vector(_) => Err(diagnostics.report(
             "E02",

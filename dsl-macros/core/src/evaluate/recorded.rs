@@ -1,9 +1,10 @@
 //! Forces and impulses of contacts, in what is recorded and in optimal control.
 
 use super::scope::{Evaluation, Role};
-use super::value::Value;
+use super::value::{Number, Value};
 use crate::ast::{Expr, Kind};
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
+use crate::dimension::Dimension;
 use crate::graph::{self, Sym, Variable};
 use std::ops::Range;
 
@@ -72,20 +73,22 @@ pub(super) fn summand<'e>(
 }
 
 /// The sum of a value over all impacts.
-pub(super) fn sum(eval: &mut Evaluation<'_>, argument: &Expr, value: Sym) -> Checked<Value> {
-    if !graph::depends_on(value, Variable::is_impulse) {
+pub(super) fn sum(eval: &mut Evaluation<'_>, argument: &Expr, value: Number) -> Checked<Value> {
+    let sum = value.sym;
+    if !graph::depends_on(sum, Variable::is_impulse) {
         let message = format!(
             "`{argument}` contains no impulse, and `sum` adds up over impacts; use `impulse(...)` of a surface in it"
         );
         return Err(eval.diagnostics.report("E24", argument.place, message));
     }
-    at_impacts(value, argument, eval.diagnostics)?;
-    let known = eval.scope.sums.iter().position(|sum| *sum == value);
+    at_impacts(sum, argument, eval.diagnostics)?;
+    let known = eval.scope.sums.iter().position(|known| *known == sum);
     let index = known.unwrap_or_else(|| {
-        eval.scope.sums.push(value);
+        eval.scope.sums.push(sum);
         eval.scope.sums.len() - 1
     });
-    Ok(Value::Scalar(Sym::variable(Variable::Sum(index as u16))))
+    let sum = Sym::variable(Variable::Sum(index as u16));
+    Ok(Value::Scalar(value.with(sum)))
 }
 
 /// E24: what holds at an impact knows no velocities, which jump there, and no controls.
@@ -110,7 +113,7 @@ fn of_joint(
     role: Role,
     whole: &Expr,
     (text, name): (&str, &str),
-    rows: Range<usize>,
+    (rows, unit): (Range<usize>, &Dimension),
     diagnostics: &mut Diagnostics,
 ) -> Checked<Value> {
     let message = if text != "force" {
@@ -129,10 +132,13 @@ fn of_joint(
              `constraint` and in bounds of dry friction only"
         )
     } else {
-        let forces = rows.map(|row| Sym::variable(Variable::JointForce(row as u16)));
-        let forces: Vec<Sym> = forces.collect();
-        return Ok(match forces[..] {
-            [force] => Value::Scalar(force),
+        let forces = rows.map(|row| Number {
+            sym: Sym::variable(Variable::JointForce(row as u16)),
+            unit: unit.clone(),
+        });
+        let mut forces: Vec<Number> = forces.collect();
+        return Ok(match forces.len() {
+            1 => Value::Scalar(forces.remove(0)),
             _ => Value::Vector(forces.into()),
         });
     };
@@ -158,9 +164,10 @@ pub(super) fn of_contact(
         return Err(diagnostics.report("E02", whole.place, message));
     };
     let (variable, normal) = quantity(text);
+    let unit = scope.units.of_contact(text, &surface.text);
     let joint = scope.joints.iter().find(|(name, _)| *name == surface.text);
     if let Some((name, rows)) = joint.cloned() {
-        let force = of_joint(scope.role, whole, (text, &name), rows, diagnostics)?;
+        let force = of_joint(scope.role, whole, (text, &name), (rows, &unit), diagnostics)?;
         if !matches!(scope.role, Role::Record | Role::Bound) {
             scope.planned.get_or_insert(whole.place);
         }
@@ -180,8 +187,8 @@ pub(super) fn of_contact(
             );
             return Err(diagnostics.report("E24", whole.place, message));
         }
-        let force = Variable::FrictionForce(FIRST_DRY + index as u16);
-        return Ok(Value::Scalar(Sym::variable(force)));
+        let sym = Sym::variable(Variable::FrictionForce(FIRST_DRY + index as u16));
+        return Ok(Value::Scalar(Number { sym, unit }));
     }
     let known = scope
         .surfaces
@@ -212,5 +219,6 @@ pub(super) fn of_contact(
     }
     // That of all pieces.
     let parts = contacts.map(|index| Sym::variable(variable(index as u16)));
-    Ok(Value::Scalar(parts.sum()))
+    let sym = parts.sum();
+    Ok(Value::Scalar(Number { sym, unit }))
 }

@@ -2,7 +2,7 @@
 
 use super::kink::Peak;
 use super::scope::{Evaluation, Role, Scope};
-use super::value::Value;
+use super::value::{Number, Value};
 use crate::ast::Expr;
 use crate::diagnostics::Checked;
 use crate::graph::{self, Sym, Variable};
@@ -36,7 +36,7 @@ pub(super) fn at_start(
     (whole, argument): (&Expr, &Expr),
     known: &Value,
 ) -> Checked<Value> {
-    for variable in graph::variables(known.components()) {
+    for variable in graph::variables(&known.syms()) {
         let what = match variable {
             Variable::Coordinate(_) | Variable::Velocity(_) | Variable::Parameter(_) => continue,
             Variable::Start(_) => "a value at the start already",
@@ -55,14 +55,14 @@ pub(super) fn at_start(
         Variable::Velocity(i) => Some(size + i),
         _ => None,
     };
-    let read = graph::variables(known.components());
+    let read = graph::variables(&known.syms());
     let read = read.into_iter().filter_map(place);
     let read = read.map(|k| (k, whole.to_string(), whole.place));
     eval.scope.starts.extend(read);
-    let components = graph::substitute(known.components(), |variable| {
+    let components = graph::substitute(&known.syms(), |variable| {
         place(variable).map(|k| Sym::variable(Variable::Start(k)))
     });
-    Ok(known.with_components(components))
+    Ok(known.with_syms(components))
 }
 
 /// What `peak(...)` is asked of, where that has a meaning.
@@ -90,18 +90,18 @@ pub(super) fn over_the_motion<'e>(
 }
 
 /// The unknown that is the largest value of this one over the motion.
-pub(super) fn peak(scope: &mut Scope, whole: &Expr, value: Sym) -> Value {
+pub(super) fn peak(scope: &mut Scope, whole: &Expr, value: Number) -> Value {
     let shown = whole.to_string();
     let known = scope.peaks.iter().find(|known| known.shown == shown);
     if let Some(known) = known {
-        return Value::Scalar(Sym::variable(known.variable));
+        return Value::Scalar(value.with(Sym::variable(known.variable)));
     }
     let variable = Variable::Epigraph(scope.epigraphs);
     scope.epigraphs += 1;
     scope.peaks.push(Peak {
         variable,
-        value,
+        value: value.sym,
         shown,
     });
-    Value::Scalar(Sym::variable(variable))
+    Value::Scalar(value.with(Sym::variable(variable)))
 }

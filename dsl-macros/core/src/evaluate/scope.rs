@@ -1,7 +1,8 @@
 //! Names in force: what they stand for, and what is said of those that are not declared.
 
 use super::kink::{Kink, Peak, Switch, has_switch};
-use super::value::Value;
+use super::units::Units;
+use super::value::{Number, Value};
 use crate::ast::{Expr, Name};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest, list};
 use crate::graph::{self, Sym, Variable};
@@ -77,6 +78,7 @@ pub(crate) struct Scope {
     pub(crate) defers: bool,
     /// Switches of what acts.
     pub(crate) switches: Vec<Switch>,
+    pub(crate) units: Units,
     pub(crate) names: BTreeMap<String, Meaning>,
     pub(crate) used: HashSet<String>,
     /// Names that are declared further down.
@@ -147,9 +149,7 @@ impl Scope {
                 Err(diagnostics.report("E12", name.place(), message))
             }
             Some(Meaning::Value(value))
-                if self.role != Role::Record
-                    && !self.may_switch()
-                    && has_switch(value.components()) =>
+                if self.role != Role::Record && !self.may_switch() && has_switch(&value.syms()) =>
             {
                 let message = format!(
                     "`{}` contains a switch, which belongs to `forces`, `rates` and `outputs` only; everywhere else use \
@@ -170,11 +170,18 @@ impl Scope {
                     name.text
                 ),
             )),
-            None if name.text == "pi" => Ok(Value::Scalar(Sym::number(std::f64::consts::PI))),
-            None if name.text == "t" => Ok(Value::Scalar(Sym::variable(Variable::Time))),
-            None if name.text == words::FINAL_TIME && self.role == Role::End => {
+            None if name.text == "pi" => Ok(Value::Scalar(Number {
+                sym: Sym::number(std::f64::consts::PI),
+                unit: self.units.one(),
+            })),
+            None if name.text == "t"
+                || name.text == words::FINAL_TIME && self.role == Role::End =>
+            {
                 self.used.insert(name.text.clone());
-                Ok(Value::Scalar(Sym::variable(Variable::Time)))
+                Ok(Value::Scalar(Number {
+                    sym: Sym::variable(Variable::Time),
+                    unit: self.units.second(),
+                }))
             }
             None => Err(self.undeclared(name, diagnostics)),
         }
@@ -301,10 +308,10 @@ impl Scope {
 
 /// Why an output that contains forces or impulses of contacts has no meaning in this role; none if it has one.
 fn recorded_only(role: Role, value: &Value) -> Option<&'static str> {
-    let values = value.components();
-    let impulses = values
-        .iter()
-        .any(|&value| graph::depends_on(value, Variable::is_impulse));
+    let impulses = value
+        .syms()
+        .into_iter()
+        .any(|value| graph::depends_on(value, Variable::is_impulse));
     match role {
         Role::Record => None,
         Role::Running | Role::Constraint | Role::End if !impulses => None,

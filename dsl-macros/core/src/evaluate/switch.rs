@@ -3,7 +3,6 @@
 
 use super::kink::Switch;
 use super::scope::{Evaluation, Role, Scope};
-use super::value::Value;
 use crate::ast::Expr;
 use crate::diagnostics::{Checked, Place};
 use crate::graph::{self, Compose, Function, Sym, Variable};
@@ -26,7 +25,7 @@ pub(super) fn call(
     whole: &Expr,
     (text, arguments): (&str, &[Expr]),
     parts: &[Sym],
-) -> Checked<Value> {
+) -> Checked<Sym> {
     let wanted = match text {
         "max" | "min" => 2,
         "clamp" => 3,
@@ -50,7 +49,7 @@ pub(super) fn call(
         return Err(eval.diagnostics.report("E02", whole.place, message));
     }
     let half = |value: Sym| value.scaled(0.5);
-    let value = match (text, parts) {
+    Ok(match (text, parts) {
         ("abs", &[part]) => switch(eval, shown(whole), (part, true))?,
         ("max" | "min", &[a, b]) => {
             let apart = switch(eval, shown(whole), (a - b, true))?;
@@ -78,13 +77,12 @@ pub(super) fn call(
             half(sign + Sym::ONE)
         }
         _ => Sym::ZERO,
-    };
-    Ok(Value::Scalar(value))
+    })
 }
 
 /// The size of a number in what acts.
-pub(super) fn size(eval: &mut Evaluation<'_>, whole: &Expr, part: Sym) -> Checked<Value> {
-    switch(eval, shown(whole), (part, true)).map(Value::Scalar)
+pub(super) fn size(eval: &mut Evaluation<'_>, whole: &Expr, part: Sym) -> Checked<Sym> {
+    switch(eval, shown(whole), (part, true))
 }
 
 /// An expression as written, and its place.

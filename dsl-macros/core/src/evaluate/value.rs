@@ -1,18 +1,55 @@
-//! What expressions stand for: numbers, vectors, matrices; or the units of their components.
+//! What expressions stand for: numbers with their units, vectors, matrices.
 
-use crate::graph::Sym;
+use crate::dimension::Dimension;
+use crate::graph::{Compose, Sym};
+use hangtime_units::Ratio;
 use std::rc::Rc;
+
+/// A number of the scene: its node, and its unit.
+#[derive(Debug, Clone)]
+pub(crate) struct Number {
+    pub(crate) sym: Sym,
+    pub(crate) unit: Dimension,
+}
+
+impl Number {
+    /// Another number in the same unit.
+    pub(crate) fn with(&self, sym: Sym) -> Self {
+        let unit = self.unit.clone();
+        Self { sym, unit }
+    }
+
+    /// The same number in another unit.
+    pub(crate) fn in_unit(&self, unit: Dimension) -> Self {
+        let sym = self.sym;
+        Self { sym, unit }
+    }
+
+    pub(super) fn times(&self, other: &Self) -> Self {
+        Self {
+            sym: self.sym * other.sym,
+            unit: self.unit.times(&other.unit),
+        }
+    }
+
+    pub(super) fn over(&self, other: &Self) -> Self {
+        Self {
+            sym: self.sym * other.sym.power(-2),
+            unit: self.unit.over(&other.unit),
+        }
+    }
+}
 
 /// What an expression stands for, by its components.
 #[derive(Debug, Clone)]
-pub(crate) enum Value<T = Sym> {
-    Scalar(T),
-    Vector(Rc<[T]>),
-    Matrix(Matrix<T>),
+pub(crate) enum Value {
+    Scalar(Number),
+    Vector(Rc<[Number]>),
+    Matrix(Matrix),
 }
 
-impl<T: Clone> Value<T> {
-    pub(crate) fn components(&self) -> &[T] {
+impl Value {
+    pub(crate) fn components(&self) -> &[Number] {
         match self {
             Self::Scalar(number) => std::slice::from_ref(number),
             Self::Vector(components) => components,
@@ -20,8 +57,20 @@ impl<T: Clone> Value<T> {
         }
     }
 
+    /// The nodes of its components.
+    pub(crate) fn syms(&self) -> Vec<Sym> {
+        let components = self.components().iter();
+        components.map(|component| component.sym).collect()
+    }
+
+    /// A value of this shape and in these units with other numbers.
+    pub(super) fn with_syms(&self, syms: Vec<Sym>) -> Self {
+        let own = self.components().iter().zip(syms);
+        self.with_components(own.map(|(own, sym)| own.with(sym)).collect())
+    }
+
     /// A value of this shape with other components.
-    pub(super) fn with_components(&self, components: Vec<T>) -> Self {
+    fn with_components(&self, components: Vec<Number>) -> Self {
         match self {
             Self::Scalar(own) => {
                 Self::Scalar(components.into_iter().next().unwrap_or_else(|| own.clone()))
@@ -32,8 +81,14 @@ impl<T: Clone> Value<T> {
     }
 
     /// A value of this shape with another component for each.
-    pub(crate) fn map(&self, other: impl Fn(&T) -> T) -> Self {
+    pub(crate) fn map(&self, other: impl Fn(&Number) -> Number) -> Self {
         self.with_components(self.components().iter().map(other).collect())
+    }
+
+    /// The same value in units over a power of another one.
+    pub(super) fn per(&self, unit: &Dimension, order: usize) -> Self {
+        let divisor = unit.power(Ratio::integer(i32::try_from(order).unwrap_or(1)));
+        self.map(|own| own.in_unit(own.unit.over(&divisor)))
     }
 
     /// A component of a vector, or a row of a matrix.
@@ -62,13 +117,13 @@ impl<T: Clone> Value<T> {
 
 /// A matrix, row by row.
 #[derive(Debug, Clone)]
-pub(crate) struct Matrix<T = Sym> {
-    pub(crate) entries: Rc<[T]>,
+pub(crate) struct Matrix {
+    pub(crate) entries: Rc<[Number]>,
     pub(crate) columns: usize,
 }
 
-impl<T: Clone> Matrix<T> {
-    pub(crate) fn new(entries: Vec<T>, columns: usize) -> Self {
+impl Matrix {
+    pub(crate) fn new(entries: Vec<Number>, columns: usize) -> Self {
         Self {
             entries: entries.into(),
             columns,
@@ -79,16 +134,19 @@ impl<T: Clone> Matrix<T> {
         self.entries.len() / self.columns.max(1)
     }
 
-    /// For each entry of the product with a matrix of so many columns, row by row, the pairs whose products it adds up.
-    pub(crate) fn products<'a>(
+    /// For each entry of the product with a matrix of so many columns, row by row, the products that it adds up.
+    pub(super) fn products<'a>(
         &'a self,
-        other: &'a [T],
+        other: &'a [Number],
         columns: usize,
-    ) -> impl Iterator<Item = Vec<(&'a T, &'a T)>> {
+    ) -> impl Iterator<Item = Vec<Number>> + use<'a> {
         let rows = self.entries.chunks(self.columns.max(1));
         let column = move |j| other.iter().skip(j).step_by(columns);
-        let pairs = move |row: &'a [T], j| row.iter().zip(column(j)).collect::<Vec<_>>();
-        rows.flat_map(move |row| (0..columns).map(move |j| pairs(row, j)))
+        let products = move |row: &'a [Number], j| {
+            let pairs = row.iter().zip(column(j));
+            pairs.map(|(a, b)| a.times(b)).collect::<Vec<_>>()
+        };
+        rows.flat_map(move |row| (0..columns).map(move |j| products(row, j)))
     }
 
     pub(crate) fn transposed(&self) -> Self {

@@ -61,6 +61,16 @@ pub(crate) enum Variable {
 }
 
 impl Variable {
+    /// Those of the first `n` coordinates.
+    pub(crate) fn coordinates(n: usize) -> Vec<Self> {
+        (0..n).map(|i| Self::Coordinate(i as u16)).collect()
+    }
+
+    /// Those of the velocities of the first `n` coordinates.
+    pub(crate) fn velocities(n: usize) -> Vec<Self> {
+        (0..n).map(|i| Self::Velocity(i as u16)).collect()
+    }
+
     /// Whether it is the force of a contact, which acts over a time.
     pub(crate) fn is_force(self) -> bool {
         matches!(
