@@ -134,7 +134,9 @@ impl Writer {
             0 => format!("{word} {{}}"),
             _ => format!("{word} {{ {} }}", joined.join(", ")),
         };
-        if !commented && !broken && self.indent().len() + whole.len() <= LONGEST_BLOCK {
+        // A string may go over several lines.
+        let width = whole.lines().last().map_or(0, str::len);
+        if !commented && !broken && self.indent().len() + width <= LONGEST_BLOCK {
             return self.line(&whole);
         }
         self.line(&format!("{word} {{"));

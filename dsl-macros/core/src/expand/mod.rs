@@ -11,12 +11,12 @@ mod tokens;
 pub(crate) use names::decoded;
 pub(crate) use part::{counts, files, is_declaration};
 
-use crate::diagnostics::{Checked, Diagnostics};
+use crate::diagnostics::{Checked, Diagnostics, Place};
 use names::{Names, Scope};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use repeat::{DEEPEST, Repeat};
 use std::rc::Rc;
-use tokens::{group_in, grouped, inside, is_punct, joined, word};
+use tokens::{group_in, grouped, inside, is_punct, joined, keyword, place_of, undocumented, word};
 
 /// Statements of a scene without repetition and parts.
 ///
@@ -28,8 +28,20 @@ pub(crate) fn expanded(stream: TokenStream, diagnostics: &mut Diagnostics) -> Ch
         return Ok(stream);
     }
     let (mut names, mut parts) = (Names::default(), part::Parts::default());
-    for statement in part::statements(&tokens) {
+    let statements = part::statements(&tokens);
+    for statement in &statements {
         parts.note(statement, diagnostics);
+    }
+    let declares = |statement: &&[TokenTree]| is_declaration(undocumented(statement));
+    if let Some(part) = statements
+        .iter()
+        .find(|statement| keyword(statement) == "part")
+        && statements.iter().all(declares)
+    {
+        let place = place_of(&undocumented(part)[..2], Place::at(tokens[0].span()));
+        let message = "parts alone are no scene; another text takes them in, as by `use \"leg.hang\"`, and uses them under names, as in \
+                       `left: leg(..)`";
+        return Err(diagnostics.report("E27", place, message));
     }
     let (mut repeat, scope) = (Repeat::new(diagnostics), Rc::new(Scope::default()));
     let known = &parts.counts;
@@ -41,8 +53,8 @@ pub(crate) fn expanded(stream: TokenStream, diagnostics: &mut Diagnostics) -> Ch
     let resolved = unrolled
         .iter()
         .map(|(statement, scope)| names.resolved(statement, scope, diagnostics));
-    let statements = in_one(resolved.collect());
-    Ok(statements.into_iter().flatten().collect())
+    let resolved = in_one(resolved.collect());
+    Ok(resolved.into_iter().flatten().collect())
 }
 
 /// Whether tokens hold anything of what is written out.

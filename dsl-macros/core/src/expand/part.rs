@@ -121,12 +121,23 @@ fn behind(statement: &[TokenTree]) -> &[TokenTree] {
         }
         "use" => Some(2),
         "part" => Some(4),
-        _ => statement.iter().position(ends),
+        _ => Some(statement.len() - behind_count(statement).len()),
     };
     let rest = length
         .and_then(|length| statement.get(length..))
         .unwrap_or_default();
     &rest[rest.iter().take_while(|token| ends(token)).count()..]
+}
+
+/// What stands behind the number of a count, but for more of them, which are refused there.
+fn behind_count(statement: &[TokenTree]) -> &[TokenTree] {
+    let end = statement.iter().position(ends).unwrap_or(statement.len());
+    match &statement[end..] {
+        [_, TokenTree::Ident(_), sign, rest @ ..] if is_punct(Some(sign), '=') => {
+            behind_count(rest)
+        }
+        rest => rest,
+    }
 }
 
 /// Whether an argument names something: `hip`, `left.p[2]`.
@@ -199,6 +210,15 @@ impl Parts {
                 1
             });
             self.counts.push((text, value));
+            if let Some(TokenTree::Ident(next)) = rest.get(end + 1)
+                && is_punct(rest.get(end + 2), '=')
+            {
+                let message = format!(
+                    "`count` declares one number; write `count {next} = ..` as a statement of its own"
+                );
+                diagnostics.report("E26", Place::at(next.span()), message);
+                self.note(&[&statement[..1], &rest[end + 1..]].concat(), diagnostics);
+            }
             return;
         }
         let (TokenTree::Group(arguments), Some(TokenTree::Group(body))) = (next, rest.first())

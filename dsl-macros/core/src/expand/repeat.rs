@@ -101,23 +101,22 @@ impl<'a> Repeat<'a> {
         }
     }
 
-    fn refuse(&mut self, Fault { place, message }: Fault) {
-        self.diagnostics.report("E26", place, message);
+    fn refuse(&mut self, Fault { place, message }: Fault) -> Reported {
+        self.diagnostics.report("E26", place, message)
     }
 
-    fn members(&mut self, tokens: &[TokenTree], place: Place, known: &Known) -> Vec<Member> {
-        let members = index::members(tokens, place, known);
-        let members = members.unwrap_or_else(|fault| {
-            self.refuse(fault);
-            Vec::new()
-        });
+    fn members(
+        &mut self,
+        tokens: &[TokenTree],
+        place: Place,
+        known: &Known,
+    ) -> Checked<Vec<Member>> {
         if self.is_bounded().is_err() {
             let message =
                 format!("the repetitions of the scene have more than {LONGEST} words; count fewer");
-            self.diagnostics.report("E22", place, message);
-            return Vec::new();
+            return Err(self.diagnostics.report("E22", place, message));
         }
-        members
+        index::members(tokens, place, known).map_err(|fault| self.refuse(fault))
     }
 
     /// A statement or an entry for each member of what repeats it.
@@ -130,7 +129,8 @@ impl<'a> Repeat<'a> {
             return vec![(tokens.to_vec(), known.clone())];
         };
         let mut found = Vec::new();
-        for member in self.members(&inside(&group), Place::at(group.span_open()), known) {
+        let members = self.members(&inside(&group), Place::at(group.span_open()), known);
+        for member in members.unwrap_or_default() {
             self.written += tokens.len();
             let bound = bound(tokens, &way, &member.indices);
             found.extend(self.each(&bound, &member.known));
@@ -322,10 +322,15 @@ impl<'a> Repeat<'a> {
         written: &mut Vec<TokenTree>,
     ) {
         let span = group.span();
-        let members = self.members(indices, Place::at(group.span_open()), known);
         let is_sum = matches!(written.last(), Some(TokenTree::Ident(word)) if word == "sum");
+        let members = self.members(indices, Place::at(group.span_open()), known);
+        if !is_sum && matches!(&members, Ok(members) if members.is_empty()) {
+            let place = place_of(indices, Place::at(group.span_open()));
+            let message = "no index runs here, so that the list is empty; count one member at least (a `sum` of none is 0)";
+            self.diagnostics.report("E26", place, message);
+        }
         let mut values = Vec::new();
-        for member in members {
+        for member in members.unwrap_or_default() {
             let value = self.tokens(&value[1..], &member.known);
             values.push(match is_sum {
                 true => vec![grouped(Delimiter::Parenthesis, value, span)],
@@ -333,11 +338,11 @@ impl<'a> Repeat<'a> {
             });
         }
         let mut list = joined(values.into_iter(), if is_sum { '+' } else { ',' }, span);
+        if list.is_empty() {
+            list.push(number(0, span));
+        }
         if is_sum {
             written.pop();
-            if list.is_empty() {
-                list.push(number(0, span));
-            }
         }
         written.push(around(group, list));
     }

@@ -14,7 +14,7 @@ pub(super) struct Piece {
 /// What a piece is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A name, a word of the language or a number.
+    /// A name, a word of the language, a number or a string.
     Word,
     /// An operator, a bracket or a sign between entries.
     Symbol,
@@ -52,6 +52,9 @@ pub(super) fn pieces(text: &str) -> Vec<Piece> {
             (Kind::Comment, block_comment(trimmed))
         } else if begins_number(trimmed) {
             (Kind::Word, number(trimmed))
+        } else if first == '"' {
+            let end = trimmed[1..].find('"');
+            (Kind::Word, end.map_or(trimmed.len(), |end| end + 2))
         } else if first.is_alphanumeric() || first == '_' {
             let end = trimmed.find(|c: char| !c.is_alphanumeric() && c != '_');
             (Kind::Word, end.unwrap_or(trimmed.len()))

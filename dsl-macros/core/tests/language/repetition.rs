@@ -311,6 +311,14 @@ fn slips_in_the_writing_of_counts_and_indices_are_told() {
              `<`, `<=`, `==`, `!=`",
         ),
         (
+            "count k = 4, <<j>> = 5",
+            "E26: `count` declares one number; write `count j = ..` as a statement of its own",
+        ),
+        (
+            "let list = (<<k in 2..=1>>: theta[k])",
+            "E26: no index runs here, so that the list is empty; count one member at least (a `sum` of none is 0)",
+        ),
+        (
             "forces { y<<[>>1]: 1 [N m] }",
             "E26: `y` is declared with no index; write `coordinates { y[n]: m }` for that",
         ),
@@ -320,6 +328,15 @@ fn slips_in_the_writing_of_counts_and_indices_are_told() {
             wanted,
         );
     }
+}
+
+#[test]
+fn parts_alone_are_told_to_be_no_scene() {
+    assert_told(
+        "count n = 2 <<part leg>>(a: m) { coordinates { q: rad } lagrangian += a^2*dot(q)^2 }",
+        "E27: parts alone are no scene; another text takes them in, as by `use \"leg.hang\"`, and uses them under names, as in \
+         `left: leg(..)`",
+    );
 }
 
 #[test]
@@ -409,6 +426,7 @@ fn settled_style_keeps_repetition_and_parts() {
     let wanted = "\
 //! Links.
 
+use \"leg.hang\"
 count n = 3 // links
 part link(hip, m: kg, n) {
     coordinates { q[n]: rad }
