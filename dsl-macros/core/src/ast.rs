@@ -307,6 +307,14 @@ impl Operator {
         }
     }
 
+    /// The sign of the term behind it.
+    pub(crate) fn sign(self) -> f64 {
+        match self {
+            Self::Subtract => -1.0,
+            _ => 1.0,
+        }
+    }
+
     /// Whether it joins terms; the others join factors.
     pub(crate) fn is_additive(self) -> bool {
         matches!(self, Self::Add | Self::Subtract)

@@ -116,6 +116,12 @@ pub(crate) struct Reported;
 /// Result of a step that reports its own mistakes.
 pub(crate) type Checked<T> = Result<T, Reported>;
 
+/// All results, if each is one; each has reported its own mistakes.
+pub(crate) fn all<T>(results: impl Iterator<Item = Checked<T>>) -> Checked<Vec<T>> {
+    let results: Vec<Checked<T>> = results.collect();
+    results.into_iter().collect()
+}
+
 /// Mistakes found so far.
 #[derive(Debug, Default)]
 pub(crate) struct Diagnostics {
@@ -132,11 +138,11 @@ impl Diagnostics {
     /// Reports a mistake with its code. The same text is reported once.
     pub(crate) fn report(
         &mut self,
-        code: &'static str,
+        code: impl Into<Option<&'static str>>,
         place: Place,
         message: impl Into<String>,
     ) -> Reported {
-        self.push(Some(code), place, message.into(), false)
+        self.push(code.into(), place, message.into(), false)
     }
 
     /// Reports what is most likely not meant, but leaves no doubt what the declaration means.
@@ -211,6 +217,14 @@ impl Diagnostics {
         let is_other = |mistake: &&Mistake| mistake.code.is_none_or(|code| !codes.contains(&code));
         let mistakes = self.mistakes.iter().filter(|mistake| !mistake.warning);
         mistakes.filter(is_other).count()
+    }
+
+    /// Whether none was found since there were so many.
+    pub(crate) fn none_since(&self, before: usize) -> Checked<()> {
+        match self.mistakes() > before {
+            true => Err(Reported),
+            false => Ok(()),
+        }
     }
 
     pub(crate) fn into_mistakes(self) -> Vec<Mistake> {

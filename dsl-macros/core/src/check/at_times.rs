@@ -9,7 +9,7 @@ use super::names::{self, recorded};
 use super::values::condition_at_an_instant;
 use super::{resets, states};
 use crate::ast::{Assignment, Condition, Documentation, Expr, Name, Relation};
-use crate::diagnostics::{Checked, Reported};
+use crate::diagnostics::{Checked, Reported, all};
 use crate::graph::{self, Sym, Variable};
 use crate::scene;
 
@@ -30,15 +30,9 @@ pub(super) fn at(
             values.push(value);
         }
     }
-    let recorded: Vec<Checked<(usize, Sym)>> = recorded
-        .iter()
-        .map(|value| resets::set(checker, value))
-        .collect();
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
-    let mut moment = moment?;
-    let recorded: Vec<(usize, Sym)> = recorded.into_iter().collect::<Checked<_>>()?;
+    let recorded = all(recorded.iter().map(|value| resets::set(checker, value)));
+    checker.diagnostics.none_since(before)?;
+    let (mut moment, recorded) = (moment?, recorded?);
     if conditions.is_empty() && recorded.is_empty() {
         let message = format!(
             "`at {time}` asks for nothing; write what holds then, as in `at {time} {{ x == 1 }}`"
@@ -82,15 +76,12 @@ fn moment(checker: &mut Checker<'_>, time: &Expr) -> Checked<Moment> {
     let second = checker.scope.units.second();
     checker.given(time, &own, &second, "conditions hold at a time");
     let value = own.sym;
-    let mut moving = graph::variables(&[value]).into_iter();
-    if let Some(variable) = moving.find(|variable| !matches!(variable, Variable::Parameter(_))) {
-        let message = format!(
-            "`at {time}` depends on {}; a time is a number or follows from parameters, and one that is to be found is written \
-             `at gate in 0.5..=2 [s] {{ ... }}`",
-            checker.in_words(variable)
-        );
-        return Err(checker.diagnostics.report("E15", time.place, message));
-    }
+    checker.free_of(&[value], Variable::moves, (Some("E15"), time.place), |moving| {
+        format!(
+            "`at {time}` depends on {moving}; a time is a number or follows from parameters, and one that is to be found is written \
+             `at gate in 0.5..=2 [s] {{ ... }}`"
+        )
+    })?;
     if let Some(value) = checker.at_default(value).filter(|value| *value <= 0.0) {
         let message = format!(
             "`at {time}` is at {value} s, where the motion has not begun; what holds at the start is written in `start`"

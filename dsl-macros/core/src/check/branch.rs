@@ -99,11 +99,9 @@ fn acting(value: Sym, condition: Sym) -> Sym {
 
 /// `a` and `b` of an expression `a condition + b`, if they do not move.
 fn by(base: Sym, condition: Sym) -> Option<(Sym, Sym)> {
-    let still = |sym: Sym| !graph::depends_on(sym, moves);
-    let mut variables = graph::variables(&[condition])
-        .into_iter()
-        .filter(|&v| moves(v));
-    let variable = variables.next()?;
+    let still = |sym: Sym| !graph::depends_on(sym, Variable::moves);
+    let mut variables = graph::variables(&[condition]).into_iter();
+    let variable = variables.find(|variable| variable.moves())?;
     let of = |sym| simplify(graph::partial(&[sym], variable)[0]);
     let slope = simplify(of(base) * of(condition).power(-2));
     if slope.is_structural_zero() || !still(slope) {
@@ -111,8 +109,4 @@ fn by(base: Sym, condition: Sym) -> Option<(Sym, Sym)> {
     }
     let rest = simplify(base - slope * condition);
     still(rest).then_some((slope, rest))
-}
-
-fn moves(variable: Variable) -> bool {
-    !matches!(variable, Variable::Parameter(_))
 }

@@ -368,18 +368,27 @@ impl Checker<'_> {
 
     /// A value that may depend on parameters only.
     pub(super) fn constant(&mut self, sym: Sym, expr: &Expr, what: &str) -> Checked<Sym> {
-        let moving = graph::variables(&[sym])
-            .into_iter()
-            .find(|variable| !matches!(variable, Variable::Parameter(_)));
-        match moving {
-            None => Ok(sym),
-            Some(variable) => Err(self.diagnostics.syntax(
-                expr.place,
-                format!(
-                    "{what} depends on {}; it may depend on parameters only",
-                    self.in_words(variable)
-                ),
-            )),
+        self.free_of(&[sym], Variable::moves, (None, expr.place), |moving| {
+            format!("{what} depends on {moving}; it may depend on parameters only")
+        })?;
+        Ok(sym)
+    }
+
+    /// That values depend on no variable that is `wrong`; `message` says what is the matter with one, which it is given in words.
+    pub(super) fn free_of(
+        &mut self,
+        values: &[Sym],
+        wrong: impl Fn(Variable) -> bool,
+        (code, place): (Option<&'static str>, Place),
+        message: impl FnOnce(String) -> String,
+    ) -> Checked<()> {
+        let mut variables = graph::variables(values).into_iter();
+        match variables.find(|&variable| wrong(variable)) {
+            None => Ok(()),
+            Some(variable) => {
+                let message = message(self.in_words(variable));
+                Err(self.diagnostics.report(code, place, message))
+            }
         }
     }
 

@@ -4,7 +4,6 @@
 //! stands for nothing. That is right where nothing acts on it. Where something does, it moves away from what was chosen.
 
 use super::checker::Checker;
-use super::rules::is_velocity;
 use crate::graph::{self, Sym, Variable};
 
 /// Warns of each coordinate whose begin is free, that starts at rest, on which no control acts, whose kinetic energy
@@ -75,7 +74,7 @@ fn stand_in(lagrangian: Sym, i: usize, checker: &Checker<'_>) -> Option<String> 
             let moving: Vec<Variable> = graph::variables(&[factor])
                 .into_iter()
                 .filter(|known| {
-                    is_velocity(*known) || matches!(known, Variable::Coordinate(_) | Variable::Time)
+                    known.is_velocity() || matches!(known, Variable::Coordinate(_) | Variable::Time)
                 })
                 .collect();
             (moving == [own]).then(|| parameter.name.text.clone())

@@ -3,7 +3,7 @@
 use super::checker::Checker;
 use super::values::{self, DECLARED, Target};
 use crate::ast::Quantity;
-use crate::diagnostics::{Checked, Diagnostics, Reported};
+use crate::diagnostics::{Checked, Diagnostics};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{CheckedScene, Condition, Contact, OptimalControl};
 
@@ -33,10 +33,7 @@ pub(super) fn bounds(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Chec
             }
         }
     }
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
-    Ok(())
+    checker.diagnostics.none_since(before)
 }
 
 /// Free parameters belong to a scene with an objective (`judged`), and something that it judges reads each of them.

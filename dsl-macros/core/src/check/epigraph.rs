@@ -154,9 +154,7 @@ fn slope(value: Sym, variable: Variable) -> Sym {
 
 /// E12: whether a slope, which depends on parameters alone, is above 0 for the defaults of these.
 fn grows(checker: &mut Checker<'_>, (slope, place): (Sym, Place), shown: &str) -> Checked<bool> {
-    let moves = graph::depends_on(slope, |variable| {
-        !matches!(variable, Variable::Parameter(_))
-    });
+    let moves = graph::depends_on(slope, Variable::moves);
     match checker.at_default(slope) {
         Some(value) if !moves && value != 0.0 => return Ok(value > 0.0),
         _ => {}

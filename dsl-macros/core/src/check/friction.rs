@@ -64,18 +64,16 @@ pub(super) fn coefficients(
     let own = with_speed(checker, speed, |checker| checker.number(sliding))?;
     ratio(checker, sliding, &own, "friction");
     let value = own.sym;
-    let wrong = |variable: &Variable| match variable {
+    let wrong = |variable| match variable {
         Variable::Parameter(_) | Variable::Coordinate(_) | Variable::Time => false,
-        other => *other != SPEED,
+        other => other != SPEED,
     };
-    if let Some(variable) = graph::variables(&[value]).into_iter().find(wrong) {
-        let message = format!(
-            "the coefficient of friction depends on {}; it may depend on positions, the time and `speed`, the size of the \
-             sliding velocity",
-            checker.in_words(variable)
-        );
-        return Err(checker.diagnostics.report("E07", sliding.place, message));
-    }
+    checker.free_of(&[value], wrong, (Some("E07"), sliding.place), |wrong| {
+        format!(
+            "the coefficient of friction depends on {wrong}; it may depend on positions, the time and `speed`, the size of the \
+             sliding velocity"
+        )
+    })?;
     checker.coefficient(still(value), sliding, "friction", f64::INFINITY)?;
     let Some(expr) = at_rest else {
         return Ok((value, None));
@@ -110,7 +108,7 @@ pub(super) fn completed(
         sliding,
         across: None,
     };
-    let is_number = |value| graph::variables(&[value]).iter().all(is_parameter);
+    let is_number = |value| !graph::depends_on(value, Variable::moves);
     if is_number(friction.coefficient) {
         return Ok(match friction.at_rest {
             None => law(friction.coefficient, None, None),
@@ -168,8 +166,4 @@ pub(super) fn in_space(
         across: Some(across),
         ..completed
     })
-}
-
-fn is_parameter(variable: &Variable) -> bool {
-    matches!(variable, Variable::Parameter(_))
 }

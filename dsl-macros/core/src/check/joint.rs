@@ -2,7 +2,7 @@
 
 use super::checker::Checker;
 use super::dry;
-use super::rules::{is_square, is_velocity};
+use super::rules::is_square;
 use crate::ast::{Documentation, Expr, Name};
 use crate::diagnostics::{Checked, Place};
 use crate::evaluate::{Number, Value, velocity_direction};
@@ -100,17 +100,12 @@ fn rows(
 fn kind(checker: &mut Checker<'_>, name: &Name, rows: &[Sym], place: Place) -> Checked<bool> {
     let text = &name.text;
     let n = checker.coordinates.len();
-    if let Some(control) = graph::variables(rows)
-        .into_iter()
-        .find(|known| matches!(known, Variable::Control(_)))
-    {
-        let message = format!(
-            "joint `{text}` depends on {}; it may depend on positions, velocities and the time only. What a motor \
-             moves is held by a force, `forces {{ x: u }}`, or given over the time `t`",
-            checker.in_words(control)
-        );
-        return Err(checker.diagnostics.report("E25", place, message));
-    }
+    checker.free_of(rows, Variable::is_control, (Some("E25"), place), |control| {
+        format!(
+            "joint `{text}` depends on {control}; it may depend on positions, velocities and the time only. What a motor \
+             moves is held by a force, `forces {{ x: u }}`, or given over the time `t`"
+        )
+    })?;
     let first_state = checker.scope.first_state;
     let is_state = |known: &Variable| matches!(known, Variable::Velocity(i) if *i >= first_state);
     if !checker.states.is_empty() && graph::variables(rows).iter().any(is_state) {
@@ -122,7 +117,7 @@ fn kind(checker: &mut Checker<'_>, name: &Name, rows: &[Sym], place: Place) -> C
     }
     let moving: Vec<bool> = rows
         .iter()
-        .map(|&row| graph::depends_on(row, is_velocity))
+        .map(|&row| graph::depends_on(row, Variable::is_velocity))
         .collect();
     let holonomic = !moving.contains(&true);
     if !holonomic && moving.contains(&false) {
@@ -168,7 +163,7 @@ fn linear(
 ) -> Checked<()> {
     let bends = gradient
         .iter()
-        .any(|&entry| graph::depends_on(entry, is_velocity));
+        .any(|&entry| graph::depends_on(entry, Variable::is_velocity));
     if !bends {
         return Ok(());
     }

@@ -2,7 +2,6 @@
 
 use super::checker::{CheckedFriction, CheckedLaw, Checker, Sliding, Surface};
 use super::friction;
-use super::rules::is_velocity;
 use crate::ast::{Expr, Kind, Law, Name};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Diagnostics, Reported, closest, list};
@@ -78,10 +77,7 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
             sequence: law.sequence,
         });
     }
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
-    Ok(())
+    checker.diagnostics.none_since(before)
 }
 
 /// E10: a coefficient of parameters between 0 and a bound, for their defaults.
@@ -163,26 +159,20 @@ fn of_piece(checker: &mut Checker<'_>, surfaces: &[Name], expr: &Expr) -> Checke
 
 /// E07: a value is a sliding velocity.
 fn is_sliding(checker: &mut Checker<'_>, expr: &Expr, sliding: Sym) -> Checked<Sym> {
-    if let Some(variable) =
-        graph::variables(&[sliding])
-            .into_iter()
-            .find(|&variable| match variable {
-                Variable::Velocity(i) => i >= checker.scope.first_state,
-                other => matches!(other, Variable::Control(_)),
-            })
-    {
-        let message = format!(
-            "the sliding velocity depends on {}; it may depend on positions and velocities only",
-            checker.in_words(variable)
-        );
-        return Err(checker.diagnostics.report("E07", expr.place, message));
-    }
+    let first_state = checker.scope.first_state;
+    let wrong = |variable| match variable {
+        Variable::Velocity(i) => i >= first_state,
+        other => other.is_control(),
+    };
+    checker.free_of(&[sliding], wrong, (Some("E07"), expr.place), |wrong| {
+        format!("the sliding velocity depends on {wrong}; it may depend on positions and velocities only")
+    })?;
     let n = checker.coordinates.len();
     let velocities = Variable::velocities(n);
     let tangent = graph::gradient(sliding, &velocities);
     let linear = tangent
         .iter()
-        .all(|&component| !graph::depends_on(simplify(component), is_velocity));
+        .all(|&component| !graph::depends_on(simplify(component), Variable::is_velocity));
     if !linear {
         return Err(checker.diagnostics.report(
             "E07",
@@ -252,19 +242,10 @@ fn direction(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Vec<Sym>> {
         ));
     }
     proportional(checker, expr, &value);
-    if let Some(variable) = graph::variables(&components)
-        .into_iter()
-        .find(|variable| matches!(variable, Variable::Velocity(_) | Variable::Control(_)))
-    {
-        return Err(checker.diagnostics.report(
-            "E07",
-            expr.place,
-            format!(
-                "the impulse direction depends on {}; it may depend on positions only",
-                checker.in_words(variable)
-            ),
-        ));
-    }
+    let wrong = |variable: Variable| variable.is_velocity() || variable.is_control();
+    checker.free_of(&components, wrong, (Some("E07"), expr.place), |wrong| {
+        format!("the impulse direction depends on {wrong}; it may depend on positions only")
+    })?;
     Ok(components
         .iter()
         .zip(&checker.coordinates)
@@ -359,9 +340,7 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<(Surface, Ch
         let law = law.clone();
         pairs.push((surface, law));
     }
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
+    checker.diagnostics.none_since(before)?;
     Ok(pairs)
 }
 

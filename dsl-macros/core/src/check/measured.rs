@@ -5,7 +5,7 @@ use super::states;
 use super::values::{self, StartValues, Target};
 use crate::ast::{Expr, Kind, Measured, MeasuredQuantity, Name, Operator, Scene, Statement};
 use crate::declaration;
-use crate::diagnostics::{Checked, Place, Reported, closest, list};
+use crate::diagnostics::{Checked, Place, closest, list};
 use crate::evaluate::Meaning;
 use crate::graph::Sym;
 use crate::scene::Experiment;
@@ -273,9 +273,7 @@ fn experiment(
         true => None,
         false => own.or(start).values().ok(),
     };
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
+    checker.diagnostics.none_since(before)?;
     Ok(Experiment {
         name: measured.name.clone(),
         documentation: measured.documentation.clone(),

@@ -6,7 +6,7 @@ use super::values::{self, Target};
 use super::{epigraph, pieces, states};
 use crate::ast::{Condition, Expr, FreeStart, Kind, Link, Name, Operator, Relation};
 use crate::declaration::Over;
-use crate::diagnostics::{Checked, Place, Reported};
+use crate::diagnostics::{Checked, Place, Reported, all};
 use crate::evaluate::{Kink, Number, Role, Value, at_impacts};
 use crate::graph::{self, Compose, Sym, Variable};
 use crate::scene::{self, OptimalControl};
@@ -36,14 +36,10 @@ fn split(checker: &mut Checker<'_>, expr: &Expr, weight: Sym, cost: &mut Cost) -
         Kind::Chain(first, rest) if rest[0].operator.is_additive() => {
             let mut terms = vec![split(checker, first, weight, cost)];
             for link in rest {
-                let sign = if link.operator == Operator::Add {
-                    1.0
-                } else {
-                    -1.0
-                };
-                terms.push(split(checker, &link.operand, weight.scaled(sign), cost));
+                let weight = weight.scaled(link.operator.sign());
+                terms.push(split(checker, &link.operand, weight, cost));
             }
-            let terms: Vec<Value> = terms.into_iter().collect::<Checked<_>>()?;
+            let terms = all(terms.into_iter())?;
             checker.scope.units.of_sum(first, rest, &terms);
             Ok(terms[0].clone())
         }
@@ -103,20 +99,12 @@ fn meaningless(checker: &mut Checker<'_>, place: Place, message: String) -> Repo
 /// What an integral is multiplied by.
 fn factor(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Number> {
     let value = in_role(checker, Role::Running, |checker| checker.number(expr))?;
-    let moving = graph::variables(&[value.sym])
-        .into_iter()
-        .find(|variable| !matches!(variable, Variable::Parameter(_)));
-    match moving {
-        None => Ok(value),
-        Some(variable) => {
-            let message = format!(
-                "an integral times `{expr}`, which depends on {}: a weight may depend on parameters \
-                 only; move it into the integral",
-                checker.in_words(variable)
-            );
-            Err(meaningless(checker, expr.place, message))
-        }
-    }
+    checker.free_of(&[value.sym], Variable::moves, (Some("E15"), expr.place), |moving| {
+        format!(
+            "an integral times `{expr}`, which depends on {moving}: a weight may depend on parameters only; move it into the integral"
+        )
+    })?;
+    Ok(value)
 }
 
 fn running_term(
@@ -189,22 +177,16 @@ fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Num
     let known = checker.scope.sums.len();
     let own = in_role(checker, Role::End, |checker| checker.number(expr))?;
     let value = own.sym;
-    let control = within(value, &checker.scope.kinks)
-        .into_iter()
-        .find(|variable| matches!(variable, Variable::Control(_)));
-    if let Some(variable) = control {
-        let message = format!(
-            "{what} depends on {}, which acts over a time and has no value at the final instant; \
-             {}",
-            checker.in_words(variable),
-            if what == "the final cost" {
-                format!("write `integral({expr})`")
-            } else {
-                "a condition on it is a `constraint`".to_owned()
-            }
-        );
-        return Err(meaningless(checker, expr.place, message));
-    }
+    let parts = within(value, &checker.scope.kinks);
+    checker.free_of(&parts, Variable::is_control, (Some("E15"), expr.place), |control| {
+        let remedy = match what {
+            "the final cost" => format!("write `integral({expr})`"),
+            _ => "a condition on it is a `constraint`".to_owned(),
+        };
+        format!(
+            "{what} depends on {control}, which acts over a time and has no value at the final instant; {remedy}"
+        )
+    })?;
     smooth(value, expr, checker)?;
     let new = checker.scope.sums[known..].to_vec();
     for sum in new {
@@ -213,15 +195,15 @@ fn at_the_end(checker: &mut Checker<'_>, expr: &Expr, what: &str) -> Checked<Num
     Ok(own)
 }
 
-/// The variables of a value and of the maxima in it.
-fn within(value: Sym, kinks: &[Kink]) -> Vec<Variable> {
+/// A value and what is in its maxima.
+fn within(value: Sym, kinks: &[Kink]) -> Vec<Sym> {
     let mut all = vec![value];
     for kink in kinks.iter().rev() {
         if graph::variables(&all).contains(&kink.variable) {
             all.extend(&kink.parts);
         }
     }
-    graph::variables(&all).into_iter().collect()
+    all
 }
 
 fn in_role<T>(checker: &mut Checker<'_>, role: Role, run: impl FnOnce(&mut Checker<'_>) -> T) -> T {
@@ -248,10 +230,7 @@ pub(super) fn finally(checker: &mut Checker<'_>, goals: &[Condition]) -> Checked
             checker.task.goals.push(goal);
         }
     }
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
-    Ok(())
+    checker.diagnostics.none_since(before)
 }
 
 pub(super) fn constraint(
@@ -367,10 +346,7 @@ pub(super) fn free(checker: &mut Checker<'_>, values: &[FreeStart]) -> Checked<(
         // Each reports its own mistakes; the next one is checked all the same.
         let _: Checked<()> = free_value(checker, value);
     }
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
-    Ok(())
+    checker.diagnostics.none_since(before)
 }
 
 fn free_value(checker: &mut Checker<'_>, value: &FreeStart) -> Checked<()> {
@@ -440,8 +416,7 @@ pub(super) fn optimal_control(checker: &mut Checker<'_>) -> Option<OptimalContro
 
 /// Whether a value depends on the motion, or on a parameter that is to be found with it.
 fn moves(checker: &Checker<'_>, value: Sym) -> bool {
-    let of_motion = |variable| !matches!(variable, Variable::Parameter(_));
-    graph::depends_on(value, of_motion) || checker.free_parameter_in(value).is_some()
+    graph::depends_on(value, Variable::moves) || checker.free_parameter_in(value).is_some()
 }
 
 /// Whether a product holds one integral, which does not divide.

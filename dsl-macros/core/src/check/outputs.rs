@@ -2,7 +2,7 @@
 
 use super::checker::Checker;
 use crate::ast::{Expr, Quantity};
-use crate::diagnostics::{Checked, Reported};
+use crate::diagnostics::Checked;
 use crate::evaluate::{Contents, Meaning, Number, Role, Value, has_edge};
 use crate::graph::{self, Compose, Variable};
 use crate::scene::{self, Contact};
@@ -19,10 +19,7 @@ pub(super) fn outputs(checker: &mut Checker<'_>, quantities: &[Quantity]) -> Che
             checker.diagnostics.poison(&quantity.name.text);
         }
     }
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
-    Ok(())
+    checker.diagnostics.none_since(before)
 }
 
 fn output(checker: &mut Checker<'_>, quantity: &Quantity) -> Checked<()> {

@@ -5,7 +5,7 @@ use crate::ast::{self, Expr, Kind, Name};
 use crate::diagnostics::{Checked, Place, Reported};
 use crate::dimension::Dimension;
 use crate::evaluate::{Meaning, Number, Role, Value};
-use crate::graph::{self, Compose, Sym, Variable};
+use crate::graph::{Compose, Sym, Variable};
 use crate::scene::{self, Form, Picture, Point, Shape};
 use hangtime_units::Unit;
 
@@ -52,9 +52,7 @@ pub(super) fn picture(
         }
     }
     checker.scope.role = Role::Motion;
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
+    checker.diagnostics.none_since(before)?;
     set_axes(checker, &mut picture);
     checker.shown.picture = Some(picture);
     Ok(())
@@ -232,19 +230,14 @@ fn fixed_point(checker: &mut Checker<'_>, name: &Name, expr: &Expr) -> Checked<P
 
 /// E24: a form depends on parameters only.
 fn fixed(checker: &mut Checker<'_>, value: Sym, expr: &Expr, name: &str) -> Checked<Sym> {
-    let variables = graph::variables(&[value]);
-    let moving = variables
-        .into_iter()
-        .find(|variable| !matches!(variable, Variable::Parameter(_)) && *variable != ALONG);
-    let Some(variable) = moving else {
-        return Ok(value);
-    };
-    let message = format!(
-        "the form of `{name}` depends on {}; it may depend on parameters only, what moves is the place and the angle \
-         of a body",
-        checker.in_words(variable)
-    );
-    Err(checker.diagnostics.report("E24", expr.place, message))
+    let moving = |variable: Variable| variable.moves() && variable != ALONG;
+    checker.free_of(&[value], moving, (Some("E24"), expr.place), |moving| {
+        format!(
+            "the form of `{name}` depends on {moving}; it may depend on parameters only, what moves is the place and the angle \
+             of a body"
+        )
+    })?;
+    Ok(value)
 }
 
 /// The end of a line: a body that is drawn, or a place.

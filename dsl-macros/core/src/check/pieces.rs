@@ -156,8 +156,7 @@ fn lean(groups: Vec<Vec<Sym>>) -> Result<Vec<Vec<Sym>>, Refusal> {
     if lean.iter().any(holds) {
         return Err(Refusal::Everywhere);
     }
-    let moves = |variable| matches!(variable, Variable::Coordinate(_));
-    let fixed = |piece: &Sym| !graph::depends_on(*piece, moves);
+    let fixed = |piece: &Sym| !graph::depends_on(*piece, Variable::is_coordinate);
     if lean.iter().map(Vec::len).sum::<usize>() > 1 && lean.iter().flatten().any(fixed) {
         return Err(Refusal::Fixed);
     }

@@ -44,9 +44,8 @@ pub(super) fn starts(
         }
     }
     let same = |condition: &&Condition| {
-        !graph::depends_on(condition.function, |variable| {
-            !matches!(variable, Variable::Parameter(_))
-        }) && checker.free_parameter_in(condition.function).is_none()
+        !graph::depends_on(condition.function, Variable::moves)
+            && checker.free_parameter_in(condition.function).is_none()
     };
     let mut conditions = task.constraints.iter().chain(&task.goals);
     if let Some(condition) = conditions.find(same)

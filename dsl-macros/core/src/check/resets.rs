@@ -5,7 +5,7 @@
 use super::checker::{Checker, Reset};
 use super::values::{Target, condition_at_an_instant, converted, of_an_instant};
 use crate::ast::{Assignment, Condition, Name};
-use crate::diagnostics::{Checked, Reported};
+use crate::diagnostics::Checked;
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{Action, Contact};
 
@@ -48,9 +48,7 @@ pub(super) fn when(
             checker.diagnostics.syntax(target.place(), message);
         }
     }
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
+    checker.diagnostics.none_since(before)?;
     checker.laws.resets.push(Reset {
         documentation: condition.documentation.clone(),
         name: Name {

@@ -6,14 +6,6 @@ use crate::diagnostics::{Checked, Diagnostics, Place, list};
 use crate::graph::{self, Function, Node, Sym, Variable};
 use crate::scene::Coordinate;
 
-pub(super) fn is_velocity(variable: Variable) -> bool {
-    matches!(variable, Variable::Velocity(_))
-}
-
-fn is_coordinate(variable: Variable) -> bool {
-    matches!(variable, Variable::Coordinate(_))
-}
-
 /// E04: a scene needs coordinates and a Lagrangian.
 pub(super) fn missing_statements(name: &Name, checker: &mut Checker<'_>) {
     if checker.coordinates.is_empty() && !checker.states.is_empty() {
@@ -79,7 +71,7 @@ pub(super) fn inertia(
     diagnostics: &mut Diagnostics,
 ) -> Checked<()> {
     derivable(place, diagnostics)?;
-    if !graph::contains(lagrangian, is_velocity) {
+    if !graph::contains(lagrangian, Variable::is_velocity) {
         return Err(diagnostics.report(
             "E04",
             place,
@@ -90,7 +82,7 @@ pub(super) fn inertia(
     let velocities = Variable::velocities(coordinates.len());
     let momenta = graph::gradient(lagrangian, &velocities);
     let quadratic = coordinates.len() > MANY
-        && graph::degree(lagrangian, is_velocity).is_some_and(|degree| degree <= 2);
+        && graph::degree(lagrangian, Variable::is_velocity).is_some_and(|degree| degree <= 2);
     let mut result = Ok(());
     for (i, coordinate) in coordinates.iter().enumerate() {
         let row = match quadratic {
@@ -99,7 +91,7 @@ pub(super) fn inertia(
         };
         derivable(place, diagnostics)?;
         let moves = match quadratic {
-            true => graph::contains(momenta[i], is_velocity),
+            true => graph::contains(momenta[i], Variable::is_velocity),
             false => row.iter().any(|entry| !entry.is_structural_zero()),
         };
         if !moves {
@@ -115,7 +107,7 @@ pub(super) fn inertia(
         }
         if row
             .iter()
-            .any(|&entry| graph::depends_on(entry, is_velocity))
+            .any(|&entry| graph::depends_on(entry, Variable::is_velocity))
         {
             result = Err(diagnostics.report(
                 "E04",
@@ -217,20 +209,12 @@ pub(super) fn surface(
     checker: &mut Checker<'_>,
 ) -> Checked<()> {
     let text = &name.text;
-    let variables = graph::variables(&[gap]);
-    if let Some(&variable) = variables
-        .iter()
-        .find(|&&variable| is_velocity(variable) || matches!(variable, Variable::Control(_)))
-    {
-        let message = format!(
-            "surface `{text}` depends on {}; a surface bounds positions only",
-            checker.in_words(variable)
-        );
-        return Err(checker
-            .diagnostics
-            .report("E07", left.place.to(right.place), message));
-    }
-    if !variables.iter().any(|&variable| is_coordinate(variable)) {
+    let place = left.place.to(right.place);
+    let wrong = |variable: Variable| variable.is_velocity() || variable.is_control();
+    checker.free_of(&[gap], wrong, (Some("E07"), place), |wrong| {
+        format!("surface `{text}` depends on {wrong}; a surface bounds positions only")
+    })?;
+    if !graph::depends_on(gap, Variable::is_coordinate) {
         let names: Vec<String> = checker
             .coordinates
             .iter()
@@ -256,9 +240,7 @@ pub(super) fn surface(
                 ),
             )
         };
-        return Err(checker
-            .diagnostics
-            .report(code, left.place.to(right.place), message));
+        return Err(checker.diagnostics.report(code, place, message));
     }
     if is_square(gap) {
         return Err(checker.diagnostics.report(
@@ -276,9 +258,9 @@ pub(super) fn surface(
 /// Whether a function of positions is one square, or a multiple of it.
 pub(super) fn is_square(function: Sym) -> bool {
     let squared = |sym: Sym| match sym.node() {
-        Node::Product(factors) => factors
-            .iter()
-            .any(|&(factor, halves)| halves >= 4 && graph::depends_on(factor, is_coordinate)),
+        Node::Product(factors) => factors.iter().any(|&(factor, halves)| {
+            halves >= 4 && graph::depends_on(factor, Variable::is_coordinate)
+        }),
         _ => false,
     };
     match function.node() {

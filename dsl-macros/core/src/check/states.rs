@@ -111,18 +111,15 @@ pub(super) fn momenta(checker: &mut Checker<'_>, lagrangian: Sym, place: Place) 
     let velocities = Variable::velocities(n);
     let momenta = graph::gradient(lagrangian, &velocities);
     let first = checker.scope.first_state;
-    let is_state = |variable: &Variable| matches!(variable, Variable::Velocity(i) if *i >= first);
+    let is_state = |variable| matches!(variable, Variable::Velocity(i) if i >= first);
     let momenta: Vec<Sym> = momenta.into_iter().map(crate::derive::simplify).collect();
-    let Some(variable) = graph::variables(&momenta).into_iter().find(is_state) else {
-        return Ok(());
-    };
-    let message = format!(
-        "the kinetic energy depends on {}, and does not say what becomes of the momentum when that changes; of a body whose mass \
-         changes write the energies of a mass of 1, as in `dot(x)^2/2 - g*x`, and divide what acts by the mass, as in \
-         `forces {{ x: thrust/m }}`",
-        checker.in_words(variable)
-    );
-    Err(checker.diagnostics.report("E04", place, message))
+    checker.free_of(&momenta, is_state, (Some("E04"), place), |state| {
+        format!(
+            "the kinetic energy depends on {state}, and does not say what becomes of the momentum when that changes; of a body whose \
+             mass changes write the energies of a mass of 1, as in `dot(x)^2/2 - g*x`, and divide what acts by the mass, as in \
+             `forces {{ x: thrust/m }}`"
+        )
+    })
 }
 
 /// The place of a state in `(q, v)`.

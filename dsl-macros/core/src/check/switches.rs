@@ -13,7 +13,7 @@
 use super::branch;
 use super::checker::Checker;
 use crate::derive::simplify;
-use crate::diagnostics::{Checked, Reported};
+use crate::diagnostics::Checked;
 use crate::evaluate::Switch;
 use crate::graph::{self, Compose, Function, Sym, Variable};
 use crate::scene::{Action, Contact};
@@ -68,10 +68,7 @@ pub(super) fn append(
     }
     shown(checker, &switches, &acting, first);
     replace(forces, still);
-    if checker.diagnostics.mistakes() > before {
-        return Err(Reported);
-    }
-    Ok(())
+    checker.diagnostics.none_since(before)
 }
 
 /// Writes products of switches one of which never is 1 before the other one as sums: where `c_2 - c_1` is a number or a function of
@@ -88,8 +85,7 @@ fn one_after_the_other(switches: &[Switch], forces: &mut [Sym]) {
             );
             let apart = |sign: f64| {
                 let apart = simplify(second.function - first.function.scaled(sign));
-                let still = |variable| matches!(variable, Variable::Parameter(_));
-                let stays = graph::variables(&[apart]).into_iter().all(still);
+                let stays = !graph::depends_on(apart, Variable::moves);
                 stays.then(|| apart.call(Function::Sign))
             };
             let sum = match (apart(1.0), apart(-1.0)) {

@@ -199,18 +199,16 @@ pub(super) fn lagrangian(checker: &mut Checker<'_>, keyword: Place, expr: &Expr)
             "a scene has one `lagrangian`; add the terms up in it",
         ));
     }
-    if let Some(variable) = graph::variables(&[value])
-        .into_iter()
-        .find(|variable| matches!(variable, Variable::Control(_)))
-    {
-        return Err(checker.diagnostics.syntax(
-            expr.place,
+    checker.free_of(
+        &[value],
+        Variable::is_control,
+        (None, expr.place),
+        |control| {
             format!(
-                "the Lagrangian depends on {}; a control acts through `forces {{ ... }}`",
-                checker.in_words(variable)
-            ),
-        ));
-    }
+                "the Lagrangian depends on {control}; a control acts through `forces {{ ... }}`"
+            )
+        },
+    )?;
     smooth(value, expr, checker)?;
     checker.lagrangian = Some((value, keyword));
     Ok(())
@@ -228,7 +226,7 @@ pub(super) fn dissipation(checker: &mut Checker<'_>, keyword: Place, expr: &Expr
             "a scene has one `dissipation`; add the terms up in it",
         ));
     }
-    if !graph::depends_on(value, |variable| matches!(variable, Variable::Velocity(_))) {
+    if !graph::depends_on(value, Variable::is_velocity) {
         return Err(checker.diagnostics.report(
             "E04",
             expr.place,
@@ -501,13 +499,10 @@ pub(super) fn condition_at_an_instant(
 /// E07: a value of an instant, at which a control may jump.
 pub(super) fn of_an_instant(checker: &mut Checker<'_>, expr: &Expr) -> Checked<Number> {
     let value = checker.number(expr)?;
-    let mut variables = graph::variables(&[value.sym]).into_iter();
-    let Some(control) = variables.find(|variable| matches!(variable, Variable::Control(_))) else {
-        return Ok(value);
-    };
-    let message = format!(
-        "`{expr}` depends on {}, which may jump where the condition comes true; use what moves and the time",
-        checker.in_words(control)
-    );
-    Err(checker.diagnostics.report("E07", expr.place, message))
+    checker.free_of(&[value.sym], Variable::is_control, (Some("E07"), expr.place), |control| {
+        format!(
+            "`{expr}` depends on {control}, which may jump where the condition comes true; use what moves and the time"
+        )
+    })?;
+    Ok(value)
 }

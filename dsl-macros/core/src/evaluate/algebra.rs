@@ -4,7 +4,6 @@ use super::scope::Evaluation;
 use super::value::{Matrix, Number, Value};
 use crate::ast::{Expr, Link, Operator, Prefix};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
-use crate::dimension::Dimension;
 use crate::graph::{self, Compose, Function2, Sym};
 
 pub(super) fn not_a_vector(expr: &Expr, value: &Value, diagnostics: &mut Diagnostics) -> Reported {
@@ -101,37 +100,29 @@ pub(super) fn power(
 /// All of a chain at once, if it is made of numbers: the normal form of the whole is built once, not
 /// after each operand again. `None` if it holds something else, or a division by zero.
 pub(super) fn of_numbers(values: &[Value], rest: &[Link]) -> Option<Number> {
-    let mut numbers = Vec::with_capacity(values.len());
-    let mut unit: Option<Dimension> = None;
-    for (i, value) in values.iter().enumerate() {
-        let Value::Scalar(number) = value else {
-            return None;
-        };
-        numbers.push(number.sym);
-        unit = Some(match (unit, i.checked_sub(1).map(|i| rest[i].operator)) {
-            (Some(unit), Some(Operator::Multiply)) => unit.times(&number.unit),
-            (Some(unit), Some(Operator::Divide)) => unit.over(&number.unit),
-            (Some(unit), _) => unit,
-            (None, _) => number.unit.clone(),
-        });
-    }
-    let unit = unit.unwrap_or_default();
-    let operators = std::iter::once(None).chain(rest.iter().map(|link| Some(link.operator)));
-    let operands = numbers.into_iter().zip(operators);
+    let numbers = values.iter().map(|value| match value {
+        Value::Scalar(number) => Some(number),
+        _ => None,
+    });
+    let numbers: Vec<&Number> = numbers.collect::<Option<_>>()?;
+    let (first, others) = numbers.split_first()?;
+    let others = others.iter().zip(rest.iter().map(|link| link.operator));
     if rest.iter().any(|link| link.operator.is_additive()) {
-        let sym = graph::sum(operands.map(|(number, operator)| {
-            let negative = operator == Some(Operator::Subtract);
-            (number, if negative { -1.0 } else { 1.0 })
-        }));
-        return Some(Number { sym, unit });
+        let terms = others.map(|(number, operator)| (number.sym, operator.sign()));
+        let terms = std::iter::once((first.sym, 1.0)).chain(terms);
+        return Some(first.with(graph::sum(terms)));
     }
-    let mut factors = Vec::with_capacity(values.len());
-    for (number, operator) in operands {
-        let divides = operator == Some(Operator::Divide);
-        if divides && number.is_structural_zero() {
+    let (mut factors, mut unit) = (vec![(first.sym, 2)], first.unit.clone());
+    for (number, operator) in others {
+        if operator != Operator::Divide {
+            factors.push((number.sym, 2));
+            unit = unit.times(&number.unit);
+        } else if number.sym.is_structural_zero() {
             return None;
+        } else {
+            factors.push((number.sym, -2));
+            unit = unit.over(&number.unit);
         }
-        factors.push((number, if divides { -2 } else { 2 }));
     }
     let sym = graph::product(factors);
     Some(Number { sym, unit })
@@ -164,18 +155,8 @@ pub(super) fn step(
             let entries = entries.map(|products| inner(eval, &products, place, &what()));
             Ok(Value::Matrix(Matrix::new(entries.collect(), b.columns)))
         }
-        (Operator::Add | Operator::Subtract, Value::Scalar(_), Value::Scalar(_)) => {
-            Ok(sums(link.operator, left_value, right_value))
-        }
-        (Operator::Add | Operator::Subtract, Value::Vector(a), Value::Vector(b))
-            if a.len() == b.len() =>
-        {
-            Ok(sums(link.operator, left_value, right_value))
-        }
-        (Operator::Add | Operator::Subtract, Value::Matrix(a), Value::Matrix(b))
-            if (a.rows(), a.columns) == (b.rows(), b.columns) =>
-        {
-            Ok(sums(link.operator, left_value, right_value))
+        (Operator::Add | Operator::Subtract, a, b) if a.describe() == b.describe() => {
+            Ok(sums(link.operator, a, b))
         }
         (Operator::Multiply, Value::Vector(_), Value::Vector(_)) => Err(diagnostics.report(
             "E02",
@@ -206,11 +187,10 @@ fn inner(eval: &mut Evaluation<'_>, products: &[Number], place: Place, what: &st
 }
 
 fn sums(operator: Operator, left: &Value, right: &Value) -> Value {
-    let sign = if operator == Operator::Add { 1.0 } else { -1.0 };
     let pairs = left.syms().into_iter().zip(right.syms());
     left.with_syms(
         pairs
-            .map(|(a, b)| graph::sum([(a, 1.0), (b, sign)]))
+            .map(|(a, b)| graph::sum([(a, 1.0), (b, operator.sign())]))
             .collect(),
     )
 }

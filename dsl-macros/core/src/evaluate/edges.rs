@@ -86,7 +86,7 @@ pub(super) fn refuse_size(eval: &mut Evaluation<'_>, inner: &Expr, part: Sym) ->
 
 /// Whether a value moves with velocities.
 fn is_velocity(part: Sym) -> bool {
-    graph::depends_on(part, |variable| matches!(variable, Variable::Velocity(_)))
+    graph::depends_on(part, Variable::is_velocity)
 }
 
 /// E12: the sign of a velocity, which is dry friction.

@@ -12,7 +12,7 @@ use super::scope::{Evaluation, Meaning, Role};
 use super::switch;
 use super::value::{Number, Value};
 use crate::ast::{Expr, Kind, Link, Name, Prefix, WrittenUnit};
-use crate::diagnostics::{Checked, Place, Reported, list};
+use crate::diagnostics::{Checked, Place, Reported, all, list};
 use crate::dimension::Dimension;
 use crate::graph::{self, Compose, Fault, Function, Function2, Sym, Variable};
 use crate::words;
@@ -191,8 +191,7 @@ fn component_at(
 
 fn chain(eval: &mut Evaluation<'_>, first: &Expr, rest: &[Link]) -> Checked<Value> {
     let operands = std::iter::once(first).chain(rest.iter().map(|link| &link.operand));
-    let values: Vec<Checked<Value>> = operands.map(|operand| value(eval, operand)).collect();
-    let values: Vec<Value> = values.into_iter().collect::<Checked<_>>()?;
+    let values = all(operands.map(|operand| value(eval, operand)))?;
     // What a function makes small beside another constant was not written small: far from a bump its exponential is nothing.
     let fading = std::iter::once(first)
         .chain(rest.iter().map(|link| &link.operand))
@@ -304,8 +303,8 @@ fn norm(eval: &mut Evaluation<'_>, whole: &Expr, inner: &Expr) -> Checked<Value>
             };
             let unit = eval.scope.units.common(&components, inner.place, message);
             let square: Sym = components.iter().map(|own| own.sym.square()).sum();
-            let is_velocity = |variable| matches!(variable, Variable::Velocity(_));
-            let may_rest = eval.scope.may_switch() && graph::contains(square, is_velocity);
+            let may_rest =
+                eval.scope.may_switch() && graph::contains(square, Variable::is_velocity);
             let sym = match may_rest {
                 true => square.call(graph::Function::Root),
                 false => square.power(1),
@@ -363,11 +362,7 @@ fn call(
 ) -> Checked<Value> {
     let text = function.text.as_str();
     if eval.scope.names.contains_key(text) || eval.scope.is_local(text) {
-        let values: Vec<Checked<Value>> = arguments
-            .iter()
-            .map(|argument| value(eval, argument))
-            .collect();
-        let values = values.into_iter().collect::<Checked<_>>()?;
+        let values = all(arguments.iter().map(|argument| value(eval, argument)))?;
         return apply(eval, function, values, whole.place);
     }
     if text == words::INTEGRAL {
@@ -443,73 +438,6 @@ fn by_arity(
         let message = format!("`{text}` takes {wanted} argument{plural}, found {found}");
         return Err(eval.diagnostics.report("E02", whole.place, message));
     }
-    known_function(eval, whole, function, arguments)
-}
-
-/// `sum(expression)`, over all impacts.
-fn sum(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<Value> {
-    let argument = recorded::summand(eval, whole, arguments)?;
-    let takes_apart = std::mem::take(&mut eval.scope.takes_apart);
-    eval.scope.role = Role::Impact;
-    let summed = scalar(eval, argument);
-    eval.scope.role = Role::End;
-    eval.scope.takes_apart = takes_apart;
-    recorded::sum(eval, argument, summed?)
-}
-
-/// `start(expression)`.
-fn at_start(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<Value> {
-    let argument = remembered::argument(eval, whole, arguments)?;
-    let known = value(eval, argument)?;
-    remembered::at_start(eval, (whole, argument), &known)
-}
-
-/// `peak(expression)`, the largest value over the motion.
-fn peak(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<Value> {
-    let argument = remembered::over_the_motion(eval, whole, arguments)?;
-    let takes_apart = std::mem::replace(&mut eval.scope.takes_apart, true);
-    eval.scope.role = Role::Constraint;
-    let known = scalar(eval, argument);
-    eval.scope.role = Role::End;
-    eval.scope.takes_apart = takes_apart;
-    Ok(remembered::peak(eval.scope, whole, known?))
-}
-
-/// A function of arguments that must be numbers, each of which reports its own mistakes.
-fn of_numbers_called(
-    eval: &mut Evaluation<'_>,
-    (function, arguments): (&Name, &[Expr]),
-    value: impl FnOnce(&mut Evaluation<'_>, Vec<Sym>) -> Checked<Sym>,
-) -> Checked<Value> {
-    let numbers = arguments.iter().map(|argument| scalar(eval, argument));
-    let numbers: Vec<Checked<Number>> = numbers.collect();
-    let numbers: Vec<Number> = numbers.into_iter().collect::<Checked<_>>()?;
-    let unit = eval.scope.units.of_call(function, arguments, &numbers);
-    let sym = value(eval, numbers.iter().map(|number| number.sym).collect())?;
-    Ok(Value::Scalar(Number { sym, unit }))
-}
-
-/// Evaluates an expression in which `name` stands for a number.
-pub(crate) fn value_over(
-    eval: &mut Evaluation<'_>,
-    (name, number): (&str, Number),
-    expr: &Expr,
-) -> Checked<Value> {
-    let frame = vec![(name.to_owned(), Value::Scalar(number))];
-    eval.scope.frames.push(frame);
-    let value = value(eval, expr);
-    eval.scope.frames.pop();
-    value
-}
-
-/// A function of the language with as many arguments as it takes.
-fn known_function(
-    eval: &mut Evaluation<'_>,
-    whole: &Expr,
-    function: &Name,
-    arguments: &[Expr],
-) -> Checked<Value> {
-    let text = function.text.as_str();
     match (text, arguments) {
         ("dot", [argument]) => time_derivative(eval, argument),
         ("dot" | "cross", [left, right]) => {
@@ -530,6 +458,63 @@ fn known_function(
             }
         }),
     }
+}
+
+/// `sum(expression)`, over all impacts.
+fn sum(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<Value> {
+    let argument = recorded::summand(eval, whole, arguments)?;
+    let summed = judged(eval, argument, Role::Impact)?;
+    recorded::sum(eval, argument, summed)
+}
+
+/// A number in what is judged at the end, in another role; what holds all the time is taken apart into smooth pieces.
+fn judged(eval: &mut Evaluation<'_>, argument: &Expr, role: Role) -> Checked<Number> {
+    let known = std::mem::replace(&mut eval.scope.takes_apart, role == Role::Constraint);
+    eval.scope.role = role;
+    let number = scalar(eval, argument);
+    eval.scope.role = Role::End;
+    eval.scope.takes_apart = known;
+    number
+}
+
+/// `start(expression)`.
+fn at_start(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<Value> {
+    let argument = remembered::argument(eval, whole, arguments)?;
+    let known = value(eval, argument)?;
+    remembered::at_start(eval, (whole, argument), &known)
+}
+
+/// `peak(expression)`, the largest value over the motion.
+fn peak(eval: &mut Evaluation<'_>, whole: &Expr, arguments: &[Expr]) -> Checked<Value> {
+    let argument = remembered::over_the_motion(eval, whole, arguments)?;
+    let known = judged(eval, argument, Role::Constraint)?;
+    Ok(remembered::peak(eval.scope, whole, known))
+}
+
+/// A function of arguments that must be numbers, each of which reports its own mistakes.
+fn of_numbers_called(
+    eval: &mut Evaluation<'_>,
+    (function, arguments): (&Name, &[Expr]),
+    value: impl FnOnce(&mut Evaluation<'_>, Vec<Sym>) -> Checked<Sym>,
+) -> Checked<Value> {
+    let numbers = arguments.iter().map(|argument| scalar(eval, argument));
+    let numbers = all(numbers)?;
+    let unit = eval.scope.units.of_call(function, arguments, &numbers);
+    let sym = value(eval, numbers.iter().map(|number| number.sym).collect())?;
+    Ok(Value::Scalar(Number { sym, unit }))
+}
+
+/// Evaluates an expression in which `name` stands for a number.
+pub(crate) fn value_over(
+    eval: &mut Evaluation<'_>,
+    (name, number): (&str, Number),
+    expr: &Expr,
+) -> Checked<Value> {
+    let frame = vec![(name.to_owned(), Value::Scalar(number))];
+    eval.scope.frames.push(frame);
+    let value = value(eval, expr);
+    eval.scope.frames.pop();
+    value
 }
 
 /// A declared function at given arguments.

@@ -71,6 +71,24 @@ impl Variable {
         (0..n).map(|i| Self::Velocity(i as u16)).collect()
     }
 
+    pub(crate) fn is_coordinate(self) -> bool {
+        matches!(self, Self::Coordinate(_))
+    }
+
+    /// Whether it is a velocity, or a state.
+    pub(crate) fn is_velocity(self) -> bool {
+        matches!(self, Self::Velocity(_))
+    }
+
+    pub(crate) fn is_control(self) -> bool {
+        matches!(self, Self::Control(_))
+    }
+
+    /// Whether it is anything else than a parameter.
+    pub(crate) fn moves(self) -> bool {
+        !matches!(self, Self::Parameter(_))
+    }
+
     /// Whether it is the force of a contact, which acts over a time.
     pub(crate) fn is_force(self) -> bool {
         matches!(

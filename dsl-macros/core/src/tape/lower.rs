@@ -157,13 +157,7 @@ impl Lowering {
         let mut items = Vec::new();
         for (magnitude, group) in groups {
             if magnitude == 1.0 {
-                if self.factors() {
-                    items.extend(self.factored(group));
-                } else {
-                    for (term, negative) in group {
-                        items.push((self.lower(term), negative));
-                    }
-                }
+                items.extend(self.factored(group));
                 continue;
             }
             match group.as_slice() {
@@ -179,14 +173,7 @@ impl Lowering {
                         .into_iter()
                         .map(|(term, own)| (term, own != negative))
                         .collect();
-                    let inner = if self.factors() {
-                        self.factored(group)
-                    } else {
-                        group
-                            .into_iter()
-                            .map(|(term, negative)| (self.lower(term), negative))
-                            .collect()
-                    };
+                    let inner = self.factored(group);
                     let inner = self.add_up(inner);
                     let factor = self.constant(magnitude);
                     items.push((self.multiply(vec![factor, inner]), negative));
@@ -196,12 +183,12 @@ impl Lowering {
         items
     }
 
-    fn factors(&self) -> bool {
-        self.factor && self.brackets < BRACKETS
-    }
-
-    /// Terms with the factor that most of them share taken out, again and again.
+    /// Terms with the factor that most of them share taken out, again and again, where factors are taken out.
     fn factored(&mut self, terms: Vec<(Sym, bool)>) -> Vec<(u32, bool)> {
+        if !self.factor || self.brackets >= BRACKETS {
+            let terms = terms.into_iter();
+            return terms.map(|(term, own)| (self.lower(term), own)).collect();
+        }
         let mut items = Vec::new();
         let with_factors = |(term, negative)| (term, negative, whole_factors(term));
         let mut terms: Vec<(Sym, bool, Vec<Sym>)> = terms.into_iter().map(with_factors).collect();
