@@ -168,15 +168,14 @@ impl Table {
         [above, below]
     }
 
-    /// The table with every number that is lower now, and without rows of rooms that are gone.
+    /// The table with every number that is lower now, as far as rows that raise do not stand for it, and without rows of rooms that are gone.
     pub(crate) fn lowered(&self, found: &BTreeMap<String, Counts>) -> String {
         let mut lines = self.kept.clone();
         for (room, row) in &self.rows {
             if let Some(counts) = found.get(room) {
-                let numbers = row.iter().zip(counts);
-                let numbers: Vec<String> = numbers
-                    .map(|(row, count)| row.min(count).to_string())
-                    .collect();
+                let most = self.most(room);
+                let number = |k: usize| row[k].min((counts[k] + row[k]).saturating_sub(most[k]));
+                let numbers: Vec<String> = (0..row.len()).map(|k| number(k).to_string()).collect();
                 lines.push(format!("{room}\t{}", numbers.join("\t")));
             }
         }
