@@ -77,6 +77,13 @@ impl Names {
         self.known.insert(member(name, indices));
     }
 
+    /// Notes names that have indices of which none runs.
+    pub(super) fn declare_none(&mut self, empty: Vec<String>, prefix: &str) {
+        for name in empty {
+            self.families.entry(format!("{prefix}{name}")).or_default();
+        }
+    }
+
     /// The whole name of a part in use; none if another one has it.
     pub(super) fn declare_part(&mut self, name: &str, indices: &[i64]) -> Option<String> {
         self.declare(name, indices);
@@ -215,7 +222,9 @@ impl Resolver<'_> {
         };
         let (mut length, mut place) = (0, Place::at(first.span()));
         loop {
-            if let Some(members) = names.families.get(&name) {
+            let indexed = bracket(rest.get(length)).is_some();
+            let members = names.families.get(&name);
+            if let Some(members) = members.filter(|members| indexed || !members.is_empty()) {
                 place.end = rest.get(length).map_or(place.end, TokenTree::span);
                 match self.indexed(&name, members, (rest.get(length), place)) {
                     Some(indices) => name = member(&name, &indices),
@@ -273,7 +282,11 @@ impl Resolver<'_> {
         members: &BTreeSet<Vec<i64>>,
         (token, place): (Option<&TokenTree>, Place),
     ) -> Option<Vec<i64>> {
-        let first = members.first()?;
+        let Some(first) = members.first() else {
+            let message = format!("`{name}` has no members: no index runs where it is declared");
+            self.diagnostics.report("E26", place, message);
+            return None;
+        };
         let indices = bracket(token).map(numbers).transpose();
         let fault = match indices {
             Ok(Some(indices)) if members.contains(&indices) => return Some(indices),

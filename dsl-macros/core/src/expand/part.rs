@@ -263,8 +263,11 @@ impl Parts {
                 found.push((behind(&statement).to_vec(), Rc::clone(scope)));
                 continue;
             }
-            for (tokens, known) in repeat.each(&statement, known) {
+            let members = repeat.each(&statement, known);
+            names.declare_none(std::mem::take(&mut repeat.empty), &scope.prefix);
+            for (tokens, known) in members {
                 let written = repeat.statement(&tokens, &known);
+                names.declare_none(std::mem::take(&mut repeat.empty), &scope.prefix);
                 match a_use(undocumented(&written)) {
                     Some(used) => {
                         found.extend(self.used(&used, (&known, scope), names, repeat));

@@ -78,6 +78,8 @@ pub(super) struct Repeat<'a> {
     pub(super) diagnostics: &'a mut Diagnostics,
     /// Tokens that have been written.
     written: usize,
+    /// Names that were declared with indices of which none runs.
+    pub(super) empty: Vec<String>,
     /// How many parts are around.
     pub(super) parts: usize,
     depth: usize,
@@ -88,6 +90,7 @@ impl<'a> Repeat<'a> {
         Self {
             diagnostics,
             written: 0,
+            empty: Vec::new(),
             parts: 0,
             depth: 0,
         }
@@ -130,6 +133,11 @@ impl<'a> Repeat<'a> {
         };
         let mut found = Vec::new();
         let members = self.members(&inside(&group), Place::at(group.span_open()), known);
+        if let ([at], Ok([])) = (&way[..], members.as_deref())
+            && let Some(TokenTree::Ident(name)) = tokens[..*at].last()
+        {
+            self.empty.push(name.to_string());
+        }
         for member in members.unwrap_or_default() {
             self.written += tokens.len();
             let bound = bound(tokens, &way, &member.indices);

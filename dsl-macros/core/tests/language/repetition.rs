@@ -311,6 +311,10 @@ fn slips_in_the_writing_of_counts_and_indices_are_told() {
              `<`, `<=`, `==`, `!=`",
         ),
         (
+            "let far[k in 4..=n] = theta[k] forces { theta[1]: 1 [N m]*<<far[4]>> }",
+            "E26: `far` has no members: no index runs where it is declared",
+        ),
+        (
             "count k = 4, <<j>> = 5",
             "E26: `count` declares one number; write `count j = ..` as a statement of its own",
         ),
