@@ -1,11 +1,13 @@
 //! The run: steps, events, records.
 
 mod hidden;
+mod journal;
 mod outputs;
 mod step_size;
 
 use hangtime_solver::clock::ThreadTime;
 
+use self::journal::Journal;
 use self::outputs::Outputs;
 use self::step_size::{Attempts, Rejected, StepEnds};
 use super::audit::{Audit, Checks};
@@ -25,13 +27,9 @@ use crate::model::Model;
 use crate::run::impact::Impact;
 use crate::run::remarks::Remarks;
 use crate::run::{resets, rest};
-use crate::simulation::event_log::EventLog;
 use crate::simulation::explicit_time::ExplicitTime;
 use crate::simulation::watch::Watch;
-use crate::simulation::{
-    Event, EventKind, InitialValueProblem, Residuals, Simulation, SimulationStatus, accumulation,
-    changes,
-};
+use crate::simulation::{InitialValueProblem, Residuals, Simulation, SimulationStatus, changes};
 
 /// Steps shorter than this share of the time reached do not change it.
 const SHORTEST: f64 = 1e-15;
@@ -67,8 +65,7 @@ pub(super) struct Integration<'a> {
     dense: Outputs,
     counts: Attempts,
     checks: Checks<'a>,
-    log: EventLog,
-    result: Simulation,
+    journal: Journal,
 }
 
 impl<'a> Integration<'a> {
@@ -109,8 +106,7 @@ impl<'a> Integration<'a> {
                 audit: Audit::new(settings.tolerance),
                 explicit_time,
             },
-            log: EventLog::default(),
-            result: dynamics.empty_result(),
+            journal: Journal::of(dynamics.empty_result()),
             dynamics,
         }
     }
@@ -119,30 +115,15 @@ impl<'a> Integration<'a> {
     pub(super) fn run(mut self, watch: &mut Watch<'_>, ending: Option<Ending>) -> Simulation {
         let clock = ThreadTime::try_now();
         let ended = self.integrate(watch, ending).err();
-        if self.result.trajectory.time.is_empty() {
+        if self.journal.result.trajectory.time.is_empty() {
             self.record_start();
         }
-        let residuals = &mut self.result.residuals;
-        residuals.dual = self.checks.audit.largest;
-        if let Some(status) = ended.or_else(|| self.checks.audit.verdict()) {
-            self.result.status = status;
-        }
-        self.result.notes = self.checks.remarks.notes(self.dynamics.model.declaration());
-        let note = self
-            .checks
-            .explicit_time
-            .as_ref()
-            .and_then(ExplicitTime::note);
-        self.result.notes.extend(note);
-        let interpolated = self.search.interpolated.iter();
-        let interpolated = interpolated.map(|function| function.name(self.dynamics.model));
-        self.result.interpolated = Some(interpolated.collect());
-        self.result.counts.evaluations = self.dynamics.evaluations;
-        self.result.counts.events = self.log.count(self.result.events.len());
+        let told = (&self.dynamics, &self.search, self.checks);
+        let mut result = self.journal.closed(told, ended);
         if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
-            self.result.seconds.total = elapsed.as_secs_f64();
+            result.seconds.total = elapsed.as_secs_f64();
         }
-        self.result
+        result
     }
 
     fn integrate(
@@ -189,7 +170,7 @@ impl<'a> Integration<'a> {
                 continue;
             };
             let until = event.map_or(h, |event| event.h);
-            self.result.counts.elements += 1;
+            self.journal.result.counts.elements += 1;
             let switch = event.map(|event| self.dynamics.switch(event.function));
             match self.guard_progress(switch, until) {
                 Err(_) if self.comes_to_rest() => continue,
@@ -210,8 +191,8 @@ impl<'a> Integration<'a> {
                 },
                 None => self.go_on(h, lands.then_some(limit))?,
             }
-            let count = self.result.counts.elements;
-            watch.reach(self.t, count, &mut self.result.trajectory)?;
+            let count = self.journal.result.counts.elements;
+            watch.reach(self.t, count, &mut self.journal.result.trajectory)?;
         }
         self.strike_at_the_end(ending)
     }
@@ -221,8 +202,8 @@ impl<'a> Integration<'a> {
         self.t = limit.unwrap_or(self.t + h);
         self.y.copy_from_slice(self.method.end());
         self.method.advance();
-        self.keep(self.step.at_end);
-        let step = self.result.counts.elements;
+        self.journal.keep(self.step.at_end);
+        let step = self.journal.result.counts.elements;
         let values = &self.step.end_values;
         self.checks.audit.look(&self.dynamics, values, self.t, step);
         std::mem::swap(&mut self.step.start_values, &mut self.step.end_values);
@@ -248,7 +229,7 @@ impl<'a> Integration<'a> {
         };
         self.y[2 * self.dynamics.n] += lasts;
         self.t = if over { self.t + lasts } else { limit };
-        self.result.counts.elements += 1;
+        self.journal.result.counts.elements += 1;
         if over {
             self.enter_mode(None, false)?;
         } else {
@@ -265,11 +246,11 @@ impl<'a> Integration<'a> {
         let largest = self.method.slope()[n..2 * n].iter();
         let largest = largest.fold(0.0_f64, |size, a| size.max(a.abs()));
         let before = self.y.clone();
-        let events = std::mem::take(&mut self.result.events);
+        let events = std::mem::take(&mut self.journal.result.events);
         let listed = events.iter().rev().map(|event| (event.time, event.contact));
         let within = (self.problem.horizon, largest);
         let switches = rest::comes_to_rest(&mut self.here(), listed, within);
-        self.result.events = events;
+        self.journal.result.events = events;
         let Some(switches) = switches else {
             return false;
         };
@@ -308,7 +289,7 @@ impl<'a> Integration<'a> {
         self.method.finish(&mut self.dynamics, self.t, 0.0);
         let measured = self.forces.measure(&self.dynamics);
         self.audit_now();
-        self.keep(measured);
+        self.journal.keep(measured);
         self.record();
         if !over {
             self.enter_mode(switch, false)?;
@@ -355,7 +336,7 @@ impl<'a> Integration<'a> {
 
     /// Tries a step of length `h`; `false` if it was rejected and `self.h` reduced.
     fn try_step(&mut self, h: f64) -> Result<bool, SimulationStatus> {
-        let most = self.settings.max_steps + STEPS_AN_EVENT * self.events();
+        let most = self.settings.max_steps + STEPS_AN_EVENT * self.journal.events();
         if self.counts.steps >= most {
             return Err(self.place().step_limit(self.counts.steps, h));
         }
@@ -425,7 +406,7 @@ impl<'a> Integration<'a> {
 
     fn write_outputs(&mut self, h: f64, until: f64) {
         let run = (&mut self.dynamics, &self.method);
-        let trajectory = &mut self.result.trajectory;
+        let trajectory = &mut self.journal.result.trajectory;
         self.dense.write(run, trajectory, (self.t, h, until));
     }
 
@@ -580,7 +561,7 @@ impl<'a> Integration<'a> {
             vanished = None;
         }
         if at_start {
-            self.result.initial_modes = self.dynamics.contact_modes();
+            self.journal.result.initial_modes = self.dynamics.contact_modes();
         }
         self.begin()?;
         switching::accept_forces(&mut self.dynamics);
@@ -592,9 +573,15 @@ impl<'a> Integration<'a> {
             (&impact.struck, &set),
             at_start,
         );
-        let happened = happened.into_iter();
-        let events = happened.map(|(kind, contact)| self.event(kind, contact, &before));
-        self.list(events.collect())
+        let last = happened.last().map(|(_, contact)| *contact);
+        let instant = ((self.t, &self.y[..]), &before[..]);
+        self.journal
+            .list(&self.dynamics, happened, instant, self.problem.horizon)?;
+        let count = self.journal.events();
+        if count > self.settings.max_events {
+            return Err(self.place().too_many_events(count, last));
+        }
+        Ok(())
     }
 
     /// The present instant, as what happens there reads it.
@@ -608,43 +595,6 @@ impl<'a> Integration<'a> {
                 height: self.settings.tolerance.powi(2),
             },
         }
-    }
-
-    /// An event at the present instant, before which there were these velocities.
-    fn event(&self, kind: EventKind, contact: usize, velocities: &[f64]) -> Event {
-        let n = self.dynamics.n;
-        let declared = &self.dynamics.model.declaration().contacts[contact];
-        Event {
-            time: self.t,
-            kind: kind.of(declared),
-            contact,
-            contact_name: declared.name,
-            modes: self.dynamics.contact_modes(),
-            q: self.y[..n].to_vec(),
-            v_before: velocities.to_vec(),
-            v_after: self.y[n..2 * n].to_vec(),
-            contact_impulse: Vec::new(),
-            friction_impulse: Vec::new(),
-        }
-    }
-
-    /// Lists events, unless there are too many.
-    fn list(&mut self, events: Vec<Event>) -> Result<(), SimulationStatus> {
-        self.result.events.extend(events);
-        let last = self.result.events.last().map(|event| event.contact);
-        if let Some(status) = accumulation::of(&self.result.events, self.problem.horizon) {
-            return Err(status);
-        }
-        self.log.tidy(&mut self.result.events);
-        if self.events() > self.settings.max_events {
-            return Err(self.place().too_many_events(self.events(), last));
-        }
-        Ok(())
-    }
-
-    /// Events so far, listed or not.
-    fn events(&self) -> usize {
-        self.log.count(self.result.events.len())
     }
 
     /// Applies the impact law, and remembers what a user should know of it. Returns the contacts at rest after it as well.
@@ -671,7 +621,7 @@ impl<'a> Integration<'a> {
             .copy_from_slice(&self.dynamics.switching.values);
         let measured = self.forces.measure(&self.dynamics);
         self.audit_now();
-        self.keep(measured);
+        self.journal.keep(measured);
         if self.method.slope().iter().all(|slope| slope.is_finite()) {
             self.step.orientation = self.dynamics.orientation;
             Ok(())
@@ -682,15 +632,9 @@ impl<'a> Integration<'a> {
 
     /// Looks at the signs of the functions last evaluated.
     fn audit_now(&mut self) {
-        let step = self.result.counts.elements;
+        let step = self.journal.result.counts.elements;
         let values = &self.dynamics.switching.values;
         self.checks.audit.look(&self.dynamics, values, self.t, step);
-    }
-
-    fn keep(&mut self, measured: Residuals) {
-        let residuals = &mut self.result.residuals;
-        residuals.primal = residuals.primal.max(measured.primal);
-        residuals.complementarity = residuals.complementarity.max(measured.complementarity);
     }
 
     /// Records the start of a run that never left it.
@@ -707,13 +651,18 @@ impl<'a> Integration<'a> {
         self.dynamics.write_controls(self.t);
         let (now, forces) = ((self.t, &self.y[..]), &self.forces);
         let forces = (&forces.normal[..], &forces.tangential[..]);
-        outputs::record(&mut self.result.trajectory, &self.dynamics, now, forces);
+        outputs::record(
+            &mut self.journal.result.trajectory,
+            &self.dynamics,
+            now,
+            forces,
+        );
     }
 
     /// Looks at forces and gaps inside the first `until` of the step of length `h`, whose continuous extension is
     /// ready.
     fn audit_inside(&mut self, h: f64, until: f64) {
-        let (step, dense) = (self.result.counts.elements, &mut self.dense);
+        let (step, dense) = (self.journal.result.counts.elements, &mut self.dense);
         let run = (&mut self.dynamics, &self.method);
         let memory = (&mut dense.state[..], &mut dense.slope[..]);
         self.checks
@@ -726,7 +675,7 @@ impl<'a> Integration<'a> {
         Place {
             dynamics: &self.dynamics,
             time: self.t,
-            step: self.result.counts.elements,
+            step: self.journal.result.counts.elements,
         }
     }
 
