@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Solves the scenes of a folder in several ways and compares them: `python3 tools/families.py target/release/hangtime zoo/families`.
 
-Every scene is solved on 10 and on 30 control intervals by the default search, on grids, from one start, from sixteen starts, and by
+Every scene is solved on 10 and on 30 control intervals by the default search, from one start, from sixteen starts, and by
 time-freezing on 10 intervals; one process at a time, on one thread, `--time-limit` each. The rows are kept in a CSV file beside the folder, one
 a run, and a run that is there already is not done again. On standard output comes a Markdown table: a row a scene and number of intervals, with
 the objective of every way relative to the best of all, those on grids that it contains included. A scene may say
@@ -21,7 +21,6 @@ import time
 
 WAYS = {
     "default": [],
-    "grids": ["--search", "grids"],
     "starts-1": ["--starts", "1"],
     "starts-16": ["--starts", "16"],
     "time-freezing": ["--formulation", "time-freezing"],

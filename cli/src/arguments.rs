@@ -297,9 +297,6 @@ pub(crate) struct SolveArguments {
     /// How the contact sequence is found.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) formulation: SolveFormulation,
-    /// Where contact sequences are looked for.
-    #[arg(long, value_enum, default_value_t)]
-    pub(crate) search: SearchName,
     /// Runge-Kutta scheme (time-freezing) [default: radau-iia].
     #[arg(long, value_enum)]
     pub(crate) scheme: Option<SchemeName>,
@@ -311,8 +308,8 @@ pub(crate) struct SolveArguments {
     /// [default: 3], where one more is taken if a contact bounces.
     #[arg(long, value_name = "N", value_parser = elements, allow_negative_numbers = true)]
     pub(crate) elements: Option<usize>,
-    /// Guesses and discretizations that are solved side by side; the best is returned, and the distinct local optima
-    /// are listed [default: up to 16 until several agree on the best; with time-freezing up to 6 until a motion is
+    /// Motions from which the best order of contacts is solved, until so many less one bring nothing [default: 3]; with
+    /// time-freezing guesses and discretizations that are solved side by side [default: up to 6 until a motion is
     /// certified: 2, one of them on about ten intervals, then others one after the other].
     #[arg(long, value_name = "N", value_parser = starts, allow_negative_numbers = true)]
     pub(crate) starts: Option<usize>,
@@ -340,17 +337,6 @@ pub(crate) enum ControlsName {
     Constant,
     /// Linear, and continuous over the ends of the intervals.
     Linear,
-}
-
-/// Where `solve` looks for contact sequences.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub(crate) enum SearchName {
-    /// Over orders of contact modes with phases of free length, put on the grid at last; on grids where that leads to no motion, and with
-    /// `--starts`.
-    #[default]
-    Words,
-    /// On control grids, from coarse to fine, from several starts.
-    Grids,
 }
 
 /// How `solve` finds the contact sequence.
@@ -619,8 +605,8 @@ mod tests {
                 format!("time-freezing, 1 to 9 [default: {frozen}]"),
                 format!("between two switches [default: {elements}]"),
                 format!("interval with time-freezing [default: {parts}], where one"),
-                format!("[default: up to {starts} until several agree on the best"),
-                format!("with time-freezing up to {tried} until"),
+                format!("until so many less one bring nothing [default: {starts}]; with"),
+                format!("solved side by side [default: up to {tried} until a motion is"),
             ],
         );
     }

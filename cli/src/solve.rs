@@ -93,7 +93,7 @@ pub(crate) fn tables(
         counted(method.intervals, "interval"),
         counted(method.elements, "element"),
         method.control_shape,
-        method.searched(solution)
+        counted(solution.starts, "start")
     );
     let _ = writeln!(text, "status        {}", ending.status);
     let Some(motion) = &solution.motion else {
@@ -319,7 +319,7 @@ fn relaxed_and_optima(solution: &Solution) -> String {
             if report.relaxed.led_to_motion {
                 ""
             } else {
-                ", led to no motion; contact sequence of the contact-implicit search"
+                ", led to no motion; contact sequence of the search over words"
             },
             size.variables,
             size.equalities + size.inequalities,

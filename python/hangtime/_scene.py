@@ -248,7 +248,6 @@ class Scene:
         controls: Optional[Literal["constant", "linear"]] = None,
         grid: Optional[Literal["equal", "aligned"]] = None,
         formulation: Optional[Literal["auto", "time-freezing"]] = None,
-        search: Optional[Literal["words", "grids"]] = None,
         scheme: Optional[Scheme] = None,
         stages: Optional[int] = None,
         elements: Optional[int] = None,

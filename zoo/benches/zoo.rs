@@ -4,8 +4,8 @@
 //! best known value, status, stationarity, CPU time, and of the time-freezing formulation the largest product of its program, with
 //! iterations and CPU time; and for each way to solve them how many scenes come within 1 %,
 //! 0.1 % and 1e-5 of the best, with the median and largest CPU time. It draws these shares against CPU time to
-//! `target/zoo/share_*.svg`. `-- --ways default,one` chooses ways (`default`, `words`, `one` start, `many` starts,
-//! `time-freezing`; `default!grids!touch` without these rules of the search), `--starts 4` the number of starts of all ways,
+//! `target/zoo/share_*.svg`. `-- --ways default,one` chooses ways (`default`, `one` start, `many` starts,
+//! `time-freezing`; `default!flip!touch` without these rules of the search), `--starts 4` the number of starts of all ways,
 //! `--intervals 10,40` grids, `--only three-carts,hop` scenes, `--files FOLDER` the scenes of a folder instead, whose best value is the best of
 //! all ways of this run, `--seconds 60` when a solve is stopped.
 //! `--ablate` solves by default and without each rule of the search, one at a time, and prints what each of them earns.
@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use hangtime::model::Model;
-use hangtime::ocp::{self, Formulation, Problem, RULES, SearchSpace, Settings, Solution, Status};
+use hangtime::ocp::{self, Formulation, Problem, RULES, Settings, Solution, Status};
 use hangtime_zoo::{Half, best, exhibits};
 use kuva::prelude::{Layout, LinePlot, Plot, render_to_svg};
 
@@ -62,14 +62,12 @@ fn settings(way: &str) -> Result<Settings, String> {
     let mut parts = way.split('!');
     match parts.next().unwrap_or_default() {
         "default" => {}
-        "words" => settings.without.push("grids".to_owned()),
-        "old" => settings.search = SearchSpace::Grids,
         "one" => settings.starts = Some(1),
         "many" => settings.starts = Some(MANY),
         "time-freezing" => settings.formulation = Formulation::TimeFreezing(Default::default()),
         other => {
             return Err(format!(
-                "`{other}` is no way to solve; default, words, old, one, many, time-freezing are"
+                "`{other}` is no way to solve; default, one, many, time-freezing are"
             ));
         }
     }

@@ -9,8 +9,6 @@ use hangtime::rk::Scheme;
 use hangtime::simulation::{ProblemSize, Residuals, Seconds};
 use serde::{Serialize, Serializer};
 
-use crate::table::counted;
-
 use super::gradient::{Existence, RangeEntry};
 use super::parts::{
     EventEntry, FinalEntry, InitialEntry, ParameterValues, QuantitiesEntry, SCHEMA,
@@ -39,11 +37,8 @@ pub(crate) struct SolverSettings {
     aligned: bool,
     /// Finite elements: of a phase, or of an interval with time-freezing.
     pub(crate) elements: usize,
-    /// Starts that may be solved side by side.
+    /// Starts of the best order of contacts, or that may be solved side by side.
     pub(crate) starts: usize,
-    /// Whether words are searched before.
-    #[serde(skip)]
-    words: bool,
     /// Finite elements of a phase, also of the motion that a time-freezing program leads to.
     #[serde(skip)]
     of_a_phase: usize,
@@ -73,18 +68,7 @@ impl SolverSettings {
             aligned: settings.grid == ControlNodes::Aligned,
             elements,
             starts: settings.starts(),
-            words: settings.searches_words(),
             of_a_phase: settings.elements,
-        }
-    }
-
-    /// Where motions were looked for: among words, and from how many starts.
-    pub(crate) fn searched(&self, solution: &Solution) -> String {
-        let starts = counted(solution.starts, "start");
-        match (self.words, solution.starts) {
-            (true, 0) => "words".to_owned(),
-            (true, _) => format!("words, then {starts}"),
-            (false, _) => starts,
         }
     }
 

@@ -4,7 +4,7 @@ use hangtime::Observer;
 use hangtime::estimation::{self, Estimate, Measurements, Settings};
 use std::path::Path;
 
-use crate::arguments::{ControlsName, GridName, SearchName, SolveArguments, SolveFormulation};
+use crate::arguments::{ControlsName, GridName, SolveArguments, SolveFormulation};
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::json::EstimateDocument;
@@ -75,7 +75,6 @@ fn refuse_others(arguments: &SolveArguments) -> Result<(), BadInput> {
             "--formulation",
             arguments.formulation != SolveFormulation::default(),
         ),
-        ("--search", arguments.search != SearchName::default()),
         ("--scheme", arguments.scheme.is_some()),
         ("--stages", arguments.stages.is_some()),
         ("--elements", arguments.elements.is_some()),

@@ -2,14 +2,12 @@
 
 use hangtime::Observer;
 use hangtime::ocp::{
-    self, ControlNodes, ControlShape, Formulation, Guess, Horizon, Previous, Problem, SearchSpace,
-    Settings, Solution, Stationarity, TimeFreezingSettings,
+    self, ControlNodes, ControlShape, Formulation, Guess, Horizon, Previous, Problem, Settings,
+    Solution, Stationarity, TimeFreezingSettings,
 };
 use hangtime::rk::Scheme;
 
-use crate::arguments::{
-    ControlsName, GridName, SchemeName, SearchName, SolveArguments, SolveFormulation,
-};
+use crate::arguments::{ControlsName, GridName, SchemeName, SolveArguments, SolveFormulation};
 use crate::ending::Ending;
 use crate::failure::BadInput;
 use crate::json::{SolutionDocument, SolverSettings};
@@ -99,10 +97,6 @@ impl OptimumTask {
 fn settings(arguments: &SolveArguments) -> Result<Settings, BadInput> {
     let mut settings = Settings::default();
     settings.starts = arguments.starts;
-    settings.search = match arguments.search {
-        SearchName::Grids => SearchSpace::Grids,
-        SearchName::Words => SearchSpace::Words,
-    };
     settings.grid = match arguments.grid {
         GridName::Equal => ControlNodes::Equal,
         GridName::Aligned => ControlNodes::Aligned,

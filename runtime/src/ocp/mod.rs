@@ -5,12 +5,13 @@
 //! starts where the one before it ended:
 //!
 //! ```text
-//! exploration        up to twelve starts on the coarsest grids that the grid asked for contains; the best motions go on
-//! contact-implicit   implicit Euler, one complementarity pair an element and contact: which contacts close when
-//! sequence           read from that motion, and from an event-driven simulation under its controls
-//! collocation        Radau IIA of order 7 between the switches, exit conditions, impact maps, bounds at all times
-//! repair             neighbouring sequences that the solution presses towards, while they improve it
-//! re-simulation      event-driven, under the final controls; its distance from the plan is part of the result
+//! sources        simulated motions under random controls and policies, a contact-implicit program: words, orders of contact modes
+//! words          the program of a word has a phase of free length for each mode; goals may be missed at a price
+//! edits          solved words are made into others where they press, best first
+//! places         the best words on the grid: each switch in one of the intervals, or at an end of one
+//! collocation    Radau IIA of order 7 between the switches, exit conditions, impact maps, bounds at all times
+//! repair         neighbouring sequences that the solution presses towards, while they improve it
+//! re-simulation  event-driven, under the final controls; its distance from the plan is part of the result
 //! ```
 //!
 //! A contact without friction is open or closed; one with Coulomb friction is open, sticks, or slips forward or
@@ -36,9 +37,10 @@
 //! Each folder uses those below it, and the data that the caller sees; `effort` says how thoroughly each searches:
 //!
 //! ```text
-//! solve        the order of work: starts, levels of grids, one grid
+//! solve        the order of work: words, places, one grid
 //! judge        re-simulation of a plan, and finer grids where it does not agree
-//! search       contact sequences: attempts, neighbours, repair
+//! words        orders of contact modes with phases of free length
+//! search       simulated motions; contact sequences on a grid: attempts, neighbours, repair
 //! global       motions to start from: guesses, contact-implicit programs, time-freezing
 //! collocation  the program of high order with a given contact sequence
 //! program      sparse programs of model functions, their units, and the door to the solvers
@@ -103,9 +105,7 @@ pub use parameters::{FoundParameter, OptimumGradient, OptimumSides};
 pub use previous::Previous;
 pub use problem::{CompletedStart, Horizon, Problem};
 pub use rules::{RULES, Rule, RulePart};
-pub use settings::{
-    ControlNodes, Formulation, Guess, PathPoints, SearchSpace, Settings, TimeFreezingSettings,
-};
+pub use settings::{ControlNodes, Formulation, Guess, PathPoints, Settings, TimeFreezingSettings};
 pub use size::program_sizes;
 pub use solution::{
     Counts, Excess, Improvement, Margin, Miss, Nearest, Optimum, RelaxedReport, Solution, Source,

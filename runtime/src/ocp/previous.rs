@@ -62,15 +62,6 @@ impl Previous {
         })
     }
 
-    /// It as it is.
-    pub(in crate::ocp) fn as_candidate(&self) -> Candidate {
-        Candidate {
-            objective: f64::INFINITY,
-            sequence: self.sequence.clone(),
-            trajectory: self.trajectory.clone(),
-        }
-    }
-
     /// Number of control intervals.
     pub(in crate::ocp) fn intervals(&self) -> usize {
         self.trajectory.controls.intervals()

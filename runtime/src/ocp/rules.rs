@@ -29,22 +29,20 @@ pub enum RulePart {
     Mapping,
     /// Contact sequences on the grid that no multiplier points to.
     Basin,
-    /// What is done where nothing is proved among words.
-    Last,
 }
 
-use RulePart::{Basin, Edit, Last, Mapping, Source};
+use RulePart::{Basin, Edit, Mapping, Source};
 
 const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
     Rule { name, part, does }
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 22] = [
+pub const RULES: [Rule; 23] = [
     rule(
         Source,
         "sample",
-        "The best motions under random controls, one for each order of events.",
+        "The best motions under random controls and policies, one for each order of events.",
     ),
     rule(
         Source,
@@ -71,7 +69,11 @@ pub const RULES: [Rule; 22] = [
         "flip",
         "One contact otherwise in a phase, or in half of it.",
     ),
-    rule(Edit, "touch", "A touch where a contact is open."),
+    rule(
+        Edit,
+        "touch",
+        "A touch where the gap of an open contact presses.",
+    ),
     rule(Edit, "cut", "Without the last instant."),
     rule(
         Edit,
@@ -82,6 +84,16 @@ pub const RULES: [Rule; 22] = [
         Mapping,
         "at-jumps",
         "Switches at the nearest end of an interval, where controls jump.",
+    ),
+    rule(
+        Mapping,
+        "shift",
+        "Switches an interval earlier and later, alone and with all behind them, while the grid costs more than it has to.",
+    ),
+    rule(
+        Mapping,
+        "near",
+        "All switches at once in their intervals, at the ends of these and in the next ones, while the grid still costs more than it has to.",
     ),
     rule(
         Mapping,
@@ -109,11 +121,6 @@ pub const RULES: [Rule; 22] = [
         Basin,
         "all-at-once",
         "All switches an interval earlier and later.",
-    ),
-    rule(
-        Last,
-        "grids",
-        "Contact sequences on control grids, from many starts.",
     ),
 ];
 

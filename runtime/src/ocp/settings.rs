@@ -10,8 +10,8 @@ use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
 
-/// Most starts of the search in phases, unless others are asked for.
-const STARTS: usize = 16;
+/// Starts of the search in phases, unless others are asked for: one, and two that bring nothing.
+const STARTS: usize = 3;
 /// Most starts of the time-freezing formulation, unless others are asked for.
 pub(in crate::ocp) const FREEZING_STARTS: usize = 6;
 
@@ -55,17 +55,8 @@ pub enum Guess {
     Perturbed(u64),
     /// The simulated motion under random controls, which change a few times, from this seed.
     Random(u64),
-    /// Simulated motions under the largest and smallest controls and those at rest, of many the few that end nearest to the
-    /// goals: for goals that take several swings. [`Straight`](Self::Straight) for the time-freezing formulation.
-    Reachable,
-    /// None: the search begins with random motions, simulated, the nearest to the goals of each order of impacts.
-    /// [`Straight`](Self::Straight) where these lead to no motion, and for the time-freezing formulation.
-    Sampled,
-    /// None: the search begins with contact sequences in which surfaces are left and struck in turn, when a program with intervals of
-    /// free lengths says so: for goals that take steps. [`Straight`](Self::Straight) as with [`Sampled`](Self::Sampled).
-    Stepping,
     /// The motion of an earlier [`Solution`](super::Solution) of the same scene, for other parameters or another
-    /// number of intervals. Its contact sequence is tried first; there is no global search unless that fails.
+    /// number of intervals. Its contact sequence is tried first, and where that allows none, the words that edits lead to from its own.
     Previous(Box<Previous>),
 }
 
@@ -93,22 +84,11 @@ pub enum Guess {
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Formulation {
-    /// Small contact-implicit programs, from coarse to fine.
+    /// Words, orders of contact modes with phases of free length, that are put on the control grid.
     #[default]
     Phases,
     /// The complementarity problem of [`TimeFreezing`](super::TimeFreezing), with controls of either shape.
     TimeFreezing(TimeFreezingSettings),
-}
-
-/// Where contact sequences are looked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum SearchSpace {
-    /// Over words, orders of contact modes with phases of free length; the best are put on the grid at last. Where none of them leads to a
-    /// proved motion, and where several [`starts`](Settings::starts) are asked for, it is looked for on grids after them.
-    #[default]
-    Words,
-    /// On control grids, from coarse to fine: each switch in one of the intervals.
-    Grids,
 }
 
 /// Where the control intervals of [`Formulation::Phases`] begin and end.
@@ -192,26 +172,6 @@ impl TimeFreezingSettings {
     }
 }
 
-/// Where the forces of an element act in the contact-implicit programs. The error is of the first order in its length
-/// either way, and of another kind: motions that both lead to owe little to it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum EulerStep {
-    /// At its end: the implicit Euler method, which damps.
-    Implicit,
-    /// Where it begins: the symplectic Euler method, which does not, but fails where forces are stiff.
-    Symplectic,
-}
-
-impl EulerStep {
-    /// Where forces act, of the beginning and the end of an element.
-    pub(crate) fn forced_at<T>(self, beginning: T, end: T) -> T {
-        match self {
-            Self::Implicit => end,
-            Self::Symplectic => beginning,
-        }
-    }
-}
-
 /// Where path constraints are imposed. Between these places they are checked, and imposed where they are violated,
 /// unless bounds are asked for at the nodes only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -232,21 +192,17 @@ pub enum PathPoints {
 pub struct Settings {
     /// How the contact sequence is found; default [`Formulation::Phases`].
     pub formulation: Formulation,
-    /// Where contact sequences are looked for by [`Formulation::Phases`]; default [`SearchSpace::Words`].
-    pub search: SearchSpace,
     /// Controls on each interval; default constant.
     pub controls: ControlShape,
     /// Where intervals begin and end; default [`ControlNodes::Equal`].
     pub grid: ControlNodes,
     /// Where the global phase starts; default [`Guess::Straight`].
     pub guess: Guess,
-    /// Number of starts that are solved side by side, the first one with these settings, the others with other guesses and
-    /// relaxations, or discretizations of the time-freezing formulation; at least 1. Default: up to 16, fewer where
-    /// several agree on the best; 1 with a previous motion; with time-freezing two, of which one is on a grid of
-    /// about ten intervals and is carried to the one asked for, and up to four others one after the other until a motion is certified.
-    /// Where several are asked for in phases, what words and a single one end at is among the candidates.
-    /// The best result is returned, with the distinct local optima; it does not depend
-    /// on the number of threads.
+    /// Number of starts, at least 1. In phases, the motions from which the best order of contacts is solved, as programs have local optima:
+    /// default until two more in a row bring nothing, else until one less than the given number do. With time-freezing, the variants
+    /// that are solved side by side, the first one with these settings, the others with other guesses and discretizations: default two, of
+    /// which one is on a grid of about ten intervals and is carried to the one asked for, and up to four others one after the other until a
+    /// motion is certified. The result does not depend on the number of threads.
     pub starts: Option<usize>,
     /// Names of [`RULES`](super::RULES) of the search that are left out, to see what they earn; default none.
     pub without: Vec<String>,
@@ -275,10 +231,6 @@ pub struct Settings {
     /// 1e-5, > 0. A grazing plan is not one that a motion can follow: a hair lower it would land. Of gaps that are measured in a smaller unit
     /// than that of the scene, as they are all far smaller, it is that share.
     pub gap_margin: f64,
-    /// Step of the contact-implicit programs.
-    pub(crate) step: EulerStep,
-    /// Most motions of the global phase that are refined, the best first; default 2, at least 1.
-    pub(crate) refined_motions: usize,
     /// Elements an interval of the contact-implicit programs that are refined; default 4, at least 1. With few intervals
     /// there are more.
     pub(crate) refined_elements: usize,
@@ -305,7 +257,6 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             formulation: Formulation::default(),
-            search: SearchSpace::default(),
             grid: ControlNodes::default(),
             controls: ControlShape::default(),
             guess: Guess::default(),
@@ -319,8 +270,6 @@ impl Default for Settings {
             path_points: PathPoints::default(),
             tolerance: 1e-9,
             gap_margin: 1e-5,
-            step: EulerStep::Implicit,
-            refined_motions: 2,
             refined_elements: 4,
             first_barrier: 0.1,
             maximum_programs: 200,
@@ -334,7 +283,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Number of starts: [`starts`](Self::starts), or else the most that formulation and guess take.
+    /// Number of starts: [`starts`](Self::starts), or else that of formulation and guess.
     #[must_use]
     pub fn starts(&self) -> usize {
         self.starts
@@ -348,16 +297,6 @@ impl Settings {
     /// Whether a rule of the search is followed.
     pub(in crate::ocp) fn uses(&self, rule: &str) -> bool {
         !self.without.iter().any(|without| without == rule)
-    }
-
-    /// Whether words are searched: not where a single start is asked for, or a guess is given. Several starts on grids are
-    /// tried after them, and the better end counts.
-    #[must_use]
-    pub fn searches_words(&self) -> bool {
-        self.search == SearchSpace::Words
-            && self.formulation == Formulation::Phases
-            && self.starts != Some(1)
-            && self.guess == Guess::Straight
     }
 
     /// Checks every field against its range.
@@ -383,13 +322,13 @@ impl Settings {
             }
         }
         rules::check(&self.without)?;
-        let on_words = self.searches_words()
-            && self.starts.is_none()
-            && self.controls == ControlShape::Constant;
-        if self.grid == ControlNodes::Aligned && !on_words {
+        let phases = matches!(self.formulation, Formulation::Phases)
+            && !matches!(self.guess, Guess::Previous(_));
+        let constant = self.controls == ControlShape::Constant;
+        if self.grid == ControlNodes::Aligned && !(phases && constant) {
             return Err(InputError::new(
                 "optimal control: intervals that are aligned with phases are of constant controls and found over words; \
-                 leave out the other search, formulation, starts, guess or linear controls, or take an equal grid",
+                 leave out the other formulation, a previous motion or linear controls, or take an equal grid",
             ));
         }
         for (what, value) in [

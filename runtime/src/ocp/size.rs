@@ -16,7 +16,7 @@ use super::problem::{Problem, bounds};
 use super::program::purposes::groups;
 use super::program::units::Units;
 use super::scale::Scale;
-use super::search::ride::ride;
+use super::search::replay::simulated;
 use super::settings::{Formulation, Settings, TimeFreezingSettings};
 use super::struck::after_impact;
 use super::unknown::with_unknowns;
@@ -129,7 +129,7 @@ fn phases(
     let setting = Setting::new(scene, settings, (&tableau, &units), (bounds, &parabolas));
     let declaration = model.declaration();
     let per_interval = refined_elements(settings, problem.intervals);
-    let coarse = ContactImplicit::new(setting, per_interval, &guessed, settings.step);
+    let coarse = ContactImplicit::new(setting, per_interval, &guessed);
     let contact_implicit = FormulationSize {
         formulation: "optimal control, contact-implicit program".to_owned(),
         discretization: format!(
@@ -139,7 +139,7 @@ fn phases(
         groups: groups(&coarse.program, declaration),
         kernels: called(model, &["path_", "terminal_", "impact_"]),
     };
-    let ridden = ride(settings.replay_tolerance, setting)?.map(|ride| ride.candidate);
+    let ridden = simulated(setting, &guessed, settings.replay_tolerance)?;
     let sequence = Sequence::without_switches(modes_at_start(setting, &guessed));
     let sequence = with_passages(model, sequence, &guessed, false);
     let candidate = ridden.unwrap_or(Candidate {

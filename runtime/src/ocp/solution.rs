@@ -108,7 +108,7 @@ pub struct RelaxedReport {
     /// Interior point iterations.
     pub iterations: usize,
     /// Whether the contact sequence of the motion was found by way of it. Where no start led to a motion, it is that of the
-    /// contact-implicit search.
+    /// search over words.
     pub led_to_motion: bool,
 }
 
@@ -140,12 +140,8 @@ pub struct Optimum {
 pub enum Source {
     /// Among words, orders of contact modes.
     Words,
-    /// From a start on grids, from 0.
+    /// From a known motion, or a variant of the time-freezing formulation, from 0.
     Start(usize),
-    /// From motions under random controls, on grids.
-    Samples,
-    /// From gaits, on grids.
-    Gaits,
 }
 
 impl Serialize for Source {
@@ -159,8 +155,6 @@ impl std::fmt::Display for Source {
         match self {
             Self::Words => f.write_str("words"),
             Self::Start(start) => write!(f, "start {start}"),
-            Self::Samples => f.write_str("samples"),
-            Self::Gaits => f.write_str("gaits"),
         }
     }
 }
@@ -169,7 +163,7 @@ impl std::fmt::Display for Source {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Improvement {
-    /// CPU time of all runs up to the one that found it \[s\].
+    /// CPU time of the call until it was found \[s\].
     pub cpu: f64,
     /// Its objective.
     pub objective: f64,
@@ -366,11 +360,11 @@ pub struct Solution {
     /// The motion as a start for a neighbouring problem, for [`Guess::Previous`](super::Guess::Previous); absent
     /// without a plan.
     pub previous: Option<Previous>,
-    /// Starts from which motions were looked for: fewer than are allowed where several agree.
+    /// Motions from which the best order of contacts was solved; of the time-freezing formulation its variants.
     pub starts: usize,
     /// The distinct local optima that the starts ended at, the best first.
     pub optima: Vec<Optimum>,
-    /// The first motion that was confirmed and every better one after it, in order; of those found side by side in the order of their starts.
+    /// The first motion that was confirmed and every better one after it, in order.
     pub improvements: Vec<Improvement>,
 }
 

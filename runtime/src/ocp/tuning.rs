@@ -33,14 +33,18 @@ pub(in crate::ocp) mod beginnings {
     pub(in crate::ocp) const DRAWN: u64 = 100;
     pub(in crate::ocp) const CHANGED: usize = 200;
     /// Best orders of events that become words, and those from which the library of cycles learns. Chosen.
-    pub(in crate::ocp) const WORDS: usize = 6;
+    pub(in crate::ocp) const WORDS: usize = 8;
     pub(in crate::ocp) const LEARNED: usize = 24;
     /// Beginnings of motions that become words: of up to so many phases, so many of each length. Chosen; without them `brake-two-pads` of the
     /// families ends 0.4 % worse.
     pub(in crate::ocp) const PHASES: usize = 3;
     pub(in crate::ocp) const OF_EACH_LENGTH: usize = 2;
-    /// Words of steps of feet that stand at the start. Chosen: of one, and of two in turn, once and twice.
+    /// Words of steps of feet that stand at the start, and the share of its part of the motion for which a foot stands before its step, and
+    /// after it. Chosen: of one, and of two in turn, once and twice.
     pub(in crate::ocp) const STEPS: usize = 8;
+    pub(in crate::ocp) const STEP: f64 = 0.25;
+    /// Motions under random controls among which one of a word is looked for, to solve it from once more. Chosen.
+    pub(in crate::ocp) const TRIES: u64 = 16;
     /// Most instants of a cycle of the library. Chosen: a hop has two, a step and a slip three.
     pub(in crate::ocp) const LONGEST_CYCLE: usize = 3;
     /// Most phases of a word. Chosen: without a bound bounces that die out are words of any length.
@@ -75,18 +79,30 @@ pub(in crate::ocp) mod off_grid {
     /// Most iterations of the restoration phase, here and of the first program of a sequence where nothing is to be proved. Measured: of
     /// 1014 that come to nothing 98 in 100 take some, mostly many; of 705 that are solved 29 take some, and four of these more than five.
     pub(in crate::ocp) const RESTORED: usize = 5;
+    /// How often the range of final times of a word is moved at a time, by a factor of 20 at most. Chosen: on the grid it is moved on.
+    pub(in crate::ocp) const MOVES: usize = 2;
     /// Least share of the unit of an objective that counts as its size. Chosen: smaller ones drown in rounding.
     pub(in crate::ocp) const LEAST_SHARE: f64 = 1e-6;
     /// Price of a miss to start with, in sizes of the objective per size of a goal, and by how much dearer it is for a word that would be
     /// the best. Chosen: too low a price lets words miss goals, too high a one hides the objective.
     pub(in crate::ocp) const PRICE: f64 = 10.0;
     pub(in crate::ocp) const DEARER: f64 = 100.0;
+    /// By how much dearer at a time as long as no word meets its goals, how often it may bring a word no nearer, and the share of a miss
+    /// that is no nearer. Measured: without it nine of 33 scenes of the zoo miss their goals in all words.
+    pub(in crate::ocp) const UNMET: f64 = 1e3;
+    pub(in crate::ocp) const IN_VAIN: usize = 2;
+    pub(in crate::ocp) const NO_NEARER: f64 = 0.9;
+    /// Most that a miss costs, in first prices. Chosen: of a dearer one rounding is left.
+    pub(in crate::ocp) const DEAREST: f64 = 1e9;
+    /// Where a word meets its goals, its objectives per size that a miss is made to cost, the least first, if it meets them still. Chosen:
+    /// the objective decides among words, and not rounding of what is missed.
+    pub(in crate::ocp) const CHEAPER: [f64; 2] = [1.0, 10.0];
 }
 
 /// The table of words, best first.
 pub(in crate::ocp) mod table {
-    /// Most programs of a search, and programs without a gain after which it ends. Chosen.
-    pub(in crate::ocp) const PROGRAMS: usize = 48;
+    /// Most drafts that are solved in a search, and drafts without a gain after which it ends. Chosen.
+    pub(in crate::ocp) const DRAFTS: usize = 48;
     pub(in crate::ocp) const PATIENCE: usize = 15;
     /// Most guesses of one word; there is one more for each time that it was the best. Chosen: a program has local optima.
     pub(in crate::ocp) const GUESSES: usize = 3;
@@ -97,6 +113,12 @@ pub(in crate::ocp) mod table {
     /// Prices, relative to the objective: of a further draft of the same rule, and of a phase. Chosen, with those of the rules.
     pub(in crate::ocp) const NEXT_OF_RULE: f64 = 0.015;
     pub(in crate::ocp) const OF_PHASE: f64 = 0.004;
+    /// Fewest starts of the best word where initial values are free. Chosen.
+    pub(in crate::ocp) const FREE_STARTS: usize = 8;
+    /// Drafts of a rule and a parent after which every other rule has its turn, and the price of the next turn. Chosen; follows: the dearest
+    /// of the rules.
+    pub(in crate::ocp) const IN_A_TURN: usize = 2;
+    pub(in crate::ocp) const NEXT_TURN: f64 = super::edits::price::CUT;
     /// Share of the parent's excess over the best that counts. Chosen: between the best alone and all alike.
     pub(in crate::ocp) const OF_PARENT: f64 = 0.5;
     /// Excess of a parent, relative, above which all are alike. Chosen: words that miss their goals are.
@@ -158,6 +180,19 @@ pub(in crate::ocp) mod on_grid {
     /// First barrier parameter, and most iterations. Chosen: a program starts near its solution.
     pub(in crate::ocp) const BARRIER: f64 = 1e-3;
     pub(in crate::ocp) const ITERATIONS: usize = 100;
+    /// By how much dearer a miss is where places miss their goals, how often, and the share of the miss that is no nearer. Measured:
+    /// `stone-feet` of the families and `hop` of the zoo reach their goals so.
+    pub(in crate::ocp) const DEARER: f64 = 30.0;
+    pub(in crate::ocp) const DEARER_ROUNDS: usize = 2;
+    pub(in crate::ocp) const NO_NEARER: f64 = 0.98;
+    /// Relative excess over the word off the grid up to which its places are let be, most places that are tried beyond that, and how far from
+    /// the end of its interval, in intervals, an instant starts there. Measured: half of the scenes come closer, and `train-buffers` from
+    /// 353 to 197.
+    pub(in crate::ocp) const NEAR: f64 = 0.02;
+    pub(in crate::ocp) const SHIFTS: usize = 30;
+    /// Most places of all switches at once that are tried after these. Chosen: all of two, but for those out of order.
+    pub(in crate::ocp) const NEARBY: usize = 24;
+    pub(in crate::ocp) const ENTRY: f64 = 0.1;
     /// Most moves of the switches of a word. Chosen.
     pub(in crate::ocp) const MOVES: usize = 8;
     /// Relative excess of the objective off the grid over the best on it beyond which a word is not put on it. Chosen: the grid mostly
@@ -166,13 +201,15 @@ pub(in crate::ocp) mod on_grid {
     /// Words that are put on the grid, where one of them reaches the goals there. Chosen.
     pub(in crate::ocp) const PLACED: usize = 6;
     /// Words whose switches are moved, the best first, and the relative excess over the best up to which they are. Chosen.
-    pub(in crate::ocp) const MOVED: usize = 2;
+    pub(in crate::ocp) const MOVED: usize = 3;
     pub(in crate::ocp) const MOVED_WITHIN: f64 = 2e-2;
     /// Most intervals of a grid that words are put on, and the fewest where a finer one is asked for. Chosen.
     pub(in crate::ocp) const FINE: usize = 40;
     pub(in crate::ocp) const LEAST: usize = 8;
     /// Motions on the grid that go on to the judge, the best first. Chosen.
     pub(in crate::ocp) const JUDGED: usize = 3;
+    /// Simulated motions that programs start from where no word leads to one. Chosen: the one without controls, and the two best.
+    pub(in crate::ocp) const SIMULATED: usize = 3;
     /// By how much elements become more at most where intervals are aligned with phases and a motion is not confirmed. Chosen.
     pub(in crate::ocp) const FINEST: usize = 8;
     /// Most words that are looked at on the way from an aligned one. Chosen.
@@ -181,9 +218,14 @@ pub(in crate::ocp) mod on_grid {
 
 /// Random motions of which the best of each order of events is kept.
 pub(in crate::ocp) mod sampled {
-    /// The same as of words ([`super::beginnings`]), for searches on grids and for what is hard in a problem without a motion.
+    /// The same as of words ([`super::beginnings`]), for what is hard in a problem without a motion.
     pub(in crate::ocp) const DRAWN: u64 = 256;
     pub(in crate::ocp) const CHANGED: usize = 768;
+    /// Motions under policies beside them, the latest time at which one turns round, as a share of the motion, and the natural sizes up to
+    /// which a control without bounds goes. Measured: `kendama`, a kick and a grasp are found by them.
+    pub(in crate::ocp) const POLICIES: u64 = 24;
+    pub(in crate::ocp) const LATEST_TURN: f64 = 1.4;
+    pub(in crate::ocp) const OF_SIZES: f64 = 4.0;
     /// How much longer than its random length, or than the one that it is made of, a motion with a free final time is followed. Chosen.
     pub(in crate::ocp) const LONGER: f64 = 2.0;
     pub(in crate::ocp) const LONGER_THAN_BEFORE: f64 = 1.5;
@@ -208,8 +250,6 @@ pub(in crate::ocp) mod sampled {
     /// Ends of the random numbers, from -1 to 1, by which all controls are changed, those of one interval, or those of one that is moved.
     /// Follows: each as often.
     pub(in crate::ocp) const OF_EACH_KIND: f64 = 1.0 / 3.0;
-    /// Orders that are tried. Chosen.
-    pub(in crate::ocp) const TRIED: usize = 12;
     /// Motions by which ranges of random controls are compared, share of the bounds in the next narrower range, and most such
     /// steps. Chosen.
     pub(in crate::ocp) const PILOTS: u64 = 12;
@@ -288,23 +328,6 @@ pub(in crate::ocp) mod neighbours {
 pub(in crate::ocp) mod candidates {
     /// Most switches of short contacts and flights for which a sequence is tried with them, too. Chosen: one contact or flight.
     pub(in crate::ocp) const SHORT_SWITCHES: usize = 2;
-    /// How often a contact that bounces is struck in motions that are made up: always so often, and at most so often where that becomes
-    /// better all the time, or there is no motion yet. Chosen.
-    pub(in crate::ocp) const STRUCK: usize = 3;
-    pub(in crate::ocp) const MOST_STRUCK: usize = 8;
-    /// Motions that are made up in a row without a solution after which no more are. Follows: those of two contacts; of more, as of the
-    /// pieces of a surface with edges, there are many, and few of them can follow one another.
-    pub(in crate::ocp) const FAILURES: usize = 24;
-    /// Simulated motions of which it is asked when their switches have to be, as long as none has led to a plan. Chosen.
-    pub(in crate::ocp) const RETIMED: usize = 3;
-    /// Tolerance of the program with intervals of free lengths that says so, and distance in intervals from a jump of the controls at which a
-    /// switch was within which it stays at one. Chosen.
-    pub(in crate::ocp) const FREE_TOLERANCE: f64 = 1e-5;
-    pub(in crate::ocp) const AT_A_JUMP: f64 = 0.25;
-    /// When a step begins, as a share of its part of the time, and ends, as far before its end; and gaits in a row without a solution after which no more are tried.
-    /// Chosen.
-    pub(in crate::ocp) const BEGINS: f64 = 0.25;
-    pub(in crate::ocp) const STUMBLES: usize = 6;
     /// Points of a simulation, and samples of a guess, in each interval. Chosen.
     pub(in crate::ocp) const OUTPUTS: usize = 10;
     pub(in crate::ocp) const SAMPLES: usize = 4;
@@ -312,26 +335,6 @@ pub(in crate::ocp) mod candidates {
     pub(in crate::ocp) const UNDRIVEN: usize = 20;
     /// A contact that closes within this share of the first interval was closed at the start. Chosen.
     pub(in crate::ocp) const AT_ONCE: f64 = 1e-3;
-    /// Instants of the ride without controls at which the goals are looked at. Chosen.
-    pub(in crate::ocp) const RIDE: usize = 2000;
-}
-
-/// States that controls can lead to, for goals that take several swings.
-pub(in crate::ocp) mod reach {
-    /// Steps of a motion: as many as there are intervals, or about so many, of several intervals or of parts of them. Chosen.
-    pub(in crate::ocp) const STEPS: usize = 20;
-    /// Longest motion where the final time is free, relative to its guess. Chosen.
-    pub(in crate::ocp) const LONGEST: f64 = 4.0;
-    /// Most motions that are simulated on a step: the product of the states that are kept after the one before it and the controls that
-    /// are tried. Chosen.
-    pub(in crate::ocp) const SIMULATED: usize = 3000;
-    /// Finest cells of the range of a state, and how many there are of the next coarser ones. Chosen.
-    pub(in crate::ocp) const FINEST: f64 = 64.0;
-    pub(in crate::ocp) const COARSER: f64 = 0.8;
-    /// Most controls of which all combinations are tried; of more, one at a time. Chosen.
-    pub(in crate::ocp) const COMBINED: usize = 2;
-    /// Motions that programs are started from. Chosen.
-    pub(in crate::ocp) const STARTED: usize = 8;
 }
 
 /// Contact-implicit programs, and guesses that they start from.
@@ -350,21 +353,9 @@ pub(in crate::ocp) mod relaxed {
         (2, RelaxationRule::Continuation),
         (2, RelaxationRule::RollOff),
     ];
-    /// How many of the first programs have to end at stationary points of their violation, or to be left on the way to one, until one of
-    /// several starts leaves the others, and refined ones from the guess. Measured: of 87 such searches of the zoo, 2 came through the
-    /// third one, and none through a refined one.
-    pub(in crate::ocp) const INFEASIBLE: usize = 2;
-    /// Least number of elements of the motion in the coarsest program, and in one that carries a motion on to a finer grid. Chosen.
+    /// Least number of elements of the motion in the coarsest program. Chosen.
     pub(in crate::ocp) const LEAST_ELEMENTS: usize = 24;
-    pub(in crate::ocp) const LEAST_FINE_ELEMENTS: usize = 120;
-    /// Relative difference of the objective within which relaxed motions of two starts are the same. Follows: as solutions of one program
-    /// they agree to its tolerance.
-    pub(in crate::ocp) const SAME_BETWEEN_STARTS: f64 = 1e-5;
-    /// Half waves by which a motion is bent. Chosen.
-    pub(in crate::ocp) const WAVES: i32 = 3;
-    /// Exponents of the factors by which a horizon is changed at random: of a bent motion for each share of bending, and of a perturbed
-    /// one. Chosen.
-    pub(in crate::ocp) const BENT_TIME: f64 = 1.5;
+    /// Exponent of the factor by which the horizon of a perturbed guess is changed at random. Chosen.
     pub(in crate::ocp) const PERTURBED_TIME: f64 = 0.15;
     /// By how much a guess is perturbed: controls, as a share of their range, or of their natural size where they have none, and
     /// coordinates with a goal, as a share of the distance to it. Chosen.
@@ -375,6 +366,8 @@ pub(in crate::ocp) mod relaxed {
 
 /// The time-freezing formulation.
 pub(in crate::ocp) mod freezing {
+    /// About so many intervals of the coarse grid on which one of the starts is. Chosen.
+    pub(in crate::ocp) const NEAR: usize = 10;
     /// Starts beside the first: elements added, and a factor of the auxiliary acceleration. Chosen.
     pub(in crate::ocp) const VARIANTS: [(usize, f64); 4] = [(0, 1.0), (0, 0.5), (1, 1.0), (0, 2.0)];
     /// Mean step function of an element above which its contact is open. Follows: in flight it is 1, in contact `a_bar / (a_bar + r)` for
@@ -397,47 +390,13 @@ pub(in crate::ocp) mod freezing {
     pub(in crate::ocp) const HALVINGS: usize = 60;
 }
 
-/// Searches on grids: starts, grids on the way to a finer one, and what goes on.
+/// Runs on one grid.
 pub(in crate::ocp) mod grids {
-    /// Fewest intervals of a grid on the way, and most of one on which motions are looked for from all starts. Chosen.
-    pub(in crate::ocp) const COARSEST: usize = 7;
-    pub(in crate::ocp) const COARSE: usize = 16;
-    /// Intervals of the grid where none of those is contained in the one asked for, and about so many of the coarse grid of the time-freezing
-    /// formulation. Chosen.
-    pub(in crate::ocp) const NEAR: usize = 10;
-    /// Most starts on a grid beside the one that all starts are tried on. Chosen.
-    pub(in crate::ocp) const BESIDE: usize = 2;
-    /// Motions that go on to finer grids, beside the one that the neighbours of the best lead to. Chosen.
+    /// Motions that go on to a finer grid than the one that words are put on. Chosen.
     pub(in crate::ocp) const KEPT: usize = 2;
-    /// Motions whose neighbours are decided at most, as long as they lead to better ones; of more starts one in so many. Chosen.
-    pub(in crate::ocp) const TRIED: usize = 6;
-    pub(in crate::ocp) const STARTS_OF_ONE_TRIED: usize = 3;
-    /// Most programs on a grid before the neighbours of the best motion are decided. Chosen.
-    pub(in crate::ocp) const PROGRAMS: usize = 12;
-    /// Relative excess of the objective beyond which a motion does not go on. Chosen: finer grids seldom make up for more.
-    pub(in crate::ocp) const WORTH: f64 = 0.5;
-    /// Factor by which the elements of a phase become more where most plans are no motions, and the most that this comes to. Chosen.
+    /// Factor by which the elements of a phase become more where re-simulations contradict all plans. Chosen.
     pub(in crate::ocp) const FINER: usize = 2;
-    pub(in crate::ocp) const FINEST: usize = 4;
-    /// Starts that are solved side by side before it is asked whether they are enough, and those that have to agree on the best. Chosen:
-    /// of fewer, all may have fallen into the same trap.
-    pub(in crate::ocp) const BATCH: usize = 4;
-    pub(in crate::ocp) const AGREEING: usize = 4;
-    /// One start in so many looks near the best motion after the first batch, and shares of its range by which that is bent: little that of
-    /// all, much that of those that are not simulated. Chosen.
-    pub(in crate::ocp) const NEAR_THE_BEST: usize = 2;
-    pub(in crate::ocp) const BENDS: [f64; 2] = [0.1, 0.3];
-    /// Most iterations of a program of a start. Chosen: of several, some take few.
-    pub(in crate::ocp) const ITERATIONS: usize = 250;
-    /// The start that takes its contact sequence from the program of the time-freezing system, and the one beside which simulated motions
-    /// are tried. Chosen.
-    pub(in crate::ocp) const FREEZES: usize = 6;
-    pub(in crate::ocp) const SAMPLES: usize = 3;
-    /// First barrier parameter of the contact-implicit programs in which contacts act from a distance. Chosen.
-    pub(in crate::ocp) const FROM_A_DISTANCE: f64 = 10.0;
-    /// Elements an interval of the refined programs of starts. Chosen: motions differ in their discretizations more than in their guesses.
-    pub(in crate::ocp) const REFINED_ELEMENTS: [usize; 5] = [4, 3, 6, 2, 5];
-    /// Without controls: finite elements of a phase on one interval for each that is asked for; there are [`BATCH`] starts there. Chosen.
+    /// Without controls: finite elements of a phase on one interval for each that is asked for. Chosen.
     pub(in crate::ocp) const ELEMENTS_OF_ONE: usize = 5;
     /// By how many stages the scheme grows where the re-simulation does not confirm a plan. Chosen.
     pub(in crate::ocp) const MORE_STAGES: usize = 2;
@@ -448,8 +407,6 @@ pub(in crate::ocp) mod grids {
     pub(in crate::ocp) const OFF_CENTRE: f64 = 1.5;
     /// Distance of a plan from its re-simulation beyond which it is no motion \[m or rad, in scenes of the order of these\]. Chosen.
     pub(in crate::ocp) const NO_MOTION: f64 = 1e-2;
-    /// Share of the longest final time that was looked at below which one is as good as none. Follows: two moves of the range end there.
-    pub(in crate::ocp) const NO_TIME: f64 = 2e-4;
 }
 
 /// What shows that no motion exists.

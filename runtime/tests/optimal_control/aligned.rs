@@ -2,7 +2,8 @@
 
 use hangtime::model::Model;
 use hangtime::ocp::{
-    self, ControlNodes, ControlShape, Problem, SearchSpace, Settings, Solution, Status,
+    self, ControlNodes, ControlShape, Formulation, Problem, Settings, Solution, Status,
+    TimeFreezingSettings,
 };
 use hangtime::prelude::{ControlSignal, simulate};
 
@@ -124,9 +125,8 @@ fn aligned_grid_is_refused_where_nothing_is_divided() {
         error.expect_err("refused").to_string()
     };
     for change in [
-        (|s: &mut Settings| s.starts = Some(2)) as fn(&mut Settings),
-        |s| s.controls = ControlShape::Linear,
-        |s| s.search = SearchSpace::Grids,
+        (|s: &mut Settings| s.controls = ControlShape::Linear) as fn(&mut Settings),
+        |s| s.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default()),
     ] {
         assert!(refused(&cart, &change).contains("equal grid"));
     }

@@ -220,3 +220,41 @@ fn contact_that_begins_without_a_force_is_closed_from_the_start() {
         assert!(off < DIGITS, "{intervals}: {} {effort}", solution.objective);
     }
 }
+
+hangtime::model! {
+    /// A cart on a washboard, which is paid for by the place where it is, up and down 36 times on the way.
+    Washboard {
+        parameters { m: kg = 1.5, w: 1/m = 70, far: m = 1.6 }
+        coordinates { x: m }
+        controls { u: N in -1..=1 }
+        lagrangian m/2*dot(x)^2
+        forces { x: u }
+        minimize integral(sin(w*x)^2 + 800[1/N^2]*u^2)
+        finally { x == far }
+        start { dot(x): 1 [m/s] }
+        horizon 1.6 [s]
+    }
+}
+
+#[test]
+fn objective_that_is_solved_is_that_of_the_motion() {
+    let board = Washboard::default();
+    for intervals in [8, 12] {
+        let solution = attempt(&board, intervals, &Settings::default());
+        let apart = (solution.objective - solution.resimulated_objective).abs();
+        // What is let pass is a millionth; a tenth of that the points of the re-simulation may be off.
+        let agrees = apart < 1.2e-6 * solution.objective;
+        assert_eq!(
+            solution.status.is_solved(),
+            agrees,
+            "{} {} {}",
+            solution.objective,
+            solution.resimulated_objective,
+            solution.status.name()
+        );
+        // Without a push it rolls at 1 m/s: `T/2 - sin(2 w T)/(4 w)`, and no plan costs more.
+        let time: f64 = 1.6;
+        let rolls = 0.5 * time - (2.0 * board.w * time).sin() / (4.0 * board.w);
+        assert!(!agrees || solution.objective < rolls * (1.0 + 1e-6));
+    }
+}

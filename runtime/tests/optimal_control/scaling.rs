@@ -4,9 +4,7 @@
 
 use crate::support::{self, one_start};
 use hangtime::model::Model;
-use hangtime::ocp::{
-    self, ControlShape, Guess, Horizon, Problem, SearchSpace, Settings, Solution, Status,
-};
+use hangtime::ocp::{self, ControlShape, Guess, Horizon, Problem, Settings, Solution, Status};
 
 hangtime::model! {
     /// A mass with engines that hops over a hill and shifts its weight.
@@ -288,7 +286,6 @@ hangtime::model! {
 #[test]
 fn contact_without_a_force_at_the_start_is_measured_by_the_forces_at_hand() {
     let mut settings = Settings::default();
-    settings.search = SearchSpace::Grids;
     settings.starts = Some(2);
     let solution = support::solve(&Tethered::default(), 10, &settings);
     // In a unit of 1e-9 the rounding errors of its rows were 1e-6, and no program came to its tolerance.

@@ -4,7 +4,7 @@
 
 use crate::root::root;
 use crate::support::{attempt, one_start, solve};
-use hangtime::ocp::{Guess, Settings, Status};
+use hangtime::ocp::{Settings, Status};
 
 hangtime::model! {
     /// A ball on a lift: how high it is dropped is free, and it should rise as fast as can be where it is caught.
@@ -219,7 +219,6 @@ fn blow(model: &Nail, intervals: f64) -> f64 {
 fn nail_is_driven_by_one_blow_in_a_fifth_of_the_guessed_time() {
     let model = Nail::default();
     let mut settings = Settings::default();
-    settings.guess = Guess::Sampled;
     settings.starts = Some(1);
     let solution = solve(&model, 10, &settings);
     let best = blow(&model, 10.0);

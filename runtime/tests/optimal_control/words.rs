@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
-use hangtime::ocp::{Problem, SearchSpace, Settings, Solution, Status, solve};
+use hangtime::ocp::{Problem, Settings, Solution, Status, solve};
 
 hangtime::model! {
     /// A ball that bounces is helped by an upward force, weaker than its weight, until it reaches a height in least time.
@@ -39,15 +39,8 @@ hangtime::model! {
 }
 
 fn by_words(model: &dyn hangtime::model::Model, intervals: usize) -> Solution {
-    let mut settings = Settings::default();
-    settings.search = SearchSpace::Words;
-    solve(
-        model,
-        &Problem::of(model, intervals),
-        &settings,
-        &mut |_| true,
-    )
-    .unwrap()
+    let problem = Problem::of(model, intervals);
+    solve(model, &problem, &Settings::default(), &mut |_| true).unwrap()
 }
 
 /// Time in which the ball reaches its goal if it is helped whenever it rises: each bounce adds the work of the force over the rise, and
@@ -105,27 +98,6 @@ fn pile_is_driven_in_by_blows_and_the_plan_is_confirmed() {
     let end = coarse.motion.unwrap();
     let end = end.at(coarse.horizon).unwrap();
     assert!((end["b"] - ram.depth).abs() < 1e-6, "{}", end["b"]);
-}
-
-#[test]
-fn words_and_grids_come_to_the_same_optimum_of_a_ball_that_is_thrown_against_a_floor_once() {
-    // One bounce is enough: the closed form reaches the goal on the first rise.
-    let ball = Driven {
-        goal: 0.9,
-        most: 14.0,
-        ..Driven::default()
-    };
-    let words = by_words(&ball, 12);
-    let problem = Problem::of(&ball, 12);
-    let grids = solve(&ball, &problem, &Settings::default(), &mut |_| true).unwrap();
-    assert_eq!(words.status, Status::Solved);
-    let difference = words.objective - grids.objective;
-    assert!(
-        difference < 1e-7 * grids.objective,
-        "{} {}",
-        words.objective,
-        grids.objective
-    );
 }
 
 hangtime::model! {
@@ -206,4 +178,47 @@ fn wall_that_is_away_at_the_start_holds_nothing_before_it_is_struck() {
         words.objective,
         single.objective
     );
+}
+
+hangtime::model! {
+    /// A stone on ice whose friction is lessened by sweeping comes to rest in the house.
+    Swept {
+        parameters { m: kg = 1, f: N = 2.4, v0: m/s = 3.2, d: m = 3.2 }
+        coordinates { x: m }
+        controls { u: N in 0..=2 }
+        lagrangian m/2*dot(x)^2
+        forces { x: u }
+        dry friction ice: bound f, sliding dot(x)
+        minimize integral(u^2)
+        finally { x == d, dot(x) == 0 }
+        start { dot(x): v0 }
+        horizon 4 [s]
+    }
+}
+
+#[test]
+fn stone_that_misses_the_house_at_a_low_price_comes_to_rest_there() {
+    let stone = Swept::default();
+    let solution = by_words(&stone, 8);
+    assert_eq!(
+        solution.status,
+        Status::Solved,
+        "{:?}",
+        solution.diagnosis()
+    );
+    // Swept by a constant force it rests after 2 d/v0 = 2 s, the end of the fourth interval.
+    let stops = 2.0 * stone.d / stone.v0;
+    let force = stone.f - stone.m * stone.v0 / stops;
+    let constant = force * force * stops;
+    assert!(
+        solution.objective < constant * (1.0 + 1e-9),
+        "{} {constant}",
+        solution.objective
+    );
+    // With any controls the force falls linearly to none at the end: d = v0 t/3 + f t^2/(6 m), and its slope is 2 (f t - m v0)/t^2.
+    let (a, b) = (stone.f / (6.0 * stone.m), stone.v0 / 3.0);
+    let time = ((b * b + 4.0 * a * stone.d).sqrt() - b) / (2.0 * a);
+    let slope = 2.0 * (stone.f * time - stone.m * stone.v0) / (time * time);
+    let least = slope * slope * time.powi(3) / 3.0;
+    assert!(solution.objective > least, "{} {least}", solution.objective);
 }

@@ -33,7 +33,6 @@ use crate::model::held::{is_held, moving};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::friction_rows::direction_reads;
 use crate::ocp::collocation::layout::FREE;
-use crate::ocp::collocation::provided::read;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::mode::{is_frictional, is_passed, sliding_velocity};
 use crate::ocp::motion::model_input::drive;
@@ -42,7 +41,6 @@ use crate::ocp::program::frame::{Frame, Provided, force_name, state_name};
 use crate::ocp::program::joint_rows::Decided;
 use crate::ocp::program::kernel::Kernel;
 use crate::ocp::program::sparse_program::Program;
-use crate::ocp::settings::EulerStep;
 use crate::simulation::{ContactMode, Direction};
 
 /// Unknowns of a contact in an element.
@@ -110,7 +108,6 @@ impl<'a> ContactImplicit<'a> {
         setting: Setting<'a>,
         per_interval: usize,
         guess: &Trajectory,
-        step: EulerStep,
     ) -> Self {
         let Setting {
             model,
@@ -151,21 +148,16 @@ impl<'a> ContactImplicit<'a> {
             };
             let contacts = contacts(&mut program, setting, &element);
             let forces: Vec<usize> = contacts.iter().map(|contact| contact.force).collect();
-            let from = [&before[..], step.forced_at(&before[..n], q)];
             motion(
                 &mut program,
                 setting,
                 &element,
                 &contacts,
-                from,
+                &before,
                 frame.horizon,
             );
-            // An impact is a force of one element here, which neither costs nor conditions mean: one kind of steps goes
-            // without them.
-            let read = matches!(step, EulerStep::Symplectic)
-                .then(|| provided(&mut program, setting, index, &contacts));
-            let known = read.as_deref().map_or(Provided::Unknown, Provided::Known);
-            declared(&mut program, &frame, &element, known);
+            // An impact is a force of one element here, which neither costs nor conditions mean.
+            declared(&mut program, &frame, &element, Provided::Unknown);
             before.clone_from(&variables);
             variables.extend(forces);
             elements.push(variables);
@@ -370,37 +362,6 @@ fn declared(program: &mut Program, frame: &Frame, element: &Element, known: Prov
     frame.path_rows(program, [q, v, u], known, &place);
 }
 
-/// What contacts provide in an element, as far as the scene reads it: normal and then tangential accelerations.
-fn provided(
-    program: &mut Program,
-    setting: Setting,
-    index: usize,
-    contacts: &[Contact],
-) -> Vec<Option<usize>> {
-    let Setting { model, units, .. } = setting;
-    let declared = model.declaration();
-    let mut sliding = |contact: usize| {
-        let sides = contacts[contact].sliding?;
-        let name = declared.contacts[contact].name;
-        let name = format!("provided sliding by `{name}` in element {index}");
-        let force = program.variable(name.clone(), FREE, 0.0, units.force[contact]);
-        let row = program.row_in(units.gap_rows[contact], name, 0.0, 0.0);
-        program.linear(row, force, -1.0);
-        for (direction, side) in Direction::BOTH.into_iter().zip(sides) {
-            program.linear(row, side.reserve, 0.5 * direction.sign());
-        }
-        Some(force)
-    };
-    let provided = read(declared, false).into_iter().enumerate();
-    provided
-        .map(|(k, read)| match k.checked_sub(contacts.len()) {
-            _ if !read => None,
-            None => Some(contacts[k].force),
-            Some(contact) => sliding(contact),
-        })
-        .collect()
-}
-
 /// Adds what the pieces of the edge of a contact share in an element.
 fn edge(program: &mut Program, setting: Setting, element: &Element, contact: usize) -> Edge {
     let Setting { model, units, .. } = setting;
@@ -459,13 +420,13 @@ fn piece_gap(
     away
 }
 
-/// Adds the step of an element from the state `before`, with forces at the coordinates `forced_at`.
+/// Adds the step of an element from the state `before`, with forces at the coordinates at its end.
 fn motion(
     program: &mut Program,
     setting: Setting,
     element: &Element,
     contacts: &[Contact],
-    [before, forced_at]: [&[usize]; 2],
+    before: &[usize],
     horizon: usize,
 ) {
     let Setting { model, units, .. } = setting;
@@ -508,7 +469,7 @@ fn motion(
             let uses = uses.iter().map(|&(row, k, c)| (row, k, half * c)).collect();
             let kernel = Kernel::Friction(vec![contact]);
             let v = direction_reads(model, contact, v);
-            let inputs = [forced_at, v, u, &[side.reserve]];
+            let inputs = [q, v, u, &[side.reserve]];
             program.block(&kernel, inputs, Some(horizon), uses);
         }
     }
@@ -516,7 +477,7 @@ fn motion(
     let surfaces = contacts.iter().filter(|contact| contact.gap.is_some());
     let forces: Vec<usize> = surfaces.map(|contact| contact.force).collect();
     let kernel = Kernel::Acceleration((0..forces.len()).collect());
-    program.block(&kernel, [forced_at, v, u, &forces], Some(horizon), uses);
+    program.block(&kernel, [q, v, u, &forces], Some(horizon), uses);
 }
 
 /// Adds the unknowns and the law of friction of a contact in an element, with the given normal force.

@@ -8,7 +8,7 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::settings::Guess;
 use crate::ocp::tuning::candidates::SAMPLES;
-use crate::ocp::tuning::relaxed::{BENT_TIME, OF_RANGE, OF_SIZE, OF_WAY, PERTURBED_TIME, WAVES};
+use crate::ocp::tuning::relaxed::{OF_RANGE, OF_SIZE, OF_WAY, PERTURBED_TIME};
 use crate::simulation::{EventDriven, InputError, simulate_once};
 
 /// The start of the global phase.
@@ -20,7 +20,7 @@ pub(in crate::ocp) fn guess(
 ) -> Result<Trajectory, InputError> {
     let straight = straight(model, problem, bounds);
     match guess {
-        Guess::Straight | Guess::Reachable | Guess::Sampled | Guess::Stepping => Ok(straight),
+        Guess::Straight => Ok(straight),
         Guess::Rest => Ok(at_rest(straight, model, problem)),
         Guess::Ride => ride(straight, model, problem, &problem.start()),
         Guess::Perturbed(seed) => Ok(perturbed(straight, model, problem, *seed, bounds)),
@@ -241,41 +241,6 @@ pub(in crate::ocp) fn natural_size(model: &dyn Model, motion: &Trajectory, k: us
     sizes.reduce(f64::min).unwrap_or(1.0)
 }
 
-/// A motion with coordinates that are bent by three half waves of up to that share of their range, its horizon scaled by
-/// half as much again: too far to lead back every time, and near enough to lead to a motion like it.
-pub(in crate::ocp) fn bent(
-    motion: Trajectory,
-    model: &dyn Model,
-    problem: &Problem,
-    bend: f64,
-    seed: u64,
-) -> Trajectory {
-    let n = problem.q.len();
-    let mut random = uniform(seed);
-    let mut motion = scaled(motion, problem, || (BENT_TIME * bend * random()).exp());
-    for k in 0..n {
-        let values = || motion.states.iter().map(|x| x[k]);
-        let range =
-            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
-        let waves: Vec<f64> = (1..=WAVES).map(|_| bend * range * random()).collect();
-        for (x, &time) in motion.states.iter_mut().zip(&motion.time) {
-            let phase = std::f64::consts::PI * time / motion.horizon;
-            for (wave, size) in (1..).zip(&waves) {
-                let (sine, cosine) = (f64::from(wave) * phase).sin_cos();
-                x[k] += size * sine;
-                x[n + k] += size * f64::from(wave) * std::f64::consts::PI / motion.horizon * cosine;
-            }
-        }
-    }
-    for (x, &time) in motion.states.iter_mut().zip(&motion.time) {
-        let intervals = motion.controls.intervals() as f64;
-        let controls = motion.controls.at(intervals * time / motion.horizon);
-        let driven = drive(model, &controls, time);
-        *x = with_forces(model, x[..2 * n].to_vec(), &driven);
-    }
-    motion
-}
-
 /// Random controls within a quarter of their range, the horizon scaled by up to 15 %, and every coordinate
 /// bent by up to a twentieth of the distance to its goal.
 fn perturbed(
@@ -314,56 +279,4 @@ fn perturbed(
         *x = with_forces(model, x[..2 * n].to_vec(), &driven);
     }
     motion
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ocp::collocation::test_scene::Sledge;
-
-    #[test]
-    fn bent_motion_keeps_its_ends_and_its_velocities_are_those_of_its_coordinates() {
-        let sledge = Sledge::default();
-        let problem = Problem {
-            horizon: Horizon::Fixed(2.0),
-            ..Problem::of(&sledge, 200)
-        };
-        // y = t, z = 1 + t^2, and the rider rests.
-        let time: Vec<f64> = (0..=800).map(|i| 2.0 * f64::from(i) / 800.0).collect();
-        let state = |&t: &f64| vec![t, 1.0 + t * t, 0.0, 1.0, 2.0 * t, 0.0, 0.0];
-        let motion = Trajectory {
-            horizon: 2.0,
-            states: time.iter().map(state).collect(),
-            time,
-            controls: ControlGrid::constant(vec![vec![0.0; 2]; 200]),
-        };
-        let bent = bent(motion.clone(), &sledge, &problem, 0.3, 7);
-        for k in 0..3 {
-            for end in [0, 800] {
-                let moved = bent.states[end][k] - motion.states[end][k];
-                assert!(moved.abs() < 1e-12, "{k}: {moved}");
-            }
-            for (i, window) in bent.states.windows(3).enumerate() {
-                let slope = (window[2][k] - window[0][k]) / (bent.time[i + 2] - bent.time[i]);
-                // h^2/6 of third derivatives, h = 1/400: waves of at most 0.3 * 4, times (pi/2)^3 (1 + 8 + 27) = 140.
-                assert!((slope - window[1][3 + k]).abs() < 4e-4, "{k} {i}: {slope}");
-            }
-        }
-        // What has a range is bent by at most three times 0.3 of it, and what rests is not.
-        let moved = |k: usize| {
-            let pairs = bent.states.iter().zip(&motion.states);
-            pairs.fold(0.0_f64, |most, (a, b)| most.max((a[k] - b[k]).abs()))
-        };
-        assert!(
-            moved(0) > 0.02 && moved(0) < 3.0 * 0.3 * 2.0,
-            "{}",
-            moved(0)
-        );
-        assert!(
-            moved(1) > 0.02 && moved(1) < 3.0 * 0.3 * 4.0,
-            "{}",
-            moved(1)
-        );
-        assert_eq!(moved(2), 0.0);
-    }
 }

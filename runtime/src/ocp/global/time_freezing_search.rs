@@ -12,7 +12,6 @@ use super::start_modes::modes_at_start;
 use super::time_freezing::{TimeFreezing, TimeFreezingMotion};
 use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
-use crate::ocp::effort::Effort;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::edit_sequence::touching_for_less_than;
 use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity};
@@ -55,22 +54,16 @@ pub(in crate::ocp) fn candidate(
     let mut relaxation = mpcc::Settings::default();
     relaxation.crossover = false;
     relaxation.final_relaxation = settings.complementarity;
-    // One of many starts is left where the first rule comes to nothing soon.
-    let explores = runner.effort == Effort::Explore;
-    let rules = if explores { 1 } else { settings.rules.len() };
-    relaxation.rules = settings.rules[..rules].to_vec();
+    relaxation.rules = settings.rules.to_vec();
     relaxation.interior_point.tolerance = settings.complementarity;
-    relaxation.interior_point.maximum_iterations = if explores {
-        runner.settings.maximum_iterations
-    } else {
-        runner.settings.maximum_iterations.max(ITERATIONS)
-    };
+    relaxation.interior_point.maximum_iterations =
+        runner.settings.maximum_iterations.max(ITERATIONS);
     let Ok(solution) = runner.relax(&mut program, &relaxation, "time-freezing program", 1.0) else {
         return Ok(None);
     };
     let complementarity = largest_product(&program, &solution.x);
     let motion = program.motion(&solution.x);
-    if let Some(failure) = Failure::of_relaxed(&solution, motion.horizon) {
+    if let Some(failure) = Failure::of_relaxed(&solution) {
         runner.note(failure);
     }
     let report = TimeFreezingReport {

@@ -6,7 +6,7 @@ use super::disagreement::compare;
 use super::forces;
 use super::gradient::gradient;
 use super::margins::margins;
-use super::objective::replayed;
+use super::objective::{Replayed, replayed};
 use super::refine_grid::{ROUNDS, refine, refine_all};
 use crate::model::Model;
 use crate::ocp::collocation::between_stages::{excess, violated};
@@ -14,7 +14,6 @@ use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::collocation::layout::Cut;
 use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
-use crate::ocp::effort::Effort;
 use crate::ocp::motion::mode::{is_condition, sets};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::{Trajectory, largest_difference};
@@ -24,6 +23,7 @@ use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
 use crate::ocp::search::repair::certificate;
 use crate::ocp::search::replay::{read_replay, simulate};
 use crate::ocp::solution::{Margin, Solution, Status};
+use crate::ocp::tuning::candidates::OUTPUTS;
 use crate::progress::BestMotion;
 use crate::rk::ButcherTableau;
 use crate::simulation::ContactMode;
@@ -31,6 +31,9 @@ use crate::simulation::{
     EventKind, InputError, ProblemSize, Residuals, Simulation, SimulationStatus,
 };
 
+/// Most points of a re-simulation in each interval, where fewer do not tell its objective. With the order six of that, eight times as many
+/// err by a quarter of a million times less.
+const MOST_OUTPUTS: usize = 8 * OUTPUTS;
 /// Distance of plan and re-simulation within which they may be the same motion \[m or rad, in scenes of the order of these\].
 const SAME_MOTION: f64 = 1e-3;
 /// By how much less a refined plan has to miss its re-simulation: the order of the scheme promises 32 times where elements are halved.
@@ -44,23 +47,22 @@ const KEPT: [f64; 2] = [0.05, 0.0025];
 /// Relative difference of the objective within which it is the same local optimum, of which the same is proved.
 const SAME_OPTIMUM: f64 = 1e-2;
 
-/// The judgement of a local optimum: re-simulated, with more elements where they are needed, and else with the schemes
-/// of `tableaus`, of growing order, as long as the plan does not agree with the simulation, and is better than the objective of a
-/// `known` motion.
+/// The judgement of a local optimum with so many elements of each interval: re-simulated, with more of them where they are needed, and else
+/// with the schemes of `tableaus`, of growing order, as long as the plan does not agree with the simulation, and is better than the objective
+/// of a `known` motion.
 pub(in crate::ocp) fn judge<'a>(
     runner: &mut Runner,
     setting: Setting<'a>,
-    tableaus: &'a [ButcherTableau],
+    (coarse, tableaus): (&[usize], &'a [ButcherTableau]),
     (local, stationarity): (Local<'a>, Stationarity),
     known: f64,
 ) -> Result<Solution, InputError> {
-    let coarse = vec![runner.settings.elements; setting.problem.intervals];
     let cuts = local.cuts.clone();
-    let (mut plan, mut solution) = Plan::judged(runner, setting, &coarse, (local, stationarity))?;
+    let (mut plan, mut solution) = Plan::judged(runner, setting, coarse, (local, stationarity))?;
     if solution.objective - known > (WORSE * known.abs()).max(solution.tolerated(0.0)) {
         return Ok(solution);
     }
-    let mut elements = coarse.clone();
+    let mut elements = coarse.to_vec();
     // Where plan and simulation end together and differ in what contacts do, more elements rarely help.
     let mut read_otherwise = 0;
     let (mut before, mut before_cost) = (f64::INFINITY, f64::INFINITY);
@@ -104,10 +106,10 @@ pub(in crate::ocp) fn judge<'a>(
             break;
         }
         let setting = Setting { tableau, ..setting };
-        let Some(again) = plan.again(runner, setting, &coarse, &cuts)? else {
+        let Some(again) = plan.again(runner, setting, coarse, &cuts)? else {
             break;
         };
-        (plan, solution) = Plan::judged(runner, setting, &coarse, again)?;
+        (plan, solution) = Plan::judged(runner, setting, coarse, again)?;
     }
     let solution = match plan.judged_as_simulated(runner, setting, &elements, &solution)? {
         Some(other) => other,
@@ -151,8 +153,7 @@ impl Plan {
         }
     }
 
-    /// A local optimum re-simulated, and what a finer program of it starts from. One that may be the result is polished, unless
-    /// that loses its confirmation: where a contact opens at once, rounding decides whether the re-simulation sees it close.
+    /// A local optimum re-simulated, and what a finer program of it starts from. It is polished, unless that loses its confirmation: where a contact opens at once, rounding decides whether the re-simulation sees it close.
     fn judged(
         runner: &mut Runner,
         setting: Setting,
@@ -161,9 +162,6 @@ impl Plan {
     ) -> Result<(Self, Solution), InputError> {
         let plan = Self::of(&local, stationarity);
         let solution = confirm(runner, setting, elements, &local, stationarity)?;
-        if runner.effort != Effort::Conclude && runner.settings.gradient.is_empty() {
-            return Ok((plan, solution));
-        }
         let mut local = local.polished(runner);
         let mut polished = confirm(runner, setting, elements, &local, stationarity)?;
         polished.gradient = gradient(&mut local);
@@ -217,11 +215,7 @@ impl Plan {
         let mut plan = self;
         for kept in KEPT {
             let confirmed = solution.status != Status::Unconfirmed;
-            if runner.effort != Effort::Conclude
-                || !confirmed
-                || !is_held_back(&solution)
-                || runner.stopped()
-            {
+            if !confirmed || !is_held_back(&solution) || runner.stopped() {
                 break;
             }
             let setting = Setting { kept, ..setting };
@@ -268,7 +262,7 @@ impl Plan {
             sequence: &self.sequence,
             guess: &self.trajectory,
             cuts,
-            purpose: Purpose::Compare,
+            purpose: Purpose::Near,
         };
         attempts.attempt(runner, attempt)?;
         let Some(again) = &attempts.best else {
@@ -293,6 +287,26 @@ fn excess_of(plan: &Local, objective: f64) -> f64 {
     (plan.solution.objective - objective) / plan.program.program.size_of(objective)
 }
 
+/// The motion under the controls of a plan, and its objective beside that of the plan, at as many instants as tell it.
+fn resimulated(
+    setting: Setting,
+    trajectory: &Trajectory,
+    (plan, tolerance): ((&Sequence, f64), f64),
+    cost: f64,
+) -> Result<(Simulation, Option<Replayed>), InputError> {
+    let mut outputs = OUTPUTS;
+    loop {
+        let replay = simulate(setting, trajectory, Some(plan), (tolerance, outputs))?;
+        let again = replayed(setting.model, &trajectory.controls, &replay, cost)
+            .filter(|_| replay.status == SimulationStatus::Solved);
+        let coarse = again.is_some_and(|again| again.is_coarse);
+        if !coarse || outputs >= MOST_OUTPUTS {
+            return Ok((replay, again));
+        }
+        outputs *= 2;
+    }
+}
+
 /// Re-simulates a plan and compares.
 pub(in crate::ocp) fn confirm(
     runner: &Runner,
@@ -311,8 +325,8 @@ pub(in crate::ocp) fn confirm(
     } = plan;
     let cost = plan.cost;
     let let_pass = setting.largest_distance(settings, trajectory);
-    let plan = Some((sequence, let_pass));
-    let replay = simulate(setting, trajectory, plan, settings.resimulation_tolerance)?;
+    let with = ((sequence, let_pass), settings.resimulation_tolerance);
+    let (replay, again) = resimulated(setting, trajectory, with, cost)?;
     let apart = Apart::of(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
     let limits = Limits::new(setting, settings);
@@ -320,15 +334,12 @@ pub(in crate::ocp) fn confirm(
         .or_else(|| forces::violated(&forces))
         .or_else(|| forces::other_cost(setting, cost, &replay))
         .or_else(|| violated(program, &solution.x, limits));
-    let again = replayed(setting.model, &trajectory.controls, &replay, cost)
-        .filter(|_| replay.status == SimulationStatus::Solved);
     let (simulated, cost_departure) = again.map_or((f64::NAN, 0.0), |r| (r.cost, r.departure));
     let margins = margins(program, solution);
     let stationarity = unless_held_back(stationarity, &margins);
-    // What is looked for only has to be near: a motion is refined where it may be the result.
-    let costs_the_same = cost_departure <= 1.0 || runner.effort != Effort::Conclude;
-    let agrees =
-        apart.departure <= settings.largest_distance && disagreement.is_none() && costs_the_same;
+    let agrees = apart.departure <= settings.largest_distance
+        && disagreement.is_none()
+        && cost_departure <= 1.0;
     let status = status_of(runner, agrees, stationarity);
     Ok(Solution {
         status,

@@ -16,6 +16,9 @@ use crate::simulation::Simulation;
 /// cost, up to which they are the same: what is let pass of a metre.
 const SAME: f64 = 1e-6;
 
+/// Share of that by which the error of the sum may be off.
+const TELLS: f64 = 0.1;
+
 /// How many times as large the error is with half as many instants: `2^6`, less the error itself.
 const COARSER: f64 = 63.0;
 
@@ -36,6 +39,8 @@ pub(super) struct Replayed {
     pub(super) cost: f64,
     /// Difference from that of the plan, as a share of what is let pass.
     pub(super) departure: f64,
+    /// Whether its instants are too far apart to tell so small a difference.
+    pub(super) is_coarse: bool,
 }
 
 /// The objective along a re-simulation under `controls`, beside that of its plan; none where it reads what contacts do, or nothing was
@@ -77,7 +82,11 @@ pub(super) fn replayed(
     } else {
         0.0
     };
-    Some(Replayed { cost, departure })
+    Some(Replayed {
+        cost,
+        departure,
+        is_coarse: error > TELLS * SAME * size,
+    })
 }
 
 /// The integrals of the running cost and of its absolute value over a motion of that length, from one in so many of the instants.

@@ -103,16 +103,6 @@ pub(in crate::ocp) fn at_interval_ends(given: &Sequence, intervals: usize) -> Op
     any.then_some(sequence)
 }
 
-/// With every opening at the nearest end of an interval: controls that jump nowhere else let go of a contact there.
-pub(in crate::ocp) fn opening_at_ends(mut sequence: Sequence) -> Sequence {
-    let openings = sequence.switches.iter_mut();
-    for switch in openings.filter(|switch| switch.opens() && switch.place == Place::Inside) {
-        let node = switch.time.round().max(1.0);
-        (switch.interval, switch.place, switch.time) = (node as usize, Place::Start, node);
-    }
-    sequence
-}
-
 /// With touches in the place of contacts that are too short to be meant as such; `None` if there are none.
 pub(in crate::ocp) fn touching(given: &Sequence) -> Option<Sequence> {
     touching_for_less_than(given, SHORT_CONTACT, |_| true)

@@ -14,10 +14,6 @@ use crate::progress::BestMotion;
 use crate::refusal;
 use crate::simulation::InputError;
 
-/// Iterations of the restoration phase after which one of many relaxed programs is left: of those that are solved a few in a hundred take
-/// more, of those that fail most, for a third of their time.
-const RESTORING: usize = 40;
-
 /// What programs lead to, or why the last of them ended without a solution.
 pub(in crate::ocp) type Ended<T> = Result<T, nlp::Status>;
 
@@ -25,13 +21,11 @@ pub(in crate::ocp) type Ended<T> = Result<T, nlp::Status>;
 pub(in crate::ocp) struct Failure {
     pub(in crate::ocp) status: nlp::Status,
     pub(in crate::ocp) violations: Vec<Violation>,
-    /// Final time of its last point \[s\].
-    pub(in crate::ocp) horizon: f64,
 }
 
 impl Failure {
-    /// Why a relaxed program with its last point at that final time has no solution, if it has none.
-    pub(in crate::ocp) fn of_relaxed(solution: &mpcc::Solution, horizon: f64) -> Option<Self> {
+    /// Why a relaxed program has no solution, if it has none.
+    pub(in crate::ocp) fn of_relaxed(solution: &mpcc::Solution) -> Option<Self> {
         let status = match solution.status {
             mpcc::Status::Failed(status) => status,
             mpcc::Status::Infeasible => nlp::Status::Infeasible,
@@ -40,7 +34,6 @@ impl Failure {
         Some(Self {
             status,
             violations: solution.violations.clone(),
-            horizon,
         })
     }
 
@@ -68,7 +61,7 @@ pub(in crate::ocp) struct Runner<'s> {
     pub(in crate::ocp) seconds: Seconds,
     pub(in crate::ocp) effort: Effort,
     watch: Watch<'s>,
-    /// Most programs, those of coarser grids included.
+    /// Most programs, those before it included.
     most_programs: usize,
     /// Of the program that came nearest to a solution.
     failure: Option<Failure>,
@@ -77,20 +70,15 @@ pub(in crate::ocp) struct Runner<'s> {
 }
 
 impl<'s> Runner<'s> {
-    /// Goes on from the work of earlier runs.
-    pub(in crate::ocp) fn new(
-        settings: &'s Settings,
-        watch: Watch<'s>,
-        (counts, seconds): (Counts, Seconds),
-        effort: Effort,
-    ) -> Self {
+    /// Begins to count.
+    pub(in crate::ocp) fn new(settings: &'s Settings, watch: Watch<'s>, effort: Effort) -> Self {
         Self {
             settings,
-            counts,
-            seconds,
+            counts: Counts::default(),
+            seconds: Seconds::default(),
             effort,
             watch,
-            most_programs: counts.programs + settings.maximum_programs,
+            most_programs: settings.maximum_programs,
             failure: None,
             refusal: None,
         }
@@ -116,8 +104,9 @@ impl<'s> Runner<'s> {
         self.watch.stopped || self.counts.programs >= self.most_programs
     }
 
-    pub(in crate::ocp) fn into_watch(self) -> Watch<'s> {
-        self.watch
+    /// Grants as many programs as one motion may take, from now on.
+    pub(in crate::ocp) fn grant(&mut self) {
+        self.most_programs = self.counts.programs + self.settings.maximum_programs;
     }
 
     /// Takes why a program could not be started.
@@ -128,11 +117,6 @@ impl<'s> Runner<'s> {
     /// Takes the failure of the program that came nearest to a solution.
     pub(in crate::ocp) fn take_failure(&mut self) -> Option<Failure> {
         self.failure.take()
-    }
-
-    /// Final time of the last point of that program \[s\].
-    pub(in crate::ocp) fn nearest_horizon(&self) -> Option<f64> {
-        self.failure.as_ref().map(|failure| failure.horizon)
     }
 
     /// Puts the failure `before` other programs back, if there was one or they led somewhere: rows of the programs of contact
@@ -151,12 +135,10 @@ impl<'s> Runner<'s> {
         }
     }
 
-    /// Runs the interior point method on a smooth program with that variable for the final time; the reason if it ends
-    /// without a solution.
+    /// Runs the interior point method on a smooth program; the reason if it ends without a solution.
     pub(in crate::ocp) fn solve(
         &mut self,
         program: &mut Program,
-        horizon: usize,
         run: &Run,
     ) -> Ended<nlp::Solution> {
         self.watch
@@ -180,7 +162,6 @@ impl<'s> Runner<'s> {
         self.note(Failure {
             status,
             violations: solution.violations,
-            horizon: program.physical(&solution.x)[horizon],
         });
         Err(status)
     }
@@ -202,11 +183,7 @@ impl<'s> Runner<'s> {
         step: &'static str,
         unit: f64,
     ) -> Ended<mpcc::Solution> {
-        let restores = match self.effort {
-            Effort::Explore => RESTORING,
-            Effort::Carry | Effort::Certify | Effort::Conclude => usize::MAX,
-        };
-        self.watch.begin(step, &self.counts, None, restores);
+        self.watch.begin(step, &self.counts, None, usize::MAX);
         let mut observer = |info: &nlp::IterationInfo| self.watch.iteration(info, unit);
         let mut solution = mpcc::solve_observed(program, settings, &mut observer)
             .map_err(|error| refused(&mut self.refusal, &error))?;

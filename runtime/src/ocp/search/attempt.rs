@@ -11,7 +11,7 @@ use crate::ocp::tuning::attempt::{
     AFTER_CUT, EXPLORED, FIRST, FIRST_TOLERANCE, NEIGHBOUR, POLISH, POLISH_ITERATIONS, QUICK,
     ROUNDS, SECOND,
 };
-use crate::ocp::tuning::equal::{COST, ROUNDING};
+use crate::ocp::tuning::equal::ROUNDING;
 use crate::ocp::tuning::freezing::PUSH;
 use crate::ocp::tuning::off_grid::RESTORED;
 
@@ -22,7 +22,7 @@ use crate::ocp::collocation::limits::Limits;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::motion::mode::is_passed;
-use crate::ocp::motion::sequence::{Order, Sequence, Signature};
+use crate::ocp::motion::sequence::{Sequence, Signature};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::{Ended, Run, Runner};
 use crate::ocp::settings::Settings;
@@ -49,13 +49,15 @@ pub(in crate::ocp) enum Verdict {
     Undecided,
 }
 
-/// Why a sequence is attempted while there is a best.
+/// Why a sequence is attempted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::ocp) enum Purpose {
     /// It is a neighbour of the best, and has to be decided.
     Compare,
     /// It may be better, but nothing is claimed about it.
     Explore,
+    /// It is that of a motion which is near a solution of it.
+    Near,
 }
 
 /// A sequence that was attempted.
@@ -65,15 +67,6 @@ struct Tried {
     verdict: Verdict,
     /// Objective of the best beside which alone that is so, if not beside others.
     only_beside: Option<f64>,
-}
-
-/// A local optimum that a search came through.
-#[derive(Clone)]
-pub(in crate::ocp) struct Visited {
-    /// Start of the search.
-    pub(in crate::ocp) start: usize,
-    signature: Signature,
-    objective: f64,
 }
 
 /// A solved program of a sequence.
@@ -108,14 +101,8 @@ pub(in crate::ocp) struct Attempts<'a, 'e> {
     pub(in crate::ocp) elements: &'e [usize],
     pub(in crate::ocp) best: Option<Local<'a>>,
     /// The one before it.
-    pub(super) outdone: Option<Local<'a>>,
+    pub(in crate::ocp) outdone: Option<Local<'a>>,
     tried: Vec<Tried>,
-    /// The orders of switches that were looked at with intervals of free lengths.
-    orders: Vec<Order>,
-    /// Start of the search.
-    start: usize,
-    /// Local optima of other searches, and then those that were the best of this one.
-    visited: Vec<Visited>,
 }
 
 impl<'a, 'e> Attempts<'a, 'e> {
@@ -127,47 +114,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             best: None,
             outdone: None,
             tried: Vec::new(),
-            orders: Vec::new(),
-            start: 0,
-            visited: Vec::new(),
         }
-    }
-
-    /// The same from a start, after searches that came through those local optima.
-    pub(in crate::ocp) fn after(self, start: usize, visited: Vec<Visited>) -> Self {
-        Self {
-            start,
-            visited,
-            ..self
-        }
-    }
-
-    /// The local optima that this search and those before it came through.
-    pub(in crate::ocp) fn into_visited(self) -> Vec<Visited> {
-        self.visited
-    }
-
-    /// Whether it is the search from the first start, and came through nothing yet.
-    pub(super) fn is_first(&self) -> bool {
-        self.start == 0 && self.visited.is_empty()
-    }
-
-    /// Number of local optima that were visited so far.
-    pub(super) fn visits(&self) -> usize {
-        self.visited.len()
-    }
-
-    /// The start from which one of the first so many visits was to the present best, if one was: what comes after it is
-    /// known.
-    pub(super) fn visited_from(&self, visits: usize) -> Option<usize> {
-        let best = self.best.as_ref()?;
-        let (signature, objective) = (best.sequence.signature(), best.solution.objective);
-        let close = COST * best.program.program.size_of(objective);
-        let mut visited = self.visited[..visits].iter();
-        let visit = visited.find(|visited| {
-            visited.signature == signature && (visited.objective - objective).abs() <= close
-        });
-        visit.map(|visit| visit.start)
     }
 
     /// Solves the program of a sequence with its cuts and keeps it if it is the best.
@@ -230,21 +177,6 @@ impl<'a, 'e> Attempts<'a, 'e> {
         });
     }
 
-    /// Whether sequences with their switches in this order were not asked about before; from now on they were.
-    pub(super) fn is_new_order(&mut self, sequence: &Sequence) -> bool {
-        let order = sequence.order();
-        let new = !self.orders.contains(&order);
-        if new {
-            self.orders.push(order);
-        }
-        new
-    }
-
-    /// Lets sequences be attempted again, from motions that are unlike those before.
-    pub(super) fn forget(&mut self) {
-        self.tried.clear();
-    }
-
     /// Whether a sequence was attempted, for whatever purpose.
     pub(super) fn was_tried(&self, sequence: &Sequence) -> bool {
         let signature = sequence.signature();
@@ -305,11 +237,6 @@ impl<'a, 'e> Attempts<'a, 'e> {
                     let (trajectory, sequence) = program.result(&solved.x);
                     let slacks = program.program.slacks(&solved.x);
                     let cost = program.program.cost_without_haste(&solved.x);
-                    self.visited.push(Visited {
-                        start: self.start,
-                        signature: sequence.signature(),
-                        objective: solved.objective,
-                    });
                     self.outdone = self.best.replace(Local {
                         program,
                         slacks,
@@ -367,7 +294,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (None, _) if !proves => &QUICK[..],
             (None, _) => &FIRST,
             (Some(_), Purpose::Compare) => &NEIGHBOUR,
-            (Some(_), Purpose::Explore) => &EXPLORED,
+            (Some(_), Purpose::Explore | Purpose::Near) => &EXPLORED,
         };
         let compares = purpose == Purpose::Compare;
         let near = self.best.as_ref().filter(|_| compares);
@@ -383,12 +310,14 @@ impl<'a, 'e> Attempts<'a, 'e> {
             (None, None) => None,
         };
         let warm = known.map(|(run, known)| (run, 0, Some(known)));
+        let stays = purpose == Purpose::Near && self.best.is_none() && before.is_none();
+        let near = stays.then_some((NEIGHBOUR[0], 0, None));
         // A deep cut leaves little of that solution but the motion itself.
         let again = before.map(|_| (AFTER_CUT, 0, None));
         let cold = barriers.iter().enumerate();
         let cold = cold.map(|(index, &run)| (run, restores(index + 1 == barriers.len()), None));
         let mut status = nlp::Status::Interrupted;
-        let tries = warm.into_iter().chain(again).chain(cold);
+        let tries = warm.into_iter().chain(again).chain(near).chain(cold);
         for (index, ((barrier, iterations), restores, known)) in tries.enumerate() {
             if index > 0 && runner.stopped() {
                 break;
@@ -398,7 +327,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
             settings.initial_barrier_parameter = barrier;
             settings.maximum_iterations = settings.maximum_iterations.min(iterations);
             let start = known.map(|(other, solution)| program.start_from(other, solution, barrier));
-            if start.is_some() {
+            if start.is_some() || stays && index == 0 {
                 settings.bound_push = barrier;
                 settings.bound_fraction = barrier;
             }
@@ -408,8 +337,7 @@ impl<'a, 'e> Attempts<'a, 'e> {
                 restores,
                 best: self.best_objective(),
             };
-            let horizon = program.horizon;
-            match runner.solve(&mut program.program, horizon, &run) {
+            match runner.solve(&mut program.program, &run) {
                 Ok(solution) => return Ok((program, solution)),
                 Err(reason) => status = reason,
             }
@@ -433,8 +361,7 @@ fn second(
         restores: usize::MAX,
         best,
     };
-    let horizon = program.horizon;
-    runner.solve(&mut program.program, horizon, &run)
+    runner.solve(&mut program.program, &run)
 }
 
 impl Local<'_> {
@@ -457,9 +384,8 @@ impl Local<'_> {
             restores: 0,
             best: Some(self.solution.objective),
         };
-        let horizon = self.program.horizon;
         // Where rounding leaves no smaller residuals it stays as it is.
-        if let Ok(solution) = runner.solve(&mut self.program.program, horizon, &run) {
+        if let Ok(solution) = runner.solve(&mut self.program.program, &run) {
             self.slacks = self.program.program.slacks(&solution.x);
             (self.trajectory, self.sequence) = self.program.result(&solution.x);
             let cost = self.program.program.cost_without_haste(&solution.x);

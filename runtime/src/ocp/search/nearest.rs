@@ -1,7 +1,8 @@
 //! What a problem without a motion asks for too much: of simulated motions under random controls within their bounds the one that comes
 //! nearest to the goals, changed at random to come nearer. It says nothing of what is possible at all, but names what is hard.
 
-use super::sampled::{End, drawing_range, drawn, ends_of_changed};
+use super::sampled::{drawing_range, drawn};
+use super::throw::{End, ends_of_changed};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::uniform;
 use crate::ocp::solution::{Miss, Nearest};

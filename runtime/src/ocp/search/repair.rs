@@ -22,28 +22,16 @@ use crate::ocp::settings::Settings;
 use crate::ocp::tuning::neighbours::{DISTANT, INSERTED, NOTHING};
 use crate::simulation::InputError;
 
-/// Where a repair ended.
-pub(super) enum Repaired {
-    /// At the best, with what was proved about it.
-    Best(Stationarity),
-    /// Where the search from a start was before.
-    Visited { start: usize },
-}
-
-/// Follows improving neighbours of the best, and sequences in other basins, until there is none, or until it comes to one
-/// of the first so many visits.
-pub(super) fn repair(
+/// Follows improving neighbours of the best, and sequences in other basins, until there is none, and says what was proved about the one it
+/// ends at.
+pub(in crate::ocp) fn certificate(
     runner: &mut Runner,
     attempts: &mut Attempts,
-    visits: usize,
-) -> Result<Repaired, InputError> {
+) -> Result<Stationarity, InputError> {
     let mut explored = false;
     loop {
-        if let Some(start) = attempts.visited_from(visits) {
-            return Ok(Repaired::Visited { start });
-        }
         let Some(best) = &attempts.best else {
-            return Ok(Repaired::Best(Stationarity::None));
+            return Ok(Stationarity::None);
         };
         let around = Around::of(best, attempts, runner);
         // Of several on the way to a better basin the last one is worth a proof.
@@ -54,38 +42,18 @@ pub(super) fn repair(
         }
         let compared = compare(runner, attempts, &around)?;
         if compared == Compared::Incomplete {
-            return Ok(Repaired::Best(Stationarity::None));
+            return Ok(Stationarity::None);
         }
         explored = compared != Compared::Improved && explore(runner, attempts, &around)?;
         if compared != Compared::Improved && !explored {
-            return Ok(Repaired::Best(match compared {
+            return Ok(match compared {
                 Compared::Undecided => Stationarity::None,
                 _ if !around.neighbours.iter().any(|near| near.adjoins) => Stationarity::S,
                 _ => Stationarity::B,
-            }));
+            });
         }
         runner.counts.repairs += 1;
     }
-}
-
-/// Whether one of the sequences in other basins is better than a best whose neighbours are decided.
-pub(super) fn is_left(runner: &mut Runner, attempts: &mut Attempts) -> Result<bool, InputError> {
-    let Some(best) = &attempts.best else {
-        return Ok(false);
-    };
-    let around = Around::of(best, attempts, runner);
-    explore(runner, attempts, &around)
-}
-
-/// Follows improving neighbours of the best as [`repair`] does, and says what was proved about the one it ends at.
-pub(in crate::ocp) fn certificate(
-    runner: &mut Runner,
-    attempts: &mut Attempts,
-) -> Result<Stationarity, InputError> {
-    Ok(match repair(runner, attempts, 0)? {
-        Repaired::Best(stationarity) => stationarity,
-        Repaired::Visited { .. } => Stationarity::None,
-    })
 }
 
 /// The sequences around the best, and its motion to start them from.
@@ -127,11 +95,11 @@ impl Around {
             units: attempts.setting.units,
         };
         let nearer = match runner.effort {
-            Effort::Certify | Effort::Conclude => neighbours_of(&Pressure {
+            Effort::Conclude => neighbours_of(&Pressure {
                 inserted: INSERTED[1],
                 ..pressure
             }),
-            Effort::Explore | Effort::Carry => Vec::new(),
+            Effort::Quick => Vec::new(),
         };
         let explored = basins(&pressure, runner.settings, runner.effort.proves());
         Self {

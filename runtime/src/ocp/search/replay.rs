@@ -27,20 +27,20 @@ pub(in crate::ocp) fn parts(setting: Setting) -> usize {
     }
 }
 
-/// The motion under the controls of a trajectory, from its start. That of a `plan`, which it may be so far away from, ends with
+/// The motion under the controls of a trajectory, from its start, simulated to a tolerance, with so many points in each interval. That of a `plan`, which it may be so far away from, ends with
 /// the impacts that the plan ends with: rounding puts them on either side of the final time.
 pub(in crate::ocp) fn simulate(
     setting: Setting,
     trajectory: &Trajectory,
     plan: Option<(&Sequence, f64)>,
-    tolerance: f64,
+    (tolerance, outputs): (f64, usize),
 ) -> Result<Simulation, InputError> {
     let Setting { model, problem, .. } = setting;
     let start = trajectory.start(model, problem);
     let simulator = EventDriven {
         tolerance,
         max_step: Some(trajectory.horizon / parts(setting) as f64),
-        output_times: OUTPUTS * parts(setting),
+        output_times: outputs * parts(setting),
         ..EventDriven::default()
     };
     let motion = problem.initial_value_problem(&start, trajectory.horizon, trajectory.signal());
@@ -73,7 +73,7 @@ pub(in crate::ocp) fn simulations(
     driven: &Trajectory,
     tolerance: f64,
 ) -> Result<Vec<Candidate>, InputError> {
-    let replay = simulate(setting, driven, None, tolerance)?;
+    let replay = simulate(setting, driven, None, (tolerance, OUTPUTS))?;
     if replay.status != SimulationStatus::Solved {
         return Ok(Vec::new());
     }

@@ -4,53 +4,30 @@
 //! a distance to goals, bounds and path constraints, and a cost. Of each order the best is kept, and changed at random to find better
 //! ones and further orders (an archive of elites, Mouret and Clune 2015). The best of all orders are what programs start from.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use super::replay::{parts, simulated};
-use crate::model::{Model, OptimalControlDeclaration, held};
+use super::policy::policy;
+use super::replay::simulated;
+use super::throw::{End, Order, Throw, ends, ends_of_changed};
+use crate::model::held;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::global::guess::{guess, random, uniform};
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::ControlGrid;
-use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Horizon;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Guess;
+use crate::ocp::tuning::beginnings::MOST_PHASES;
 use crate::ocp::tuning::sampled::{
-    ALIKE, BEST, CHANGED, CHANGES, DRAWN, EVENTS, LEAST_PLACES, LONGER, LONGER_THAN_BEFORE,
-    NARROWED, NARROWER, OF_EACH_KIND, OF_RANGE, PILOTS, PLACES, TOLERANCE, TRIED, WITHIN,
+    ALIKE, BEST, CHANGES, EVENTS, LONGER, NARROWED, NARROWER, OF_EACH_KIND, OF_RANGE, PILOTS,
+    POLICIES, TOLERANCE, WITHIN,
 };
-use crate::simulation::{Event, EventDriven, EventKind, InputError, simulate_once};
-
-/// What happens, one after the other: contacts, and whether they are struck.
-pub(super) type Order = Vec<(usize, bool)>;
+use crate::simulation::InputError;
 
 /// Least and largest values of coordinates and controls between which random controls are drawn.
 pub(in crate::ocp) type Range = (Vec<f64>, Vec<f64>);
-
-/// What a motion is made of.
-#[derive(Clone)]
-pub(super) struct Throw {
-    /// `(q, v)`.
-    start: Vec<f64>,
-    controls: ControlGrid,
-    /// Length \[s\].
-    horizon: f64,
-}
-
-/// A place where a motion may end.
-#[derive(Clone)]
-pub(super) struct End {
-    pub(super) throw: Throw,
-    order: Order,
-    /// What is missing from each goal, and by how much bounds and path constraints are violated on the way.
-    pub(super) missing: Vec<f64>,
-    /// Number of impacts, one by one.
-    pub(super) impacts: usize,
-    cost: f64,
-}
 
 /// How good an end is: distance, cost, and distance among those that are alike; smaller is better.
 pub(super) type Rank = (u64, f64, f64);
@@ -60,22 +37,16 @@ pub(super) type Rank = (u64, f64, f64);
 pub(in crate::ocp) struct Sampled {
     /// The best motion of each order, the best ones first.
     pub(in crate::ocp) motions: Vec<Candidate>,
+    /// The one without controls, up to where it comes nearest to the goals.
+    pub(in crate::ocp) ride: Option<Candidate>,
     /// What most of the drawn ones miss less of each goal.
     pub(in crate::ocp) units: Vec<f64>,
     /// Size that the cost of most of the best ones does not exceed.
     pub(in crate::ocp) cost: f64,
 }
 
-/// The best motion of each order, the best ones first.
-pub(in crate::ocp) fn sampled(
-    runner: &mut Runner,
-    setting: Setting,
-) -> Result<Vec<Candidate>, InputError> {
-    let range = drawing_range(setting)?;
-    Ok(best_of_each_order(runner, (setting, &range), (DRAWN, CHANGED), TRIED)?.motions)
-}
-
-/// The same of so many motions that are drawn and that are made of the best ones, and of at most so many orders.
+/// The best motion of each order, the best ones first: of so many motions that are drawn and that are made of the best ones, and of at most
+/// so many orders.
 pub(in crate::ocp) fn best_of_each_order(
     runner: &mut Runner,
     (setting, range): (Setting, &Range),
@@ -83,15 +54,27 @@ pub(in crate::ocp) fn best_of_each_order(
     most: usize,
 ) -> Result<Sampled, InputError> {
     let model = setting.model;
-    if model
+    let strikes = model
         .declaration()
         .contacts
         .iter()
-        .all(|contact| contact.dry)
-    {
-        return Ok(Sampled::default());
+        .any(|contact| !contact.dry);
+    // Where nothing is struck, all that switches is in the order.
+    let most_events = if strikes { EVENTS } else { MOST_PHASES };
+    let mut archive = drawn((setting, range), drawn_motions, most_events)?;
+    let straight = guess(model, setting.problem, &Guess::Straight, setting.bounds)?;
+    let driven = !model.declaration().controls.is_empty();
+    for seed in (0..POLICIES).filter(|_| driven) {
+        let throw = policy(setting, &straight, seed);
+        let longest = match setting.problem.horizon {
+            Horizon::Fixed(horizon) => horizon,
+            Horizon::Free { .. } => throw.horizon,
+        };
+        for end in ends(setting, &throw, longest, most_events) {
+            archive.add_order(end);
+        }
     }
-    let mut archive = drawn((setting, range), drawn_motions, EVENTS)?;
+    let ride = archive.ride((setting, &straight), most_events);
     let mut random = uniform(drawn_motions);
     for k in 0..changed {
         if archive.best.is_empty() || !runner.goes_on("random motions") {
@@ -99,16 +82,12 @@ pub(in crate::ocp) fn best_of_each_order(
         }
         let parent = archive.parent(k, &mut random);
         let child = archive.changed(setting, parent, CHANGES[k % CHANGES.len()], &mut random);
-        for end in ends_of_changed(setting, &child, EVENTS) {
+        for end in ends_of_changed(setting, &child, most_events) {
             archive.add(end);
         }
     }
-    let mut found = Vec::new();
-    let ends = archive.sorted();
-    // No further than the nearest one by more than a unit of the conditions.
-    let far = ends.first().map_or(0.0, |end| 1.0 + archive.rank(end).2);
-    let near = ends.into_iter().filter(|end| archive.rank(end).2 <= far);
-    for end in near.take(most) {
+    let tolerance = runner.settings.replay_tolerance;
+    let motion = |end: &End| {
         let Throw {
             start,
             controls,
@@ -121,12 +100,12 @@ pub(in crate::ocp) fn best_of_each_order(
             states: vec![start],
         };
         // One that is refused, as in no time, is none.
-        let tolerance = runner.settings.replay_tolerance;
-        let candidate = simulated(setting, &motion, tolerance).ok().flatten();
-        found.extend(candidate);
-    }
+        simulated(setting, &motion, tolerance).ok().flatten()
+    };
+    let best = archive.sorted().into_iter().take(most);
     Ok(Sampled {
-        motions: found,
+        motions: best.filter_map(&motion).collect(),
+        ride: ride.as_ref().and_then(&motion),
         cost: archive.usual_cost(),
         units: archive.units,
     })
@@ -135,6 +114,8 @@ pub(in crate::ocp) fn best_of_each_order(
 /// The best end of each order.
 pub(super) struct Archive {
     best: BTreeMap<Order, (Rank, End)>,
+    /// The orders that only policies have led to.
+    by_policy: BTreeSet<Order>,
     /// Units of what is missing.
     pub(super) units: Vec<f64>,
     /// Ranges of the values that were drawn: of starts, and of controls.
@@ -157,7 +138,10 @@ pub(super) fn drawn(
     let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let mut throws = Vec::new();
     let mut all = Vec::new();
+    let whole = (bounds.0.to_vec(), bounds.1.to_vec());
     for seed in 0..count {
+        // Half of them from all that is allowed: what motions stay near with little may need more to be reached.
+        let range = if seed % 2 == 1 { &whole } else { range };
         let (throw, ends) = one_drawn(setting, &straight, range, (seed, most_events));
         all.extend(ends);
         throws.push(throw);
@@ -166,6 +150,7 @@ pub(super) fn drawn(
     let controls = throws.iter().flat_map(|throw| throw.controls.values());
     let mut archive = Archive {
         best: BTreeMap::new(),
+        by_policy: BTreeSet::new(),
         units: units(setting, &all),
         starts: ranges(starts),
         controls: ranges(controls),
@@ -269,21 +254,31 @@ fn ranges<'v>(values: impl Iterator<Item = &'v Vec<f64>>) -> Vec<(f64, f64)> {
     ranges
 }
 
-/// Units of the conditions: what most of the ends miss by less, or else the most that one misses; of bounds a share of the range.
+/// Units of the conditions: what most of the ends miss by less, or else the most that one misses, but no more than the start misses, which
+/// is no end; of bounds a share of the range.
 fn units(setting: Setting, ends: &[End]) -> Vec<f64> {
     let count = ends.first().map_or(0, |end| end.missing.len());
     let declared = setting.model.declaration().optimal_control;
     let goals = declared.map_or(0, |declared| declared.goals.len());
     let (lower, upper) = setting.bounds;
     let coordinates = setting.problem.q.len();
+    let mut start = setting.problem.start();
+    start.push(setting.units.time);
+    let at_start = goal_values(setting.model, &start);
     let unit = |k: usize| {
         let mut values: Vec<f64> = ends.iter().map(|end| end.missing[k].abs()).collect();
         values.sort_by(f64::total_cmp);
         let usual = values[(WITHIN * values.len() as f64) as usize];
-        if usual > 0.0 {
+        let usual = if usual > 0.0 {
             usual
         } else {
             values[values.len() - 1]
+        };
+        let missed = at_start.get(k).map_or(0.0, |missed| missed.abs());
+        if missed > TOLERANCE * usual {
+            usual.min(missed)
+        } else {
+            usual
         }
     };
     let of_bound = |k: usize| {
@@ -321,6 +316,36 @@ impl Archive {
         let better = known.is_none_or(|known| compare(&rank, &known.0).is_lt());
         if rank.2.is_finite() && rank.1.is_finite() && better {
             self.best.insert(end.order.clone(), (rank, end));
+        }
+    }
+
+    /// Adds where the motion without controls may end, and returns the best of these ends.
+    fn ride(
+        &mut self,
+        (setting, straight): (Setting, &Trajectory),
+        most_events: usize,
+    ) -> Option<End> {
+        let throw = Throw {
+            start: setting.problem.start(),
+            controls: straight.controls.clone(),
+            horizon: straight.horizon,
+        };
+        let longest = match setting.problem.horizon {
+            Horizon::Fixed(horizon) => horizon,
+            Horizon::Free { .. } => LONGER * throw.horizon,
+        };
+        let ends = ends(setting, &throw, longest, most_events);
+        ends.iter().for_each(|end| self.add_order(end.clone()));
+        ends.into_iter()
+            .min_by(|a, b| compare(&self.rank(a), &self.rank(b)))
+    }
+
+    /// Adds an end if there is none of its order from elsewhere, or it is better than one that was added so.
+    fn add_order(&mut self, end: End) {
+        let known = self.best.contains_key(&end.order);
+        if !known || self.by_policy.contains(&end.order) {
+            self.by_policy.insert(end.order.clone());
+            self.add(end);
         }
     }
 
@@ -370,7 +395,9 @@ impl Archive {
         }
         held::complete_start(model, &mut throw.start);
         if matches!(problem.horizon, Horizon::Free { .. }) {
-            throw.horizon *= (share * random()).exp();
+            let range = setting.final_times();
+            let changed = throw.horizon * (share * random()).exp();
+            throw.horizon = changed.clamp(range.shortest, range.longest);
         }
         let mut values = throw.controls.values().to_vec();
         let intervals = values.len();
@@ -403,230 +430,15 @@ fn compare(a: &Rank, b: &Rank) -> std::cmp::Ordering {
     a.0.cmp(&b.0).then(costs).then(a.2.total_cmp(&b.2))
 }
 
-/// Where a motion that another one was changed into may end.
-pub(super) fn ends_of_changed(setting: Setting, throw: &Throw, most_events: usize) -> Vec<End> {
-    let longest = match setting.problem.horizon {
-        Horizon::Fixed(horizon) => horizon,
-        Horizon::Free { .. } => LONGER_THAN_BEFORE * throw.horizon,
-    };
-    ends(setting, throw, longest, most_events)
-}
-
-/// Where a motion may end that is followed so long, and as far as it has no more than `most_events`; its last controls last.
-fn ends(setting: Setting, throw: &Throw, longest: f64, most_events: usize) -> Vec<End> {
-    let Setting { model, problem, .. } = setting;
-    let declaration = model.declaration();
-    let Some(declared) = declaration.optimal_control else {
-        return Vec::new();
-    };
-    let followed = Trajectory {
-        horizon: longest,
-        controls: prolonged(throw, longest, problem.intervals),
-        time: vec![0.0],
-        states: vec![throw.start.clone()],
-    };
-    let simulator = EventDriven {
-        tolerance: TOLERANCE,
-        output_times: LEAST_PLACES.max(PLACES * problem.intervals),
-        ..EventDriven::default()
-    };
-    let value = problem.initial_value_problem(&throw.start, longest, followed.signal());
-    let Ok(simulation) = simulate_once(&simulator, model, &value) else {
-        return Vec::new();
-    };
-    let (trajectory, events) = (&simulation.trajectory, &simulation.events);
-    let fixed = matches!(problem.horizon, Horizon::Fixed(_));
-    let mut way = Way::new(setting, &declared);
-    let mut ends = Vec::new();
-    for (i, &time) in trajectory.time.iter().enumerate() {
-        let state = [&trajectory.q[i][..], &trajectory.v[i]].concat();
-        way.pass(setting, &declared, (&state, &trajectory.u[i], time));
-        let order = order(model, events, (time, longest / parts(setting) as f64));
-        if order.len() > most_events {
-            break;
-        }
-        let last = time >= longest * (1.0 - TOLERANCE);
-        if if fixed { last } else { time > 0.0 } {
-            let z = [&state[..], &[time]].concat();
-            let mut missing = goal_values(model, &z);
-            missing.extend(&way.violations);
-            let before = events.iter().take_while(|event| event.time <= time);
-            ends.push(End {
-                throw: Throw {
-                    start: throw.start.clone(),
-                    controls: up_to(&followed, time, problem.intervals),
-                    horizon: time,
-                },
-                order,
-                missing,
-                impacts: before.filter(|e| e.kind == EventKind::Impact).count(),
-                cost: way.cost + final_cost(setting, &declared, &z),
-            });
-        }
-    }
-    ends
-}
-
-/// The events up to a time: those of dry friction, which follow, left out; bounces of a contact in one interval, by which simulations
-/// are read, are one.
-fn order(model: &dyn Model, events: &[Event], (time, interval): (f64, f64)) -> Order {
-    let contacts = model.declaration().contacts;
-    let mut last: Vec<Option<(f64, bool)>> = vec![None; contacts.len()];
-    let mut order = Order::new();
-    for event in events.iter().take_while(|event| event.time <= time) {
-        let struck = event.kind == EventKind::Impact;
-        let now = ((event.time / interval).floor(), struck);
-        if contacts[event.contact].dry || last[event.contact] == Some(now) {
-            continue;
-        }
-        last[event.contact] = Some(now);
-        order.push((event.contact, struck));
-    }
-    order
-}
-
-/// What a motion has come through.
-struct Way {
-    /// The most by which each bound and path constraint was violated.
-    violations: Vec<f64>,
-    /// Running cost, and its value and time at the last place.
-    cost: f64,
-    last: Option<(f64, f64)>,
-}
-
-impl Way {
-    fn new(setting: Setting, declared: &OptimalControlDeclaration) -> Self {
-        Self {
-            violations: vec![0.0; setting.problem.q.len() + declared.constraints.len()],
-            cost: 0.0,
-            last: None,
-        }
-    }
-
-    /// Passes a place: bounds of the coordinates, path constraints, running cost.
-    fn pass(
-        &mut self,
-        setting: Setting,
-        declared: &OptimalControlDeclaration,
-        (state, controls, time): (&[f64], &[f64], f64),
-    ) {
-        let (model, (lower, upper)) = (setting.model, setting.bounds);
-        let n = setting.problem.q.len();
-        let coordinates = (0..n).map(|k| (lower[k] - state[k]).max(state[k] - upper[k]).max(0.0));
-        let mut values = vec![0.0; declared.path_functions()];
-        let mut input = state.to_vec();
-        input.extend(drive(model, controls, time));
-        input.resize(model.declaration().path_inputs(), 0.0);
-        held::complete_largest(model, &mut input);
-        model.path_functions(&input, &mut values);
-        let own = &values[usize::from(declared.running_cost)..];
-        let constraints = declared.constraints.iter().zip(own);
-        let constraints = constraints.map(|(constraint, &value)| {
-            if constraint.equality {
-                value.abs()
-            } else {
-                (-value).max(0.0)
-            }
-        });
-        let all = coordinates.chain(constraints);
-        for (most, value) in self.violations.iter_mut().zip(all) {
-            *most = most.max(value);
-        }
-        if declared.running_cost {
-            if let Some((value, before)) = self.last {
-                self.cost += 0.5 * (value + values[0]) * (time - before);
-            }
-            self.last = Some((values[0], time));
-        }
-    }
-}
-
-/// The final cost at `(q, v, T)`.
-fn final_cost(setting: Setting, declared: &OptimalControlDeclaration, z: &[f64]) -> f64 {
-    if !declared.final_cost {
-        return 0.0;
-    }
-    let mut all = vec![0.0; declared.terminal_functions()];
-    let mut z = z.to_vec();
-    z.resize(setting.model.declaration().terminal_inputs(), 0.0);
-    setting.model.terminal_functions(&z, &mut all);
-    all[0]
-}
-
-/// The controls of a motion on intervals of a longer one, the last of them to its end.
-fn prolonged(throw: &Throw, longest: f64, intervals: usize) -> ControlGrid {
-    let own = throw.controls.intervals() as f64;
-    let at = |k: usize| {
-        let share = (k as f64 + 0.5) / intervals as f64 * longest / throw.horizon;
-        throw.controls.at(own * share.min(1.0))
-    };
-    ControlGrid::constant((0..intervals).map(at).collect())
-}
-
-/// The controls of a motion up to a time, on equal intervals up to there.
-fn up_to(motion: &Trajectory, time: f64, intervals: usize) -> ControlGrid {
-    let own = motion.controls.intervals() as f64;
-    let at = |k: usize| {
-        let share = (k as f64 + 0.5) / intervals as f64 * time / motion.horizon;
-        motion.controls.at(own * share)
-    };
-    ControlGrid::constant((0..intervals).map(at).collect())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn order_holds_what_surfaces_do_and_bounces_of_one_interval_once() {
-        crate::model! {
-            /// A ball between two plates, on a rail that rubs.
-            Plates {
-                parameters { m: kg = 1, f: N = 1, e = 0.5 }
-                coordinates { y: m, z: m }
-                controls { u: N }
-                lagrangian m/2*|dot((y, z))|^2
-                forces { y: u }
-                surface low: z >= 0
-                surface high: z <= 1[m]
-                impact low, high: restitution e
-                dry friction rail: bound f, sliding dot(y)
-            }
-        }
-        let event = |time: f64, contact: usize, kind: EventKind| Event {
-            time,
-            kind,
-            contact,
-            contact_name: "",
-            modes: Vec::new(),
-            q: Vec::new(),
-            v_before: Vec::new(),
-            v_after: Vec::new(),
-            contact_impulse: Vec::new(),
-            friction_impulse: Vec::new(),
-        };
-        let (low, high, rail) = (0, 1, 2);
-        let events = [
-            event(0.1, low, EventKind::Impact),
-            event(0.15, rail, EventKind::Slip),
-            event(0.3, low, EventKind::Impact),
-            event(0.6, high, EventKind::Impact),
-            event(0.7, low, EventKind::Impact),
-            event(1.2, low, EventKind::Impact),
-            event(1.3, low, EventKind::LiftOff),
-        ];
-        let model = Plates::default();
-        let order = |time: f64| order(&model, &events, (time, 1.0));
-        let struck = |contact: usize| (contact, true);
-        assert_eq!(order(0.9), [struck(low), struck(high)]);
-        let all = [struck(low), struck(high), struck(low), (low, false)];
-        assert_eq!(order(2.0), all);
-    }
-
-    #[test]
     fn archive_keeps_the_best_end_of_each_order_and_cost_decides_among_those_that_are_alike() {
         let mut archive = Archive {
             best: BTreeMap::new(),
+            by_policy: BTreeSet::new(),
             units: vec![2.0],
             starts: Vec::new(),
             controls: Vec::new(),

@@ -114,8 +114,7 @@ pub(super) fn solved<'a>(
         restores: if relaxed { 0 } else { usize::MAX },
         best: Some(best.solution.objective),
     };
-    let horizon = program.horizon;
-    let ended = runner.solve(&mut program.program, horizon, &run);
+    let ended = runner.solve(&mut program.program, &run);
     Ok(Some((program, lengths, ended)))
 }
 

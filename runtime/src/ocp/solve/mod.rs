@@ -1,18 +1,15 @@
-//! The order of work: starts side by side, coarse grids before fine ones, final times wherever they lie, and on each grid
-//! a guess, a search and the judge. The top of the layers; nothing else knows it.
+//! The order of work: words and what they come to on the grid, or a known motion, or the time-freezing formulation; final times wherever they
+//! lie. The top of the layers; nothing else knows it.
 
-mod final_times;
+mod freezing;
 mod impossible;
+mod known;
 mod nearest;
-mod nested;
-mod one_grid;
 mod optima;
-mod portfolio;
+mod placing;
 mod run;
 mod searched;
 mod shared_observer;
-mod starts;
-mod undriven;
 mod waiting;
 mod words;
 

@@ -1,6 +1,6 @@
 //! Which search looks for a motion.
 
-use super::{nested, starts, undriven, words};
+use super::{freezing, known, words};
 use crate::Observer;
 use crate::model::Model;
 use crate::ocp::problem::Problem;
@@ -15,15 +15,13 @@ pub(super) fn searched(
     settings: &Settings,
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
-    let search = matches!(settings.formulation, Formulation::Phases)
-        && !matches!(settings.guess, Guess::Previous(_));
-    if search && problem.intervals > 1 && model.declaration().controls.is_empty() {
-        undriven::solve(model, problem, settings, observer)
-    } else if search && settings.searches_words() {
-        words::solve(model, problem, settings, observer)
-    } else if search {
-        nested::solve(model, problem, settings, observer)
-    } else {
-        starts::solve(model, problem, settings, observer)
+    match (&settings.formulation, &settings.guess) {
+        (Formulation::TimeFreezing(formulation), _) => {
+            freezing::solve(model, problem, settings, formulation, observer)
+        }
+        (Formulation::Phases, Guess::Previous(previous)) => {
+            known::solve(model, problem, settings, previous, observer)
+        }
+        (Formulation::Phases, _) => words::solve(model, problem, settings, observer),
     }
 }

@@ -6,7 +6,6 @@
 //! the best ones as `p` tends to 0. Twice its time costs less only where there is no best one.
 
 use super::searched::searched;
-use super::starts;
 use crate::Observer;
 use crate::model::Model;
 use crate::ocp::motion::final_times::FinalTimes;
@@ -166,7 +165,7 @@ fn again(
         guess: Guess::Previous(Box::new(previous)),
         ..settings
     };
-    let mut other = starts::solve(model, problem, &settings, observer)?;
+    let mut other = searched(model, problem, &settings, observer)?;
     let (mut counts, mut seconds) = (known.counts, known.seconds);
     counts.add(&other.counts);
     seconds += other.seconds;

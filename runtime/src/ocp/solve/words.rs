@@ -1,272 +1,441 @@
 //! The search over words, and what it finds on the grid of the problem.
 
-use hangtime_solver::Seconds;
 use hangtime_solver::clock::ThreadTime;
 use hangtime_solver::mpcc::Stationarity;
+use hangtime_solver::nlp;
 
-use super::nested::{self, decided};
-use super::one_grid::tableaus;
-use super::optima::{Found, add_optima, is_better, is_same, result, sort};
-use super::run::Task;
+use super::optima::{Found, costs_the_same, rank, result, sort};
+use super::placing::{Begun, grids, on_grid};
+use super::run::{Begin, Task, demoted, failed, tableaus};
 use super::shared_observer::SharedObserver;
+use crate::Observer;
 use crate::model::Model;
 use crate::ocp::collocation::discretization::{Lengths, Setting, parabolas};
 use crate::ocp::effort::Effort;
 use crate::ocp::global::guess::guess;
-use crate::ocp::judge::confirm::{confirm, judge, report};
+use crate::ocp::judge::confirm::{confirm, report};
+use crate::ocp::motion::candidate::Candidate;
+use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::problem::{Problem, bounds};
 use crate::ocp::program::runner::Runner;
 use crate::ocp::program::units::Units;
-use crate::ocp::progress::Watch;
 use crate::ocp::scale::Scale;
-use crate::ocp::search::attempt::{Attempt, Attempts, Local, Purpose};
+use crate::ocp::search::attempt::Local;
+use crate::ocp::search::readings::Readings;
 use crate::ocp::search::sampled::drawing_range;
-use crate::ocp::settings::{ControlNodes, Guess, Settings};
-use crate::ocp::solution::{Counts, Solution, Source, Status};
-use crate::ocp::tuning::grids::KEPT;
+use crate::ocp::settings::{ControlNodes, Settings};
+use crate::ocp::solution::{Solution, Source, Status};
+use crate::ocp::tuning::equal::{MOTION, OPTIMUM};
+use crate::ocp::tuning::grids::{ELEMENTS_OF_ONE, FINER, KEPT};
 use crate::ocp::tuning::off_grid::STAGES;
-use crate::ocp::tuning::on_grid::{
-    BEYOND, FINE, FINEST, JUDGED, LEAST, MOVED, MOVED_WITHIN, PLACED,
-};
+use crate::ocp::tuning::on_grid::{BEYOND, FINEST, PLACED, SIMULATED};
 use crate::ocp::words::aligned::{Aligned, followed};
 use crate::ocp::words::beginnings::beginnings;
-use crate::ocp::words::off_grid::Timed;
-use crate::ocp::words::on_grid::{Grid, Placed};
+use crate::ocp::words::off_grid::{Goals, Timed};
+use crate::ocp::words::on_grid::Grid;
 use crate::ocp::words::search::Words;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
-use crate::{Observer, Progress};
 
-/// Solves on the grid of the problem by way of words.
+/// Said of a plan whose contacts do not change within equal intervals.
+const ALIGNED: &str =
+    "no motion on equal intervals was found: those of this one are aligned with its phases";
+
+/// Solves by way of words. Without controls there is nothing to be constant on intervals, and yet each switch would have to stay in one of
+/// them: so there is one, in which switches may be at any time.
 pub(super) fn solve(
     model: &dyn Model,
     problem: &Problem,
     settings: &Settings,
     observer: &mut Observer<'_>,
 ) -> Result<Solution, InputError> {
-    let (best, mut seen, stopped) = {
-        let observer = SharedObserver::new(observer);
-        let task = Task {
-            model,
-            problem,
-            settings,
-            observer: &observer,
-        };
-        if settings.grid == ControlNodes::Aligned {
-            return solve_aligned(&task);
+    let driven = !model.declaration().controls.is_empty() || problem.intervals == 1;
+    let whole = Problem {
+        intervals: if driven { problem.intervals } else { 1 },
+        ..problem.clone()
+    };
+    let elements = if driven { 1 } else { ELEMENTS_OF_ONE };
+    let settings = &Settings {
+        elements: elements * settings.elements,
+        ..settings.clone()
+    };
+    let observer = SharedObserver::new(observer);
+    let task = Task {
+        model,
+        problem: &whole,
+        settings,
+        observer: &observer,
+    };
+    let mut search = Search::new();
+    let (failed, work) = task.run(Effort::Quick, |runner| {
+        search.on_grids(&task, runner)?;
+        match search.found.is_empty() {
+            true => Ok(Some(failed(runner)?)),
+            false => Ok(None),
         }
-        let first = first_grid(problem.intervals);
-        let coarse = nested::with_intervals(problem, first);
-        let there = Task {
-            problem: &coarse,
-            ..task
+    })?;
+    if let Some(failed) = failed {
+        // Words without a motion end as they may; only where functions are not finite that says why.
+        let status = match failed.status {
+            Status::Failed(status) if status != nlp::Status::NotFinite => Status::NotFound,
+            status => status,
         };
-        let mut seen = found_by_words(&there)?;
-        let mut found = seen.clone();
-        sort(&mut found);
-        if first < problem.intervals {
-            found.retain(|found| found.solution.motion.is_some());
-            found.truncate(KEPT);
-            found = nested::carry(&task, &found, &mut seen)?;
-            sort(&mut found);
-        }
-        let best = decided(&task, found, Effort::Conclude, &mut seen)?;
-        (best, seen, observer.stopped())
-    };
-    let best = best.filter(|best| best.solution.motion.is_some());
-    if let Some(best) = &best
-        && (stopped || is_enough(&best.solution, settings))
-    {
-        return Ok(result(vec![best.clone()], seen, stopped));
+        search.add(Solution {
+            status,
+            final_times: search.final_times,
+            ..failed
+        });
     }
-    if stopped {
-        return Ok(result(Vec::new(), seen, stopped));
-    }
-    // What is not proved among words may be on grids.
-    let other = Found {
-        start: 0,
-        source: Source::Start(0),
-        solution: nested::solve(model, problem, settings, observer)?,
-    };
-    let Some(best) = best else {
-        return Ok(with_work(other.solution, &seen));
-    };
-    let stopped = other.solution.status == Status::Interrupted;
-    let (starts, optima) = (other.solution.starts, other.solution.optima.clone());
-    seen.push(other.clone());
-    let proves = other.solution.status == Status::Solved && best.solution.status != Status::Solved;
-    let better = is_better(&other, &best) || proves && is_same(&other.solution, &best.solution);
-    let found = if better { other } else { best };
+    sort(&mut search.found);
     let mut solution = Solution {
-        starts,
-        ..result(vec![found], seen, stopped)
+        starts: search.starts,
+        ..result(search.found, search.seen, work, observer.stopped())
     };
-    add_optima(&mut solution, optima);
+    if !driven {
+        state_on(&mut solution, problem.intervals);
+    }
     Ok(solution)
 }
 
-/// Whether what words led to needs no starts on grids: where none are asked for, as it is proved, or as the rule is left out.
-fn is_enough(solution: &Solution, settings: &Settings) -> bool {
-    settings.starts.is_none() && (solution.status == Status::Solved || !settings.uses("grids"))
-}
-
-/// The same with control intervals that are aligned with phases.
-fn solve_aligned(task: &Task) -> Result<Solution, InputError> {
-    let mut found = found_by_words(task)?;
-    let seen = found.clone();
-    sort(&mut found);
-    found.truncate(1);
-    Ok(result(found, seen, task.observer.stopped()))
-}
-
-/// What was found on grids, with the work of what was looked at before.
-fn with_work(mut solution: Solution, before: &[Found]) -> Solution {
-    for Found { solution: run, .. } in before {
-        solution.counts.add(&run.counts);
-        solution.seconds += run.seconds;
+/// States a motion on one interval on that many.
+fn state_on(solution: &mut Solution, intervals: usize) {
+    for optimum in &mut solution.optima {
+        optimum.intervals = intervals;
     }
-    solution
-}
-
-/// The grid that words are put on, on the way to one with that many intervals: the finest that it contains, or one that is near.
-fn first_grid(intervals: usize) -> usize {
-    let divides = |coarser: &usize| intervals.is_multiple_of(*coarser);
-    let contained = (LEAST..=FINE.min(intervals)).rev().find(divides);
-    contained.unwrap_or(intervals.div_ceil(intervals.div_ceil(FINE)))
-}
-
-/// The motions on the grid that the best words lead to, judged; without any the work alone. There is none where the best is as long as
-/// plans may be, or as short: their final times have to be looked for, which is done on grids.
-fn found_by_words(task: &Task) -> Result<Vec<Found>, InputError> {
-    let Task {
-        model,
-        problem,
-        settings,
-        observer,
-    } = *task;
-    let clock = ThreadTime::try_now();
-    let run = observer.begin();
-    let mut watch = |progress: &Progress| observer.goes_on(run, progress);
-    let mut runner = Runner::new(
-        settings,
-        Watch::new(&mut watch),
-        (Counts::default(), Seconds::default()),
-        Effort::Carry,
-    );
-    let (lower, upper) = bounds(model);
-    let bounds = (&lower[..], &upper[..]);
-    let straight = guess(model, problem, &Guess::Straight, bounds)?;
-    let scale = Scale::of(model, problem);
-    let declared = Units::new(model, &scale, &straight, bounds);
-    let tableaus = tableaus(settings.stages);
-    let first = tableaus.split_first();
-    let (tableau, finer) = first.ok_or_else(|| settings.refuse_stages())?;
-    let coarse =
-        ButcherTableau::new(Scheme::RadauIia, STAGES).ok_or_else(|| settings.refuse_stages())?;
-    let parabolas = parabolas(model, &problem.start());
-    let setting = |units| {
-        Setting::new(
-            (model, problem),
-            settings,
-            (tableau, units),
-            (bounds, &parabolas),
-        )
-    };
-    let range = drawing_range(setting(&declared))?;
-    let units = declared.clone().driven_within((&range.0, &range.1));
-    let setting = setting(&units);
-    let (beginnings, library) = beginnings(&mut runner, setting, &range)?;
-    let (words, goals) =
-        Words::new(setting, (&coarse, settings), library).run(&mut runner, &beginnings);
-    let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
-    let units: Vec<Units> = words.iter().map(own).collect();
-    let elements = vec![settings.elements; problem.intervals];
-    let grids: Vec<Grid> = units
-        .iter()
-        .map(|units| Grid {
-            setting: Setting { units, ..setting },
-            tableau: &coarse,
-            goals: &goals,
-            elements: &elements,
-        })
-        .collect();
-    let mut found = match settings.grid {
-        ControlNodes::Equal => judged(&mut runner, &words, &grids, finer)?,
-        ControlNodes::Aligned => aligned(&mut runner, &words, &grids, finer)?,
-    };
-    let (counts, mut seconds) = (runner.counts, runner.seconds);
-    if let Ok(elapsed) = clock.and_then(|clock| clock.try_elapsed()) {
-        seconds.total = elapsed.as_secs_f64();
+    if let Some(previous) = &solution.previous {
+        let resampled = previous.resampled(intervals);
+        solution.controls = resampled.controls();
+        solution.control_times = resampled.control_times();
+        solution.previous = Some(resampled);
+        let elements = solution.elements.iter().sum::<usize>();
+        solution.elements = vec![elements.div_ceil(intervals); intervals];
     }
-    // The first one carries the work of all.
-    for (index, one) in found.iter_mut().enumerate() {
-        let work = if index == 0 {
-            (counts, seconds)
-        } else {
-            Default::default()
+}
+
+/// Words off the grid, with the units of their motions, and the grid that they are put on.
+struct OffGrid<'a> {
+    words: &'a [Timed],
+    units: &'a [Units],
+    setting: Setting<'a>,
+    tableau: &'a ButcherTableau,
+    goals: &'a Goals,
+}
+
+impl OffGrid<'_> {
+    /// The grid of each word with so many elements of each interval.
+    fn grids<'g>(&'g self, elements: &'g [usize]) -> Vec<Grid<'g, 'g>> {
+        let grid = |units| Grid {
+            setting: Setting {
+                units,
+                ..self.setting
+            },
+            tableau: self.tableau,
+            goals: self.goals,
+            elements,
         };
-        (one.solution.counts, one.solution.seconds) = work;
+        self.units.iter().map(grid).collect()
     }
-    Ok(found)
 }
 
-/// What the best words come to with the intervals divided among their phases, and the words that these lead to, or else what they come to
-/// on equal intervals does; at least one, which may be without a motion.
-fn aligned<'a>(
-    runner: &mut Runner,
-    words: &[Timed],
-    grids: &[Grid<'a, 'a>],
-    finer: &'a [ButcherTableau],
-) -> Result<Vec<Found>, InputError> {
-    let mut found: Vec<Found> = Vec::new();
-    let mut least = f64::INFINITY;
-    for (start, (word, grid)) in words.iter().zip(grids).enumerate() {
-        let enough = start >= PLACED && least.is_finite();
-        if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
-            continue;
+/// What was found so far.
+struct Search {
+    clock: Option<ThreadTime>,
+    /// On the present grid.
+    found: Vec<Found>,
+    /// On all of them.
+    seen: Vec<Found>,
+    /// Guesses of the best word.
+    starts: usize,
+    /// Final times that were looked at.
+    final_times: (f64, f64),
+}
+
+impl Search {
+    fn new() -> Self {
+        Self {
+            clock: ThreadTime::try_now().ok(),
+            found: Vec::new(),
+            seen: Vec::new(),
+            starts: 0,
+            final_times: (f64::NAN, f64::NAN),
         }
-        let Some(aligned) = Aligned::of(word, grid.setting.problem.intervals) else {
-            continue;
-        };
-        let Some(solution) = confirmed(runner, grid, aligned)? else {
-            continue;
-        };
-        if matches!(solution.status, Status::Solved | Status::Uncertified) {
-            least = least.min(solution.objective);
-        }
-        found.push(Found {
-            start,
+    }
+
+    /// Adds what was found.
+    fn add(&mut self, solution: Solution) {
+        let elapsed = self.clock.as_ref().map(ThreadTime::try_elapsed);
+        let elapsed = elapsed.and_then(Result::ok);
+        let found = Found {
             source: Source::Words,
+            cpu: elapsed.map_or(0.0, |elapsed| elapsed.as_secs_f64()),
             solution,
-        });
+        };
+        self.seen.push(found.clone());
+        self.found.push(found);
     }
-    let equal = match found.is_empty() {
-        true => judged(runner, words, grids, finer)?,
-        false => Vec::new(),
-    };
-    for plan in &equal {
-        if let (Some(previous), Some(grid)) = (&plan.solution.previous, grids.first())
-            && let Some(aligned) = Aligned::of_plan(previous.as_candidate())
-            && let Some(solution) = confirmed(runner, grid, aligned)?
+
+    /// Whether a motion is confirmed.
+    fn is_confirmed(&self) -> bool {
+        self.found.iter().any(|found| rank(&found.solution).0 == 0)
+    }
+
+    /// Whether a plan was followed beyond all final times that were looked at.
+    fn is_endless(&self) -> bool {
+        let mut found = self.found.iter();
+        found.any(|found| found.solution.status == Status::Unbounded)
+    }
+
+    /// On the grids that words are put on, and on the one asked for.
+    fn on_grids(&mut self, task: &Task, runner: &mut Runner) -> Result<(), InputError> {
+        let intervals = task.problem.intervals;
+        let grids = match task.settings.grid {
+            ControlNodes::Equal => grids(intervals),
+            ControlNodes::Aligned => vec![intervals],
+        };
+        let problem = |intervals| Problem {
+            intervals,
+            ..task.problem.clone()
+        };
+        let problems: Vec<Problem> = grids.into_iter().map(problem).collect();
+        let on = |problem| Task { problem, ..*task };
+        let tasks: Vec<Task> = problems.iter().map(on).collect();
+        self.by_words(&tasks, runner)?;
+        if problems
+            .last()
+            .is_some_and(|last| last.intervals < intervals)
         {
-            found.push(Found { solution, ..*plan });
+            let coarse = self.coarse();
+            self.carried(task, runner, coarse.into_iter().take(KEPT))?;
+        }
+        Ok(())
+    }
+
+    /// Takes what was found on a grid, the best first.
+    fn coarse(&mut self) -> Vec<Found> {
+        let mut coarse = std::mem::take(&mut self.found);
+        sort(&mut coarse);
+        coarse.retain(|found| found.solution.motion.is_some());
+        coarse
+    }
+
+    /// Adds what motions on a coarser grid lead to on that of a task.
+    fn carried(
+        &mut self,
+        task: &Task,
+        runner: &mut Runner,
+        coarse: impl Iterator<Item = Found>,
+    ) -> Result<(), InputError> {
+        for found in coarse {
+            let solution = task.carry(runner, &found.solution)?;
+            self.add(solution);
+        }
+        Ok(())
+    }
+
+    /// What the best words lead to on the grids of tasks, one after the other; they are looked for on the first.
+    fn by_words(&mut self, tasks: &[Task], runner: &mut Runner) -> Result<(), InputError> {
+        let Some(Task {
+            model,
+            problem,
+            settings,
+            ..
+        }) = tasks.first().copied()
+        else {
+            return Ok(());
+        };
+        let (lower, upper) = bounds(model);
+        let bounds = (&lower[..], &upper[..]);
+        let guessed = guess(model, problem, &settings.guess, bounds)?;
+        let scale = Scale::of(model, problem);
+        let declared = Units::new(model, &scale, &guessed, bounds);
+        let tableaus = tableaus(settings.stages);
+        let tableau = tableaus.first().ok_or_else(|| settings.refuse_stages())?;
+        let coarse = ButcherTableau::new(Scheme::RadauIia, STAGES)
+            .ok_or_else(|| settings.refuse_stages())?;
+        let parabolas = parabolas(model, &problem.start());
+        let scene = (model, problem);
+        let setting = |units| Setting::new(scene, settings, (tableau, units), (bounds, &parabolas));
+        let range = drawing_range(setting(&declared))?;
+        let units = declared.clone().driven_within((&range.0, &range.1));
+        let setting = setting(&units);
+        let allowed = setting.final_times().allowed(model);
+        self.final_times = (allowed.shortest, allowed.longest);
+        let (begun, goals) = beginnings(runner, (setting, &guessed), &range)?;
+        let with = (begun.library, goals);
+        let words = Words::new(setting, (&coarse, settings), &guessed, with);
+        let (words, goals, starts) = words.run(runner, &begun.words);
+        self.starts = starts;
+        let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
+        let units: Vec<Units> = words.iter().map(own).collect();
+        for (index, task) in tasks.iter().enumerate() {
+            let before = self.coarse();
+            let setting = Setting {
+                problem: task.problem,
+                ..setting
+            };
+            let found = OffGrid {
+                words: &words,
+                units: &units,
+                setting,
+                tableau: &coarse,
+                goals: &goals,
+            };
+            self.mapped(task, runner, &found)?;
+            if index > 0 && !runner.stopped() {
+                self.carried(task, runner, before.into_iter().take(1))?;
+            } else if settings.grid == ControlNodes::Equal {
+                self.simulated(task, runner, &begun.motions)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What simulated motions lead to, the first ones of them, where no word leads to a motion.
+    fn simulated(
+        &mut self,
+        task: &Task,
+        runner: &mut Runner,
+        motions: &[Candidate],
+    ) -> Result<(), InputError> {
+        for candidate in motions.iter().take(SIMULATED) {
+            if runner.stopped() || self.is_confirmed() {
+                break;
+            }
+            let begin = Begin {
+                candidate: candidate.clone(),
+                readings: Readings::All,
+                elements: task.settings.elements,
+            };
+            let failure = runner.take_failure();
+            let solution = task.conclude(runner, begin)?;
+            runner.restore_failure(failure, true);
+            if solution.motion.is_some() {
+                self.add(solution);
+            }
+        }
+        Ok(())
+    }
+
+    /// What words lead to on the grid of a task, with more elements where re-simulations contradict all plans.
+    fn mapped(
+        &mut self,
+        task: &Task,
+        runner: &mut Runner,
+        found: &OffGrid,
+    ) -> Result<(), InputError> {
+        let settings = task.settings;
+        let mut factor = 1;
+        loop {
+            let count = factor * settings.elements;
+            let elements = vec![count; task.problem.intervals];
+            let grids = found.grids(&elements);
+            if settings.grid == ControlNodes::Aligned {
+                return self.aligned(runner, found.words, &grids, true);
+            }
+            runner.effort = Effort::Quick;
+            let plans = on_grid(runner, found.words, &grids)?;
+            let refuted = self.decided(task, runner, (plans.begun, count))?;
+            let coarse = plans.cost && FINER * factor <= FINEST;
+            if self.is_confirmed() && !coarse || self.is_endless() || runner.stopped() {
+                return Ok(());
+            }
+            if !(refuted || coarse) || FINER * factor > FINEST {
+                return match settings.controls {
+                    ControlShape::Constant => self.aligned(runner, found.words, &grids, false),
+                    ControlShape::Linear => Ok(()),
+                };
+            }
+            factor *= FINER;
         }
     }
-    if found.is_empty() {
-        let mut none = nothing();
-        let times = grids.first().map(|grid| grid.setting.final_times());
-        none.solution.final_times = times.map_or((f64::NAN, f64::NAN), |t| (t.shortest, t.longest));
-        found.push(none);
-    }
-    Ok(found)
-}
 
-/// No motion.
-fn nothing() -> Found {
-    Found {
-        start: 0,
-        source: Source::Words,
-        solution: Solution::without_motion(Status::NotFound, Vec::new(), Counts::default()),
+    /// The best candidate with its neighbours decided; those after it where it is not confirmed, or not proved and the next one costs the
+    /// same, or where neighbours have led to a better motion: then a poorer one may lead further. Whether re-simulations contradict all.
+    fn decided(
+        &mut self,
+        task: &Task,
+        runner: &mut Runner,
+        (candidates, elements): (Vec<Begun>, usize),
+    ) -> Result<bool, InputError> {
+        let mut best: Option<Solution> = None;
+        let mut improved = false;
+        let mut refuted = false;
+        for (candidate, readings) in candidates {
+            let before = candidate.objective;
+            let enough = |best: &Solution| {
+                let same = (best.objective - before).abs() <= best.tolerated(OPTIMUM);
+                let open = best.status == Status::Uncertified && same;
+                rank(best).0 == 0 && best.objective <= before + best.tolerated(OPTIMUM) && !open
+            };
+            if runner.stopped() || !improved && best.as_ref().is_some_and(enough) {
+                break;
+            }
+            let begin = Begin {
+                candidate,
+                readings,
+                elements,
+            };
+            let solution = task.conclude(runner, begin)?;
+            if solution.motion.is_none() {
+                continue;
+            }
+            improved = solution.objective < before - solution.tolerated(MOTION);
+            refuted |= solution.status == Status::Unconfirmed;
+            let better = best.as_ref().is_none_or(|best| {
+                let proves = solution.status == Status::Solved && best.status != Status::Solved;
+                rank(&solution) < rank(best) || costs_the_same(&solution, best) && proves
+            });
+            self.add(solution.clone());
+            if better {
+                best = Some(solution);
+            }
+        }
+        Ok(refuted)
+    }
+
+    /// What the best words come to with the intervals divided among their phases, and the words that these lead to, or else, where that is
+    /// asked, what they come to on equal intervals does.
+    fn aligned(
+        &mut self,
+        runner: &mut Runner,
+        words: &[Timed],
+        grids: &[Grid],
+        only: bool,
+    ) -> Result<(), InputError> {
+        runner.effort = Effort::Quick;
+        let before = self.found.len();
+        let mut least = f64::INFINITY;
+        for (start, (word, grid)) in words.iter().zip(grids).enumerate() {
+            let enough = start >= PLACED && least.is_finite();
+            if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
+                continue;
+            }
+            let Some(aligned) = Aligned::of(word, grid.setting.problem.intervals) else {
+                continue;
+            };
+            let Some(mut solution) = confirmed(runner, grid, aligned)? else {
+                continue;
+            };
+            if rank(&solution).0 == 0 {
+                least = least.min(solution.objective);
+            }
+            if let Some(motion) = solution.motion.as_mut().filter(|_| !only) {
+                motion.notes.push(ALIGNED.to_owned());
+            }
+            self.add(solution);
+        }
+        if !only || self.found.len() > before {
+            return Ok(());
+        }
+        for (plan, _) in on_grid(runner, words, grids)?.begun {
+            if let Some(grid) = grids.first()
+                && let Some(aligned) = Aligned::of_plan(plan)
+                && let Some(solution) = confirmed(runner, grid, aligned)?
+            {
+                self.add(solution);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -313,117 +482,11 @@ fn replayed(
     let local = local.polished(runner);
     let elements = vec![elements; setting.problem.intervals];
     let solution = confirm(runner, setting, &elements, &local, stationarity)?;
+    // At an end of the final times that its program looks at a plan is no optimum: others lie beyond it.
+    if setting.final_times().end_at(solution.horizon).is_some() {
+        let status = solution.status;
+        return Ok(demoted(solution, status, Status::Unbounded));
+    }
     report(runner, &solution);
     Ok(solution)
-}
-
-/// What the best words come to on the grid, judged; at least one, which may be without a motion.
-fn judged<'a>(
-    runner: &mut Runner,
-    words: &[Timed],
-    grids: &[Grid<'a, 'a>],
-    finer: &'a [ButcherTableau],
-) -> Result<Vec<Found>, InputError> {
-    let placed = placed(runner, words, grids);
-    let moved = moved(runner, placed, grids);
-    let mut locals = solved(runner, &moved, grids)?;
-    let ends = |(local, index): &(Local, usize)| {
-        let range = grids[*index].setting.final_times();
-        range.end_at(local.trajectory.horizon).is_some()
-    };
-    if locals.first().is_some_and(ends) {
-        locals.clear();
-    }
-    let source = Source::Words;
-    let mut found = Vec::new();
-    let mut known = f64::INFINITY;
-    for (start, (local, index)) in locals.into_iter().enumerate().take(JUDGED) {
-        let local = (local, Stationarity::None);
-        let solution = judge(runner, grids[index].setting, finer, local, known)?;
-        known = known.min(solution.objective);
-        found.push(Found {
-            start,
-            source,
-            solution,
-        });
-    }
-    if found.is_empty() {
-        found.push(nothing());
-    }
-    Ok(found)
-}
-
-/// A word on the grid, and the index of the word, whose units it has.
-type OnGrid = (Placed, usize);
-
-/// Adds a word behind those that are better.
-fn insert(all: &mut Vec<OnGrid>, one: OnGrid) {
-    let place = all.partition_point(|(other, _)| other.rank() < one.0.rank());
-    all.insert(place, one);
-}
-
-/// The words with their switches rounded to the grid, the best first.
-fn placed(runner: &mut Runner, words: &[Timed], grids: &[Grid]) -> Vec<OnGrid> {
-    let mut placed: Vec<OnGrid> = Vec::new();
-    for (index, (word, grid)) in words.iter().zip(grids).enumerate() {
-        let reached = placed.iter().find(|(best, _)| best.reaches());
-        let least = reached.map_or(f64::INFINITY, |(best, _)| best.merit);
-        let enough = index >= PLACED && least.is_finite();
-        if enough || runner.stopped() || word.merit() > least + BEYOND * least.abs() {
-            continue;
-        }
-        if let Some(best) = grid.rounded(runner, word) {
-            insert(&mut placed, (best, index));
-        }
-    }
-    placed
-}
-
-/// The same with the switches of the best ones moved through the ends of their intervals.
-fn moved(runner: &mut Runner, placed: Vec<OnGrid>, grids: &[Grid]) -> Vec<OnGrid> {
-    let least = placed.first().map_or(f64::INFINITY, |(best, _)| best.merit);
-    let mut moved: Vec<OnGrid> = Vec::new();
-    for (rank, (best, index)) in placed.into_iter().enumerate() {
-        let near = !best.reaches() || best.merit <= least + MOVED_WITHIN * least.abs();
-        let best = if rank < MOVED && near && runner.settings.uses("through") {
-            grids[index].moved(runner, best)
-        } else {
-            best
-        };
-        insert(&mut moved, (best, index));
-    }
-    moved
-}
-
-/// The best ones that reach the goals, solved exactly, the best first; with all that can be done for one where quick programs solve none.
-fn solved<'a>(
-    runner: &mut Runner,
-    moved: &[OnGrid],
-    grids: &[Grid<'a, 'a>],
-) -> Result<Vec<(Local<'a>, usize)>, InputError> {
-    let mut locals: Vec<(Local, usize)> = Vec::new();
-    for (effort, most) in [(Effort::Carry, JUDGED), (Effort::Certify, 1)] {
-        runner.effort = effort;
-        for (placed, index) in moved.iter().filter(|(placed, _)| placed.reaches()) {
-            if locals.len() >= most || runner.stopped() {
-                break;
-            }
-            let grid = &grids[*index];
-            let mut attempts = Attempts::new(grid.setting, grid.elements);
-            let attempt = Attempt {
-                sequence: &placed.candidate.sequence,
-                guess: &placed.candidate.trajectory,
-                cuts: &[],
-                purpose: Purpose::Explore,
-            };
-            attempts.attempt(runner, attempt)?;
-            if let Some(best) = attempts.best.take() {
-                let objective = best.solution.objective;
-                let place =
-                    locals.partition_point(|(other, _)| other.solution.objective < objective);
-                locals.insert(place, (best, *index));
-            }
-        }
-    }
-    Ok(locals)
 }

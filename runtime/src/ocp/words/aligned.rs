@@ -91,7 +91,7 @@ impl Aligned {
             sequence: &sequence,
             guess: &guess,
             cuts: &[],
-            purpose: Purpose::Explore,
+            purpose: Purpose::Near,
         };
         let verdict = attempts.attempt(runner, attempt)?;
         Ok(attempts.best.ok_or(verdict))
@@ -115,8 +115,8 @@ impl Aligned {
             ..setting
         };
         let mut program = transcribe(setting, &sequence, &guess, &[], &elements);
-        let price = DEARER * goals.price?;
-        let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
+        let dear = goals.at(DEARER * goals.price?);
+        let solution = solved(runner, &mut program, &dear, (BARRIER, ITERATIONS))?;
         Some(solution.objective)
     }
 

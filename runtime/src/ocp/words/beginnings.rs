@@ -1,26 +1,26 @@
-//! Words to begin with: of simulated motions under random controls, of what they begin with, of the ride without controls, of steps, of a
-//! contact-implicit program, and the one without switches.
+//! Words to begin with: of simulated motions under random controls and under policies, of what they begin with, of the ride without
+//! controls, of steps, of a contact-implicit program, and the one without switches.
 
 use super::library::Library;
 use super::off_grid::Goals;
 use super::word::Draft;
 use crate::ocp::collocation::discretization::Setting;
-use crate::ocp::global::coarse_to_fine::{CoarseToFine, RelaxedMotions};
-use crate::ocp::global::guess::guess;
+use crate::ocp::global::coarse_to_fine::CoarseToFine;
+use crate::ocp::global::guess::{guess, uniform};
 use crate::ocp::global::start_modes::modes_at_start;
 use crate::ocp::motion::candidate::Candidate;
-use crate::ocp::motion::sequence::Sequence;
-use crate::ocp::motion::targets::goal_values;
+use crate::ocp::motion::mode::{closed_mode, is_frictional};
+use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::problem::has_free_start;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::search::replay::simulations;
-use crate::ocp::search::sampled::{Range, best_of_each_order};
-use crate::ocp::search::stepping::stepping;
+use crate::ocp::search::sampled::{Range, Sampled, best_of_each_order};
 use crate::ocp::settings::Guess;
 use crate::ocp::tuning::beginnings::{
-    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEPS, WORDS,
+    CHANGED, DRAWN, LEARNED, MOST_PHASES, OF_EACH_LENGTH, PHASES, STEP, STEPS, TRIES, WORDS,
 };
-use crate::simulation::InputError;
+use crate::simulation::{ContactMode, InputError};
 
 /// The source whose words come from a contact-implicit program.
 const IMPLICIT: &str = "contact-implicit";
@@ -32,17 +32,45 @@ pub(in crate::ocp) struct Beginning {
     pub(super) source: &'static str,
 }
 
-/// Words to begin with and the library of what their motions went through; random controls are drawn from a range.
+/// What the search begins with.
+#[derive(Default)]
+pub(in crate::ocp) struct Begun {
+    pub(in crate::ocp) words: Vec<Beginning>,
+    /// What motions went through.
+    pub(in crate::ocp) library: Library,
+    /// Simulated motions on the grid: without controls, and of the best orders.
+    pub(in crate::ocp) motions: Vec<Candidate>,
+}
+
+/// Words to begin with, and the goals as motions miss them; random controls are drawn from a range. Of a known motion there is its own word
+/// alone.
 pub(in crate::ocp) fn beginnings(
     runner: &mut Runner,
-    setting: Setting,
+    (setting, guessed): (Setting, &Trajectory),
     range: &Range,
-) -> Result<(Vec<Beginning>, (Library, Goals)), InputError> {
+) -> Result<(Begun, Goals), InputError> {
     let mut library = Library::default();
     let mut found: Vec<Beginning> = Vec::new();
+    let mut motions: Vec<Candidate> = Vec::new();
+    if let Guess::Previous(previous) = &runner.settings.guess {
+        let known = previous.candidate(guessed, setting.problem.intervals);
+        let (draft, motion) = read(setting, known);
+        library.learn(&draft.word);
+        add(&mut found, (draft, motion), "known");
+        let goals = Goals::of(setting, &Sampled::default());
+        let begun = Begun {
+            words: found,
+            library,
+            motions,
+        };
+        return Ok((begun, goals));
+    }
     let sampled = best_of_each_order(runner, (setting, range), (DRAWN, CHANGED), LEARNED)?;
+    let goals = Goals::of(setting, &sampled);
     let mut drafts: Vec<(Draft, Trajectory)> = Vec::new();
+    motions.extend(sampled.ride);
     for candidate in sampled.motions {
+        motions.push(candidate.clone());
         let (draft, motion) = read(setting, candidate);
         library.learn(&draft.word);
         if draft.word.phases() <= MOST_PHASES {
@@ -55,45 +83,37 @@ pub(in crate::ocp) fn beginnings(
     for phases in 1..=PHASES {
         add_beginnings(&mut found, &drafts, phases);
     }
-    let Setting {
-        model,
-        problem,
-        bounds,
-        ..
-    } = setting;
-    let straight = guess(model, problem, &Guess::Straight, bounds)?;
     let tolerance = runner.settings.replay_tolerance;
-    for candidate in simulations(setting, &straight, tolerance).unwrap_or_default() {
+    for candidate in simulations(setting, guessed, tolerance).unwrap_or_default() {
         let (draft, motion) = read(setting, candidate);
         library.learn(&draft.word);
         if draft.word.phases() <= MOST_PHASES {
             add(&mut found, (draft, motion), "ride");
         }
     }
-    let empty = Sequence::without_switches(modes_at_start(setting, &straight));
-    let length = straight.horizon / problem.intervals as f64;
-    let draft = Draft::read(&empty, length, straight.horizon);
-    add(&mut found, (draft, straight.clone()), "empty");
-    for sequence in steps(setting, &straight) {
-        let draft = Draft::read(&sequence, length, straight.horizon);
-        add(&mut found, (draft, straight.clone()), "steps");
+    let empty = Sequence::without_switches(modes_at_start(setting, guessed));
+    let length = guessed.horizon / setting.problem.intervals as f64;
+    let draft = Draft::read(&empty, length, guessed.horizon);
+    add(&mut found, (draft, guessed.clone()), "empty");
+    for sequence in steps(setting, &empty) {
+        let draft = Draft::read(&sequence, length, guessed.horizon);
+        add(&mut found, (draft, guessed.clone()), "steps");
     }
     found.retain(|beginning| runner.settings.uses(beginning.source));
     if runner.settings.uses(IMPLICIT)
-        && let Some((draft, motion)) = implicit(runner, setting, &straight)?
+        && let Some((draft, motion)) = implicit(runner, setting, guessed)?
     {
         library.learn(&draft.word);
         if draft.word.phases() <= MOST_PHASES {
             add(&mut found, (draft, motion), IMPLICIT);
         }
     }
-    let goals = Goals {
-        sizes: sizes(setting, &sampled.units),
-        price: Some(sampled.cost)
-            .filter(|cost| *cost > 0.0)
-            .map(Goals::price_of),
+    let begun = Begun {
+        words: found,
+        library,
+        motions,
     };
-    Ok((found, (library, goals)))
+    Ok((begun, goals))
 }
 
 /// Adds what motions begin with, of that many phases.
@@ -116,39 +136,52 @@ fn implicit(
     setting: Setting,
     guess: &Trajectory,
 ) -> Result<Option<(Draft, Trajectory)>, InputError> {
-    let mut relaxed = RelaxedMotions::default();
     let failure = runner.take_failure();
-    let candidate = CoarseToFine::new(setting, guess).next(runner, &mut relaxed)?;
+    let candidate = CoarseToFine::new(setting, guess).next(runner)?;
     runner.restore_failure(failure, true);
     Ok(candidate.map(|candidate| read(setting, candidate)))
 }
 
-/// Steps of feet that stand at first, as random controls never take them: of each, of two in turn, once and twice.
-fn steps(setting: Setting, straight: &Trajectory) -> Vec<Sequence> {
-    let modes = modes_at_start(setting, straight).into_iter().enumerate();
-    let declared = setting.model.declaration().contacts;
-    let standing = modes.filter(|(contact, mode)| !mode.is_open() && !declared[*contact].dry);
-    if standing.count() < 2 {
+/// Steps of feet of which two or more stand at first, which random controls never take and no edit of a jump leads to: of each alone, of two
+/// in turn, once and twice.
+fn steps(setting: Setting, standing: &Sequence) -> Vec<Sequence> {
+    let model = setting.model;
+    let declared = model.declaration().contacts;
+    let modes = standing.initially.iter().enumerate();
+    let feet = modes.filter(|(contact, mode)| !mode.is_open() && !declared[*contact].dry);
+    let feet: Vec<usize> = feet.map(|(contact, _)| contact).collect();
+    if feet.len() < 2 {
         return Vec::new();
     }
-    let mut steps = stepping(setting, straight);
-    steps.truncate(STEPS);
-    steps
+    let intervals = setting.problem.intervals;
+    let sequences = gaits(&feet).into_iter().filter_map(|gait| {
+        let part = intervals as f64 / gait.len() as f64;
+        let mut sequence = standing.clone();
+        for (step, &foot) in gait.iter().enumerate() {
+            let [off, on] = [STEP, 1.0 - STEP].map(|share| (step as f64 + share) * part);
+            let mode = closed_mode(is_frictional(model, foot), 0.0, 0.0);
+            let lifts = Switch::inside(foot, false, ContactMode::Open, off);
+            let lands = Switch {
+                impulse: mode,
+                ..Switch::inside(foot, true, mode, on)
+            };
+            sequence.switches.extend([lifts, lands]);
+        }
+        sequence.ordered(intervals)
+    });
+    sequences.take(STEPS).collect()
 }
 
-/// Sizes of the goals: what most random motions miss less, or else the start does.
-fn sizes(setting: Setting, units: &[f64]) -> Vec<f64> {
-    let mut z = setting.problem.start();
-    z.push(setting.units.time);
-    let values = goal_values(setting.model, &z).into_iter().enumerate();
-    let sizes = values.map(|(goal, value)| {
-        let drawn = units.get(goal).copied().unwrap_or(0.0);
-        let all = [drawn, value.abs(), 1.0];
-        all.into_iter()
-            .find(|size| *size > 0.0 && size.is_finite())
-            .unwrap_or(1.0)
+/// Feet that step, one after the other: each alone, two in turn, each twice, two in turn twice.
+fn gaits(feet: &[usize]) -> Vec<Vec<usize>> {
+    let alone = feet.iter().map(|&one| vec![one]);
+    let in_turn = feet.iter().flat_map(|&one| {
+        let others = feet.iter().filter(move |&&other| other != one);
+        others.map(move |&other| vec![one, other])
     });
-    sizes.collect()
+    let once: Vec<Vec<usize>> = alone.chain(in_turn).collect();
+    let twice = once.iter().map(|gait| gait.repeat(2));
+    once.iter().cloned().chain(twice).collect()
 }
 
 /// Adds a word that is not there yet; whether it was added.
@@ -174,4 +207,62 @@ fn read(setting: Setting, candidate: Candidate) -> (Draft, Trajectory) {
     let length = trajectory.horizon / setting.problem.intervals as f64;
     let draft = Draft::read(&candidate.sequence, length, trajectory.horizon);
     (draft, trajectory)
+}
+
+/// A word as a motion under random controls goes through it, or else with random times, and a motion under random controls or one that is
+/// bent out of shape; none where it cannot be simulated.
+pub(super) fn another(
+    setting: Setting,
+    draft: &Draft,
+    (seed, tolerance): (u64, f64),
+) -> Option<(Draft, Trajectory)> {
+    let Setting {
+        model,
+        problem,
+        bounds,
+        ..
+    } = setting;
+    // Random starts are those of simulated motions alone.
+    let kind = match seed.is_multiple_of(2) && !has_free_start(model) {
+        true => Guess::Perturbed(seed),
+        false => Guess::Random(seed),
+    };
+    let motion = guess(model, problem, &kind, bounds).ok()?;
+    if matches!(kind, Guess::Random(_)) {
+        let first = u64::MAX - TRIES * seed;
+        let mut drawn = (0..TRIES).filter_map(|k| {
+            let kind = Guess::Random(first - k);
+            let motion = guess(model, problem, &kind, bounds).ok()?;
+            let candidates = simulations(setting, &motion, tolerance).ok()?;
+            let (own, motion) = read(setting, candidates.into_iter().next()?);
+            let own = own.up_to(draft.word.instants.len());
+            (own.word == draft.word).then_some((own, motion))
+        });
+        if let Some(same) = drawn.next() {
+            return Some(same);
+        }
+    }
+    let mut random = uniform(!seed);
+    let mut draft = draft.clone();
+    draft.horizon = motion.horizon;
+    let ends = draft.word.ends_with_impact;
+    let times = draft.times.iter_mut();
+    times.for_each(|time| *time = 0.5 * (random() + 1.0) * motion.horizon);
+    draft.times.sort_by(f64::total_cmp);
+    if let Some(last) = draft.times.last_mut().filter(|_| ends) {
+        *last = motion.horizon;
+    }
+    Some((draft, motion))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_feet_step_alone_in_turn_and_twice() {
+        let once = [vec![3], vec![5], vec![3, 5], vec![5, 3]];
+        let twice = [vec![3, 3], vec![5, 5], vec![3, 5, 3, 5], vec![5, 3, 5, 3]];
+        assert_eq!(gaits(&[3, 5]), [once, twice].concat());
+    }
 }

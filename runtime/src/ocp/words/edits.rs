@@ -359,14 +359,19 @@ fn flipped(parent: &Parent, phase: usize, there: &[ContactMode]) -> Option<Draft
     Some(draft)
 }
 
-/// A touch where a contact is open.
+/// A touch where an open contact presses.
 fn touches(parent: &Parent) -> Vec<Draft> {
-    let modes = parent.word().modes();
     let mut found = Vec::new();
+    let presses = |phase: usize, contact: usize| {
+        let mut presses = parent.timed.presses.iter();
+        presses.any(|press| {
+            (press.phase, press.contact, press.against) == (phase, contact, Pressed::Gap)
+                && press.share > TOLERANCE
+        })
+    };
     for (phase, (from, to)) in parent.draft().phases().into_iter().enumerate() {
-        for (contact, mode) in modes[phase].iter().enumerate() {
-            let declared = &parent.model().declaration().contacts[contact];
-            if !mode.is_open() || declared.dry || parent.word().pieces.is_idle(contact) {
+        for contact in 0..parent.word().initially.len() {
+            if !presses(phase, contact) || parent.word().pieces.is_idle(contact) {
                 continue;
             }
             for impulse in closed_modes(parent.model(), contact) {

@@ -6,16 +6,23 @@ use crate::ocp::collocation::layout::Phase;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::collocation::transcribe::transcribe;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
+use crate::ocp::motion::final_times::FinalTimes;
+use crate::ocp::motion::targets::goal_values;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem};
 use crate::ocp::program::runner::{Run, Runner};
 use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::interior_point;
+use crate::ocp::search::sampled::Sampled;
+use crate::ocp::tuning::edits::VANISHED;
+use crate::ocp::tuning::equal::MET;
 use crate::ocp::tuning::off_grid::{
-    BARRIER, ELEMENTS, ITERATIONS, LEAST, LEAST_SHARE, LONGEST, PRICE, RESTORED, ROUNDED, TOLERANCE,
+    BARRIER, ELEMENTS, ITERATIONS, LEAST, LEAST_SHARE, LONGEST, MOVES, PRICE, RESTORED, ROUNDED,
+    TOLERANCE,
 };
 use crate::ocp::tuning::table::WORTH_OF_PHASE;
 use crate::rk::ButcherTableau;
+use crate::simulation::ContactMode;
 use hangtime_solver::nlp;
 
 /// How finely a word is stated.
@@ -35,18 +42,53 @@ pub(in crate::ocp) struct Goals {
     pub(super) sizes: Vec<f64>,
     /// Objective per size; set by the first program if it is not known.
     pub(super) price: Option<f64>,
+    /// Size of the objective of the best word that meets its goals, to which programs are solved; until there is one it is that of the
+    /// price.
+    pub(super) size: Option<f64>,
 }
 
 impl Goals {
+    /// Those of a problem of which so many motions are known.
+    pub(super) fn of(setting: Setting, sampled: &Sampled) -> Self {
+        Self {
+            sizes: sizes(setting, &sampled.units),
+            price: (sampled.cost > 0.0).then(|| Self::price_of(sampled.cost)),
+            size: None,
+        }
+    }
+
     /// The price of a miss where objectives are of that size.
     pub(super) fn price_of(objective: f64) -> f64 {
         PRICE * objective
     }
 
-    /// The size of objectives where a miss has that price.
-    fn objective_of(price: f64) -> f64 {
-        price / PRICE
+    /// The same goals at another price.
+    pub(super) fn at(&self, price: f64) -> Self {
+        Self {
+            price: Some(price),
+            ..self.clone()
+        }
     }
+
+    /// The size of objectives where a miss has that price.
+    fn objective_at(&self, price: f64) -> f64 {
+        self.size.unwrap_or(price / PRICE)
+    }
+}
+
+/// Sizes of the goals: what most random motions miss less, or else the start does.
+fn sizes(setting: Setting, units: &[f64]) -> Vec<f64> {
+    let mut z = setting.problem.start();
+    z.push(setting.units.time);
+    let values = goal_values(setting.model, &z).into_iter().enumerate();
+    let sizes = values.map(|(goal, value)| {
+        let drawn = units.get(goal).copied().unwrap_or(0.0);
+        let all = [drawn, value.abs(), 1.0];
+        all.into_iter()
+            .find(|size| *size > 0.0 && size.is_finite())
+            .unwrap_or(1.0)
+    });
+    sizes.collect()
 }
 
 /// What a solution presses against in a phase.
@@ -80,6 +122,8 @@ pub(in crate::ocp) struct Timed {
     pub(super) merit: f64,
     /// By how much goals are missed, in their sizes.
     pub(super) missed: f64,
+    /// The price at which they are.
+    pub(super) price: f64,
     pub(super) presses: Vec<Press>,
 }
 
@@ -133,8 +177,36 @@ pub(super) fn spans_with(
     spans.collect()
 }
 
-/// Solves the program of a draft from a motion; `None` where it has no order or no solution.
+/// Solves the program of a draft from a motion, and again from where it ends where that is an end of the final times that it looks at;
+/// `None` where it has no order or no solution. What misses its goals does so in a shorter time as well.
 pub(super) fn solve(
+    runner: &mut Runner,
+    setting: Setting,
+    with: (&ButcherTableau, Fineness),
+    from: (&Draft, &Trajectory),
+    goals: &mut Goals,
+) -> Option<Timed> {
+    let mut looked_at = FinalTimes::around(setting.problem, from.1.horizon);
+    let mut found = solve_around(runner, setting, with, from, goals)?;
+    for _ in 0..MOVES {
+        let centre = found.motion.horizon;
+        let end = looked_at.end_at(centre);
+        let moves = end.is_some_and(|end| found.meets() || end > looked_at.shortest);
+        if !moves || runner.stopped() {
+            break;
+        }
+        looked_at = FinalTimes::around(setting.problem, centre);
+        let from = (&found.draft, &found.motion);
+        let Some(moved) = solve_around(runner, setting, with, from, goals) else {
+            break;
+        };
+        found = moved;
+    }
+    Some(found)
+}
+
+/// The same with final times around that of the motion.
+fn solve_around(
     runner: &mut Runner,
     setting: Setting,
     (tableau, fineness): (&ButcherTableau, Fineness),
@@ -163,10 +235,10 @@ pub(super) fn solve(
     };
     let (guess, elements) = begun(&spans, motion);
     let mut program = transcribe(program_setting, &sequence, &guess, &[], &elements);
-    let price = *goals
+    goals
         .price
         .get_or_insert(Goals::price_of(program.program.objective_size()));
-    let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
+    let solution = solved(runner, &mut program, goals, (BARRIER, ITERATIONS))?;
     Some(read(&program, &solution, (draft, &counts)))
 }
 
@@ -188,21 +260,25 @@ pub(super) fn begun(spans: &[Span], motion: &Trajectory) -> (Trajectory, Vec<usi
     (guess, elements.collect())
 }
 
-/// The solution with goals that are missed where that is worth its price.
+/// The solution with goals that are missed where that is worth its price; without a price none.
 pub(super) fn solved(
     runner: &mut Runner,
     program: &mut Collocation,
-    price: f64,
+    goals: &Goals,
     (barrier, iterations): (f64, usize),
 ) -> Option<nlp::Solution> {
+    let price = goals.price?;
     let mut settings = interior_point(runner.settings);
     // Products of bounds and multipliers are measured in the unit of the objective, which is that of the largest control that is allowed.
     let small =
-        (Goals::objective_of(price) / program.program.objective_unit()).clamp(LEAST_SHARE, 1.0);
+        (goals.objective_at(price) / program.program.objective_unit()).clamp(LEAST_SHARE, 1.0);
     settings.tolerance = small * TOLERANCE;
     settings.constraint_tolerance = TOLERANCE;
     settings.initial_barrier_parameter = small * barrier;
     settings.maximum_iterations = iterations;
+    // A motion that is near its solution stays there.
+    settings.bound_push = barrier;
+    settings.bound_fraction = barrier;
     program.penalize(price);
     let run = Run {
         settings: &settings,
@@ -210,9 +286,8 @@ pub(super) fn solved(
         restores: RESTORED,
         best: None,
     };
-    let horizon = program.horizon;
     let failure = runner.take_failure();
-    let solution = runner.solve(&mut program.program, horizon, &run);
+    let solution = runner.solve(&mut program.program, &run);
     runner.restore_failure(failure, true);
     solution.ok()
 }
@@ -246,6 +321,7 @@ pub(super) fn read(
         objective: solution.objective - missed * program.price(),
         merit: solution.objective,
         missed,
+        price: program.price(),
         presses: presses(program, solution, counts, &begins),
         motion: trajectory,
     }
@@ -349,5 +425,32 @@ impl Timed {
 
     pub(in crate::ocp) fn merit(&self) -> f64 {
         self.merit
+    }
+
+    /// Whether it meets its goals.
+    pub(in crate::ocp) fn meets(&self) -> bool {
+        self.missed <= MET
+    }
+
+    /// The same with a miss at that price, or at the one that it is worth where that is dearer: what is missed at a dear price is so at a lower
+    /// one, whatever that leaves of the objective.
+    pub(super) fn set_price(&mut self, price: f64) {
+        let price = if self.meets() {
+            price
+        } else {
+            price.max(self.price)
+        };
+        self.merit = self.objective + price * self.missed;
+    }
+
+    /// The modes of the phases that last.
+    pub(super) fn lasting(&self) -> Vec<Vec<ContactMode>> {
+        let modes = self.word().modes().into_iter();
+        let phases = modes.zip(self.draft.phases());
+        let least = VANISHED * self.draft.horizon;
+        phases
+            .filter(|(_, (from, to))| to - from >= least)
+            .map(|(modes, _)| modes)
+            .collect()
     }
 }

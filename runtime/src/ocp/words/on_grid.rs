@@ -15,7 +15,8 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::tuning::equal::{MET, OPTIMUM};
 use crate::ocp::tuning::on_grid::{
-    AT_AN_END, BARRIER, BESIDE_A_JUMP, ITERATIONS, JUMP, MOVES, PRESSES,
+    AT_AN_END, BARRIER, BESIDE_A_JUMP, DEARER, DEARER_ROUNDS, ENTRY, ITERATIONS, JUMP, MOVES, NEAR,
+    NEARBY, NO_NEARER, PRESSES, SHIFTS,
 };
 use crate::rk::ButcherTableau;
 
@@ -24,12 +25,14 @@ type At = (usize, Place);
 
 /// A word on the grid, solved with these places.
 pub(in crate::ocp) struct Placed {
-    word: Word,
     places: Vec<At>,
     /// Of the instants, in intervals.
     times: Vec<f64>,
     pub(in crate::ocp) merit: f64,
     pub(in crate::ocp) missed: f64,
+    /// Whether it costs less than the word does off the grid, by more than that is let be: mostly an element that is too long for what
+    /// happens in it.
+    is_below: bool,
     pub(in crate::ocp) candidate: Candidate,
 }
 
@@ -48,15 +51,16 @@ impl Placed {
         self.missed <= MET
     }
 
-    /// Those that reach the goals first, then by merit.
-    pub(in crate::ocp) fn rank(&self) -> (bool, f64) {
-        (!self.reaches(), self.merit)
+    /// Those that reach the goals first, of these the ones that cost no less than their word, then by merit.
+    pub(in crate::ocp) fn rank(&self) -> (bool, bool, f64) {
+        (!self.reaches(), self.is_below, self.merit)
     }
 
     /// Whether it is better than another one by more than nothing.
     fn improves(&self, other: &Self) -> bool {
         let gain = other.merit - self.merit > OPTIMUM * other.merit.abs();
-        self.reaches() && !other.reaches() || self.reaches() == other.reaches() && gain
+        let of = |placed: &Self| (!placed.reaches(), placed.is_below);
+        of(self) < of(other) || of(self) == of(other) && gain
     }
 }
 
@@ -66,12 +70,7 @@ impl Grid<'_, '_> {
     pub(in crate::ocp) fn rounded(&self, runner: &mut Runner, timed: &Timed) -> Option<Placed> {
         let horizon = timed.motion.horizon;
         let intervals = self.setting.problem.intervals;
-        let end = |k: usize| horizon * k as f64 / intervals as f64;
-        let controls = (0..intervals).map(|k| timed.motion.controls_between(end(k), end(k + 1)));
-        let trajectory = Trajectory {
-            controls: ControlGrid::constant(controls.collect()),
-            ..timed.motion.clone()
-        };
+        let trajectory = self.driven(timed);
         let times = timed.draft.times.iter();
         let times: Vec<f64> = times
             .map(|time| time / horizon * intervals as f64)
@@ -81,7 +80,7 @@ impl Grid<'_, '_> {
         let differs = at_jumps != inside && runner.settings.uses("at-jumps");
         let mut placed = |places: &[At]| {
             let going_on = !runner.stopped();
-            going_on.then(|| self.placed(runner, timed.word(), (places, &times), &trajectory))?
+            going_on.then(|| self.placed(runner, timed, (places, &times), &trajectory))?
         };
         let one = placed(&inside);
         let other = differs.then(|| placed(&at_jumps)).flatten();
@@ -91,8 +90,139 @@ impl Grid<'_, '_> {
         }
     }
 
+    /// The best that a word comes to with single instants an interval earlier and later, and with all behind them, as long as the grid costs
+    /// more than it has to: from the motion off the grid, warped to there.
+    pub(in crate::ocp) fn shifted(
+        &self,
+        runner: &mut Runner,
+        timed: &Timed,
+        placed: Placed,
+    ) -> Placed {
+        let mut best = placed;
+        let mut tried: Vec<Vec<At>> = vec![best.places.clone()];
+        let bound = timed.merit() + NEAR * timed.merit().abs();
+        let nearby = match runner.settings.uses("near") {
+            true => self.nearby(timed),
+            false => Vec::new(),
+        };
+        let most = SHIFTS + nearby.len();
+        'again: while best.is_below || !best.reaches() || best.merit > bound {
+            let shifts = self.shifts(&best).into_iter();
+            for (places, times) in shifts.chain(nearby.iter().cloned()) {
+                if tried.len() > most || runner.stopped() {
+                    break 'again;
+                }
+                if tried.contains(&places) || !is_in_order(&places) {
+                    continue;
+                }
+                tried.push(places.clone());
+                let guess = self.warped(timed, &times);
+                let found = self.placed(runner, timed, (&places, &times), &guess);
+                if let Some(found) = found
+                    && found.improves(&best)
+                {
+                    best = found;
+                    continue 'again;
+                }
+            }
+            break;
+        }
+        best
+    }
+
+    /// Places of all instants, the nearest to the times off the grid first: in their intervals, at the ends of these, and in the next ones.
+    fn nearby(&self, timed: &Timed) -> Vec<(Vec<At>, Vec<f64>)> {
+        let intervals = self.setting.problem.intervals;
+        let horizon = timed.motion.horizon;
+        let count = timed.draft.times.len();
+        let mut all: Vec<Near> = vec![Near::default()];
+        for (index, time) in timed.draft.times.iter().enumerate() {
+            let ends = timed.word().ends_with_impact && index + 1 == count;
+            let time = time / horizon * intervals as f64;
+            let choices = match ends {
+                true => vec![((intervals, Place::Start), time)],
+                false => choices(time, intervals),
+            };
+            let more = all.iter().flat_map(|near| {
+                let choices = choices.iter();
+                choices.filter_map(|(at, to)| near.and(*at, *to, (to - time).abs()))
+            });
+            let mut more: Vec<Near> = more.collect();
+            more.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+            more.truncate(NEARBY);
+            all = more;
+        }
+        all.into_iter()
+            .map(|near| (near.places, near.times))
+            .collect()
+    }
+
+    /// Single instants an interval earlier and later, and then with all behind them.
+    fn shifts(&self, placed: &Placed) -> Vec<(Vec<At>, Vec<f64>)> {
+        let intervals = self.setting.problem.intervals as isize;
+        let count = placed.places.len();
+        let mut found = Vec::new();
+        for all_behind in [false, true] {
+            for first in 0..count {
+                let last = if all_behind { count } else { first + 1 };
+                if all_behind && last < first + 2 {
+                    continue;
+                }
+                for step in [-1, 1] {
+                    let (mut places, mut times) = (placed.places.clone(), placed.times.clone());
+                    for k in first..last {
+                        let to = places[k].0 as isize + step;
+                        if (0..intervals).contains(&to) {
+                            places[k] = (to as usize, Place::Inside);
+                            let begin = to as f64;
+                            times[k] =
+                                (times[k] + step as f64).clamp(begin + ENTRY, begin + 1.0 - ENTRY);
+                        }
+                    }
+                    if places != placed.places {
+                        found.push((places, times));
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// The motion of a word off the grid with its instants at other times, in intervals.
+    fn warped(&self, timed: &Timed, times: &[f64]) -> Trajectory {
+        let motion = self.driven(timed);
+        let interval = motion.horizon / self.setting.problem.intervals as f64;
+        let own = timed.draft.times.iter();
+        let pairs: Vec<(f64, f64)> = own.zip(times).map(|(a, b)| (*a, interval * b)).collect();
+        let inside = pairs.iter().all(|(a, _)| *a > 0.0 && *a < motion.horizon);
+        let ordered = pairs
+            .windows(2)
+            .all(|pair| pair[0].0 < pair[1].0 && pair[0].1 < pair[1].1);
+        match inside && ordered {
+            true => motion.warped(&pairs),
+            false => motion,
+        }
+    }
+
+    /// The motion of a word off the grid with the controls of the intervals of the grid.
+    fn driven(&self, timed: &Timed) -> Trajectory {
+        let horizon = timed.motion.horizon;
+        let intervals = self.setting.problem.intervals;
+        let end = |k: usize| horizon * k as f64 / intervals as f64;
+        let controls = (0..intervals).map(|k| timed.motion.controls_between(end(k), end(k + 1)));
+        Trajectory {
+            controls: ControlGrid::constant(controls.collect()),
+            ..timed.motion.clone()
+        }
+    }
+
     /// The best that switches come to which are moved through the ends of their intervals.
-    pub(in crate::ocp) fn moved(&self, runner: &mut Runner, placed: Placed) -> Placed {
+    pub(in crate::ocp) fn moved(
+        &self,
+        runner: &mut Runner,
+        timed: &Timed,
+        placed: Placed,
+    ) -> Placed {
         let mut best = placed;
         let mut tried: Vec<Vec<At>> = vec![best.places.clone()];
         let mut moves = 0;
@@ -106,7 +236,7 @@ impl Grid<'_, '_> {
                 tried.push(places.clone());
                 moves += 1;
                 let with = (&places[..], &best.times[..]);
-                let found = self.placed(runner, &best.word, with, &best.candidate.trajectory);
+                let found = self.placed(runner, timed, with, &best.candidate.trajectory);
                 if let Some(found) = found
                     && found.improves(&best)
                 {
@@ -162,10 +292,11 @@ impl Grid<'_, '_> {
     fn placed(
         &self,
         runner: &mut Runner,
-        word: &Word,
+        timed: &Timed,
         (places, times): (&[At], &[f64]),
         guess: &Trajectory,
     ) -> Option<Placed> {
+        let word = timed.word();
         let sequence = sequence(word, places, times, self.setting.problem.intervals)?;
         let setting = Setting {
             tableau: self.tableau,
@@ -175,8 +306,26 @@ impl Grid<'_, '_> {
             ..self.setting
         };
         let mut program = transcribe(setting, &sequence, guess, &[], self.elements);
-        let price = self.goals.price?;
-        let solution = solved(runner, &mut program, price, (BARRIER, ITERATIONS))?;
+        let with = (BARRIER, ITERATIONS);
+        let mut goals = self.goals.clone();
+        let mut solution = solved(runner, &mut program, &goals, with)?;
+        // What misses, once more where that is dearer, from where it ended.
+        for _ in 0..DEARER_ROUNDS {
+            let missed = program.missed(&solution.x);
+            if missed <= MET || runner.stopped() {
+                break;
+            }
+            goals = goals.at(DEARER * goals.price?);
+            let (from, ordered) = program.result(&solution.x);
+            let mut again = transcribe(setting, &ordered, &from, &[], self.elements);
+            let Some(other) = solved(runner, &mut again, &goals, with) else {
+                break;
+            };
+            if again.missed(&other.x) > NO_NEARER * missed {
+                break;
+            }
+            (program, solution) = (again, other);
+        }
         let (trajectory, sequence) = program.result(&solution.x);
         let missed = program.missed(&solution.x);
         let mut first = 0;
@@ -185,11 +334,11 @@ impl Grid<'_, '_> {
             sequence.switches[first - instant.len()].time
         });
         Some(Placed {
-            word: word.clone(),
             places: places.to_vec(),
             times: times.collect(),
             merit: solution.objective,
             missed,
+            is_below: solution.objective < timed.merit() - NEAR * timed.merit().abs(),
             candidate: Candidate {
                 objective: solution.objective,
                 trajectory,
@@ -197,6 +346,47 @@ impl Grid<'_, '_> {
             },
         })
     }
+}
+
+/// Places of the first instants, their times in intervals, and how far they are from the times off the grid in all.
+#[derive(Default)]
+struct Near {
+    places: Vec<At>,
+    times: Vec<f64>,
+    distance: f64,
+}
+
+impl Near {
+    /// The same with one more, so far from its time; none where that comes before the last one.
+    fn and(&self, at: At, time: f64, distance: f64) -> Option<Self> {
+        let last = self.places.last();
+        let twice = at.1 == Place::Start && last == Some(&at);
+        (!twice && last.is_none_or(|last| *last <= at)).then(|| Self {
+            places: [&self.places[..], &[at]].concat(),
+            times: [&self.times[..], &[time]].concat(),
+            distance: self.distance + distance,
+        })
+    }
+}
+
+/// Where an instant may be whose time, in intervals, is that.
+fn choices(time: f64, intervals: usize) -> Vec<(At, f64)> {
+    let own = (time.max(0.0) as usize).min(intervals - 1);
+    let inside = |interval: usize| {
+        let begin = interval as f64;
+        let time = time.clamp(begin + ENTRY, begin + 1.0 - ENTRY);
+        ((interval, Place::Inside), time)
+    };
+    let end = |end: usize| ((end, Place::Start), end as f64);
+    let ends = [own, own + 1].into_iter();
+    let ends = ends.filter(|end| (1..intervals).contains(end)).map(end);
+    let next = [own.checked_sub(1), Some(own + 1)].into_iter().flatten();
+    let next = next.filter(|next| *next < intervals).map(inside);
+    [((own, Place::Inside), time)]
+        .into_iter()
+        .chain(ends)
+        .chain(next)
+        .collect()
 }
 
 /// The sequence of a word with its instants at these places; `None` where that is no order.
@@ -282,6 +472,30 @@ fn in_order(places: Vec<At>, intervals: usize) -> Vec<At> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_instant_may_be_in_its_interval_at_its_ends_and_in_the_next_ones() {
+        use Place::{Inside, Start};
+        let places = |time| choices(time, 8).into_iter().map(|(at, _)| at);
+        let middle = [
+            (3, Inside),
+            (3, Start),
+            (4, Start),
+            (2, Inside),
+            (4, Inside),
+        ];
+        assert!(places(3.4).eq(middle));
+        // Ends of the motion are no ends at which controls change.
+        assert!(places(0.2).eq([(0, Inside), (1, Start), (1, Inside)]));
+        assert!(places(8.0).eq([(7, Inside), (7, Start), (6, Inside)]));
+        // One instant stays behind the other, and both are not at one end.
+        let near = Near::default().and((3, Start), 3.0, 0.4);
+        let near = near.expect("the first");
+        assert!(near.and((3, Start), 3.0, 0.0).is_none());
+        assert!(near.and((2, Inside), 2.9, 0.0).is_none());
+        let both = near.and((3, Inside), 3.4, 0.1).expect("in order");
+        assert!((both.distance - 0.5).abs() < 1e-12);
+    }
 
     #[test]
     fn places_stay_in_order_and_two_at_an_end_are_at_it_and_after_it() {

@@ -1,20 +1,25 @@
 //! Best first: from the words to begin with to better ones by edits, until nothing more is gained.
 
-use super::beginnings::Beginning;
+use super::beginnings::{Beginning, another};
 use super::edits::{Parent, RULES, Rule};
 use super::library::Library;
 use super::off_grid::{Fineness, Goals, Timed, solve};
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::Setting;
+use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::problem::has_free_start;
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Settings;
 use crate::ocp::tuning::beginnings::MOST_PHASES;
 use crate::ocp::tuning::equal::{MET, MOTION};
-use crate::ocp::tuning::off_grid::{DEARER, EVEN_PIECES, FREE_PIECES, LEAST_PIECES, TOLERANCE};
+use crate::ocp::tuning::off_grid::{
+    CHEAPER, DEARER, DEAREST, EVEN_PIECES, FREE_PIECES, IN_VAIN, LEAST_PIECES, NO_NEARER,
+    TOLERANCE, UNMET,
+};
 use crate::ocp::tuning::table::{
-    GUESSES, KEPT, MOST_EXCESS, NEXT_OF_RULE, OF_EACH_WORD, OF_PARENT, OF_PHASE, PATIENCE, POORER,
-    PROGRAMS, REFINEMENTS, SAME_TIMES, SHORTER, WORTH,
+    DRAFTS, FREE_STARTS, GUESSES, IN_A_TURN, KEPT, MOST_EXCESS, NEXT_OF_RULE, NEXT_TURN,
+    OF_EACH_WORD, OF_PARENT, OF_PHASE, PATIENCE, POORER, REFINEMENTS, SAME_TIMES, SHORTER, WORTH,
 };
 use crate::progress::BestMotion;
 use crate::rk::ButcherTableau;
@@ -58,6 +63,7 @@ struct Waiting {
 }
 
 /// A search over words.
+// Many fields: a table, what makes its rows, and how far it is.
 pub(in crate::ocp) struct Words<'a, 'r> {
     setting: Setting<'a>,
     tableau: &'r ButcherTableau,
@@ -71,15 +77,25 @@ pub(in crate::ocp) struct Words<'a, 'r> {
     /// Index of the best.
     best: Option<usize>,
     waiting: Vec<Waiting>,
-    programs: usize,
+    /// Drafts that were solved, at whatever prices.
+    drafts: usize,
     last_gain: usize,
     order: usize,
+    /// Whether a word met its goals; whether one was no nearer to them at a higher price while there was none; the price at first.
+    met: bool,
+    in_vain: bool,
+    first_price: f64,
+    /// Motions from which the best word was guessed anew.
+    guesses: u64,
+    /// A motion that no simulation leads to.
+    straight: &'r Trajectory,
 }
 
 impl<'a, 'r> Words<'a, 'r> {
     pub(in crate::ocp) fn new(
         setting: Setting<'a>,
         (tableau, settings): (&'r ButcherTableau, &Settings),
+        straight: &'r Trajectory,
         (library, goals): (Library, Goals),
     ) -> Self {
         let declared = setting.model.declaration().optimal_control;
@@ -98,25 +114,41 @@ impl<'a, 'r> Words<'a, 'r> {
             solved: Vec::new(),
             best: None,
             waiting: Vec::new(),
-            programs: 0,
+            drafts: 0,
             last_gain: 0,
             order: 0,
+            met: false,
+            in_vain: false,
+            first_price: 0.0,
+            guesses: 0,
+            straight,
         }
     }
 
-    /// The best words, the best first.
+    /// The best words, the best first, the price of their goals, and from how many guesses the best one was solved.
     pub(in crate::ocp) fn run(
         mut self,
         runner: &mut Runner,
         beginnings: &[Beginning],
-    ) -> (Vec<Timed>, Goals) {
+    ) -> (Vec<Timed>, Goals, usize) {
         for beginning in beginnings {
             self.evaluate(runner, &beginning.draft, &beginning.motion);
         }
         (0..self.solved.len()).for_each(|index| self.push(index));
-        self.last_gain = self.programs;
-        while self.programs < PROGRAMS
-            && self.programs - self.last_gain < PATIENCE
+        self.edit(runner);
+        while self.guessed_anew(runner) {
+            self.edit(runner);
+        }
+        let starts = 1 + self.guesses as usize;
+        let (words, goals) = self.best_words(runner);
+        (words, goals, starts)
+    }
+
+    /// Makes other words of those that are solved, best first, until nothing more is gained.
+    fn edit(&mut self, runner: &mut Runner) {
+        self.last_gain = self.drafts;
+        while self.drafts < DRAFTS
+            && self.drafts - self.last_gain < PATIENCE
             && !runner.stopped()
             && let Some(next) = self.next()
         {
@@ -130,14 +162,48 @@ impl<'a, 'r> Words<'a, 'r> {
             let shorter = found.word().phases() < parent.word().phases()
                 && found.merit < self.best_merit() + SHORTER * size;
             if self.best == Some(index) {
-                self.last_gain = self.programs;
+                self.last_gain = self.drafts;
                 self.push(index);
                 self.rank_again();
             } else if better || shorter {
                 self.push(index);
             }
         }
-        self.best_words(runner)
+    }
+
+    /// Solves the best word from other motions and times, until so many in a row bring nothing; whether one of them is better.
+    fn guessed_anew(&mut self, runner: &mut Runner) -> bool {
+        let Some(draft) = self.best.map(|best| self.solved[best].draft.clone()) else {
+            return false;
+        };
+        let place = self.seen.iter().position(|seen| seen.word == draft.word);
+        // What is nearest to free initial values too often agrees on one of several motions.
+        let free = has_free_start(self.setting.model);
+        let starts = runner.settings.starts();
+        let starts = if free {
+            starts.max(FREE_STARTS)
+        } else {
+            starts
+        };
+        let tolerance = runner.settings.replay_tolerance;
+        for _ in 1..starts {
+            self.guesses += 1;
+            let Some(guess) = another(self.setting, &draft, (self.guesses, tolerance)) else {
+                continue;
+            };
+            if runner.stopped() {
+                return false;
+            }
+            if let Some(place) = place
+                && let Some(index) = self.solve(runner, place, (&guess.0, &guess.1))
+                && self.best == Some(index)
+            {
+                self.push(index);
+                self.rank_again();
+                return true;
+            }
+        }
+        false
     }
 
     /// Size against which gains count.
@@ -191,10 +257,25 @@ impl<'a, 'r> Words<'a, 'r> {
             return None;
         }
         seen.guesses.push(times);
-        let with = (self.tableau, self.fineness);
-        let first = solve(runner, self.setting, with, (draft, motion), &mut self.goals);
-        self.programs += 1;
-        let timed = self.dearer(runner, first?);
+        self.solve(runner, place, (draft, motion))
+    }
+
+    /// Solves the program of a draft, whose word was seen before; its index if it has a solution.
+    fn solve(
+        &mut self,
+        runner: &mut Runner,
+        place: usize,
+        (draft, motion): (&Draft, &Trajectory),
+    ) -> Option<usize> {
+        self.drafts += 1;
+        let mut found = self.priced(runner, (draft, motion));
+        let missed = found.as_ref().map_or(f64::INFINITY, |timed| timed.missed);
+        if !self.met && missed > MET && !runner.stopped() {
+            let straight = self.priced(runner, (draft, self.straight));
+            let nearer = straight.filter(|straight| straight.missed < missed);
+            found = nearer.or(found);
+        }
+        let timed = found?;
         let merit = timed.merit;
         if !merit.is_finite() {
             return None;
@@ -217,27 +298,107 @@ impl<'a, 'r> Words<'a, 'r> {
         Some(index)
     }
 
-    /// A word that would be the best though it misses goals, at a higher price of that.
-    fn dearer(&mut self, runner: &mut Runner, timed: Timed) -> Timed {
-        if timed.missed <= MET || timed.merit >= self.best_merit() {
-            return timed;
-        }
+    /// The program of a draft at a price.
+    fn at(
+        &mut self,
+        runner: &mut Runner,
+        (draft, motion): (&Draft, &Trajectory),
+        price: f64,
+    ) -> Option<Timed> {
         let with = (self.tableau, self.fineness);
-        let mut goals = self.goals.clone();
-        goals.price = goals.price.map(|price| DEARER * price);
-        self.programs += 1;
-        let again = solve(
-            runner,
-            self.setting,
-            with,
-            (&timed.draft, &timed.motion),
-            &mut goals,
-        );
-        let price = goals.price.unwrap_or(0.0);
-        again.unwrap_or(Timed {
-            merit: timed.objective + price * timed.missed,
-            ..timed
-        })
+        let mut goals = self.goals.at(price);
+        solve(runner, self.setting, with, (draft, motion), &mut goals)
+    }
+
+    /// The program of a draft at the price that it needs, which becomes that of all: dearer where it misses its goals, as long as no word
+    /// meets them or it would be the best, and where it meets them as cheap as holds them, as of a dearer one its objective is not known.
+    fn priced(&mut self, runner: &mut Runner, from: (&Draft, &Trajectory)) -> Option<Timed> {
+        let with = (self.tableau, self.fineness);
+        let first = solve(runner, self.setting, with, from, &mut self.goals)?;
+        let base = self.goals.price.unwrap_or(0.0);
+        if self.first_price == 0.0 {
+            self.first_price = base;
+        }
+        let worse = first.merit >= self.best_merit();
+        if !first.meets() && if self.met { worse } else { self.in_vain } {
+            return Some(first);
+        }
+        let (mut timed, mut price) = self.dearer(runner, from, first, base);
+        let decides = timed.meets() && (!self.met || timed.objective < self.best_merit());
+        if timed.meets() && price > self.first_price && (price > base || !self.met) {
+            (timed, price) = self.cheaper(runner, timed, price);
+        }
+        if decides {
+            self.goals.price = Some(price);
+            if timed.objective != 0.0 {
+                self.goals.size = Some(timed.objective.abs());
+            }
+        } else if !timed.meets() && !self.met {
+            self.in_vain = true;
+            self.goals.price = Some(price);
+        }
+        self.met |= timed.meets();
+        let price = self.goals.price.unwrap_or(0.0);
+        self.solved
+            .iter_mut()
+            .for_each(|other| other.set_price(price));
+        timed.set_price(price);
+        let indices = 0..self.solved.len();
+        self.best = indices.min_by(|a, b| self.value(*a).total_cmp(&self.value(*b)));
+        Some(timed)
+    }
+
+    /// A word that misses its goals at higher prices, as long as that brings it nearer, anew where it has shrunk to no time, and the price.
+    fn dearer(
+        &mut self,
+        runner: &mut Runner,
+        from: (&Draft, &Trajectory),
+        mut timed: Timed,
+        base: f64,
+    ) -> (Timed, f64) {
+        let looked_at = FinalTimes::around(self.setting.problem, from.1.horizon);
+        let (step, most) = match self.met {
+            true => (DEARER, 1),
+            false => (UNMET, IN_VAIN),
+        };
+        let mut price = base;
+        let mut in_vain = 0;
+        while !timed.meets()
+            && in_vain < most
+            && price < DEAREST * self.first_price
+            && !runner.stopped()
+        {
+            price *= step;
+            let end = looked_at.end_at(timed.motion.horizon);
+            let shrunk = end.is_some_and(|end| end < looked_at.longest);
+            let ended = (&timed.draft, &timed.motion);
+            let start = if shrunk { from } else { ended };
+            let Some(again) = self.at(runner, start, price) else {
+                break;
+            };
+            in_vain = match again.missed < NO_NEARER * timed.missed {
+                true => 0,
+                false => in_vain + usize::from(!shrunk),
+            };
+            timed = again;
+        }
+        (timed, price)
+    }
+
+    /// A word that meets its goals at the least price that is tried at which it does, and that price.
+    fn cheaper(&mut self, runner: &mut Runner, timed: Timed, price: f64) -> (Timed, f64) {
+        for times in CHEAPER {
+            let lower = times * Goals::price_of(timed.objective.abs());
+            let lower = lower.max(self.first_price);
+            if lower >= 0.5 * price || runner.stopped() {
+                break;
+            }
+            let again = self.at(runner, (&timed.draft, &timed.motion), lower);
+            if let Some(again) = again.filter(Timed::meets) {
+                return (again, lower);
+            }
+        }
+        (timed, price)
     }
 
     /// Adds all edits of a solved word to those that wait.
@@ -258,7 +419,9 @@ impl<'a, 'r> Words<'a, 'r> {
         for rule in rules {
             for (rank, draft) in (rule.drafts)(&parent).into_iter().enumerate() {
                 self.order += 1;
-                let own = rule.price + NEXT_OF_RULE * rank as f64;
+                // After a few of a rule every other one has its turn.
+                let turn = NEXT_TURN * (rank / IN_A_TURN) as f64;
+                let own = rule.price + NEXT_OF_RULE * rank as f64 + turn;
                 let of_word = OF_PHASE * phases as f64 + OF_PARENT * excess.min(MOST_EXCESS);
                 waiting.push(Waiting {
                     priority: own + of_word,
@@ -309,7 +472,8 @@ impl<'a, 'r> Words<'a, 'r> {
         all.sort_by(|a, b| a.value(size).total_cmp(&b.value(size)));
         let mut kept: Vec<Timed> = Vec::new();
         for timed in all {
-            let same = kept.iter().filter(|other| other.word() == timed.word());
+            let lasting = timed.lasting();
+            let same = kept.iter().filter(|other| other.lasting() == lasting);
             let mut distances = same.map(|other| (other.merit - timed.merit).abs());
             let differs = distances.all(|distance| distance >= MOTION * size);
             let same = kept.iter().filter(|other| other.word() == timed.word());
@@ -325,6 +489,7 @@ impl<'a, 'r> Words<'a, 'r> {
             let from = (&timed.draft, &timed.motion);
             if let Some(refined) = solve(runner, self.setting, with, from, &mut self.goals)
                 && refined.merit < timed.merit + POORER * size
+                && (refined.meets() || !timed.meets())
             {
                 *timed = refined;
             }
