@@ -292,7 +292,7 @@ fn resimulated(
     setting: Setting,
     trajectory: &Trajectory,
     (plan, tolerance): ((&Sequence, f64), f64),
-    cost: f64,
+    cost: (f64, f64),
 ) -> Result<(Simulation, Option<Replayed>), InputError> {
     let mut outputs = OUTPUTS;
     loop {
@@ -326,7 +326,8 @@ pub(in crate::ocp) fn confirm(
     let cost = plan.cost;
     let let_pass = setting.largest_distance(settings, trajectory);
     let with = ((sequence, let_pass), settings.resimulation_tolerance);
-    let (replay, again) = resimulated(setting, trajectory, with, cost)?;
+    let unit = program.program.size_of(0.0);
+    let (replay, again) = resimulated(setting, trajectory, with, (cost, unit))?;
     let apart = Apart::of(setting, trajectory, &replay);
     let forces = forces::looked(setting.model, &replay);
     let limits = Limits::new(setting, settings);
@@ -344,7 +345,7 @@ pub(in crate::ocp) fn confirm(
     Ok(Solution {
         status,
         objective: cost,
-        objective_unit: program.program.size_of(0.0),
+        objective_unit: unit,
         horizon: trajectory.horizon,
         final_times: (f64::NAN, f64::NAN),
         parameters: Vec::new(),

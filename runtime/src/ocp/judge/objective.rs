@@ -43,13 +43,13 @@ pub(super) struct Replayed {
     pub(super) is_coarse: bool,
 }
 
-/// The objective along a re-simulation under `controls`, beside that of its plan; none where it reads what contacts do, or nothing was
-/// simulated.
+/// The objective along a re-simulation under `controls`, beside that of its plan, and the unit of both: of one that vanishes as squares do the
+/// square of what is let pass is let pass. None where it reads what contacts do, or nothing was simulated.
 pub(super) fn replayed(
     model: &dyn Model,
     controls: &ControlGrid,
     replay: &Simulation,
-    planned: f64,
+    (planned, unit): (f64, f64),
 ) -> Option<Replayed> {
     let declaration = model.declaration();
     let declared = declaration.optimal_control?;
@@ -77,15 +77,16 @@ pub(super) fn replayed(
         size += values[0].abs();
     }
     let difference = (cost - planned).abs() - error;
+    let same = SAME * size.max(SAME * unit);
     let departure = if difference > 0.0 {
-        difference / (SAME * size)
+        difference / same
     } else {
         0.0
     };
     Some(Replayed {
         cost,
         departure,
-        is_coarse: error > TELLS * SAME * size,
+        is_coarse: error > TELLS * same,
     })
 }
 
@@ -216,7 +217,7 @@ mod tests {
         let speed = (a * w).powi(2) * squares(-1.0);
         let place = c * c + 2.0 * a * c * w.sin() / w + a * a * squares(1.0);
         let exact = speed + 3.0 * place + 0.1 * u * u;
-        let found = replayed(&swung, &controls, &replay, exact).unwrap();
+        let found = replayed(&swung, &controls, &replay, (exact, 0.0)).unwrap();
         // (w h)^6/720 with w h = 0.225 is 2e-7 of the fast part, and twelve times less in the mean.
         assert!(
             (found.cost / exact - 1.0).abs() < 2e-8,
@@ -224,7 +225,7 @@ mod tests {
             found.cost
         );
         assert!(found.departure < 0.02);
-        let off = replayed(&swung, &controls, &replay, exact * (1.0 + 3e-6)).unwrap();
+        let off = replayed(&swung, &controls, &replay, (exact * (1.0 + 3e-6), 0.0)).unwrap();
         assert!((off.departure - 3.0).abs() < 0.05, "{off:?}");
     }
 }

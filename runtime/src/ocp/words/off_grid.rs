@@ -42,8 +42,8 @@ pub(in crate::ocp) struct Goals {
     pub(super) sizes: Vec<f64>,
     /// Objective per size; set by the first program if it is not known.
     pub(super) price: Option<f64>,
-    /// Size of the objective of the best word that meets its goals, to which programs are solved; until there is one it is that of the
-    /// price.
+    /// Size of the objective, to which programs are solved, whatever a miss costs: that of the best word that meets its goals; until there is
+    /// one, and from the first program on, that of the first price.
     pub(super) size: Option<f64>,
 }
 
@@ -70,9 +70,13 @@ impl Goals {
         }
     }
 
-    /// The size of objectives where a miss has that price.
-    fn objective_at(&self, price: f64) -> f64 {
-        self.size.unwrap_or(price / PRICE)
+    /// Sets what is not known yet by the size of an objective from its derivatives: motions that cost nothing say nothing about a price.
+    fn begin_at(&mut self, size: f64) {
+        if self.size.is_none() {
+            let known = self.price.unwrap_or(Self::price_of(size));
+            let price = known.max(Self::price_of(LEAST_SHARE * size));
+            (self.price, self.size) = (Some(price), Some(price / PRICE));
+        }
     }
 }
 
@@ -127,13 +131,14 @@ pub(in crate::ocp) struct Timed {
     pub(super) presses: Vec<Press>,
 }
 
-/// The spans of the phases of a draft.
-fn spans(draft: &Draft, problem: &Problem, fineness: Fineness) -> Vec<Span> {
+/// The spans of the phases of a draft, and the control intervals of each phase. An element after a landing holds all bounces until its
+/// contact rests, however long these take: so it is a span of its own.
+fn spans(draft: &Draft, setting: Setting, fineness: Fineness) -> (Vec<Span>, Vec<usize>) {
     let pieces = |_, share: f64| {
         let pieces = (fineness.pieces as f64 * share).round() as usize;
         fineness.least.max(pieces)
     };
-    let mut spans = spans_with(draft, problem, pieces);
+    let mut spans = spans_with(draft, setting.problem, pieces);
     let total: f64 = spans.iter().map(|span| span.to - span.from).sum();
     for span in &mut spans {
         let piece = (span.to - span.from) / (total * span.pieces as f64);
@@ -143,7 +148,39 @@ fn spans(draft: &Draft, problem: &Problem, fineness: Fineness) -> Vec<Span> {
             .free
             .then_some(LONGEST * span.elements as f64 / ELEMENTS);
     }
-    spans
+    let (mut parts, mut counts) = (Vec::new(), Vec::new());
+    for (phase, span) in spans.into_iter().enumerate() {
+        let settles = draft.word.settles(setting.model, phase);
+        counts.push(span.pieces + usize::from(settles));
+        match settles {
+            true => parts.extend(halves(span)),
+            false => parts.push(span),
+        }
+    }
+    (parts, counts)
+}
+
+/// A span after one of half its length that is a single element.
+fn halves(span: Span) -> [Span; 2] {
+    let half = Span {
+        duration: 0.5 * span.duration,
+        ..span
+    };
+    let middle = 0.5 * (span.from + span.to);
+    let first = Span {
+        pieces: 1,
+        elements: 1,
+        longest: None,
+        to: middle,
+        ..half
+    };
+    [
+        first,
+        Span {
+            from: middle,
+            ..half
+        },
+    ]
 }
 
 /// The spans of the phases of a draft with so many control intervals by index and share of the motion, of equal length in a phase, of one
@@ -205,21 +242,21 @@ pub(super) fn solve(
     Some(found)
 }
 
-/// The same with final times around that of the motion.
-fn solve_around(
+/// Solves the program of a draft with final times around that of the motion.
+pub(super) fn solve_around(
     runner: &mut Runner,
     setting: Setting,
     (tableau, fineness): (&ButcherTableau, Fineness),
     (draft, motion): (&Draft, &Trajectory),
     goals: &mut Goals,
 ) -> Option<Timed> {
-    let spans = spans(draft, setting.problem, fineness);
-    let counts: Vec<usize> = spans.iter().map(|span| span.pieces).collect();
+    let (spans, counts) = spans(draft, setting, fineness);
     let sequence = draft.word.sequence(&counts)?;
     let problem = Problem {
         intervals: counts.iter().sum(),
         ..setting.problem.clone()
     };
+    let sizes = goals.sizes.clone();
     let scale = Scale::of(setting.model, setting.problem);
     let units = setting
         .units
@@ -230,14 +267,12 @@ fn solve_around(
         units: &units,
         shape: ControlShape::Constant,
         lengths: Lengths::Phases(&spans),
-        elastic: Some(&goals.sizes),
+        elastic: Some(&sizes),
         ..setting
     };
     let (guess, elements) = begun(&spans, motion);
     let mut program = transcribe(program_setting, &sequence, &guess, &[], &elements);
-    goals
-        .price
-        .get_or_insert(Goals::price_of(program.program.objective_size()));
+    goals.begin_at(program.program.objective_size());
     let solution = solved(runner, &mut program, goals, (BARRIER, ITERATIONS))?;
     Some(read(&program, &solution, (draft, &counts)))
 }
@@ -270,8 +305,8 @@ pub(super) fn solved(
     let price = goals.price?;
     let mut settings = interior_point(runner.settings);
     // Products of bounds and multipliers are measured in the unit of the objective, which is that of the largest control that is allowed.
-    let small =
-        (goals.objective_at(price) / program.program.objective_unit()).clamp(LEAST_SHARE, 1.0);
+    let size = goals.size.unwrap_or(price / PRICE);
+    let small = (size / program.program.objective_unit()).clamp(LEAST_SHARE, 1.0);
     settings.tolerance = small * TOLERANCE;
     settings.constraint_tolerance = TOLERANCE;
     settings.initial_barrier_parameter = small * barrier;

@@ -3,12 +3,12 @@
 use super::beginnings::{Beginning, another};
 use super::edits::{Parent, RULES, Rule};
 use super::library::Library;
-use super::off_grid::{Fineness, Goals, Timed, solve};
+use super::off_grid::{Fineness, Goals, Timed, solve, solve_around};
 use super::word::{Draft, Word};
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::ocp::problem::has_free_start;
+use crate::ocp::problem::{Horizon, Problem, has_free_start};
 use crate::ocp::program::runner::Runner;
 use crate::ocp::settings::Settings;
 use crate::ocp::tuning::beginnings::MOST_PHASES;
@@ -81,10 +81,10 @@ pub(in crate::ocp) struct Words<'a, 'r> {
     drafts: usize,
     last_gain: usize,
     order: usize,
-    /// Whether a word met its goals; whether one was no nearer to them at a higher price while there was none; the price at first.
+    /// Whether a word met its goals; the price at first, and the highest at which one missed them while there was none.
     met: bool,
-    in_vain: bool,
     first_price: f64,
+    dearest: f64,
     /// Motions from which the best word was guessed anew.
     guesses: u64,
     /// A motion that no simulation leads to.
@@ -118,8 +118,8 @@ impl<'a, 'r> Words<'a, 'r> {
             last_gain: 0,
             order: 0,
             met: false,
-            in_vain: false,
             first_price: 0.0,
+            dearest: 0.0,
             guesses: 0,
             straight,
         }
@@ -298,18 +298,6 @@ impl<'a, 'r> Words<'a, 'r> {
         Some(index)
     }
 
-    /// The program of a draft at a price.
-    fn at(
-        &mut self,
-        runner: &mut Runner,
-        (draft, motion): (&Draft, &Trajectory),
-        price: f64,
-    ) -> Option<Timed> {
-        let with = (self.tableau, self.fineness);
-        let mut goals = self.goals.at(price);
-        solve(runner, self.setting, with, (draft, motion), &mut goals)
-    }
-
     /// The program of a draft at the price that it needs, which becomes that of all: dearer where it misses its goals, as long as no word
     /// meets them or it would be the best, and where it meets them as cheap as holds them, as of a dearer one its objective is not known.
     fn priced(&mut self, runner: &mut Runner, from: (&Draft, &Trajectory)) -> Option<Timed> {
@@ -319,8 +307,7 @@ impl<'a, 'r> Words<'a, 'r> {
         if self.first_price == 0.0 {
             self.first_price = base;
         }
-        let worse = first.merit >= self.best_merit();
-        if !first.meets() && if self.met { worse } else { self.in_vain } {
+        if !first.meets() && self.met && first.merit >= self.best_merit() {
             return Some(first);
         }
         let (mut timed, mut price) = self.dearer(runner, from, first, base);
@@ -334,11 +321,11 @@ impl<'a, 'r> Words<'a, 'r> {
                 self.goals.size = Some(timed.objective.abs());
             }
         } else if !timed.meets() && !self.met {
-            self.in_vain = true;
-            self.goals.price = Some(price);
+            self.dearest = self.dearest.max(price);
         }
         self.met |= timed.meets();
-        let price = self.goals.price.unwrap_or(0.0);
+        let own = self.goals.price.unwrap_or(0.0);
+        let price = if self.met { own } else { own.max(self.dearest) };
         self.solved
             .iter_mut()
             .for_each(|other| other.set_price(price));
@@ -349,6 +336,7 @@ impl<'a, 'r> Words<'a, 'r> {
     }
 
     /// A word that misses its goals at higher prices, as long as that brings it nearer, anew where it has shrunk to no time, and the price.
+    /// Beside a dear miss the objective weighs nothing: so final times stay around those that it begins with.
     fn dearer(
         &mut self,
         runner: &mut Runner,
@@ -359,6 +347,7 @@ impl<'a, 'r> Words<'a, 'r> {
         let looked_at = FinalTimes::around(self.setting.problem, from.1.horizon);
         let (step, most) = match self.met {
             true => (DEARER, 1),
+            false if self.dearest > 0.0 => (UNMET, 1),
             false => (UNMET, IN_VAIN),
         };
         let mut price = base;
@@ -373,7 +362,7 @@ impl<'a, 'r> Words<'a, 'r> {
             let shrunk = end.is_some_and(|end| end < looked_at.longest);
             let ended = (&timed.draft, &timed.motion);
             let start = if shrunk { from } else { ended };
-            let Some(again) = self.at(runner, start, price) else {
+            let Some(again) = self.dear(runner, start, price) else {
                 break;
             };
             in_vain = match again.missed < NO_NEARER * timed.missed {
@@ -385,6 +374,26 @@ impl<'a, 'r> Words<'a, 'r> {
         (timed, price)
     }
 
+    /// A word at a price beside which the objective, and with it the time, weighs nothing: in the time that it begins with.
+    fn dear(
+        &self,
+        runner: &mut Runner,
+        from: (&Draft, &Trajectory),
+        price: f64,
+    ) -> Option<Timed> {
+        let with = (self.tableau, self.fineness);
+        let mut goals = self.goals.at(price);
+        let problem = Problem {
+            horizon: Horizon::Fixed(from.0.horizon),
+            ..self.setting.problem.clone()
+        };
+        let setting = Setting {
+            problem: &problem,
+            ..self.setting
+        };
+        solve_around(runner, setting, with, from, &mut goals)
+    }
+
     /// A word that meets its goals at the least price that is tried at which it does, and that price.
     fn cheaper(&mut self, runner: &mut Runner, timed: Timed, price: f64) -> (Timed, f64) {
         for times in CHEAPER {
@@ -393,7 +402,9 @@ impl<'a, 'r> Words<'a, 'r> {
             if lower >= 0.5 * price || runner.stopped() {
                 break;
             }
-            let again = self.at(runner, (&timed.draft, &timed.motion), lower);
+            let with = (self.tableau, self.fineness);
+            let from = (&timed.draft, &timed.motion);
+            let again = solve(runner, self.setting, with, from, &mut self.goals.at(lower));
             if let Some(again) = again.filter(Timed::meets) {
                 return (again, lower);
             }

@@ -36,6 +36,14 @@ impl Word {
         self.instants.len() + usize::from(!self.ends_with_impact)
     }
 
+    /// Whether a phase begins with a landing after which a contact bounces until it rests.
+    pub(super) fn settles(&self, model: &dyn Model, phase: usize) -> bool {
+        let begin = phase.checked_sub(1).map(|last| self.instants[last].iter());
+        begin.is_some_and(|mut switches| {
+            switches.any(|switch| switch.stays() && model.restitution(switch.contact) > 0.0)
+        })
+    }
+
     /// Number of contacts that close on the way.
     pub(super) fn closings(&self) -> usize {
         let switches = self.instants.iter().flatten();
