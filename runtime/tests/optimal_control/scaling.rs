@@ -87,11 +87,8 @@ fn scene_in_millimetres_and_kilonewtons_has_the_optimum_and_the_work_of_that_in_
         );
         assert!((si.horizon - other.horizon).abs() < 1e-7);
         assert_eq!(si.planned_events.len(), other.planned_events.len());
-        // Rounding may cost or save an iteration here and there.
-        let work = |solution: &Solution| {
-            (solution.counts.global_iterations + solution.counts.iterations) as f64
-        };
-        let ratio = work(&other) / work(&si);
+        // Rounding may cost or save a program here and there.
+        let ratio = other.counts.programs as f64 / si.counts.programs as f64;
         assert!(
             (ratio - 1.0).abs() < 0.1,
             "{:?} {:?}",
@@ -259,7 +256,7 @@ fn walls_beside_a_body_that_falls_do_not_change_its_motion() {
         };
         let between = solved(&between);
         let off = (between.objective - alone.objective).abs();
-        assert!(off < 1e-6 * alone.objective, "{wide} {}", between.objective);
+        assert!(off < 2e-6 * alone.objective, "{wide} {}", between.objective);
         let motion = between.motion.unwrap();
         assert!(motion.events.is_empty(), "{:?}", motion.events);
     }
@@ -287,7 +284,7 @@ hangtime::model! {
 fn contact_without_a_force_at_the_start_is_measured_by_the_forces_at_hand() {
     let mut settings = Settings::default();
     settings.starts = Some(2);
-    let solution = support::solve(&Tethered::default(), 10, &settings);
+    let solution = support::attempt(&Tethered::default(), 10, &settings);
     // In a unit of 1e-9 the rounding errors of its rows were 1e-6, and no program came to its tolerance.
     assert!(
         solution.residuals.primal < 1e-11,

@@ -374,13 +374,9 @@ impl<'a, 'r> Words<'a, 'r> {
         (timed, price)
     }
 
-    /// A word at a price beside which the objective, and with it the time, weighs nothing: in the time that it begins with.
-    fn dear(
-        &self,
-        runner: &mut Runner,
-        from: (&Draft, &Trajectory),
-        price: f64,
-    ) -> Option<Timed> {
+    /// A word at a price beside which the objective weighs nothing: in the time that it begins with, or where it misses its goals in that, in
+    /// any.
+    fn dear(&self, runner: &mut Runner, from: (&Draft, &Trajectory), price: f64) -> Option<Timed> {
         let with = (self.tableau, self.fineness);
         let mut goals = self.goals.at(price);
         let problem = Problem {
@@ -391,7 +387,14 @@ impl<'a, 'r> Words<'a, 'r> {
             problem: &problem,
             ..self.setting
         };
-        solve_around(runner, setting, with, from, &mut goals)
+        let fixed = solve_around(runner, setting, with, from, &mut goals);
+        let is_free = matches!(self.setting.problem.horizon, Horizon::Free { .. });
+        if !is_free || fixed.as_ref().is_some_and(Timed::meets) || runner.stopped() {
+            return fixed;
+        }
+        let ended = fixed.as_ref().map(|timed| (&timed.draft, &timed.motion));
+        let from = ended.unwrap_or(from);
+        solve_around(runner, self.setting, with, from, &mut goals).or(fixed)
     }
 
     /// A word that meets its goals at the least price that is tried at which it does, and that price.
