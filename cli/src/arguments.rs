@@ -342,7 +342,7 @@ pub(crate) enum ControlsName {
 /// How `solve` finds the contact sequence.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SolveFormulation {
-    /// Small contact-implicit programs, from coarse to fine.
+    /// Orders of contacts with phases of free length, the best of them put on the grid and solved exactly.
     #[default]
     Auto,
     /// The complementarity problem of finite elements with switch detection on the time-freezing system.

@@ -38,7 +38,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 23] = [
+pub const RULES: [Rule; 24] = [
     rule(
         Source,
         "sample",
@@ -56,6 +56,11 @@ pub const RULES: [Rule; 23] = [
         Source,
         "contact-implicit",
         "The motion of a complementarity problem with Euler steps.",
+    ),
+    rule(
+        Source,
+        "redraw",
+        "Other random motions, where no word meets its goals.",
     ),
     rule(Edit, "collapse", "Without all phases that have no length."),
     rule(Edit, "vanish", "Without a phase that has no length."),

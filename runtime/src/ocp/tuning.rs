@@ -32,6 +32,9 @@ pub(in crate::ocp) mod beginnings {
     /// Motions under random controls that are drawn, and that are made of the best of them. Chosen.
     pub(in crate::ocp) const DRAWN: u64 = 100;
     pub(in crate::ocp) const CHANGED: usize = 200;
+    /// Most times that words are looked for from other random motions, where none meets its goals. Measured: of troughs on 10 and 20 intervals
+    /// one has its motion in the second turn.
+    pub(in crate::ocp) const TURNS: u64 = 2;
     /// Best orders of events that become words, and those from which the library of cycles learns. Chosen.
     pub(in crate::ocp) const WORDS: usize = 8;
     pub(in crate::ocp) const LEARNED: usize = 24;

@@ -59,18 +59,17 @@ hangtime::model! {
 
 #[test]
 fn stroke_that_is_better_an_interval_later_or_earlier_is_found_there() {
-    // With each order of strokes and bounds between the nodes, a transcription by Runge-Kutta steps comes to 5.60102, with the stroke where a
-    // coarse search puts it. An interval further away it is better. What a motion costs is the sum of squares of its controls, whoever
-    // finds it.
+    // On grids from the coarsest on, without looking beside them, a search comes to 5.68437, with the stroke where the coarse grid puts it.
+    // An interval further away it is better. What a motion costs is the sum of squares of its controls, whoever finds it.
     let pawl = Pawl::default();
     let mut settings = Settings::default();
     settings.starts = Some(2);
-    let solution = attempt(&pawl, 10, &settings);
+    let solution = attempt(&pawl, 14, &settings);
     let found = solution.status.is_solved() || solution.status == Status::Uncertified;
     assert!(found, "{:?}", solution.diagnosis());
     assert!(solution.resimulation_error < 1e-6);
     let squares: f64 = solution.controls.iter().map(|u| u[0] * u[0]).sum();
-    let effort = squares * 1.2 / 10.0;
+    let effort = squares * 1.2 / 14.0;
     assert!((solution.objective - effort).abs() < 1e-9 * effort);
-    assert!(effort < 0.995 * 5.60102, "{effort}");
+    assert!(effort < 0.995 * 5.68437, "{effort}");
 }

@@ -1,8 +1,8 @@
 //! Optima at which the objective vanishes: relative differences of it mean nothing, and no condition has a multiplier.
 
-use hangtime::ocp::Stationarity;
+use hangtime::ocp::{Stationarity, Status};
 
-use crate::support::solve;
+use crate::support::{attempt, solve};
 
 hangtime::model! {
     /// A block that lies where it has to be.
@@ -47,9 +47,12 @@ fn nothing_to_do_is_certified_by_its_multipliers() {
 }
 
 #[test]
-fn goal_that_can_be_reached_is_certified_on_finer_grids_as_well() {
+fn goal_that_can_be_reached_is_found_on_finer_grids_as_well() {
     for intervals in [10, 20] {
-        let solution = solve(&Dropped::default(), intervals, &Default::default());
+        let solution = attempt(&Dropped::default(), intervals, &Default::default());
+        // No condition has a multiplier there, so that programs of neighbours may not end.
+        let found = matches!(solution.status, Status::Solved | Status::Uncertified);
+        assert!(found, "{intervals}: {:?}", solution.diagnosis());
         assert!(solution.objective < 1e-20, "{}", solution.objective);
         // Motions with as many switches that differ by rounding are one local optimum on each grid.
         let best = solution.optima.iter().filter(|o| o.objective < 1e-9);

@@ -146,16 +146,35 @@ impl Units {
         self
     }
 
-    /// These units with controls that have no bounds measured by those of a known motion.
+    /// These units with controls that have no bounds measured by those of a known motion. What would not move any coordinate in its time but
+    /// by an error of the motion is no size: of a motion that asks for no force rounding is left.
     pub(in crate::ocp) fn measured_by(
         mut self,
-        controls: &[Vec<f64>],
+        model: &dyn Model,
+        motion: &Trajectory,
         bounds: (&[f64], &[f64]),
     ) -> Self {
-        for (i, size) in self.unbounded(controls, bounds) {
-            self.controls[i] = nearest_power(THOUSAND, size);
+        for (i, size) in self.unbounded(motion.controls.values(), bounds) {
+            let moved = self.moved_by(model, motion, i);
+            if moved == 0.0 || size * moved > ERROR {
+                self.controls[i] = nearest_power(THOUSAND, size);
+            }
         }
         self
+    }
+
+    /// By how many units a control at one moves the coordinate that it moves most in the time of a motion, from its start.
+    fn moved_by(&self, model: &dyn Model, motion: &Trajectory, control: usize) -> f64 {
+        let n = self.states.len() / 2;
+        let mut x = motion.states[0][..2 * n].to_vec();
+        x.extend(drive(model, &vec![0.0; self.controls.len()], 0.0));
+        let (mut idle, mut driven) = (vec![0.0; n], vec![0.0; n]);
+        model.free_acceleration(&x, &mut idle);
+        x[2 * n + control] = 1.0;
+        model.free_acceleration(&x, &mut driven);
+        let moved = driven.iter().zip(&idle).zip(&self.states);
+        let moved = moved.map(|((driven, idle), unit)| (driven - idle).abs() / unit);
+        moved.fold(0.0, f64::max) * motion.horizon * motion.horizon
     }
 
     /// These units measured by another motion, but for controls and the objective: where that motion lasts another time, other sizes are

@@ -12,7 +12,7 @@ use crate::simulation::InputError;
 
 /// The simulated motion that comes nearest to the goals; `None` where no simulation ends.
 pub(in crate::ocp) fn nearest(setting: Setting) -> Result<Option<Nearest>, InputError> {
-    let archive = drawn((setting, &drawing_range(setting)?), DRAWN, usize::MAX)?;
+    let archive = drawn((setting, &drawing_range(setting)?), 0..DRAWN, usize::MAX)?;
     let distance = |end: &End| archive.rank(end).2;
     let nearer = |a: &End, b: &End| distance(a) < distance(b);
     let found = archive.ends().cloned();

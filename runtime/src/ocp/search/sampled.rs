@@ -46,12 +46,12 @@ pub(in crate::ocp) struct Sampled {
 }
 
 /// The best motion of each order, the best ones first: of so many motions that are drawn and that are made of the best ones, and of at most
-/// so many orders.
+/// so many orders; other ones at each turn, from 0.
 pub(in crate::ocp) fn best_of_each_order(
     runner: &mut Runner,
     (setting, range): (Setting, &Range),
     (drawn_motions, changed): (u64, usize),
-    most: usize,
+    (most, turn): (usize, u64),
 ) -> Result<Sampled, InputError> {
     let model = setting.model;
     let strikes = model
@@ -61,10 +61,12 @@ pub(in crate::ocp) fn best_of_each_order(
         .any(|contact| !contact.dry);
     // Where nothing is struck, all that switches is in the order.
     let most_events = if strikes { EVENTS } else { MOST_PHASES };
-    let mut archive = drawn((setting, range), drawn_motions, most_events)?;
+    let first = turn * drawn_motions;
+    let mut archive = drawn((setting, range), first..first + drawn_motions, most_events)?;
     let straight = guess(model, setting.problem, &Guess::Straight, setting.bounds)?;
     let driven = !model.declaration().controls.is_empty();
-    for seed in (0..POLICIES).filter(|_| driven) {
+    let policies = turn * POLICIES..(turn + 1) * POLICIES;
+    for seed in policies.filter(|_| driven) {
         let throw = policy(setting, &straight, seed);
         let longest = match setting.problem.horizon {
             Horizon::Fixed(horizon) => horizon,
@@ -75,7 +77,7 @@ pub(in crate::ocp) fn best_of_each_order(
         }
     }
     let ride = archive.ride((setting, &straight), most_events);
-    let mut random = uniform(drawn_motions);
+    let mut random = uniform(first + drawn_motions);
     for k in 0..changed {
         if archive.best.is_empty() || !runner.goes_on("random motions") {
             break;
@@ -123,10 +125,10 @@ pub(super) struct Archive {
     controls: Vec<(f64, f64)>,
 }
 
-/// The archive of random motions, as far as they have no more than `most_events`.
+/// The archive of the random motions of these seeds, as far as they have no more than `most_events`.
 pub(super) fn drawn(
     (setting, range): (Setting, &Range),
-    count: u64,
+    seeds: std::ops::Range<u64>,
     most_events: usize,
 ) -> Result<Archive, InputError> {
     let Setting {
@@ -139,7 +141,7 @@ pub(super) fn drawn(
     let mut throws = Vec::new();
     let mut all = Vec::new();
     let whole = (bounds.0.to_vec(), bounds.1.to_vec());
-    for seed in 0..count {
+    for seed in seeds {
         // Half of them from all that is allowed: what motions stay near with little may need more to be reached.
         let range = if seed % 2 == 1 { &whole } else { range };
         let (throw, ends) = one_drawn(setting, &straight, range, (seed, most_events));

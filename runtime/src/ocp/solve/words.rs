@@ -23,8 +23,9 @@ use crate::ocp::scale::Scale;
 use crate::ocp::search::attempt::Local;
 use crate::ocp::search::readings::Readings;
 use crate::ocp::search::sampled::drawing_range;
-use crate::ocp::settings::{ControlNodes, Settings};
+use crate::ocp::settings::{ControlNodes, Guess, Settings};
 use crate::ocp::solution::{Solution, Source, Status};
+use crate::ocp::tuning::beginnings::TURNS;
 use crate::ocp::tuning::equal::{MOTION, OPTIMUM};
 use crate::ocp::tuning::grids::{ELEMENTS_OF_ONE, FINER, KEPT};
 use crate::ocp::tuning::off_grid::STAGES;
@@ -260,11 +261,20 @@ impl Search {
         let setting = setting(&units);
         let allowed = setting.final_times().allowed(model);
         self.final_times = (allowed.shortest, allowed.longest);
-        let (begun, goals) = beginnings(runner, (setting, &guessed), &range)?;
-        let with = (begun.library, goals);
-        let words = Words::new(setting, (&coarse, settings), &guessed, with);
-        let (words, goals, starts) = words.run(runner, &begun.words);
-        self.starts = starts;
+        let mut turn = 0;
+        let (words, goals, motions) = loop {
+            let (begun, goals) = beginnings(runner, (setting, &guessed), (&range, turn))?;
+            let with = (begun.library, goals);
+            let words = Words::new(setting, (&coarse, settings), &guessed, with);
+            let (words, goals, starts) = words.run(runner, &begun.words);
+            self.starts += starts;
+            turn += 1;
+            let known = matches!(settings.guess, Guess::Previous(_));
+            let draws = !known && turn < TURNS && settings.uses("redraw") && !runner.stopped();
+            if !draws || words.first().is_some_and(Timed::meets) {
+                break (words, goals, begun.motions);
+            }
+        };
         let own = |word: &Timed| units.of_motion(model, &scale, word.trajectory(), bounds);
         let units: Vec<Units> = words.iter().map(own).collect();
         for (index, task) in tasks.iter().enumerate() {
@@ -284,7 +294,7 @@ impl Search {
             if index > 0 && !runner.stopped() {
                 self.carried(task, runner, before.into_iter().take(1))?;
             } else if settings.grid == ControlNodes::Equal {
-                self.simulated(task, runner, &begun.motions)?;
+                self.simulated(task, runner, &motions)?;
             }
         }
         Ok(())

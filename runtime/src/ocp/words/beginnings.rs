@@ -42,12 +42,12 @@ pub(in crate::ocp) struct Begun {
     pub(in crate::ocp) motions: Vec<Candidate>,
 }
 
-/// Words to begin with, and the goals as motions miss them; random controls are drawn from a range. Of a known motion there is its own word
-/// alone.
+/// Words to begin with, and the goals as motions miss them; random controls are drawn from a range, other ones at each turn, from 0. Of a
+/// known motion there is its own word alone.
 pub(in crate::ocp) fn beginnings(
     runner: &mut Runner,
     (setting, guessed): (Setting, &Trajectory),
-    range: &Range,
+    (range, turn): (&Range, u64),
 ) -> Result<(Begun, Goals), InputError> {
     let mut library = Library::default();
     let mut found: Vec<Beginning> = Vec::new();
@@ -65,7 +65,7 @@ pub(in crate::ocp) fn beginnings(
         };
         return Ok((begun, goals));
     }
-    let sampled = best_of_each_order(runner, (setting, range), (DRAWN, CHANGED), LEARNED)?;
+    let sampled = best_of_each_order(runner, (setting, range), (DRAWN, CHANGED), (LEARNED, turn))?;
     let goals = Goals::of(setting, &sampled);
     let mut drafts: Vec<(Draft, Trajectory)> = Vec::new();
     motions.extend(sampled.ride);

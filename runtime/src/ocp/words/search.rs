@@ -380,7 +380,7 @@ impl<'a, 'r> Words<'a, 'r> {
         let with = (self.tableau, self.fineness);
         let mut goals = self.goals.at(price);
         let problem = Problem {
-            horizon: Horizon::Fixed(from.0.horizon),
+            horizon: Horizon::Fixed(from.1.horizon),
             ..self.setting.problem.clone()
         };
         let setting = Setting {
@@ -394,7 +394,7 @@ impl<'a, 'r> Words<'a, 'r> {
         }
         let ended = fixed.as_ref().map(|timed| (&timed.draft, &timed.motion));
         let from = ended.unwrap_or(from);
-        solve_around(runner, self.setting, with, from, &mut goals).or(fixed)
+        solve(runner, self.setting, with, from, &mut goals).or(fixed)
     }
 
     /// A word that meets its goals at the least price that is tried at which it does, and that price.
