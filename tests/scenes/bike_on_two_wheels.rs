@@ -14,7 +14,7 @@ pub(crate) mod example;
 #[test]
 fn bike_lands_on_a_downhill_slope_and_is_faster_than_in_flight() {
     let model = example::Bike::default();
-    let problem = Problem::of(&model, 20);
+    let problem = Problem::of(&model, 16);
     let solution = ocp::solve(&model, &problem, &Settings::default(), &mut |_| true).unwrap();
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
     assert_ne!(solution.stationarity, Stationarity::None);

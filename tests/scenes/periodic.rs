@@ -60,7 +60,9 @@ fn hopper_repeats_itself_by_a_motor_that_gives_back_what_each_landing_takes() {
     let work: f64 = pushes.map(|(k, u)| u[0] * (leg(k + 1) - leg(k))).sum();
     // Plan and motion are 1e-5 apart in the velocities of masses of 10 kg.
     assert!((work - lost).abs() < 1e-3 * lost, "{work} for {lost}");
-    // By the other method the end is the start as well.
+    // By the other method the end is the start as well, as near as the plan says.
+    let tolerance = 1e-6 + 2.0 * solution.resimulation_velocity_error;
+    assert!(tolerance < 1e-3, "{solution}");
     let (q, v) = start(&solution);
     let controls = ControlSignal::PiecewiseConstant {
         times: (0..10).map(|k| 0.06 * f64::from(k)).collect(),
@@ -81,7 +83,7 @@ fn hopper_repeats_itself_by_a_motor_that_gives_back_what_each_landing_takes() {
         ("dot(leg)", v[1]),
     ] {
         assert!(
-            (end[name] - wanted).abs() < 1e-4,
+            (end[name] - wanted).abs() < tolerance,
             "{name}: {} for {wanted}",
             end[name]
         );

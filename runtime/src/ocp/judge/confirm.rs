@@ -77,9 +77,12 @@ pub(in crate::ocp) fn judge<'a>(
         let slow = distance > before / SLOW && !(ends_there && costs);
         if unconfirmed
             && (slow || read_otherwise > 1)
-            && let Some(other) = plan.judged_as_simulated(runner, setting, &elements, &solution)?
+            && let Some((plan, other)) =
+                plan.judged_as_simulated(runner, setting, &elements, &solution)?
         {
-            return Ok(other);
+            let (_, solution) = plan.released(runner, setting, &elements, other)?;
+            report(runner, &solution);
+            return Ok(solution);
         }
         // What finer elements do not change is not for want of them.
         if ends_there && costs && solution.cost_departure > before_cost / SLOW {
@@ -96,7 +99,7 @@ pub(in crate::ocp) fn judge<'a>(
         if !unconfirmed || read_otherwise > 1 || !finer(&mut elements) {
             break;
         }
-        let Some(again) = plan.again(runner, setting, &elements, &[])? else {
+        let Some(again) = plan.again(runner, setting, &elements, (&[], false))? else {
             break;
         };
         (plan, solution) = Plan::judged(runner, setting, &elements, again)?;
@@ -106,15 +109,15 @@ pub(in crate::ocp) fn judge<'a>(
             break;
         }
         let setting = Setting { tableau, ..setting };
-        let Some(again) = plan.again(runner, setting, coarse, &cuts)? else {
+        let Some(again) = plan.again(runner, setting, coarse, (&cuts, false))? else {
             break;
         };
         (plan, solution) = Plan::judged(runner, setting, coarse, again)?;
     }
-    let solution = match plan.judged_as_simulated(runner, setting, &elements, &solution)? {
-        Some(other) => other,
-        None => plan.released(runner, setting, &elements, solution)?,
-    };
+    let (plan, mut solution) = plan.released(runner, setting, &elements, solution)?;
+    if let Some((plan, other)) = plan.judged_as_simulated(runner, setting, &elements, &solution)? {
+        (_, solution) = plan.released(runner, setting, &elements, other)?;
+    }
     report(runner, &solution);
     Ok(solution)
 }
@@ -187,7 +190,7 @@ impl Plan {
         setting: Setting,
         elements: &[usize],
         solution: &Solution,
-    ) -> Result<Option<Solution>, InputError> {
+    ) -> Result<Option<(Self, Solution)>, InputError> {
         let unconfirmed = solution.status == Status::Unconfirmed;
         if runner.stopped() || !unconfirmed && !is_held_back(solution) {
             return Ok(None);
@@ -195,13 +198,18 @@ impl Plan {
         let Some(seen) = self.as_simulated(setting, solution) else {
             return Ok(None);
         };
-        let Some(again) = seen.again(runner, setting, elements, &[])? else {
-            return Ok(None);
-        };
-        let (_, other) = Self::judged(runner, setting, elements, again)?;
-        let confirmed = other.status != Status::Unconfirmed;
-        let better = unconfirmed || other.objective < solution.objective;
-        Ok((confirmed && better).then_some(other))
+        // With its neighbours decided, or where one of these is better and not confirmed, by itself.
+        for decides in [true, false] {
+            let Some(again) = seen.again(runner, setting, elements, (&[], decides))? else {
+                return Ok(None);
+            };
+            let (plan, other) = Self::judged(runner, setting, elements, again)?;
+            let confirmed = other.status != Status::Unconfirmed;
+            if confirmed && (unconfirmed || other.objective < solution.objective) {
+                return Ok(Some((plan, other)));
+            }
+        }
+        Ok(None)
     }
 
     /// A confirmed plan that the method's own distances hold back with smaller ones, as long as that is better and stays confirmed.
@@ -211,7 +219,7 @@ impl Plan {
         setting: Setting,
         elements: &[usize],
         mut solution: Solution,
-    ) -> Result<Solution, InputError> {
+    ) -> Result<(Self, Solution), InputError> {
         let mut plan = self;
         for kept in KEPT {
             let confirmed = solution.status != Status::Unconfirmed;
@@ -219,7 +227,7 @@ impl Plan {
                 break;
             }
             let setting = Setting { kept, ..setting };
-            let Some(again) = plan.again(runner, setting, elements, &[])? else {
+            let Some(again) = plan.again(runner, setting, elements, (&[], false))? else {
                 break;
             };
             let (nearer, other) = Self::judged(runner, setting, elements, again)?;
@@ -228,7 +236,7 @@ impl Plan {
             }
             (plan, solution) = (nearer, other);
         }
-        Ok(solution)
+        Ok((plan, solution))
     }
 
     /// The plan with the contact sequence of its re-simulation, where that is another one of the same motion.
@@ -249,13 +257,13 @@ impl Plan {
     }
 
     /// The plan with another discretization, and what is proved of it, if there is one that is not much worse. Of another
-    /// local optimum the neighbours are decided anew.
+    /// local optimum the neighbours are decided anew; of the same where that is asked.
     fn again<'a>(
         &self,
         runner: &mut Runner,
         setting: Setting<'a>,
         elements: &[usize],
-        cuts: &[Cut],
+        (cuts, decides): (&[Cut], bool),
     ) -> Result<Option<(Local<'a>, Stationarity)>, InputError> {
         let mut attempts = Attempts::new(setting, elements);
         let attempt = Attempt {
@@ -272,12 +280,13 @@ impl Plan {
         if excess > MUCH_WORSE {
             return Ok(None);
         }
-        let stationarity =
-            if excess.abs() <= SAME_OPTIMUM || self.stationarity == Stationarity::None {
-                self.stationarity
-            } else {
-                certificate(runner, &mut attempts)?
-            };
+        let stationarity = if !decides
+            && (excess.abs() <= SAME_OPTIMUM || self.stationarity == Stationarity::None)
+        {
+            self.stationarity
+        } else {
+            certificate(runner, &mut attempts)?
+        };
         Ok(attempts.best.map(|best| (best, stationarity)))
     }
 }
