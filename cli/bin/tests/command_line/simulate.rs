@@ -83,7 +83,7 @@ fn documents_have_the_fields_of_the_contract_in_order() {
         "simulate falling-rod --gradient mu --json",
         "simulate thermostat --json",
         "solve pump-track --intervals 6 --formulation time-freezing --json",
-        "solve pump-track --intervals 6 --gradient g --json",
+        "solve pump-track --intervals 5 --gradient g --json",
         "explain incline --size --json",
         "list hop --json",
     ];

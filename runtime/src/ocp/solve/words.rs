@@ -180,6 +180,15 @@ impl Search {
         self.found.iter().any(|found| rank(&found.solution).0 == 0)
     }
 
+    /// The least objective of a motion that is confirmed.
+    fn least(&self) -> Option<f64> {
+        let found = self.found.iter().map(|found| &found.solution);
+        let confirmed = found.filter(|solution| rank(solution).0 == 0);
+        confirmed
+            .map(|solution| solution.objective)
+            .min_by(f64::total_cmp)
+    }
+
     /// Whether a plan was followed beyond all final times that were looked at.
     fn is_endless(&self) -> bool {
         let mut found = self.found.iter();
@@ -335,6 +344,7 @@ impl Search {
     ) -> Result<(), InputError> {
         let settings = task.settings;
         let mut factor = 1;
+        let mut before = f64::INFINITY;
         loop {
             let count = factor * settings.elements;
             let elements = vec![count; task.problem.intervals];
@@ -345,7 +355,11 @@ impl Search {
             runner.effort = Effort::Quick;
             let plans = on_grid(runner, found.words, &grids)?;
             let refuted = self.decided(task, runner, (plans.begun, count))?;
-            let coarse = plans.cost && FINER * factor <= FINEST;
+            // What finer elements do not change is not for want of them.
+            let best = self.least();
+            let coarse =
+                plans.cost && FINER * factor <= FINEST && best.is_none_or(|best| best < before);
+            before = best.map_or(f64::INFINITY, |best| best - MOTION * best.abs());
             if self.is_confirmed() && !coarse || self.is_endless() || runner.stopped() {
                 return Ok(());
             }

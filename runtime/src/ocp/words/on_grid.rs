@@ -80,7 +80,7 @@ impl Grid<'_, '_> {
         let differs = at_jumps != inside && runner.settings.uses("at-jumps");
         let mut placed = |places: &[At]| {
             let going_on = !runner.stopped();
-            going_on.then(|| self.placed(runner, timed, (places, &times), &trajectory))?
+            going_on.then(|| self.placed(runner, timed, (places, &times), &trajectory, None))?
         };
         let one = placed(&inside);
         let other = differs.then(|| placed(&at_jumps)).flatten();
@@ -117,7 +117,7 @@ impl Grid<'_, '_> {
                 }
                 tried.push(places.clone());
                 let guess = self.warped(timed, &times);
-                let found = self.placed(runner, timed, (&places, &times), &guess);
+                let found = self.placed(runner, timed, (&places, &times), &guess, Some(&best));
                 if let Some(found) = found
                     && found.improves(&best)
                 {
@@ -236,7 +236,8 @@ impl Grid<'_, '_> {
                 tried.push(places.clone());
                 moves += 1;
                 let with = (&places[..], &best.times[..]);
-                let found = self.placed(runner, timed, with, &best.candidate.trajectory);
+                let guess = &best.candidate.trajectory;
+                let found = self.placed(runner, timed, with, guess, Some(&best));
                 if let Some(found) = found
                     && found.improves(&best)
                 {
@@ -288,13 +289,15 @@ impl Grid<'_, '_> {
         pressing
     }
 
-    /// Solves a word with its instants at these places.
+    /// Solves a word with its instants at these places; what misses its goals only as far as it may still be better than the best places:
+    /// dearer misses lower no objective.
     fn placed(
         &self,
         runner: &mut Runner,
         timed: &Timed,
         (places, times): (&[At], &[f64]),
         guess: &Trajectory,
+        best: Option<&Placed>,
     ) -> Option<Placed> {
         let word = timed.word();
         let sequence = sequence(word, places, times, self.setting.problem.intervals)?;
@@ -313,6 +316,10 @@ impl Grid<'_, '_> {
         for _ in 0..DEARER_ROUNDS {
             let missed = program.missed(&solution.x);
             if missed <= MET || runner.stopped() {
+                break;
+            }
+            let meets = best.filter(|best| best.reaches() && !best.is_below);
+            if meets.is_some_and(|best| best.merit <= solution.objective) {
                 break;
             }
             goals = goals.at(DEARER * goals.price?);
