@@ -91,12 +91,12 @@ const CONTENTS: usize = 4;
 
 const STYLE: &str = "\
 :root{color-scheme:light dark}
-body{font:16px/1.5 system-ui,sans-serif;max-width:74rem;margin:1rem auto;padding:0 1rem;color:#1f2430;background:#ffffff}
+body{font:16px/1.5 system-ui,sans-serif;max-width:74rem;margin:.5rem auto;padding:0 1rem;color:#1f2430;background:#ffffff}
 h1,h2{line-height:1.2}
 h1{font-size:1.6rem;margin:.5rem 0}
-h2{font-size:1.25rem;margin:1rem 0 .5rem}
+h2{font-size:1.25rem;margin:.8rem 0 .4rem}
 p{margin:.5rem 0}
-figure{margin:.6rem 0;overflow-x:auto}
+figure{margin:.3rem 0;overflow-x:auto}
 svg{max-width:100%;height:auto}
 .players{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,28rem),1fr));gap:1.5rem}
 .players figcaption{font-weight:600;margin-bottom:.3rem}

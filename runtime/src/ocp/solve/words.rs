@@ -301,7 +301,11 @@ impl Search {
             };
             self.mapped(task, runner, &found)?;
             if index > 0 && !runner.stopped() {
-                self.carried(task, runner, before.into_iter().take(1))?;
+                // So that a finer grid ends at nothing worse.
+                let least = self.least().unwrap_or(f64::INFINITY);
+                let better = before.into_iter().take(1);
+                let better = better.filter(|coarse| coarse.solution.objective < least);
+                self.carried(task, runner, better)?;
             } else if settings.grid == ControlNodes::Equal {
                 self.simulated(task, runner, &motions)?;
             }
