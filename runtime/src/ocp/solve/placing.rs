@@ -78,15 +78,15 @@ fn placed(runner: &mut Runner, words: &[Timed], grids: &[Grid]) -> Vec<OnGrid> {
     placed
 }
 
-/// The same with the switches of the best one moved to other intervals where these cost more than they have to, and those of the best ones
-/// through the ends of their intervals.
+/// The same with the switches of the best ones moved to other intervals where these cost more than they have to, and through the ends of
+/// their intervals.
 fn moved(runner: &mut Runner, words: &[Timed], placed: Vec<OnGrid>, grids: &[Grid]) -> Vec<OnGrid> {
     let least = placed.first().map_or(f64::INFINITY, |(best, _)| best.merit);
     let mut moved: Vec<OnGrid> = Vec::new();
     for (rank, (best, index)) in placed.into_iter().enumerate() {
         let near = !best.reaches() || best.merit <= least + MOVED_WITHIN * least.abs();
         let uses = |rule: &str| rank < MOVED && near && runner.settings.uses(rule);
-        let (shifts, goes_through) = (rank == 0 && uses("shift"), uses("through"));
+        let (shifts, goes_through) = (uses("shift"), uses("through"));
         let mut best = best;
         if shifts {
             best = grids[index].shifted(runner, &words[index], best);
