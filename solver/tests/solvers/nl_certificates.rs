@@ -59,6 +59,87 @@ fn second_order_word_tells_minimum_valley_inflection_and_descent_apart() {
 }
 
 #[test]
+fn inflection_is_no_strict_optimum_and_curvature_that_stays_is_one() {
+    let word = |objective: &str, start: &str, bounds: &str| {
+        let rest = format!("x2\n0 {start}\n1 0.5\nr\n4 0\nb\n{bounds}\n3\n");
+        let solution = solve(&program((2, 1), &["v1"], objective, &rest));
+        assert_eq!(solution.status, Status::Solved, "{objective}");
+        solution.second_order.unwrap()
+    };
+    // a (x - b)^p, whose curvature vanishes together with the distance to b, apart from or within bounds
+    for (factor, at, power, bounds) in [
+        ("1", "0", 3, "3"),
+        ("40", "-1.5", 3, "0 -3 9"),
+        ("0.02", "0.7", 5, "0 -6 2.5"),
+        ("7", "2", 7, "2 1"),
+        ("3", "-0.25", 4, "3"),
+    ] {
+        let objective = format!("o2 n{factor} o5 o1 v0 n{at} n{power}");
+        let found = word(&objective, "2.3", bounds);
+        assert_ne!(found, SecondOrder::Sufficient, "{objective}");
+        assert_ne!(found, SecondOrder::Descends, "{objective}");
+    }
+    // x^3 - 6 x^2 + 12 x, whose terms cancel
+    let cancels = "o0 o5 v0 n3 o0 o2 n-6 o5 v0 n2 o2 n12 v0";
+    assert_ne!(word(cancels, "4", "3"), SecondOrder::Sufficient);
+    // a (x - b)^3 + c (x - b)^2, and a cosine: the curvature stays
+    for (cubic, square, bounds) in [
+        ("5", "0.01", "3"),
+        ("-2", "300", "0 -2 5"),
+        ("1", "1e-3", "3"),
+    ] {
+        let at = "o1 v0 n0.4";
+        let objective = format!("o0 o2 n{cubic} o5 {at} n3 o2 n{square} o5 {at} n2");
+        let found = word(&objective, "0.401", bounds);
+        assert_eq!(found, SecondOrder::Sufficient, "{objective}");
+    }
+    assert_eq!(word("o46 v0", "2.5", "3"), SecondOrder::Sufficient);
+}
+
+#[test]
+fn inflection_along_a_curved_row_is_no_strict_optimum() {
+    // min y + w^2 where y >= a x^3 + c x^2
+    let word = |cubic: f64, square: f64| {
+        let row = format!("o54 3 v1 o2 n{} o5 v0 n3 o2 n{} o5 v0 n2", -cubic, -square);
+        let rest = "x3\n0 0.9\n1 2\n2 0.3\nr\n2 0\nb\n0 -0.5 8\n3\n3\n";
+        let solution = solve(&program((3, 1), &[&row], "o0 v1 o5 v2 n2", rest));
+        assert_eq!(solution.status, Status::Solved);
+        let is_inflection = square == 0.0 && solution.x[0].abs() < 0.1;
+        (is_inflection, solution.second_order.unwrap())
+    };
+    let cubics = [0.3, 1.0, 5.0, 15.0];
+    for cubic in cubics {
+        assert_eq!(
+            word(cubic, 25.0),
+            (false, SecondOrder::Sufficient),
+            "{cubic}"
+        );
+    }
+    // the others pass the inflection and end at the bound
+    let words: Vec<_> = cubics.map(|cubic| word(cubic, 0.0)).to_vec();
+    assert!(words.iter().any(|word| word.0), "{words:?}");
+    for (is_inflection, word) in words {
+        assert_eq!(is_inflection, word != SecondOrder::Sufficient);
+    }
+}
+
+#[test]
+fn valley_at_whose_end_curvature_changes_its_sign_is_not_said_to_descend() {
+    // (y - a x^2)^2 and y^2 beside it: the curvature along x is -4 a (y - a x^2), of either sign beside the minimum
+    for factor in ["1", "9"] {
+        let valley = format!("o5 o1 v1 o2 n{factor} o5 v0 n2 n2");
+        for start in ["0.1", "-0.2"] {
+            let rest = format!("x2\n0 0\n1 {start}\nb\n3\n3\n");
+            let solution = solve(&program((2, 0), &[], &valley, &rest));
+            assert_eq!(solution.status, Status::Solved);
+            let found = solution.second_order.unwrap();
+            assert_ne!(found, SecondOrder::Descends, "{factor} from {start}");
+            assert_ne!(found, SecondOrder::Sufficient, "{factor} from {start}");
+        }
+    }
+}
+
+#[test]
 fn multipliers_in_the_file_save_two_thirds_of_the_iterations() {
     // min sum (x_i - i/4)^2 + exp(x_i) where sum x_i >= b and 0 <= x_i <= 1; the same with a slightly larger b next
     let n = 8;
