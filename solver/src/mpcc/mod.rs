@@ -76,6 +76,7 @@ mod forward;
 mod linear_program;
 mod moved;
 mod nearest;
+mod parts;
 mod penalty;
 mod problem;
 mod ray;
