@@ -2,7 +2,7 @@
 
 use super::Mpcc;
 use super::linear_program::{LinearProgram, Outcome};
-use super::parts::{Part, parts};
+use super::parts::{Part, let_go, of_part, parts};
 use super::watch::Watch;
 use crate::linalg::norms::norm_inf;
 use crate::nlp::{self, Astray, Cone, OFF_CONE};
@@ -294,7 +294,7 @@ impl<'a> Certifier<'a> {
     /// distances, so that none has to be called active or not; but for rows that leave a good part of any such direction.
     fn search_descent(&self, certificate: &mut Certificate, watch: &mut Watch<'_>) {
         let mut program = self.linear_program(&certificate.biactive);
-        let let_go = program.let_go(FAR);
+        let let_go = let_go(&mut program, FAR);
         certificate.programs = 1;
         let d = match program.solve_below(-self.least, watch) {
             Outcome::Solution(d, value) if value < -self.least => d,
@@ -316,7 +316,7 @@ impl<'a> Certifier<'a> {
             if share >= -self.least {
                 continue;
             }
-            match self.search_part(&program.of(&part), &part, own, certificate, watch) {
+            match self.search_part(&of_part(&program, &part), &part, own, certificate, watch) {
                 Some(Some(own)) => {
                     for (&i, d) in part.variables.iter().zip(&own) {
                         direction[i] = *d;

@@ -38,73 +38,71 @@ impl LetGo {
     }
 }
 
-impl LinearProgram {
-    /// Drops the bounds of rows that leave at least a part `far` of any direction within the bounds of the variables; returns the rows.
-    pub(crate) fn let_go(&mut self, far: f64) -> LetGo {
-        let mut reach = vec![0.0; self.row_lower.len()];
-        for (&(row, k), a) in self.pattern.iter().zip(&self.values) {
-            reach[row] += (a * self.upper[k].max(-self.lower[k])).abs();
+/// Drops the bounds of rows that leave at least a part `far` of any direction within the bounds of the variables; returns the rows.
+pub(crate) fn let_go(program: &mut LinearProgram, far: f64) -> LetGo {
+    let mut reach = vec![0.0; program.row_lower.len()];
+    for (&(row, k), a) in program.pattern.iter().zip(&program.values) {
+        reach[row] += (a * program.upper[k].max(-program.lower[k])).abs();
+    }
+    let mut room = vec![(f64::NEG_INFINITY, f64::INFINITY); reach.len()];
+    for (row, reach) in reach.iter().enumerate() {
+        if program.row_lower[row] < -far * reach {
+            room[row].0 = std::mem::replace(&mut program.row_lower[row], f64::NEG_INFINITY);
         }
-        let mut room = vec![(f64::NEG_INFINITY, f64::INFINITY); reach.len()];
-        for (row, reach) in reach.iter().enumerate() {
-            if self.row_lower[row] < -far * reach {
-                room[row].0 = std::mem::replace(&mut self.row_lower[row], f64::NEG_INFINITY);
-            }
-            if self.row_upper[row] > far * reach {
-                room[row].1 = std::mem::replace(&mut self.row_upper[row], f64::INFINITY);
-            }
-        }
-        let entries = self
-            .pattern
-            .iter()
-            .copied()
-            .zip(self.values.iter().copied());
-        LetGo {
-            entries: entries.collect(),
-            room,
+        if program.row_upper[row] > far * reach {
+            room[row].1 = std::mem::replace(&mut program.row_upper[row], f64::INFINITY);
         }
     }
-
-    /// Whether a row can hold anything.
-    fn holds(&self, row: usize) -> bool {
-        self.row_lower[row].is_finite() || self.row_upper[row].is_finite()
+    let entries = program
+        .pattern
+        .iter()
+        .copied()
+        .zip(program.values.iter().copied());
+    LetGo {
+        entries: entries.collect(),
+        room,
     }
+}
 
-    /// The program of a part.
-    pub(crate) fn of(&self, part: &Part) -> Self {
-        let mut columns = vec![None; self.gradient.len()];
-        for (place, &i) in part.variables.iter().enumerate() {
-            columns[i] = Some(place);
-        }
-        let mut rows = vec![None; self.row_lower.len()];
-        let mut own = Self {
-            gradient: Vec::new(),
-            pattern: Vec::new(),
-            values: Vec::new(),
-            row_lower: Vec::new(),
-            row_upper: Vec::new(),
-            lower: Vec::new(),
-            upper: Vec::new(),
+/// Whether a row can hold anything.
+fn holds(program: &LinearProgram, row: usize) -> bool {
+    program.row_lower[row].is_finite() || program.row_upper[row].is_finite()
+}
+
+/// The program of a part.
+pub(crate) fn of_part(program: &LinearProgram, part: &Part) -> LinearProgram {
+    let mut columns = vec![None; program.gradient.len()];
+    for (place, &i) in part.variables.iter().enumerate() {
+        columns[i] = Some(place);
+    }
+    let mut rows = vec![None; program.row_lower.len()];
+    let mut own = LinearProgram {
+        gradient: Vec::new(),
+        pattern: Vec::new(),
+        values: Vec::new(),
+        row_lower: Vec::new(),
+        row_upper: Vec::new(),
+        lower: Vec::new(),
+        upper: Vec::new(),
+    };
+    for &i in &part.variables {
+        own.gradient.push(program.gradient[i]);
+        own.lower.push(program.lower[i]);
+        own.upper.push(program.upper[i]);
+    }
+    for (&(row, column), &value) in program.pattern.iter().zip(&program.values) {
+        let Some(column) = columns[column].filter(|_| holds(program, row)) else {
+            continue;
         };
-        for &i in &part.variables {
-            own.gradient.push(self.gradient[i]);
-            own.lower.push(self.lower[i]);
-            own.upper.push(self.upper[i]);
-        }
-        for (&(row, column), &value) in self.pattern.iter().zip(&self.values) {
-            let Some(column) = columns[column].filter(|_| self.holds(row)) else {
-                continue;
-            };
-            let place = *rows[row].get_or_insert_with(|| {
-                own.row_lower.push(self.row_lower[row]);
-                own.row_upper.push(self.row_upper[row]);
-                own.row_lower.len() - 1
-            });
-            own.pattern.push((place, column));
-            own.values.push(value);
-        }
-        own
+        let place = *rows[row].get_or_insert_with(|| {
+            own.row_lower.push(program.row_lower[row]);
+            own.row_upper.push(program.row_upper[row]);
+            own.row_lower.len() - 1
+        });
+        own.pattern.push((place, column));
+        own.values.push(value);
     }
+    own
 }
 
 /// The parts of a program with these pairs; variables that cannot move are in none.
@@ -114,7 +112,7 @@ pub(crate) fn parts(program: &LinearProgram, pairs: &[(usize, usize)]) -> Vec<Pa
     let mut parents: Vec<usize> = (0..n).collect();
     let mut first = vec![None; program.row_lower.len()];
     for (&(row, k), value) in program.pattern.iter().zip(&program.values) {
-        if *value != 0.0 && moves(k) && program.holds(row) {
+        if *value != 0.0 && moves(k) && holds(program, row) {
             unite(&mut parents, *first[row].get_or_insert(k), k);
         }
     }
@@ -181,7 +179,7 @@ mod tests {
     fn parts_are_tied_by_rows_that_hold_and_by_pairs() {
         let variables = |room: f64, pairs: &[(usize, usize)]| -> Vec<Vec<usize>> {
             let mut program = program(room);
-            program.let_go(1e-2);
+            let_go(&mut program, 1e-2);
             let parts = parts(&program, pairs);
             parts.into_iter().map(|part| part.variables).collect()
         };
@@ -193,15 +191,15 @@ mod tests {
     #[test]
     fn of_a_part_are_its_rows_and_a_row_let_go_shortens_a_direction() {
         let mut program = program(0.5);
-        let let_go = program.let_go(1e-2);
+        let gone = let_go(&mut program, 1e-2);
         let all = parts(&program, &[(2, 3)]);
-        let own = program.of(&all[1]);
+        let own = of_part(&program, &all[1]);
         assert_eq!(own.gradient, [3.0, 4.0]);
         assert_eq!(own.pattern, [(0, 0), (0, 1)]);
         assert_eq!((own.row_lower[0], own.row_upper[0]), (0.0, 0.0));
         assert_eq!(all[1].pairs, [(0, 1)]);
         // 2 where 0.5 is left
-        assert_eq!(let_go.longest(&[1.0, -1.0, 1.0, 1.0, 0.0]), 0.25);
-        assert_eq!(let_go.longest(&[-1.0, 1.0, -1.0, -1.0, 0.0]), 1.0);
+        assert_eq!(gone.longest(&[1.0, -1.0, 1.0, 1.0, 0.0]), 0.25);
+        assert_eq!(gone.longest(&[-1.0, 1.0, -1.0, -1.0, 0.0]), 1.0);
     }
 }

@@ -124,6 +124,42 @@ fn inflection_along_a_curved_row_is_no_strict_optimum() {
 }
 
 #[test]
+fn optimum_is_judged_in_the_units_of_its_variables() {
+    let check = |what: &str, text: &str, best: f64| {
+        let solution = solve(text);
+        assert_eq!(solution.status, Status::Solved, "{what}: {solution:?}");
+        let error = (solution.objective - best).abs();
+        assert!(
+            error < 1e-4 * best,
+            "{what}: {} of {best}",
+            solution.objective
+        );
+    };
+    for (a, b, c) in [
+        (3e-8, 2e7, 5.0),
+        (4e-10, 1e9, 0.3),
+        (2e9, 5e-10, 1.0),
+        (1e-11, 7e10, 40.0),
+    ] {
+        let best = 2.0 * f64::sqrt(a * b * c);
+        // min a x + b y where x y >= c, apart from a square, and a x + b c / x
+        let rest = format!("x3\n0 1\n1 1\n2 0\nr\n2 {c}\nb\n2 0\n2 0\n3\n");
+        let sum = format!("o54 3 o2 n{a:e} v0 o2 n{b:e} v1 o5 o1 v2 n3 n2");
+        check(
+            "product",
+            &program((3, 1), &["o2 v0 v1"], &sum, &rest),
+            best,
+        );
+        let sum = format!("o0 o2 n{a:e} v0 o3 n{:e} v0", b * c);
+        check(
+            "quotient",
+            &program((1, 0), &[], &sum, "x1\n0 1\nb\n2 0\n"),
+            best,
+        );
+    }
+}
+
+#[test]
 fn valley_at_whose_end_curvature_changes_its_sign_is_not_said_to_descend() {
     // (y - a x^2)^2 and y^2 beside it: the curvature along x is -4 a (y - a x^2), of either sign beside the minimum
     for factor in ["1", "9"] {
