@@ -2,7 +2,7 @@
 
 use super::calm::WIDE;
 use super::range::{CALM, Range};
-use crate::model::tape::{Function, Operation};
+use crate::model::tape::{Function, Function2, Operation, Source};
 use crate::model::{Explicit, Model, joint_rows};
 
 /// Factor by which a divisor may change where its inverse is a polynomial of a few powers.
@@ -53,9 +53,9 @@ impl<'a> Bounds<'a> {
         for &operation in tape.operations {
             let at = |part: u32| self.values[part as usize];
             let value = match operation {
-                Operation::Parameter(i) => Range::of(self.parameters[i as usize]),
-                Operation::Constant(value) => Range::of(value),
-                Operation::Input(i) => input(i as usize),
+                Operation::Given(Source::Parameter(i)) => Range::of(self.parameters[i as usize]),
+                Operation::Given(Source::Constant(value)) => Range::of(value),
+                Operation::Given(Source::Input(i)) => input(i as usize),
                 Operation::Add(a, b) => at(a) + at(b),
                 Operation::Subtract(a, b) => at(a) - at(b),
                 Operation::Multiply(a, b) if a == b => at(a).square(),
@@ -64,9 +64,9 @@ impl<'a> Bounds<'a> {
                 Operation::Negate(a) => -at(a),
                 Operation::Root(a) => at(a).root(),
                 Operation::Call(function, a) => at(a).call(function),
-                Operation::Atan2(a, b) => at(a).atan2(at(b)),
-                Operation::Power(a, b) => at(a).power(at(b)),
-                Operation::Unknown => Range::ALL,
+                Operation::Call2(Function2::Atan2, a, b) => at(a).atan2(at(b)),
+                Operation::Call2(Function2::Power, a, b) => at(a).power(at(b)),
+                Operation::Given(Source::Weight(_)) => Range::ALL,
             };
             self.values.push(value);
         }
@@ -83,15 +83,15 @@ impl<'a> Bounds<'a> {
         for &operation in tape.operations {
             let at = |part: u32| moves[part as usize];
             let (own, hides) = match operation {
-                Operation::Parameter(_) | Operation::Constant(_) => (false, false),
-                Operation::Input(_) | Operation::Unknown => (true, false),
+                Operation::Given(Source::Parameter(_) | Source::Constant(_)) => (false, false),
+                Operation::Given(Source::Input(_) | Source::Weight(_)) => (true, false),
                 Operation::Add(a, b) | Operation::Subtract(a, b) | Operation::Multiply(a, b) => {
                     (at(a) || at(b), false)
                 }
                 Operation::Divide(a, b) => (at(a) || at(b), at(b)),
                 Operation::Negate(a) | Operation::Root(a) => (at(a), false),
-                Operation::Call(called, a) => (at(a), at(a) && !called.is_the_same_everywhere()),
-                Operation::Atan2(a, b) | Operation::Power(a, b) => (at(a) || at(b), at(a) || at(b)),
+                Operation::Call(called, a) => (at(a), at(a) && !is_the_same_everywhere(called)),
+                Operation::Call2(_, a, b) => (at(a) || at(b), at(a) || at(b)),
             };
             if hides {
                 return true;
@@ -119,7 +119,7 @@ impl<'a> Bounds<'a> {
             let at = |part: u32| self.values[part as usize];
             let calm = match operation {
                 Operation::Divide(_, a)
-                | Operation::Power(a, _)
+                | Operation::Call2(Function2::Power, a, _)
                 | Operation::Call(Function::Ln | Function::InverseRoot, a) => {
                     if !at(a).keeps_its_size(FACTOR) {
                         sized.push(a);
@@ -127,7 +127,7 @@ impl<'a> Bounds<'a> {
                     true
                 }
                 Operation::Call(function, a) => at(a).is_calm_in(function, wave),
-                Operation::Atan2(a, b) => at(a).atan2(at(b)).width() <= CALM,
+                Operation::Call2(Function2::Atan2, a, b) => at(a).atan2(at(b)).width() <= CALM,
                 _ => true,
             };
             if !calm {
@@ -204,6 +204,12 @@ impl<'a> Bounds<'a> {
             Range::ALL
         }
     }
+}
+
+/// Whether a function does nothing in some places that it does not do in others, but where its argument vanishes.
+fn is_the_same_everywhere(function: Function) -> bool {
+    use Function::{Abs, Acos, Asin, Cbrt, Cos, Root, Sign, Sin};
+    matches!(function, Sin | Cos | Asin | Acos | Cbrt | Root | Abs | Sign)
 }
 
 #[cfg(test)]

@@ -7,9 +7,8 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::{Add, Mul, Neg, Sub};
 
-use hangtime_dsl::description::{inverse_root, piecewise as profile};
-
 use crate::model::tape::Function;
+use hangtime_dsl::description::{inverse_root, piecewise};
 
 /// Share of an angle by which its rounding may hide a greatest value of a sine.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -171,7 +170,9 @@ impl Range {
             Function::InverseRoot => self.monotone(inverse_root),
             Function::Abs => self.size(),
             Function::Sign => self.monotone(f64::signum),
-            Function::Profile(pieces, order) => self.pieces(pieces, usize::from(order)),
+            Function::Profile(profile) => {
+                self.pieces(profile.pieces(), usize::from(profile.order()))
+            }
         }
     }
 
@@ -185,7 +186,7 @@ impl Range {
         let mut ends = vec![self.low];
         ends.extend(inner);
         ends.push(self.high);
-        let value = |order: usize, x: f64| profile(pieces, order, x);
+        let value = |order: usize, x: f64| piecewise(pieces, order, x);
         let part = |ends: &[f64]| {
             let (a, b) = (ends[0], ends[1]);
             // The polynomial around the middle with all its derivatives.
@@ -221,8 +222,8 @@ impl Range {
                 let values = self.call(function);
                 values.width() <= CALM + values.size().low
             }
-            Function::Profile(pieces, _) => {
-                let inner = pieces.iter().skip(1).map(|piece| piece.0);
+            Function::Profile(profile) => {
+                let inner = profile.pieces().iter().skip(1).map(|piece| piece.0);
                 let inner = inner.filter(|from| self.low < *from && *from < self.high);
                 inner.count() < PIECES
             }
@@ -301,6 +302,7 @@ impl Mul for Range {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::tape::Spline;
 
     #[test]
     fn signs_of_products_are_all_looked_at() {
@@ -312,36 +314,22 @@ mod tests {
         assert_eq!(range(-3.0, -1.0).square(), range(1.0, 9.0));
     }
 
-    /// Points in a function given by points, as `(from, coefficients)`.
-    const HAT: &[(f64, [f64; 6])] = &[
-        (0.0, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]),
-        (0.0, [0.0, 1.0, -0.5, 0.25, 0.1, -0.2]),
-        (1.0, [0.65, -0.1, 0.3, 0.0, 0.0, 0.0]),
-    ];
+    /// A function given by points.
+    static HAT: Spline = Spline::new(
+        0,
+        "hat",
+        &[
+            (0.0, [0.0, 1.0, 0.0, 0.0, 0.0, 0.0]),
+            (0.0, [0.0, 1.0, -0.5, 0.25, 0.1, -0.2]),
+            (1.0, [0.65, -0.1, 0.3, 0.0, 0.0, 0.0]),
+        ],
+    );
 
     /// Each function has its values in its range, and its range is little more than its values, over parts of all widths.
     #[test]
     fn functions_have_their_values_in_their_ranges_and_not_much_more() {
         use Function::*;
-        let of = |function: Function, x: f64| match function {
-            Sin => x.sin(),
-            Cos => x.cos(),
-            Tan => x.tan(),
-            Asin => x.asin(),
-            Acos => x.acos(),
-            Atan => x.atan(),
-            Sinh => x.sinh(),
-            Cosh => x.cosh(),
-            Tanh => x.tanh(),
-            Exp => x.exp(),
-            Ln => x.ln(),
-            Cbrt => x.cbrt(),
-            Root => x.sqrt(),
-            InverseRoot => inverse_root(x),
-            Abs => x.abs(),
-            Sign => x.signum(),
-            Profile(pieces, order) => profile(pieces, usize::from(order), x),
-        };
+        let of = crate::model::tape::Profile::of;
         let all = [
             Sin,
             Cos,
@@ -359,16 +347,16 @@ mod tests {
             InverseRoot,
             Abs,
             Sign,
-            Profile(HAT, 0),
-            Profile(HAT, 1),
-            Profile(HAT, 2),
+            Profile(of(&HAT, 0)),
+            Profile(of(&HAT, 1)),
+            Profile(of(&HAT, 2)),
         ];
         for function in all {
             for (k, width) in [0.01, 0.3, 1.1, 2.9, 7.0].into_iter().enumerate() {
                 let low = -3.3 + 1.37 * k as f64;
                 let range = Range::between(low, low + width).call(function);
                 let values: Vec<f64> = (0..=1000)
-                    .map(|j| of(function, low + width * f64::from(j) / 1000.0))
+                    .map(|j| function.value(low + width * f64::from(j) / 1000.0))
                     .filter(|value| !value.is_nan())
                     .collect();
                 for value in &values {

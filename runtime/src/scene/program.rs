@@ -3,23 +3,32 @@
 
 use super::run::{Registers, Run};
 use super::steps::steps;
-use hangtime_dsl::description::{Kernel, Operation};
+use hangtime_dsl::description::{Kernel, Operation, Source};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A kernel as runs of equal steps on registers.
 #[derive(Debug)]
 pub(super) struct Program {
-    /// What depends on parameters only.
-    folding: Folding,
+    code: Arc<Code>,
     /// Where the folded values stand among those of all programs of a scene.
     pub(super) folded: Range<usize>,
     /// Components of the input vector, and their registers.
     inputs: Vec<(u32, u16)>,
     /// Components of the second vector, and their registers.
     weights: Vec<(u32, u16)>,
-    runs: Vec<Run>,
     /// Registers of the outputs.
     outputs: Vec<u16>,
+}
+
+/// What programs have in common that differ in the components that they read and in the order of their outputs.
+#[derive(Debug)]
+struct Code {
+    /// What depends on parameters only.
+    folding: Folding,
+    runs: Vec<Run>,
+    /// Registers of operations, by their positions in the kernel.
+    registers: Vec<u16>,
 }
 
 /// Operations on parameters and constants.
@@ -42,7 +51,7 @@ impl Program {
         let mut constant = vec![false; operations.len()];
         for (at, &operation) in operations.iter().enumerate() {
             constant[at] = match operation {
-                Operation::Input(_) | Operation::Weight(_) => false,
+                Operation::Given(Source::Input(_) | Source::Weight(_)) => false,
                 known => known.operands().all(|part| constant[part as usize]),
             };
         }
@@ -60,12 +69,9 @@ impl Program {
         for &at in &kept {
             places.take(at)?;
         }
-        let mut given = [Vec::new(), Vec::new()];
         for (at, &operation) in operations.iter().enumerate() {
-            match operation {
-                Operation::Input(i) => given[0].push((i, places.take(at)?)),
-                Operation::Weight(i) => given[1].push((i, places.take(at)?)),
-                _ => {}
+            if let Operation::Given(Source::Input(_) | Source::Weight(_)) = operation {
+                places.take(at)?;
             }
         }
         let mut runs = Vec::new();
@@ -88,30 +94,50 @@ impl Program {
             }
             runs.push(Run::new(run[0].kind, &registers));
         }
-        let [inputs, weights] = given;
-        Ok(Self {
-            folded: before..before + folding.kept.len(),
+        let code = Code {
             folding,
+            runs,
+            registers: places.of,
+        };
+        let folded = before..before + code.folding.kept.len();
+        Ok(Self::of(Arc::new(code), folded, kernel))
+    }
+
+    /// The program of a kernel with the operations of another one.
+    pub(super) fn like(&self, kernel: &Kernel) -> Self {
+        Self::of(Arc::clone(&self.code), self.folded.clone(), kernel)
+    }
+
+    fn of(code: Arc<Code>, folded: Range<usize>, kernel: &Kernel) -> Self {
+        let register = |at: usize| code.registers[at];
+        let mut given = [Vec::new(), Vec::new()];
+        for (at, &operation) in kernel.operations.iter().enumerate() {
+            match operation {
+                Operation::Given(Source::Input(i)) => given[0].push((i, register(at))),
+                Operation::Given(Source::Weight(i)) => given[1].push((i, register(at))),
+                _ => {}
+            }
+        }
+        let [inputs, weights] = given;
+        let outputs = kernel.outputs.iter();
+        Self {
+            folded,
             inputs,
             weights,
-            runs,
-            outputs: kernel
-                .outputs
-                .iter()
-                .map(|&at| places.of[at as usize])
-                .collect(),
-        })
+            outputs: outputs.map(|&at| register(at as usize)).collect(),
+            code,
+        }
     }
 
     /// The values that depend on parameters only.
     pub(super) fn fold<'a>(&'a self, parameters: &[f64]) -> impl Iterator<Item = f64> + 'a {
-        let mut values: Vec<f64> = Vec::with_capacity(self.folding.operations.len());
-        for &operation in &self.folding.operations {
+        let mut values: Vec<f64> = Vec::with_capacity(self.code.folding.operations.len());
+        for &operation in &self.code.folding.operations {
             let at = |part: u32| values[part as usize];
             let value = match operation {
-                Operation::Parameter(i) => parameters[i as usize],
-                Operation::Constant(value) => value,
-                Operation::Input(_) | Operation::Weight(_) => f64::NAN,
+                Operation::Given(Source::Parameter(i)) => parameters[i as usize],
+                Operation::Given(Source::Constant(value)) => value,
+                Operation::Given(Source::Input(_) | Source::Weight(_)) => f64::NAN,
                 Operation::Add(a, b) => at(a) + at(b),
                 Operation::Subtract(a, b) => at(a) - at(b),
                 Operation::Multiply(a, b) => at(a) * at(b),
@@ -123,7 +149,11 @@ impl Program {
             };
             values.push(value);
         }
-        self.folding.kept.iter().map(move |&at| values[at as usize])
+        self.code
+            .folding
+            .kept
+            .iter()
+            .map(move |&at| values[at as usize])
     }
 
     /// Evaluates it; `folded` are its values that depend on parameters only.
@@ -142,7 +172,7 @@ impl Program {
         for &(i, register) in &self.weights {
             r[usize::from(register)] = y[i as usize];
         }
-        for run in &self.runs {
+        for run in &self.code.runs {
             run.go(r);
         }
         for (value, &register) in out.iter_mut().zip(&self.outputs) {

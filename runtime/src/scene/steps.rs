@@ -125,10 +125,7 @@ fn together(operation: Operation, product: impl Fn(u32) -> Option<[u32; 2]>) -> 
         Operation::Root(_) => alone(Kind::Root),
         Operation::Call(function, _) => alone(Kind::Call(function)),
         Operation::Call2(function, ..) => alone(Kind::Call2(function)),
-        Operation::Parameter(_)
-        | Operation::Input(_)
-        | Operation::Weight(_)
-        | Operation::Constant(_) => return None,
+        Operation::Given(_) => return None,
     })
 }
 

@@ -40,9 +40,14 @@ impl TextScene {
     pub fn new(description: Description, text: &str, warnings: String) -> Result<Self, TooLarge> {
         let tapes = Tapes::of(&description);
         let mut kernels: Vec<Program> = Vec::with_capacity(description.kernels.len());
+        let mut folded = 0;
         for kernel in &description.kernels {
-            let before = kernels.last().map_or(0, |last| last.folded.end);
-            kernels.push(Program::new(kernel, before)?);
+            let program = match kernel.like {
+                Some(like) => kernels[like].like(kernel),
+                None => Program::new(kernel, folded)?,
+            };
+            folded = folded.max(program.folded.end);
+            kernels.push(program);
         }
         let structure = description.structure;
         let parameters = structure.declaration.parameters.iter();
@@ -95,7 +100,10 @@ impl TextScene {
     fn fold(&mut self) {
         self.folded.clear();
         for kernel in &self.shared.kernels {
-            self.folded.extend(kernel.fold(&self.numbers));
+            // Those of kernels that are like an earlier one stand there.
+            if kernel.folded.start == self.folded.len() {
+                self.folded.extend(kernel.fold(&self.numbers));
+            }
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::evaluate::{Evaluation, Meaning, Number, Scope, Value, expression};
 use crate::graph::{self, Sym, Variable};
 use crate::scene::{self, Coordinate, Parameter};
 use crate::words;
+use std::collections::HashMap;
 
 /// A surface, or a smooth piece of one with edges, before its law is known.
 pub(super) struct Surface {
@@ -76,6 +77,8 @@ pub(super) enum Of {
 #[derive(Default)]
 pub(super) struct Laws {
     pub(super) impacts: Vec<CheckedLaw>,
+    /// The law of each surface, by its name.
+    pub(super) of_surfaces: HashMap<String, usize>,
     pub(super) sliding: Vec<Sliding>,
     pub(super) dry: Vec<DryFriction>,
     pub(super) resets: Vec<Reset>,

@@ -15,6 +15,13 @@ use crate::scene::Contact;
 /// Rest below which two columns of values are the same, relative to the largest value: some thousand roundings.
 const NEGLIGIBLE: f64 = 1e-11;
 
+/// Difference of two quotients of gaps, relative, up to which they are compared at all points: a thousand times [`NEGLIGIBLE`], as a small divisor
+/// has as many digits less.
+const CLOSE: f64 = 1e-8;
+
+/// Points of the first comparison, of which two have to have values.
+const FEW: usize = 4;
+
 /// Points at which gaps are compared, of which some may be without a value.
 const POINTS: usize = 12;
 
@@ -37,24 +44,18 @@ pub(super) fn gaps(contacts: &[Contact], checker: &mut Checker<'_>) {
     let parameters: Vec<f64> = (0..checker.parameters.len())
         .map(|_| random.number(0.5, 1.5))
         .collect();
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    // Points at which a root or a logarithm has no value are passed over.
-    for _ in 0..POINTS {
-        let point: Vec<f64> = (0..=checker.coordinates.len())
-            .map(|_| random.number(-1.0, 1.0))
-            .collect();
-        let values = graph::substitute(&gaps, |variable| {
-            let value = match variable {
-                Variable::Parameter(i) => parameters.get(usize::from(i)),
-                Variable::Coordinate(i) => point.get(usize::from(i)),
-                Variable::Time => point.last(),
-                _ => None,
-            };
-            value.map(|&value| Sym::number(value))
-        });
-        let row: Option<Vec<f64>> = values.iter().map(|value| value.as_number()).collect();
-        rows.extend(row.filter(|row| row.iter().all(|value| value.is_finite())));
+    let mut points = (0..POINTS).map(|_| {
+        let coordinates = 0..=checker.coordinates.len();
+        coordinates.map(|_| random.number(-1.0, 1.0)).collect()
+    });
+    let few: Vec<Vec<f64>> = points.by_ref().take(FEW).collect();
+    let suspects = alike(&values(&gaps, &parameters, &few), gaps.len());
+    if suspects.is_empty() {
+        return;
     }
+    let gaps: Vec<Sym> = suspects.iter().map(|&gap| gaps[gap]).collect();
+    let points: Vec<Vec<f64>> = few.into_iter().chain(points).collect();
+    let rows = values(&gaps, &parameters, &points);
     if rows.len() < POINTS / 2 {
         return;
     }
@@ -68,10 +69,52 @@ pub(super) fn gaps(contacts: &[Contact], checker: &mut Checker<'_>) {
     for second in 0..columns.len() {
         let sign = |first: usize| proportional(&columns[first], &columns[second]);
         if let Some((first, sign)) = (0..second).find_map(|first| Some((first, sign(first)?))) {
-            let [first, second] = [first, second].map(|i| &whole[i].name);
+            let [first, second] = [first, second].map(|i| &whole[suspects[i]].name);
             report(second, same(first, second, sign), checker);
         }
     }
+}
+
+/// The gaps at points; those at which a root or a logarithm has no value are passed over.
+fn values(gaps: &[Sym], parameters: &[f64], points: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let row = |point: &Vec<f64>| {
+        let values = graph::substitute(gaps, |variable| {
+            let value = match variable {
+                Variable::Parameter(i) => parameters.get(usize::from(i)),
+                Variable::Coordinate(i) => point.get(usize::from(i)),
+                Variable::Time => point.last(),
+                _ => None,
+            };
+            value.map(|&value| Sym::number(value))
+        });
+        let row: Option<Vec<f64>> = values.iter().map(|value| value.as_number()).collect();
+        row.filter(|row| row.iter().all(|value| value.is_finite()))
+    };
+    points.iter().filter_map(row).collect()
+}
+
+/// Which of `count` gaps have the quotient of another one, between two points, up to rounding: all where there are no two points. Of gaps by
+/// the thousand, as of all pairs of balls, few are left.
+fn alike(rows: &[Vec<f64>], count: usize) -> Vec<usize> {
+    let [one, other, ..] = rows else {
+        return (0..count).collect();
+    };
+    let quotient = |gap: usize| one[gap] / other[gap];
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|a, b| quotient(*a).total_cmp(&quotient(*b)));
+    let near = |pair: &[usize]| {
+        let [a, b] = [quotient(pair[0]), quotient(pair[1])];
+        // What is no number tells nothing.
+        let apart = (a - b).abs() > CLOSE * a.abs().max(b.abs()).max(1.0);
+        !apart
+    };
+    let mut suspects: Vec<usize> = Vec::new();
+    for pair in order.windows(2).filter(|pair| near(pair)) {
+        suspects.extend(pair);
+    }
+    suspects.sort_unstable();
+    suspects.dedup();
+    suspects
 }
 
 fn report(name: &Name, message: String, checker: &mut Checker<'_>) {

@@ -15,8 +15,8 @@ pub(super) fn new_contact(checker: &mut Checker<'_>, name: &Name, what: &str) ->
     let text = &name.text;
     let mut joints = checker.scope.joints.iter();
     let dry = checker.scope.dry.contains(text) || joints.any(|(known, _)| known == text);
-    let mut surfaces = checker.surfaces.iter().map(|known| &known.name.text);
-    if dry || surfaces.any(|known| known == text) || checker.diagnostics.is_poisoned(text) {
+    let surface = checker.scope.units.gaps.contains_key(text);
+    if dry || surface || checker.diagnostics.is_poisoned(text) {
         let message = format!("{what} `{text}` is declared twice; rename one");
         let reported = checker.diagnostics.report("E20", name.place(), message);
         if dry {

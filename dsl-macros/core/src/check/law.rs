@@ -11,6 +11,7 @@ use crate::graph::{self, Compose, Sym, Variable};
 use crate::parse::law_of;
 use crate::scene::{self, Contact, Friction};
 use crate::words;
+use std::collections::HashSet;
 
 pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) -> Checked<()> {
     let before = checker.diagnostics.mistakes();
@@ -47,13 +48,8 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
     };
     let friction = friction.zip(law.friction.as_ref());
     for surface in surfaces {
-        if let Some(known) = checker
-            .laws
-            .impacts
-            .iter()
-            .find(|known| known.surface.text == surface.text)
-        {
-            let text = known.surface.text.clone();
+        let text = surface.text.clone();
+        if checker.laws.of_surfaces.contains_key(&text) {
             checker.diagnostics.report(
                 "E20",
                 surface.place(),
@@ -61,7 +57,9 @@ pub(super) fn impact(checker: &mut Checker<'_>, surfaces: &[Name], law: &Law) ->
             );
             continue;
         }
-        checker.laws.impacts.push(CheckedLaw {
+        let laws = &mut checker.laws;
+        laws.of_surfaces.insert(text, laws.impacts.len());
+        laws.impacts.push(CheckedLaw {
             surface: surface.clone(),
             restitution,
             friction: friction
@@ -295,11 +293,11 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<(Surface, Ch
     let before = checker.diagnostics.mistakes();
     let laws = std::mem::take(&mut checker.laws.impacts);
     let surfaces = std::mem::take(&mut checker.surfaces);
+    let places = std::mem::take(&mut checker.laws.of_surfaces);
+    let declared: HashSet<&String> = surfaces.iter().map(|known| &known.name.text).collect();
     for law in &laws {
         let text = &law.surface.text;
-        if surfaces.iter().any(|known| known.name.text == *text)
-            || checker.diagnostics.is_poisoned(text)
-        {
+        if declared.contains(text) || checker.diagnostics.is_poisoned(text) {
             continue;
         }
         let names = || surfaces.iter().map(|known| known.name.text.as_str());
@@ -317,7 +315,7 @@ pub(super) fn of_surfaces(checker: &mut Checker<'_>) -> Checked<Vec<(Surface, Ch
     let mut pairs = Vec::with_capacity(surfaces.len());
     for surface in surfaces {
         let text = &surface.name.text;
-        let Some(law) = laws.iter().find(|law| law.surface.text == *text) else {
+        let Some(law) = places.get(text).map(|&place| &laws[place]) else {
             let of = [text.as_str(), ""].map(law_of);
             if of.iter().any(|law| checker.diagnostics.is_poisoned(law)) {
                 continue;

@@ -15,25 +15,35 @@ pub(super) struct Alike {
 }
 
 impl Alike {
-    /// A contact that is like the one with these `formulas` of the coordinates of a `part`; if there is none, the contact with
-    /// the number `own` is known from now on.
-    pub(super) fn find(
-        &mut self,
-        formulas: &[Sym],
-        part: &[usize],
-        own: usize,
-    ) -> Option<(usize, Vec<usize>)> {
+    /// What a contact is derived from, `formulas` of the coordinates of a `part`, without the names of these.
+    pub(super) fn key(formulas: &[Sym], part: &[usize]) -> Vec<Sym> {
         let place = |i: u16| part.binary_search(&usize::from(i)).ok();
-        let key = graph::substitute(formulas, |variable| match variable {
+        graph::substitute(formulas, |variable| match variable {
             Variable::Coordinate(i) => place(i).map(|k| placeholder(COORDINATES, k)),
             Variable::Velocity(i) => place(i).map(|k| placeholder(VELOCITIES, k)),
             _ => None,
-        });
-        if let Some(known) = self.known.get(&key) {
-            return Some(known.clone());
-        }
-        self.known.insert(key, (own, part.to_vec()));
-        None
+        })
+    }
+
+    /// The contact that is derived from the same, and its names for those of a `part`.
+    pub(super) fn find(
+        &self,
+        key: &Vec<Sym>,
+        part: &[usize],
+        all: usize,
+    ) -> Option<(usize, Names)> {
+        let (contact, from) = self.known.get(key)?;
+        let names = Names {
+            from: from.clone(),
+            to: part.to_vec(),
+            all,
+        };
+        Some((*contact, names))
+    }
+
+    /// The contact with this number is known from now on.
+    pub(super) fn insert(&mut self, key: Vec<Sym>, part: Vec<usize>, contact: usize) {
+        self.known.insert(key, (contact, part));
     }
 }
 
@@ -42,14 +52,14 @@ fn placeholder(first: u16, k: usize) -> Sym {
 }
 
 /// New names of the coordinates: those of one part for those of another, in the same order.
-pub(super) struct Renaming<'a> {
-    pub(super) from: &'a [usize],
-    pub(super) to: &'a [usize],
+pub(crate) struct Names {
+    from: Vec<usize>,
+    to: Vec<usize>,
     /// Number of coordinates of the scene.
-    pub(super) all: usize,
+    all: usize,
 }
 
-impl Renaming<'_> {
+impl Names {
     /// A contact with the new names.
     pub(super) fn contact(&self, contact: &ContactEquations) -> ContactEquations {
         let side = |side: &FrictionEquations| FrictionEquations {
@@ -59,8 +69,6 @@ impl Renaming<'_> {
             direction: None,
         };
         ContactEquations {
-            followed: contact.followed.clone(),
-            loads: self.formulas(&contact.loads, 0),
             rows: self.rows(&contact.rows, 2),
             curvature: self.formulas(&[contact.curvature], 0)[0],
             normal: self.vector(&contact.normal),
@@ -70,22 +78,72 @@ impl Renaming<'_> {
                 }
                 InverseInertia::Solved => InverseInertia::Solved,
             },
-            direction: None,
-            passes: contact.passes,
             friction: contact.friction.as_ref().map(side),
             across: contact.across.as_ref().map(side),
+            ..ContactEquations::default()
         }
     }
 
-    fn name(&self, coordinate: usize) -> usize {
+    /// Gap, normal velocity and sliding velocities of a contact with the new names, and nothing else.
+    pub(super) fn values(&self, contact: &ContactEquations) -> ContactEquations {
+        let first = |rows: &Explicit, count: usize| Explicit {
+            values: self.formulas(&rows.values[..count], count),
+            ..Explicit::default()
+        };
+        let side = |side: &FrictionEquations| FrictionEquations {
+            rows: first(&side.rows, 1),
+            ..FrictionEquations::default()
+        };
+        ContactEquations {
+            rows: first(&contact.rows, 2),
+            friction: contact.friction.as_ref().map(side),
+            across: contact.across.as_ref().map(side),
+            ..ContactEquations::default()
+        }
+    }
+
+    /// The coordinate in the place of another one.
+    pub(crate) fn name(&self, coordinate: usize) -> usize {
         match self.from.binary_search(&coordinate) {
             Ok(k) => self.to[k],
             Err(_) => coordinate,
         }
     }
 
+    /// The component of the input vector in the place of another one.
+    pub(crate) fn input(&self, input: usize) -> usize {
+        match input.checked_sub(self.all) {
+            None => self.name(input),
+            Some(velocity) if velocity < self.all => self.all + self.name(velocity),
+            Some(_) => input,
+        }
+    }
+
+    /// The row in the place of another one, of some rows followed by a vector of the coordinates.
+    pub(crate) fn row(&self, row: usize, first: usize) -> usize {
+        match row.checked_sub(first) {
+            Some(coordinate) => first + self.name(coordinate),
+            None => row,
+        }
+    }
+
+    /// Some values followed by vectors of the coordinates; other components of these are all the same.
+    pub(crate) fn spread(&self, old: &[u32], first: usize) -> Vec<u32> {
+        let mut new = old.to_vec();
+        let other = (0..self.all).find(|i| self.from.binary_search(i).is_err());
+        for vector in (first..old.len()).step_by(self.all) {
+            for &i in &self.from {
+                new[vector + i] = other.map_or(old[vector + i], |other| old[vector + other]);
+            }
+            for (&from, &to) in self.from.iter().zip(&self.to) {
+                new[vector + to] = old[vector + from];
+            }
+        }
+        new
+    }
+
     /// Formulas with weights, of which those behind the first `rows` belong to coordinates.
-    fn formulas(&self, formulas: &[Sym], rows: usize) -> Vec<Sym> {
+    pub(crate) fn formulas(&self, formulas: &[Sym], rows: usize) -> Vec<Sym> {
         let name = |i: u16| self.name(usize::from(i)) as u16;
         graph::substitute(formulas, |variable| match variable {
             Variable::Coordinate(i) => Some(Sym::variable(Variable::Coordinate(name(i)))),
@@ -112,15 +170,7 @@ impl Renaming<'_> {
     fn rows(&self, old: &Explicit, first: usize) -> Explicit {
         let mut values = self.formulas(&old.values[..first], first);
         values.extend(self.vector(&old.values[first..]));
-        let row = |row: usize| match row.checked_sub(first) {
-            Some(coordinate) => first + self.name(coordinate),
-            None => row,
-        };
-        let column = |column: usize| match column.checked_sub(self.all) {
-            None => self.name(column),
-            Some(velocity) if velocity < self.all => self.all + self.name(velocity),
-            Some(_) => column,
-        };
+        let (row, column) = (|row| self.row(row, first), |column| self.input(column));
         Explicit {
             values,
             jacobian: self.sparse(&old.jacobian, first, |(i, j)| (row(i), column(j))),

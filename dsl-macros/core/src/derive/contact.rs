@@ -7,8 +7,9 @@
 //! d = w / (n' w),   w = H n or declared          e = H b / D
 //! ```
 
-use super::alike::{Alike, Renaming};
+use super::alike::Alike;
 use super::contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
+use super::contacts::{Contacts, Derived};
 use super::held::along_motion;
 use super::implicit::{self, Implicit, WRITTEN_OUT};
 use super::joint_row::Row;
@@ -131,20 +132,22 @@ pub(super) struct Mechanism<'a> {
 
 impl Mechanism<'_> {
     /// All contacts of a scene.
-    pub(super) fn contacts(&self, declared: &[Contact]) -> Result<Vec<ContactEquations>, Failure> {
-        let mut contacts: Vec<ContactEquations> = Vec::with_capacity(declared.len());
+    pub(super) fn contacts(&self, declared: &[Contact]) -> Result<Contacts, Failure> {
+        let mut contacts = Contacts::default();
         let mut alike = Alike::default();
         for contact in declared {
             graph::begin(Stage::Contact(contacts.len()));
-            let mut derived = self.contact(contact, &contacts, &mut alike)?;
-            for &(surface, factor) in &contact.loads {
-                // A force `r / D` of the surface adds its share to the bound, which is measured by `D` of the friction.
-                let surface = usize::from(surface);
-                let inertia = self.inverse_inertia(&declared[surface], &contacts[surface])?;
-                let own = self.inverse_inertia(contact, &derived)?;
-                let load = simplify(factor * own * inertia.power(-2));
-                derived.followed.push(surface);
-                derived.loads.push(load);
+            let mut derived = self.contact(contact, contacts.len(), &mut alike)?;
+            if let Derived::Own(own) = &mut derived {
+                for &(surface, factor) in &contact.loads {
+                    // A force `r / D` of the surface adds its share to the bound, which is measured by `D` of the friction.
+                    let surface = usize::from(surface);
+                    let of_surface = contacts.get(surface);
+                    let inertia = self.inverse_inertia(&declared[surface], &of_surface)?;
+                    let scale = self.inverse_inertia(contact, own)?;
+                    own.followed.push(surface);
+                    own.loads.push(simplify(factor * scale * inertia.power(-2)));
+                }
             }
             contacts.push(derived);
         }
@@ -154,47 +157,82 @@ impl Mechanism<'_> {
     /// Adds to a dry friction what it follows of forces of friction, each with a factor.
     pub(super) fn follow_frictions(
         &self,
-        contacts: &mut [ContactEquations],
+        contacts: &mut Contacts,
         declared: &[Contact],
         (following, factors): (usize, &[(u16, Sym)]),
     ) -> Result<(), Failure> {
-        let own = self.inverse_inertia(&declared[following], &contacts[following])?;
+        let own = self.inverse_inertia(&declared[following], &contacts.get(following))?;
         for &(i, factor) in factors {
             let other = usize::from(i);
-            let inertia = self.inverse_inertia(&declared[other], &contacts[other])?;
+            let inertia = self.inverse_inertia(&declared[other], &contacts.get(other))?;
             let friction = declared[other].friction.as_ref();
             let share = friction.and_then(|law| law.share).unwrap_or(Sym::ONE);
             let load = simplify(factor * own * share * inertia.power(-2));
-            contacts[following].followed.push(declared.len() + other);
-            contacts[following].loads.push(load);
+            contacts.follow(following, declared.len() + other, load);
         }
         Ok(())
     }
 
-    /// The contact with the number `contacts.len()`, behind those that are derived.
+    /// The contact with this number, behind those that are derived.
     fn contact(
         &self,
         contact: &Contact,
-        contacts: &[ContactEquations],
+        number: usize,
         alike: &mut Alike,
-    ) -> Result<ContactEquations, Failure> {
+    ) -> Result<Derived, Failure> {
+        let own = |equations: ContactEquations| Derived::Own(Box::new(equations));
         match (contact.bound, &contact.friction, &contact.switch) {
-            (Some(_), Some(friction), Some(action)) => return Ok(self.switch(action, friction)),
-            (Some(bound), Some(friction), None) => return Ok(self.dry(bound, friction)),
+            (Some(_), Some(friction), Some(action)) => {
+                return Ok(own(self.switch(action, friction)));
+            }
+            (Some(bound), Some(friction), None) => return Ok(own(self.dry(bound, friction))),
             _ => {}
+        }
+        let read = self.read_part(contact);
+        let key = read.map(|part| (Alike::key(&self.defining(contact, &part), &part), part));
+        if let Some((key, part)) = &key
+            && let Some((like, names)) = alike.find(key, part, self.all)
+        {
+            return Ok(Derived::Like(like, names));
         }
         let geometry = geometry(contact, (self.all, self.moving));
         let Some(part) = self.part_of(contact, &geometry.2) else {
-            return self.with_geometry(contact, &contact.held, geometry);
+            let equations = self.with_geometry(contact, &contact.held, geometry)?;
+            return Ok(own(equations));
         };
-        let formulas = self.defining(contact, &part);
-        match alike.find(&formulas, &part, contacts.len()) {
-            Some((place, from)) => {
-                let (from, to, all) = (&from, &part, self.all);
-                Ok(Renaming { from, to, all }.contact(&contacts[place]))
-            }
-            None => self.by_part(contact, geometry, &part),
+        let equations = self.by_part(contact, geometry, &part)?;
+        if let Some((key, part)) = key {
+            alike.insert(key, part, number);
         }
+        Ok(own(equations))
+    }
+
+    /// The coordinates that the functions of a contact read, with those that inertia couples to them, where they are few and there are
+    /// too many others for formulas.
+    fn read_part(&self, contact: &Contact) -> Option<Vec<usize>> {
+        if !self.may_have_parts(contact) {
+            return None;
+        }
+        let sides = contact.friction.as_ref();
+        let sides = sides.map(|law| {
+            [Some(law.sliding), law.across, law.share]
+                .into_iter()
+                .flatten()
+        });
+        let mut functions = vec![contact.gap];
+        functions.extend(sides.into_iter().flatten());
+        let mut moved = vec![false; self.all];
+        for variable in graph::variables(&functions) {
+            if let Variable::Coordinate(i) | Variable::Velocity(i) = variable {
+                moved[usize::from(i)] = true;
+            }
+        }
+        self.coupled(moved)
+    }
+
+    /// Whether contacts may be derived by the part of the mechanism that they move.
+    fn may_have_parts(&self, contact: &Contact) -> bool {
+        self.written_out.is_none() && contact.along.is_none() && self.joints.is_empty()
     }
 
     /// All that a contact of a part of the mechanism is derived from.
@@ -210,6 +248,7 @@ impl Mechanism<'_> {
         formulas.extend(held.filter_map(|i| part.binary_search(i).ok().map(number)));
         formulas.push(Sym::ZERO);
         for &i in part {
+            formulas.push(number(usize::from(i < self.moving)));
             formulas.push(self.momenta[i]);
             formulas.extend(part.iter().map(|&j| self.mass[i * self.all + j]));
         }
@@ -219,8 +258,7 @@ impl Mechanism<'_> {
     /// The coordinates that the forces of a contact move, where inertia does not couple them to the others, they are few, and
     /// there are too many others for formulas.
     fn part_of(&self, contact: &Contact, normal: &[Sym]) -> Option<Vec<usize>> {
-        let n = self.all;
-        if self.written_out.is_some() || contact.along.is_some() || !self.joints.is_empty() {
+        if !self.may_have_parts(contact) {
             return None;
         }
         let mut moved: Vec<bool> = normal.iter().map(|n| !n.is_structural_zero()).collect();
@@ -229,12 +267,18 @@ impl Mechanism<'_> {
                 .into_iter()
                 .flatten()
             {
-                let (_, _, tangent) = slip(sliding, (n, self.moving));
+                let (_, _, tangent) = slip(sliding, (self.all, self.moving));
                 for (moved, component) in moved.iter_mut().zip(tangent) {
                     *moved |= !component.is_structural_zero();
                 }
             }
         }
+        self.coupled(moved)
+    }
+
+    /// The coordinates that are moved, with those that inertia couples to them, where they are few.
+    fn coupled(&self, mut moved: Vec<bool>) -> Option<Vec<usize>> {
+        let n = self.all;
         let mut part: Vec<usize> = (0..n).filter(|&i| moved[i]).collect();
         let mut next = 0;
         while let Some(&i) = part.get(next) {
@@ -370,9 +414,7 @@ impl Mechanism<'_> {
             direction,
             friction,
             across,
-            followed: Vec::new(),
-            loads: Vec::new(),
-            passes: false,
+            ..ContactEquations::default()
         })
     }
 
@@ -534,12 +576,8 @@ impl Mechanism<'_> {
             curvature: simplify(-pressed),
             normal: vec![Sym::ZERO; n],
             inverse_inertia: InverseInertia::Formula(scale),
-            direction: None,
             friction: Some(friction),
-            across: None,
-            followed: Vec::new(),
-            loads: Vec::new(),
-            passes: false,
+            ..ContactEquations::default()
         }
     }
 

@@ -5,6 +5,7 @@ use super::shared::Directed;
 use crate::graph::Sym;
 
 /// What belongs to one contact.
+#[derive(Default)]
 pub(crate) struct ContactEquations {
     /// Gap, normal velocity, and if it is a formula, the contact direction; of dry friction zeros, with the given normal
     /// acceleration in place of the normal velocity.
@@ -26,13 +27,16 @@ pub(crate) struct ContactEquations {
 }
 
 /// `D = n' H n`.
+#[derive(Default)]
 pub(crate) enum InverseInertia {
     Formula(Sym),
     /// From a linear system at run time: with the mass matrix, or with that of the direction.
+    #[default]
     Solved,
 }
 
 /// The tangential side of a contact.
+#[derive(Default)]
 pub(crate) struct FrictionEquations {
     /// Sliding velocity, and if it is a formula, the friction direction.
     pub(crate) rows: Explicit,

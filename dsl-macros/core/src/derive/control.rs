@@ -5,7 +5,7 @@
 //! are functions of `r` and `s` of all contacts, which solvers know, and of coordinates.
 
 use super::contact::Mechanism;
-use super::contact_equations::ContactEquations;
+use super::contacts::Contacts;
 use super::explicit::Explicit;
 use super::{Failure, simplify};
 use crate::graph::{self, Compose, Sym, Variable};
@@ -40,7 +40,7 @@ pub(crate) fn resets(scene: &CheckedScene) -> impl Iterator<Item = (usize, usize
 pub(super) fn equations(
     task: &OptimalControl,
     scene: &CheckedScene,
-    contacts: &[ContactEquations],
+    contacts: &Contacts,
     mechanism: &Mechanism<'_>,
 ) -> Result<ControlEquations, Failure> {
     let inputs = mechanism.inputs;
@@ -63,8 +63,8 @@ pub(super) fn equations(
     let used =
         [&path, &terminal, &impact].map(|functions| reads(functions, Variable::is_of_contact));
     let inertias = match used.contains(&true) {
-        true => (scene.contacts.iter().zip(contacts))
-            .map(|(declared, contact)| mechanism.inverse_inertia(declared, contact))
+        true => (scene.contacts.iter().zip(contacts.iter()))
+            .map(|(declared, contact)| mechanism.inverse_inertia(declared, &contact))
             .collect::<Result<_, _>>()?,
         false => Vec::new(),
     };

@@ -22,6 +22,7 @@ pub(crate) struct Sparse {
 }
 
 /// A vector-valued function of the inputs with its derivatives.
+#[derive(Default)]
 pub(crate) struct Explicit {
     pub(crate) values: Vec<Sym>,
     pub(crate) jacobian: Sparse,

@@ -1,6 +1,6 @@
 //! What methods read of joints: positions and velocities of their rows, and their forces.
 
-use super::contact_equations::ContactEquations;
+use super::contacts::Contacts;
 use super::explicit::hessian;
 use super::implicit::Locked;
 use super::ldl::Factorization;
@@ -60,7 +60,7 @@ pub(super) fn equations(
 pub(super) fn forces(
     inertia: &Locked<'_>,
     right: &[Sym],
-    contacts: &[ContactEquations],
+    contacts: &Contacts,
     declared: &[Contact],
 ) -> Result<Vec<Sym>, usize> {
     let mut right = right.to_vec();

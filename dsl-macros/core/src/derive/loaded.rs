@@ -10,7 +10,7 @@
 //! it follows of surfaces, and what it follows of friction.
 
 use super::contact::Mechanism;
-use super::contact_equations::ContactEquations;
+use super::contacts::Contacts;
 use super::failure::Failure;
 use super::implicit::Locked;
 use super::{joint, simplify};
@@ -22,7 +22,7 @@ pub(super) fn contacts(
     mechanism: &Mechanism<'_>,
     declared: &[Contact],
     (inertia, right): (&Locked<'_>, &[Sym]),
-) -> Result<Vec<ContactEquations>, Failure> {
+) -> Result<Contacts, Failure> {
     let derived = mechanism.contacts(declared)?;
     if declared
         .iter()

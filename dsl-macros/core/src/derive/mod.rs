@@ -13,6 +13,7 @@ mod alike;
 mod bias;
 mod contact;
 mod contact_equations;
+mod contacts;
 mod control;
 mod explicit;
 mod failure;
@@ -27,7 +28,9 @@ mod shared;
 mod simplify;
 mod stepwise;
 
+pub(crate) use alike::Names;
 pub(crate) use contact_equations::{ContactEquations, FrictionEquations, InverseInertia};
+pub(crate) use contacts::{Contacts, Derived};
 pub(crate) use control::{ControlEquations, resets};
 pub(crate) use explicit::{Explicit, Sparse, jacobian};
 pub(crate) use failure::Failure;
@@ -74,7 +77,7 @@ pub(crate) struct Equations {
     /// Kinetic and potential energy.
     pub(crate) energy: [Sym; 2],
     pub(crate) acceleration: Solution,
-    pub(crate) contacts: Vec<ContactEquations>,
+    pub(crate) contacts: Contacts,
     /// The inertia that directions of contacts are solved for with; `None` where those are formulas.
     pub(crate) inertia: Option<SharedInertia>,
     /// None without joints.
@@ -140,7 +143,7 @@ pub(crate) fn equations(scene: &CheckedScene) -> Result<Equations, Failure> {
     };
     let contacts = loaded::contacts(&mechanism, &scene.contacts, (&inertia, &right))?;
     graph::begin(Stage::Motion);
-    let shared = contacts.iter().any(ContactEquations::shares_inertia);
+    let shared = contacts.own().any(ContactEquations::shares_inertia);
     let shared = shared.then(|| SharedInertia::new(&inertia, &inputs));
     graph::begin(Stage::OptimalControl);
     let joint_forces = || joint::forces(&inertia, &right, &contacts, &scene.contacts);

@@ -3,7 +3,7 @@
 use super::kernel::Kernel;
 use super::renamed::Renamed;
 use crate::declaration::{SparsityPattern, list};
-use crate::derive::{Columns, Implicit, SharedInertia, Sparse, WRITTEN_OUT};
+use crate::derive::{Columns, Implicit, Names, SharedInertia, Sparse, WRITTEN_OUT};
 use crate::graph::Sym;
 use crate::scene::CheckedScene;
 use crate::tape;
@@ -149,6 +149,27 @@ impl<'a> Builder<'a> {
         let kernel = Kernel::new(self.scene, name, tape, (listed, self.at_the_end));
         self.kernels.push(kernel);
         self.kernels.len() - 1
+    }
+
+    /// Adds a kernel that is like another one with other names of coordinates, those of inputs, and of weights behind the first `rows`;
+    /// its index.
+    pub(super) fn like(&mut self, kernel: usize, name: &str, names: (&Names, usize)) -> usize {
+        let kernel = self.kernels[kernel].renamed(kernel, name, names);
+        self.kernels.push(kernel);
+        self.kernels.len() - 1
+    }
+
+    /// The same of a kernel with some values followed by vectors of the coordinates.
+    pub(super) fn like_vectors(
+        &mut self,
+        kernel: usize,
+        name: &str,
+        first: usize,
+        names: &Names,
+    ) -> usize {
+        let index = self.like(kernel, name, (names, first));
+        self.kernels[index].outputs = names.spread(&self.kernels[kernel].outputs, first);
+        index
     }
 
     fn nonzeros(&mut self, name: &str, sparse: &Sparse) -> (usize, Places) {

@@ -1,11 +1,15 @@
 //! The functions of one contact.
 
+mod like;
+
 use super::builder::{Builder, Vectors, pattern, places};
 use super::declared::{documentation, inferred};
 use crate::declaration::{
     ContactDeclaration, FrictionDeclaration, ImpactLaw, SparsityPattern, Switching, list, text,
 };
-use crate::derive::{ContactEquations, Directed, Explicit, FrictionEquations, InverseInertia};
+use crate::derive::{
+    ContactEquations, Derived, Directed, Equations, Explicit, FrictionEquations, InverseInertia,
+};
 use crate::graph::Sym;
 use crate::scene;
 
@@ -79,17 +83,32 @@ pub enum Solver {
     Inertia(Vectors),
 }
 
+/// What is declared of all contacts, and their kernels.
+pub(super) fn contacts(
+    builder: &mut Builder<'_>,
+    equations: &Equations,
+) -> (Vec<ContactDeclaration>, Vec<Contact>) {
+    let mut known: Vec<(ContactDeclaration, Contact)> = Vec::new();
+    let scene = builder.scene;
+    for (declared, derived) in scene.contacts.iter().zip(equations.contacts.derived()) {
+        let next = match derived {
+            Derived::Own(own) => contact(builder, declared, own),
+            Derived::Like(like, names) => {
+                self::like::contact(builder, declared, &known[*like], names)
+            }
+        };
+        known.push(next);
+    }
+    known.into_iter().unzip()
+}
+
 /// What is declared of a contact, and its kernels.
-pub(super) fn contact(
+fn contact(
     builder: &mut Builder<'_>,
     declared: &scene::Contact,
     contact: &ContactEquations,
 ) -> (ContactDeclaration, Contact) {
-    // A piece of a surface has a number behind a point.
-    let name = &match declared.switch {
-        Some(_) => format!("switching_function_{}", builder.switches() + 1),
-        None => declared.name.text.replace('.', "__"),
-    };
+    let name = &called(builder, declared);
     let rows = &contact.rows;
     let gap = builder.kernel(&format!("gap_{name}"), &rows.values[..1]);
     let point = point(builder, name, declared, contact);
@@ -102,9 +121,7 @@ pub(super) fn contact(
     let reset = reset(builder, name, declared);
     let (rows, [jacobian, hessian]) =
         all_rows(builder, &format!("contact_{{}}_{name}"), rows, solved);
-    let restitution = declared
-        .restitution
-        .map(|value| builder.unlisted(&format!("restitution_{name}"), &[value]));
+    let restitution = restitution(builder, name, declared);
     let across = contact.across.as_ref();
     let both = declared.friction.as_ref().zip(contact.friction.as_ref());
     let friction = both.map(|(declared, derived)| {
@@ -121,21 +138,50 @@ pub(super) fn contact(
         restitution,
         friction: friction.map(|(_, kernels)| kernels),
     };
+    let switching = declared.switch.as_ref().map(|_| match contact.passes {
+        _ if reset.is_some() => Switching::Resets,
+        true => Switching::Passes,
+        false => Switching::Slides,
+    });
     let declaration = ContactDeclaration {
+        dry: declared.bound.is_some(),
+        loads: list(contact.followed.iter().copied()),
+        switch: switching,
+        ..surface(
+            declared,
+            friction.map(|(declared, _)| declared),
+            [jacobian, hessian],
+        )
+    };
+    (declaration, kernels)
+}
+
+/// What kernels of a contact are called by.
+fn called(builder: &Builder<'_>, declared: &scene::Contact) -> String {
+    match declared.switch {
+        Some(_) => format!("switching_function_{}", builder.switches() + 1),
+        // A piece of a surface has a number behind a point.
+        None => declared.name.text.replace('.', "__"),
+    }
+}
+
+/// What is declared of a surface whose rows have these patterns of their Jacobian and Hessian.
+fn surface(
+    declared: &scene::Contact,
+    friction: Option<FrictionDeclaration>,
+    [jacobian, hessian]: [SparsityPattern; 2],
+) -> ContactDeclaration {
+    ContactDeclaration {
         name: text(&declared.name.text),
         unit: inferred(declared.unit),
         law: match declared.restitution {
             Some(_) => ImpactLaw::Restitution,
             None => ImpactLaw::Inelastic,
         },
-        friction: friction.map(|(declared, _)| declared),
-        dry: declared.bound.is_some(),
-        loads: list(contact.followed.iter().copied()),
-        switch: declared.switch.as_ref().map(|_| match contact.passes {
-            _ if reset.is_some() => Switching::Resets,
-            true => Switching::Passes,
-            false => Switching::Slides,
-        }),
+        friction,
+        dry: false,
+        loads: &[],
+        switch: None,
         custom_direction: declared.along.is_some(),
         held: list(declared.held.iter().copied()),
         sequence: declared.sequence,
@@ -143,8 +189,13 @@ pub(super) fn contact(
         jacobian,
         hessian,
         documentation: documentation(&declared.documentation),
-    };
-    (declaration, kernels)
+    }
+}
+
+/// The kernel of the coefficient of restitution, if there is one.
+fn restitution(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Option<usize> {
+    let value = declared.restitution?;
+    Some(builder.unlisted(&format!("restitution_{name}"), &[value]))
 }
 
 /// The kernel of what is known at a point, as far as it is formulas, and the number of its values.
@@ -173,6 +224,18 @@ fn reset(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Op
     Some(builder.kernel(&format!("reset_{name}"), &velocities))
 }
 
+/// The kernels of the coefficients of friction: the only one or that at rest, and that of sliding if it is another one.
+fn coefficients(
+    builder: &mut Builder<'_>,
+    name: &str,
+    declared: &scene::Friction,
+) -> (usize, Option<usize>) {
+    let kinetic = |value| builder.unlisted(&format!("kinetic_friction_{name}"), &[value]);
+    let kinetic = declared.kinetic.map(kinetic);
+    let coefficient = builder.unlisted(&format!("friction_{name}"), &[declared.coefficient]);
+    (coefficient, kinetic)
+}
+
 fn friction(
     builder: &mut Builder<'_>,
     name: &str,
@@ -180,11 +243,10 @@ fn friction(
     friction: &FrictionEquations,
 ) -> (FrictionDeclaration, Friction) {
     let (tangent, rows, [jacobian, hessian]) = side(builder, name, "tangent", friction);
+    let (coefficient, kinetic) = coefficients(builder, name, declared);
     let kernels = Friction {
-        coefficient: builder.unlisted(&format!("friction_{name}"), &[declared.coefficient]),
-        kinetic: declared
-            .kinetic
-            .map(|value| builder.unlisted(&format!("kinetic_friction_{name}"), &[value])),
+        coefficient,
+        kinetic,
         share: declared
             .share
             .map(|value| builder.kernel(&format!("friction_share_{name}"), &[value])),

@@ -22,17 +22,17 @@ pub(super) fn readable(scene: &CheckedScene, equations: &Equations) -> Vec<[Stri
         all: Vec::new(),
     };
     list.motion(equations);
-    for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
-        list.contact(contact, derived);
+    for (i, contact) in scene.contacts.iter().enumerate() {
+        list.contact(contact, &equations.contacts.values(i));
     }
     list.joints(equations);
     if !scene.contacts.is_empty() {
         list.free_dynamics(equations);
     }
-    for (contact, derived) in scene.contacts.iter().zip(&equations.contacts) {
+    for (i, contact) in scene.contacts.iter().enumerate() {
         // Dry friction acts in the free dynamics.
         if contact.bound.is_none() {
-            list.auxiliary_dynamics(contact, derived);
+            list.auxiliary_dynamics(contact, &equations.contacts.values(i));
         }
     }
     if let Some(task) = &scene.optimal_control {

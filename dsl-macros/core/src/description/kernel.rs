@@ -1,15 +1,18 @@
 //! Straight-line functions of a scene: operations on parameters, inputs and weights.
 
 use crate::declaration::{self, text};
-use crate::graph::{Function, Function2, Variable};
+use crate::derive::Names;
+use crate::graph::Variable;
 use crate::scene::CheckedScene;
-use crate::tape::{Op, Tape};
+use crate::tape::{self, Leaf, Tape};
 
 /// One function of a scene, as operations in order of evaluation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kernel {
     /// Its name, which other kernels may have as well.
     pub name: String,
+    /// An earlier kernel, by its index, with the same operations and outputs on other components of inputs and weights.
+    pub like: Option<usize>,
     /// Whether it is evaluated again and again, so that its cost is of interest. The others read parameters only.
     pub listed: bool,
     /// The operations; their operands are earlier ones, by position.
@@ -18,10 +21,14 @@ pub struct Kernel {
     pub outputs: Vec<u32>,
 }
 
-/// One operation of a kernel on the results of earlier ones.
+/// An operation of a kernel.
+pub type Operation = tape::Operation<Source>;
+
+/// What the operations of a kernel are given.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Operation {
-    /// The value of a parameter, in its declared unit.
+pub enum Source {
+    /// The value of a parameter, in its declared unit; behind all parameters, 1 for each equation of a joint that is held and 0
+    /// for others.
     Parameter(u32),
     /// A component of the input vector.
     Input(u32),
@@ -29,65 +36,6 @@ pub enum Operation {
     Weight(u32),
     /// A number.
     Constant(f64),
-    /// Sum.
-    Add(u32, u32),
-    /// Difference.
-    Subtract(u32, u32),
-    /// Product.
-    Multiply(u32, u32),
-    /// Quotient.
-    Divide(u32, u32),
-    /// The negative.
-    Negate(u32),
-    /// Square root.
-    Root(u32),
-    /// A function of one number.
-    Call(Function, u32),
-    /// A function of two numbers.
-    Call2(Function2, u32, u32),
-}
-
-impl Operation {
-    /// Whether nothing is computed: an input or a constant.
-    #[must_use]
-    pub fn is_given(self) -> bool {
-        matches!(
-            self,
-            Self::Parameter(_) | Self::Input(_) | Self::Weight(_) | Self::Constant(_)
-        )
-    }
-
-    /// Positions of the operands.
-    pub fn operands(self) -> impl Iterator<Item = u32> {
-        let (first, second) = match self {
-            Self::Parameter(_) | Self::Input(_) | Self::Weight(_) | Self::Constant(_) => {
-                (None, None)
-            }
-            Self::Negate(a) | Self::Root(a) | Self::Call(_, a) => (Some(a), None),
-            Self::Add(a, b)
-            | Self::Subtract(a, b)
-            | Self::Multiply(a, b)
-            | Self::Divide(a, b)
-            | Self::Call2(_, a, b) => (Some(a), Some(b)),
-        };
-        first.into_iter().chain(second)
-    }
-
-    /// This operation on other operands.
-    #[must_use]
-    pub fn with_operands(self, to: impl Fn(u32) -> u32) -> Self {
-        match self {
-            Self::Parameter(_) | Self::Input(_) | Self::Weight(_) | Self::Constant(_) => self,
-            Self::Negate(a) => Self::Negate(to(a)),
-            Self::Root(a) => Self::Root(to(a)),
-            Self::Call(function, a) => Self::Call(function, to(a)),
-            Self::Add(a, b) => Self::Add(to(a), to(b)),
-            Self::Subtract(a, b) => Self::Subtract(to(a), to(b)),
-            Self::Multiply(a, b) => Self::Multiply(to(a), to(b)),
-            Self::Divide(a, b) => Self::Divide(to(a), to(b)),
-            Self::Call2(function, a, b) => Self::Call2(function, to(a), to(b)),
-        }
-    }
 }
 
 impl Kernel {
@@ -99,23 +47,35 @@ impl Kernel {
         tape: Tape,
         (listed, at_the_end): (bool, bool),
     ) -> Self {
-        let operations = tape.ops.iter().map(|&op| match op {
-            Op::Load(variable) => place(scene, variable, at_the_end),
-            Op::Constant(bits) => Operation::Constant(f64::from_bits(bits)),
-            Op::Add(a, b) => Operation::Add(a, b),
-            Op::Subtract(a, b) => Operation::Subtract(a, b),
-            Op::Multiply(a, b) => Operation::Multiply(a, b),
-            Op::Divide(a, b) => Operation::Divide(a, b),
-            Op::Negate(a) => Operation::Negate(a),
-            Op::Root(a) => Operation::Root(a),
-            Op::Call(function, a) => Operation::Call(function, a),
-            Op::Call2(function, a, b) => Operation::Call2(function, a, b),
-        });
+        let given = |leaf| match leaf {
+            Leaf::Variable(variable) => place(scene, variable, at_the_end),
+            Leaf::Constant(bits) => Source::Constant(f64::from_bits(bits)),
+        };
+        let operations = tape.ops.iter().map(|op| op.with_given(given));
         Self {
             name: name.to_owned(),
+            like: None,
             listed,
             operations: operations.collect(),
             outputs: tape.outputs,
+        }
+    }
+
+    /// This kernel, which has that index, under another name and with other names of coordinates: those of inputs, and of weights
+    /// behind the first `rows`.
+    pub(super) fn renamed(&self, index: usize, name: &str, (names, rows): (&Names, usize)) -> Self {
+        let given = |source| match source {
+            Source::Input(i) => Source::Input(names.input(i as usize) as u32),
+            Source::Weight(i) => Source::Weight(names.row(i as usize, rows) as u32),
+            other => other,
+        };
+        let operations = self.operations.iter().map(|known| known.with_given(given));
+        Self {
+            name: name.to_owned(),
+            like: Some(self.like.unwrap_or(index)),
+            listed: self.listed,
+            operations: operations.collect(),
+            outputs: self.outputs.clone(),
         }
     }
 
@@ -143,6 +103,7 @@ impl Kernel {
         }
         Self {
             name: self.name.clone(),
+            like: None,
             listed: self.listed,
             operations,
             outputs: outputs.iter().map(|&k| place[k as usize]).collect(),
@@ -169,14 +130,14 @@ impl Kernel {
     pub(super) fn is_finite(&self) -> bool {
         self.operations
             .iter()
-            .all(|known| !matches!(known, Operation::Constant(value) if !value.is_finite()))
+            .all(|known| !matches!(known, Operation::Given(Source::Constant(value)) if !value.is_finite()))
     }
 }
 
 /// Where a kernel finds a variable.
-fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operation {
+fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Source {
     let (n, m) = (scene.coordinates.len(), scene.controls.len());
-    let input = |i: usize| Operation::Input(i as u32);
+    let input = |i: usize| Source::Input(i as u32);
     let sums = scene
         .optimal_control
         .as_ref()
@@ -187,10 +148,10 @@ fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operatio
         2 * n + m + usize::from(scene.explicit_time)
     };
     let of_contact = |group: usize, i: u16| {
-        Operation::Weight((group * scene.contacts.len() + usize::from(i)) as u32)
+        Source::Weight((group * scene.contacts.len() + usize::from(i)) as u32)
     };
     match variable {
-        Variable::Parameter(i) => Operation::Parameter(u32::from(i)),
+        Variable::Parameter(i) => Source::Parameter(u32::from(i)),
         Variable::Coordinate(i) => input(usize::from(i)),
         Variable::Velocity(i) => input(n + usize::from(i)),
         Variable::Control(i) => input(2 * n + usize::from(i)),
@@ -204,15 +165,13 @@ fn place(scene: &CheckedScene, variable: Variable, at_the_end: bool) -> Operatio
         Variable::Provided(i) => input(plain + usize::from(i)),
         Variable::ProvidedSliding(i) => input(plain + scene.contacts.len() + usize::from(i)),
         // Behind the parameters.
-        Variable::JointHeld(i) => {
-            Operation::Parameter(u32::from(i) + scene.parameters.len() as u32)
-        }
+        Variable::JointHeld(i) => Source::Parameter(u32::from(i) + scene.parameters.len() as u32),
         Variable::JointForce(i) => of_contact(4, i),
         Variable::Multiplier(i)
         | Variable::Unknown(i)
         | Variable::Argument(i)
         | Variable::Switch(i)
         | Variable::Epigraph(i)
-        | Variable::Start(i) => Operation::Weight(u32::from(i)),
+        | Variable::Start(i) => Source::Weight(u32::from(i)),
     }
 }

@@ -17,14 +17,14 @@ mod renamed;
 mod sensitivity;
 mod shown;
 
-pub use crate::graph::{Function, Function2, Profile, inverse_root, piecewise, root};
+pub use crate::graph::{Function, Function2, Profile, Spline, inverse_root, piecewise, root};
 pub use builder::{Inertia, Places, System, Vectors};
 pub use contact::{Contact, Friction, Rows, SolvedRows, Solver};
 pub(crate) use declared::documentation_text;
 pub use design::{FreeParameters, Held};
 pub use explicit::ExplicitFunction;
 pub use joint::Joints;
-pub use kernel::{Kernel, Operation};
+pub use kernel::{Kernel, Operation, Source};
 pub use optimal_control::{Kernels, OptimalControl};
 pub(crate) use readable::formula;
 pub use sensitivity::{ContactSensitivity, Derivative, FrictionSensitivity, Sensitivity};
@@ -143,10 +143,7 @@ impl Description {
         let mut builder = Builder::new(scene, equations.inputs.len(), inertia);
         let (motion, [free_jacobian, free_hessian]) = motion(&mut builder, equations);
         let inertia = builder.inertia();
-        let both = scene.contacts.iter().zip(&equations.contacts);
-        let (declared_contacts, contacts): (Vec<_>, Vec<_>) = both
-            .map(|(declared, contact)| contact::contact(&mut builder, declared, contact))
-            .unzip();
+        let (declared_contacts, contacts) = contact::contacts(&mut builder, equations);
         let joints = equations.joints.as_ref();
         let joints = joints.map(|derived| joint::joints(&mut builder, derived));
         let task = scene.optimal_control.as_ref();

@@ -1,7 +1,7 @@
 //! Functions that differ in the names of their variables only, as those of equal pairs of bodies do, are ordered once.
 
 use crate::graph::{self, Sym, Variable};
-use crate::tape::{self, Op, Tape};
+use crate::tape::{self, Leaf, Op, Tape};
 use std::collections::HashMap;
 
 /// Most variables of a function that is compared with others.
@@ -34,7 +34,7 @@ impl Renamed {
         let known = self.tapes.entry(key);
         let known = known.or_insert_with_key(|key| tape::shortest(key));
         let ops = known.ops.iter().map(|&op| match op {
-            Op::Load(variable) => Op::Load(names.name(variable)),
+            Op::Given(Leaf::Variable(variable)) => Op::Given(Leaf::Variable(names.name(variable))),
             other => other,
         });
         let mut tape = Tape {
@@ -44,7 +44,7 @@ impl Renamed {
         // What is zero for some may be written for others.
         let zero = tape.ops.len() as u32;
         if places.len() < outputs.len() {
-            tape.ops.push(Op::Constant(0.0_f64.to_bits()));
+            tape.ops.push(Op::Given(Leaf::Constant(0.0_f64.to_bits())));
         }
         tape.outputs = vec![zero; outputs.len()];
         for (&place, &output) in places.iter().zip(&known.outputs) {

@@ -78,7 +78,7 @@ pub(super) fn sensitivity(builder: &mut Builder<'_>, equations: &Equations) -> O
         parameters: &parameters,
     };
     let start = [&scene.start.0[..], &scene.start.1[..]].concat();
-    let contacts = scene.contacts.iter().zip(&equations.contacts);
+    let contacts = scene.contacts.iter().zip(equations.contacts.iter());
     Some(Sensitivity {
         parameters: static_list(scene.differentiated.iter().copied().map(usize::from)),
         start: list.of_parameters("start", &start),
@@ -90,7 +90,7 @@ pub(super) fn sensitivity(builder: &mut Builder<'_>, equations: &Equations) -> O
         horizon: scene
             .horizon
             .map(|horizon| list.of_parameters("horizon", &[horizon])),
-        contacts: static_list(contacts.map(|(declared, derived)| list.contact(declared, derived))),
+        contacts: static_list(contacts.map(|(declared, derived)| list.contact(declared, &derived))),
         outputs: list.outputs(),
     })
 }

@@ -1,6 +1,6 @@
 //! A kernel as a Rust function: straight-line arithmetic on slices, in chunks.
 
-use crate::description::{Description, Function, Kernel, Operation, Profile};
+use crate::description::{Description, Function, Kernel, Operation, Profile, Source};
 use crate::words;
 use std::fmt::Write;
 
@@ -99,8 +99,8 @@ fn prologue(kernel: &Kernel) -> String {
     let mut lengths = [0; 2];
     for operation in &kernel.operations {
         match *operation {
-            Operation::Input(index) => lengths[0] = lengths[0].max(index + 1),
-            Operation::Weight(index) => lengths[1] = lengths[1].max(index + 1),
+            Operation::Given(Source::Input(index)) => lengths[0] = lengths[0].max(index + 1),
+            Operation::Given(Source::Weight(index)) => lengths[1] = lengths[1].max(index + 1),
             _ => {}
         }
     }
@@ -178,13 +178,13 @@ impl<'a> Writer<'a> {
         let index = position as usize;
         let parameters = self.description.structure.declaration.parameters;
         match self.operations[index] {
-            Operation::Parameter(i) => match parameters.get(i as usize) {
+            Operation::Given(Source::Parameter(i)) => match parameters.get(i as usize) {
                 Some(known) => format!("__p.{}", words::rust_name(known.name)),
                 None => format!("__p.{HELD}[{}]", i as usize - parameters.len()),
             },
-            Operation::Input(i) => format!("__x[{i}]"),
-            Operation::Weight(i) => format!("__y[{i}]"),
-            Operation::Constant(value) => literal(value),
+            Operation::Given(Source::Input(i)) => format!("__x[{i}]"),
+            Operation::Given(Source::Weight(i)) => format!("__y[{i}]"),
+            Operation::Given(Source::Constant(value)) => literal(value),
             _ if self.nested[index] => format!("({})", self.value(chunk, index)),
             _ if self.home[index] == chunk => format!("__t{index}"),
             _ => match self.slot[index] {
@@ -198,25 +198,16 @@ impl<'a> Writer<'a> {
     fn value(&self, chunk: usize, position: usize) -> String {
         let at = |operand| self.operand(chunk, operand);
         match self.operations[position] {
-            Operation::Parameter(_)
-            | Operation::Input(_)
-            | Operation::Weight(_)
-            | Operation::Constant(_) => at(position as u32),
+            Operation::Given(_) => at(position as u32),
             Operation::Add(a, b) => format!("{} + {}", at(a), at(b)),
             Operation::Subtract(a, b) => format!("{} - {}", at(a), at(b)),
             Operation::Multiply(a, b) => format!("{} * {}", at(a), at(b)),
             Operation::Divide(a, b) => format!("{} / {}", at(a), at(b)),
             Operation::Negate(a) => format!("-{}", at(a)),
             Operation::Root(a) => format!("__f64::sqrt({})", at(a)),
-            Operation::Call(Function::Profile(profile), a) => format!(
-                "::hangtime::scene::piecewise(&__PROFILES[{}], {}, {})",
-                profiles(self.description)
-                    .iter()
-                    .position(|known| known.name() == profile.name())
-                    .unwrap_or_default(),
-                profile.order(),
-                at(a)
-            ),
+            Operation::Call(Function::Profile(profile), a) => {
+                format!("{}.value({})", written(self.description, profile), at(a))
+            }
             Operation::Call(function @ (Function::Root | Function::InverseRoot), a) => {
                 format!("::hangtime::scene::{}({})", function.name(), at(a))
             }
@@ -305,20 +296,32 @@ pub(super) fn profiles(description: &Description) -> Vec<Profile> {
     profiles
 }
 
+/// A function given by points as an expression.
+pub(super) fn written(description: &Description, profile: Profile) -> String {
+    let mut known = profiles(description).into_iter();
+    let place = known.position(|known| known.name() == profile.name());
+    let (place, order) = (place.unwrap_or_default(), profile.order());
+    format!("::hangtime::model::tape::Profile::of(&__PROFILES[{place}], {order})")
+}
+
 /// Writes the points' polynomials as a static array, if there are any.
 fn write_profiles(description: &Description, code: &mut String) {
     let profiles = profiles(description);
     if profiles.is_empty() {
         return;
     }
-    code.push_str("static __PROFILES: &[&[(__f64, [__f64; 6])]] = &[");
-    for profile in profiles {
-        code.push_str("&[");
+    code.push_str("static __PROFILES: &[::hangtime::model::tape::Spline] = &[");
+    for (number, profile) in profiles.into_iter().enumerate() {
+        let name = profile.name();
+        let _ = write!(
+            code,
+            "::hangtime::model::tape::Spline::new({number}, {name:?}, &["
+        );
         for (from, coefficients) in profile.pieces() {
             let coefficients = coefficients.map(literal).join(", ");
             let _ = write!(code, "({}, [{coefficients}]),", literal(*from));
         }
-        code.push_str("],");
+        code.push_str("]),");
     }
     code.push_str("];");
 }

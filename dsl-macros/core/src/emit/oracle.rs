@@ -4,7 +4,7 @@
 use super::kernel::literal;
 use crate::graph::{Function, Function2, Sym, Variable};
 use crate::scene::{CheckedScene, Contact};
-use crate::tape::{self, Op};
+use crate::tape::{self, Leaf, Op};
 use std::fmt::Write;
 
 /// Longest of these functions, in operations: well below some 3000, from which on rustc with debug information crashes
@@ -54,15 +54,15 @@ fn body(outputs: &[Sym], scene: &CheckedScene) -> Option<String> {
 /// An operation as an expression.
 fn value(op: Op, scene: &CheckedScene) -> Option<String> {
     Some(match op {
-        Op::Load(Variable::Parameter(i)) => {
+        Op::Given(Leaf::Variable(Variable::Parameter(i))) => {
             let name = scene.parameters[usize::from(i)].name.rust();
             format!("__D::from(self.{name})")
         }
-        Op::Load(Variable::Coordinate(i)) => format!("__q[{i}]"),
-        Op::Load(Variable::Velocity(i)) => format!("__v[{i}]"),
-        Op::Load(Variable::Control(i)) => format!("__u[{i}]"),
-        Op::Load(Variable::Time) => "__t".to_owned(),
-        Op::Constant(bits) => format!("__D::from({})", literal(f64::from_bits(bits))),
+        Op::Given(Leaf::Variable(Variable::Coordinate(i))) => format!("__q[{i}]"),
+        Op::Given(Leaf::Variable(Variable::Velocity(i))) => format!("__v[{i}]"),
+        Op::Given(Leaf::Variable(Variable::Control(i))) => format!("__u[{i}]"),
+        Op::Given(Leaf::Variable(Variable::Time)) => "__t".to_owned(),
+        Op::Given(Leaf::Constant(bits)) => format!("__D::from({})", literal(f64::from_bits(bits))),
         Op::Add(a, b) => format!("__e{a} + __e{b}"),
         Op::Subtract(a, b) => format!("__e{a} - __e{b}"),
         Op::Multiply(a, b) => format!("__e{a} * __e{b}"),
@@ -75,6 +75,6 @@ fn value(op: Op, scene: &CheckedScene) -> Option<String> {
             let name = Function::named(function.name())?.name();
             format!("__e{a}.{name}()")
         }
-        Op::Load(_) => return None,
+        Op::Given(_) => return None,
     })
 }

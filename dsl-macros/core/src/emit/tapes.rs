@@ -1,7 +1,7 @@
 //! Explicit functions as data, for ranges of their inputs.
 
-use super::kernel::{literal, profiles};
-use crate::description::{Description, ExplicitFunction, Function, Function2, Kernel, Operation};
+use super::kernel::{literal, written};
+use crate::description::{Description, ExplicitFunction, Function, Kernel, Operation, Source};
 use std::fmt::Write;
 
 const TAPE: &str = "::hangtime::model::tape";
@@ -26,7 +26,7 @@ pub(super) fn method(description: &Description) -> String {
     }
     format!(
         "fn tape(&self, function: {TAPE}::Explicit) -> ::core::option::Option<{TAPE}::Tape<'_>> {{
-            use {TAPE}::{{Function as __Function, Operation as __Operation}};
+            use {TAPE}::{{Function as __Function, Function2 as __Function2, Operation as __Operation, Source as __Source}};
             let (operations, outputs) = match function {{ {arms} _ => return ::core::option::Option::None }};
             ::core::option::Option::Some({TAPE}::Tape {{ operations, outputs }})
         }}"
@@ -36,30 +36,23 @@ pub(super) fn method(description: &Description) -> String {
 fn operations(description: &Description, kernel: &Kernel) -> String {
     let mut code = String::new();
     for &operation in &kernel.operations {
-        let written = match operation {
-            Operation::Weight(_) => "Unknown".to_owned(),
-            Operation::Constant(value) => format!("Constant({})", literal(value)),
-            Operation::Call(function, a) => {
-                format!("Call(__Function::{}, {a})", called(description, function))
+        let text = match operation {
+            Operation::Given(Source::Constant(value)) => {
+                format!("Given(__Source::Constant({}))", literal(value))
             }
-            Operation::Call2(Function2::Atan2, a, b) => format!("Atan2({a}, {b})"),
-            Operation::Call2(Function2::Power, a, b) => format!("Power({a}, {b})"),
-            // The others have the same names.
+            Operation::Given(source) => format!("Given(__Source::{source:?})"),
+            Operation::Call(Function::Profile(profile), a) => {
+                let profile = written(description, profile);
+                format!("Call(__Function::Profile({profile}), {a})")
+            }
+            Operation::Call(function, a) => format!("Call(__Function::{function:?}, {a})"),
+            Operation::Call2(function, a, b) => {
+                format!("Call2(__Function2::{function:?}, {a}, {b})")
+            }
+            // The others have names alone.
             plain => format!("{plain:?}"),
         };
-        let _ = write!(code, "__Operation::{written},");
+        let _ = write!(code, "__Operation::{text},");
     }
     code
-}
-
-fn called(description: &Description, function: Function) -> String {
-    match function {
-        Function::Profile(profile) => {
-            let mut known = profiles(description).into_iter();
-            let place = known.position(|known| known.name() == profile.name());
-            let place = place.unwrap_or_default();
-            format!("Profile(__PROFILES[{place}], {})", profile.order())
-        }
-        plain => format!("{plain:?}"),
-    }
 }

@@ -128,6 +128,11 @@ fn value(tokens: &[TokenTree], around: Place, known: &Known) -> Found<Value> {
     if tokens.is_empty() {
         return fault(around, "an index is missing here");
     }
+    if let [TokenTree::Literal(number)] = tokens
+        && let Ok(number) = number.to_string().parse()
+    {
+        return Ok(Value::Number(number));
+    }
     let place = place_of(tokens, around);
     let numbers = numbers(tokens, known)?;
     let shown = numbers.to_string();

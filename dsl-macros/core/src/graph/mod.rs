@@ -30,6 +30,6 @@ pub(crate) use passes::{
     Sweeps, contains, degree, depends_on, directional, gradient, is_longer_than, partial,
     reachable, substitute, variables, with_roots,
 };
-pub use profile::{Profile, piecewise};
+pub use profile::{Profile, Spline, piecewise};
 pub(crate) use second_order::hessian;
 pub(crate) use table::Table;

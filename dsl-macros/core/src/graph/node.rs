@@ -7,8 +7,8 @@ use std::cell::RefCell;
 use std::marker::PhantomData;
 use std::rc::Rc;
 
-/// Handle of an expression. Equality is structural equality. Valid on its own thread only.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+/// Handle of an expression. Equality is structural equality. Valid on its own thread only; zero by default.
+#[derive(Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Sym {
     index: u32,
     not_send: PhantomData<*const ()>,

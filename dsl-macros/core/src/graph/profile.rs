@@ -18,22 +18,48 @@ pub struct Profile {
     order: u8,
 }
 
+/// A function given by points.
 #[derive(Debug)]
-struct Spline {
-    /// Splines are the same if their numbers are.
+pub struct Spline {
+    /// Splines of a scene are the same if their numbers are.
     number: usize,
-    name: String,
-    points: Vec<(f64, f64)>,
+    name: &'static str,
     /// Places from which polynomials in the distance from there hold, constant first. The first of them holds in front of
     /// all places.
-    pieces: Vec<(f64, [f64; 6])>,
+    pieces: &'static [(f64, [f64; 6])],
 }
+
+/// A spline with its points.
+type Known = (Vec<(f64, f64)>, &'static Spline);
 
 /// All splines of the program: derived functions refer to them for as long as they live, and the same points give the same
 /// spline again.
-static SPLINES: Mutex<Vec<&'static Spline>> = Mutex::new(Vec::new());
+static SPLINES: Mutex<Vec<Known>> = Mutex::new(Vec::new());
+
+impl Spline {
+    /// The one called `name` among those of a scene by its `number`: polynomials in the distance from the places where they begin
+    /// to hold, constant first; the first of them holds in front of all places.
+    #[must_use]
+    pub const fn new(
+        number: usize,
+        name: &'static str,
+        pieces: &'static [(f64, [f64; 6])],
+    ) -> Self {
+        Self {
+            number,
+            name,
+            pieces,
+        }
+    }
+}
 
 impl Profile {
+    /// The derivative of this order of a spline; 0 for the function itself.
+    #[must_use]
+    pub const fn of(spline: &'static Spline, order: u8) -> Self {
+        Self { spline, order }
+    }
+
     /// The function called `name` through at least three points whose first numbers increase.
     pub(crate) fn new(name: &str, points: Vec<(f64, f64)>) -> Self {
         // A thread that panics while it holds the list leaves it whole.
@@ -42,17 +68,16 @@ impl Profile {
             .unwrap_or_else(std::sync::PoisonError::into_inner);
         let same = known
             .iter()
-            .find(|spline| spline.name == name && spline.points == points);
+            .find(|(of, spline)| spline.name == name && *of == points);
         let spline = match same {
-            Some(spline) => *spline,
+            Some((_, spline)) => *spline,
             None => {
                 let spline: &'static Spline = Box::leak(Box::new(Spline {
                     number: known.len(),
-                    name: name.to_owned(),
-                    pieces: pieces(&points),
-                    points,
+                    name: String::leak(name.to_owned()),
+                    pieces: Vec::leak(pieces(&points)),
                 }));
-                known.push(spline);
+                known.push((points, spline));
                 spline
             }
         };
@@ -76,20 +101,20 @@ impl Profile {
     /// The name of the function.
     #[must_use]
     pub fn name(self) -> &'static str {
-        &self.spline.name
+        self.spline.name
     }
 
     /// Places from which polynomials in the distance from there hold, constant first; the first of them holds in front of
     /// all places.
     #[must_use]
     pub fn pieces(self) -> &'static [(f64, [f64; 6])] {
-        &self.spline.pieces
+        self.spline.pieces
     }
 
     /// The value at `x`.
     #[must_use]
     pub fn value(self, x: f64) -> f64 {
-        piecewise(&self.spline.pieces, usize::from(self.order), x)
+        piecewise(self.spline.pieces, usize::from(self.order), x)
     }
 
     fn key(self) -> (usize, u8) {

@@ -2,27 +2,51 @@
 
 use crate::graph::{Compose, Function, Function2, Sym, Variable};
 
-/// One operation; operands are positions in the tape.
+/// One operation on the results of earlier ones, which are named by their positions; what is `Given` is computed nowhere.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Op {
-    Load(Variable),
-    /// A constant, by its bits.
-    Constant(u64),
+pub enum Operation<G> {
+    /// An input or a constant.
+    Given(G),
+    /// Sum.
     Add(u32, u32),
+    /// Difference.
     Subtract(u32, u32),
+    /// Product.
     Multiply(u32, u32),
+    /// Quotient.
     Divide(u32, u32),
+    /// The negative.
     Negate(u32),
+    /// Square root.
     Root(u32),
+    /// A function of one number.
     Call(Function, u32),
+    /// A function of two numbers.
     Call2(Function2, u32, u32),
 }
 
-impl Op {
+/// What a tape is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) enum Leaf {
+    Variable(Variable),
+    /// A constant, by its bits.
+    Constant(u64),
+}
+
+/// An operation of a tape.
+pub(crate) type Op = Operation<Leaf>;
+
+impl<G> Operation<G> {
+    /// Whether nothing is computed.
+    #[must_use]
+    pub const fn is_given(&self) -> bool {
+        matches!(self, Self::Given(_))
+    }
+
     /// Positions of the operands.
-    pub(crate) fn operands(self) -> impl Iterator<Item = u32> {
-        let (first, second) = match self {
-            Self::Load(_) | Self::Constant(_) => (None, None),
+    pub fn operands(&self) -> impl Iterator<Item = u32> + use<G> {
+        let (first, second) = match *self {
+            Self::Given(_) => (None, None),
             Self::Negate(a) | Self::Root(a) | Self::Call(_, a) => (Some(a), None),
             Self::Add(a, b)
             | Self::Subtract(a, b)
@@ -33,17 +57,28 @@ impl Op {
         first.into_iter().chain(second)
     }
 
-    fn with_operands(self, to: impl Fn(u32) -> u32) -> Self {
+    /// This operation on other operands.
+    #[must_use]
+    pub fn with_operands(self, to: impl Fn(u32) -> u32) -> Self {
+        self.mapped(|given| given, to)
+    }
+
+    /// This operation on what else is given.
+    pub(crate) fn with_given<H>(self, given: impl FnOnce(G) -> H) -> Operation<H> {
+        self.mapped(given, |part| part)
+    }
+
+    fn mapped<H>(self, given: impl FnOnce(G) -> H, to: impl Fn(u32) -> u32) -> Operation<H> {
         match self {
-            Self::Load(_) | Self::Constant(_) => self,
-            Self::Negate(a) => Self::Negate(to(a)),
-            Self::Root(a) => Self::Root(to(a)),
-            Self::Call(function, a) => Self::Call(function, to(a)),
-            Self::Add(a, b) => Self::Add(to(a), to(b)),
-            Self::Subtract(a, b) => Self::Subtract(to(a), to(b)),
-            Self::Multiply(a, b) => Self::Multiply(to(a), to(b)),
-            Self::Divide(a, b) => Self::Divide(to(a), to(b)),
-            Self::Call2(function, a, b) => Self::Call2(function, to(a), to(b)),
+            Self::Given(known) => Operation::Given(given(known)),
+            Self::Add(a, b) => Operation::Add(to(a), to(b)),
+            Self::Subtract(a, b) => Operation::Subtract(to(a), to(b)),
+            Self::Multiply(a, b) => Operation::Multiply(to(a), to(b)),
+            Self::Divide(a, b) => Operation::Divide(to(a), to(b)),
+            Self::Negate(a) => Operation::Negate(to(a)),
+            Self::Root(a) => Operation::Root(to(a)),
+            Self::Call(function, a) => Operation::Call(function, to(a)),
+            Self::Call2(function, a, b) => Operation::Call2(function, to(a), to(b)),
         }
     }
 }
@@ -97,8 +132,8 @@ impl Tape {
         for &op in &self.ops {
             let at = |i: u32| values[i as usize];
             let value = match op {
-                Op::Load(variable) => Sym::variable(variable),
-                Op::Constant(bits) => Sym::number(f64::from_bits(bits)),
+                Op::Given(Leaf::Variable(variable)) => Sym::variable(variable),
+                Op::Given(Leaf::Constant(bits)) => Sym::number(f64::from_bits(bits)),
                 Op::Add(a, b) => at(a) + at(b),
                 Op::Subtract(a, b) => at(a) - at(b),
                 Op::Multiply(a, b) => at(a) * at(b),
@@ -115,9 +150,6 @@ impl Tape {
 
     /// Number of arithmetic operations and function calls.
     pub(crate) fn operations(&self) -> usize {
-        self.ops
-            .iter()
-            .filter(|op| !matches!(op, Op::Load(_) | Op::Constant(_)))
-            .count()
+        self.ops.iter().filter(|op| !op.is_given()).count()
     }
 }

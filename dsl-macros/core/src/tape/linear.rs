@@ -1,6 +1,6 @@
 //! Sums and products of many parts to operations on two.
 
-use super::code::{Op, Tape};
+use super::code::{Leaf, Op, Tape};
 use super::nary::Nary;
 use crate::graph::Table;
 
@@ -65,8 +65,8 @@ impl Linear<'_> {
     fn step(&mut self, node: &Nary, visit: &mut Visit, part: Option<u32>) -> Step {
         let known = |known: &mut Vec<u32>| known.extend(part);
         match node {
-            Nary::Load(variable) => Step::Is(self.push(Op::Load(*variable))),
-            Nary::Constant(bits) => Step::Is(self.push(Op::Constant(*bits))),
+            Nary::Load(variable) => Step::Is(self.push(Op::Given(Leaf::Variable(*variable)))),
+            Nary::Constant(bits) => Step::Is(self.push(Op::Given(Leaf::Constant(*bits)))),
             Nary::Sum(items) => self.add_up(items, visit, part),
             Nary::Product(factors) => {
                 if let Some(factor) = part {

@@ -6,7 +6,7 @@ mod lower;
 mod nary;
 mod share;
 
-pub(crate) use code::{Op, Tape};
+pub(crate) use code::{Leaf, Op, Operation, Tape};
 
 use crate::graph::Sym;
 use lower::Lowering;
@@ -33,7 +33,7 @@ pub(crate) fn shortest(outputs: &[Sym]) -> Tape {
 /// several of them, a function as long as many.
 pub(crate) fn cost(outputs: &[Sym]) -> usize {
     let weight = |op: &Op| match op {
-        Op::Load(_) | Op::Constant(_) => 0,
+        Op::Given(_) => 0,
         Op::Add(..) | Op::Subtract(..) | Op::Multiply(..) | Op::Negate(_) => 1,
         Op::Divide(..) | Op::Root(_) => 5,
         Op::Call(..) => 25,
