@@ -294,7 +294,8 @@ impl InitialValueProblem {
             let gap = model.gap(i, x);
             finite(&format!("initial gap `{}`", contact.name), gap)?;
             model.contact(i, x, &mut point);
-            if acts(model, i, x) && gap < -self.closed_gap(model, i, (x, &point)) {
+            let may_be_inside = gap < 0.0 && acts(model, i, x);
+            if may_be_inside && gap < -self.closed_gap(model, i, (x, &point)) {
                 return Err(InputError::new(format!(
                     "start inside the ground (E08): gap `{}` = {gap:e} {} < 0; start at gap >= 0, which the formula of the \
                      surface gives where it is meant to be touched, or write the surface with the other sign if the free \

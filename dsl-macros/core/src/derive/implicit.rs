@@ -338,9 +338,35 @@ impl Locked<'_> {
     /// The coordinate whose pivot is structurally zero.
     pub(super) fn cheaply_factorized(&self) -> Result<Option<Factorization>, usize> {
         let small = self.size() <= FORMULAS;
-        let links = !self.joints.is_empty() && self.size() <= MOST_SPARSE;
-        let factors = (small || links).then(|| self.factorized()).transpose()?;
+        let sparse = match self.joints {
+            [] => self.largest_block() <= WRITTEN_OUT,
+            _ => self.size() <= MOST_SPARSE,
+        };
+        let factors = (small || sparse).then(|| self.factorized()).transpose()?;
         Ok(factors.filter(|factors| small || factors.is_sparse()))
+    }
+
+    /// Most coordinates that inertia couples to each other, as those of one body of many.
+    fn largest_block(&self) -> usize {
+        let n = self.mass.len().isqrt();
+        let mut seen = vec![false; n];
+        let mut largest = 0;
+        for first in 0..n {
+            let mut block = if seen[first] { vec![] } else { vec![first] };
+            seen[first] = true;
+            let mut next = 0;
+            while let Some(&i) = block.get(next) {
+                next += 1;
+                for (j, mass) in self.mass[i * n..(i + 1) * n].iter().enumerate() {
+                    if !seen[j] && !mass.is_structural_zero() {
+                        seen[j] = true;
+                        block.push(j);
+                    }
+                }
+            }
+            largest = largest.max(block.len());
+        }
+        largest
     }
 
     /// Row-major.

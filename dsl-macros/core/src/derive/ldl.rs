@@ -122,8 +122,10 @@ impl Factorization {
         let mut x: Vec<Sym> = self.order.iter().map(|&row| right[row]).collect();
         for i in 0..n {
             for k in 0..i {
-                let known = x[k];
-                x[i] -= self.lower[i * n + k] * known;
+                let (factor, known) = (self.lower[i * n + k], x[k]);
+                if !factor.is_structural_zero() {
+                    x[i] -= factor * known;
+                }
             }
             x[i] = simplify(x[i]);
         }
@@ -132,8 +134,10 @@ impl Factorization {
         }
         for i in (0..n).rev() {
             for k in i + 1..n {
-                let known = x[k];
-                x[i] -= self.lower[k * n + i] * known;
+                let (factor, known) = (self.lower[k * n + i], x[k]);
+                if !factor.is_structural_zero() {
+                    x[i] -= factor * known;
+                }
             }
             x[i] = simplify(x[i]);
         }
