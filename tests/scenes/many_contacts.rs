@@ -305,3 +305,85 @@ fn order_of_declarations_changes_nothing() {
     assert!(apart(&default_run(&one), &default_run(&other)) < 1e-10);
     assert!(apart(&event_driven(&one), &event_driven(&other)) < 1e-10);
 }
+
+/// Discs of masses `mass` that roll and slide on each other and on a rough floor that is no plane.
+fn rolling_discs(count: usize, mass: &str) -> TextScene {
+    scene(&format!(
+        "count n = {count}
+        parameters {{ m: kg = 2, own[n]: kg = 2, r: m = 0.1, g: m/s^2 = 9.81, mu = 0.3, far: m = 0.7 }}
+        coordinates {{ x[n]: m, z[n]: m, phi[n]: rad }}
+        let p[k in 1..=n] = (x[k], z[k])
+        lagrangian sum(k in 1..=n: {mass}/2*|dot(p[k])|^2 + {mass}*r^2/4*dot(phi[k])^2 - {mass}*g*z[k])
+        surface pair[i in 2..=n, j in 1..i]: |p[i] - p[j]| >= 2*r
+        impact pair[i in 2..=n, j in 1..i]: restitution 0.4, friction mu, sliding r*(dot(phi[i]) + dot(phi[j])) + (x[i]*dot(z[j]) - z[i]*dot(x[j]))/far
+        surface floor[i in 1..=n]: z[i] >= r + 0.1*sin(x[i]/far)^2 [m]
+        impact floor[i in 1..=n]: inelastic, friction mu, sliding dot(x[i]) + r*dot(phi[i])
+        start {{ x[k in 1..=n]: 0.3*k - 0.1*k^2/n, z[k in 1..=n]: 0.5 + 0.2*k }}
+        horizon 1 [s]"
+    ))
+}
+
+/// All that solvers ask of a contact at a place, with its derivatives.
+fn asked(model: &dyn Model, contact: usize, x: &[f64]) -> Vec<f64> {
+    let declaration = model.declaration();
+    let (n, known) = (
+        declaration.coordinates.len(),
+        &declaration.contacts[contact],
+    );
+    let side = known.friction.expect("friction");
+    let mut all = vec![0.0; 4 + 2 * n];
+    model.contact(contact, x, &mut all);
+    let mut add = |length: usize, fill: &dyn Fn(&mut [f64])| {
+        let from = all.len();
+        all.resize(from + length, 0.0);
+        fill(&mut all[from..]);
+    };
+    let weights: Vec<f64> = (0..2 + n).map(|k| 0.3 + 0.1 * k as f64).collect();
+    add(known.jacobian.entries.len(), &|out| {
+        model.contact_jacobian(contact, x, out)
+    });
+    add(known.hessian.entries.len(), &|out| {
+        model.contact_hessian(contact, x, &weights, out)
+    });
+    add(2 + 2 * n, &|out| model.tangent(contact, x, out));
+    add(side.jacobian.entries.len(), &|out| {
+        model.tangent_jacobian(contact, x, out)
+    });
+    add(side.hessian.entries.len(), &|out| {
+        model.tangent_hessian(contact, x, &weights[1..], out);
+    });
+    all
+}
+
+/// Entries of patterns in their order, which decides where values stand.
+fn patterns(model: &dyn Model, contact: usize) -> [Vec<(u32, u32)>; 4] {
+    let known = &model.declaration().contacts[contact];
+    let side = known.friction.expect("friction");
+    [known.jacobian, known.hessian, side.jacobian, side.hessian].map(|known| known.entries.to_vec())
+}
+
+/// With a mass of its own each contact is derived by itself; with one mass they are one contact under other names.
+#[test]
+fn contacts_under_other_names_are_those_that_are_derived_by_themselves() {
+    let (shared, own) = (rolling_discs(5, "m"), rolling_discs(5, "own[k]"));
+    let x: Vec<f64> = (0..30)
+        .map(|k| 0.4 * f64::from(k) + (1.7 * f64::from(k)).sin())
+        .collect();
+    for contact in 0..shared.declaration().contacts.len() {
+        assert_eq!(
+            patterns(&shared, contact),
+            patterns(&own, contact),
+            "contact {contact}"
+        );
+        let (one, other) = (asked(&shared, contact, &x), asked(&own, contact, &x));
+        let size = one
+            .iter()
+            .fold(1.0_f64, |most, value| most.max(value.abs()));
+        for (k, (a, b)) in one.iter().zip(&other).enumerate() {
+            assert!(
+                (a - b).abs() < 1e-12 * size,
+                "value {k} of contact {contact}: {a} {b}"
+            );
+        }
+    }
+}

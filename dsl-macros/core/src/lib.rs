@@ -358,7 +358,12 @@ fn derived(
     if diagnostics.mistakes() > 0 {
         return Err(diagnostics::Reported);
     }
-    let description = Description::of(&scene, &equations).map_err(|unfit| match unfit {
+    // What is not compiled takes no compile time.
+    let most = match diagnostics.is_data {
+        true => usize::MAX,
+        false => description::BUDGET,
+    };
+    let description = Description::of(&scene, &equations, most).map_err(|unfit| match unfit {
         Unfit::Long { kernel, operations } => diagnostics.report(
             "E22",
             scene.name.place(),

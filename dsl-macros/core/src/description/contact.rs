@@ -1,15 +1,11 @@
 //! The functions of one contact.
 
-mod like;
-
 use super::builder::{Builder, Vectors, pattern, places};
 use super::declared::{documentation, inferred};
 use crate::declaration::{
     ContactDeclaration, FrictionDeclaration, ImpactLaw, SparsityPattern, Switching, list, text,
 };
-use crate::derive::{
-    ContactEquations, Derived, Directed, Equations, Explicit, FrictionEquations, InverseInertia,
-};
+use crate::derive::{ContactEquations, Directed, Explicit, FrictionEquations, InverseInertia};
 use crate::graph::Sym;
 use crate::scene;
 
@@ -83,27 +79,8 @@ pub enum Solver {
     Inertia(Vectors),
 }
 
-/// What is declared of all contacts, and their kernels.
-pub(super) fn contacts(
-    builder: &mut Builder<'_>,
-    equations: &Equations,
-) -> (Vec<ContactDeclaration>, Vec<Contact>) {
-    let mut known: Vec<(ContactDeclaration, Contact)> = Vec::new();
-    let scene = builder.scene;
-    for (declared, derived) in scene.contacts.iter().zip(equations.contacts.derived()) {
-        let next = match derived {
-            Derived::Own(own) => contact(builder, declared, own),
-            Derived::Like(like, names) => {
-                self::like::contact(builder, declared, &known[*like], names)
-            }
-        };
-        known.push(next);
-    }
-    known.into_iter().unzip()
-}
-
 /// What is declared of a contact, and its kernels.
-fn contact(
+pub(super) fn contact(
     builder: &mut Builder<'_>,
     declared: &scene::Contact,
     contact: &ContactEquations,
@@ -157,7 +134,7 @@ fn contact(
 }
 
 /// What kernels of a contact are called by.
-fn called(builder: &Builder<'_>, declared: &scene::Contact) -> String {
+pub(super) fn called(builder: &Builder<'_>, declared: &scene::Contact) -> String {
     match declared.switch {
         Some(_) => format!("switching_function_{}", builder.switches() + 1),
         // A piece of a surface has a number behind a point.
@@ -166,7 +143,7 @@ fn called(builder: &Builder<'_>, declared: &scene::Contact) -> String {
 }
 
 /// What is declared of a surface whose rows have these patterns of their Jacobian and Hessian.
-fn surface(
+pub(super) fn surface(
     declared: &scene::Contact,
     friction: Option<FrictionDeclaration>,
     [jacobian, hessian]: [SparsityPattern; 2],
@@ -193,7 +170,11 @@ fn surface(
 }
 
 /// The kernel of the coefficient of restitution, if there is one.
-fn restitution(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Option<usize> {
+pub(super) fn restitution(
+    builder: &mut Builder<'_>,
+    name: &str,
+    declared: &scene::Contact,
+) -> Option<usize> {
     let value = declared.restitution?;
     Some(builder.unlisted(&format!("restitution_{name}"), &[value]))
 }
@@ -225,7 +206,7 @@ fn reset(builder: &mut Builder<'_>, name: &str, declared: &scene::Contact) -> Op
 }
 
 /// The kernels of the coefficients of friction: the only one or that at rest, and that of sliding if it is another one.
-fn coefficients(
+pub(super) fn coefficients(
     builder: &mut Builder<'_>,
     name: &str,
     declared: &scene::Friction,

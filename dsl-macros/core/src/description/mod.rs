@@ -4,6 +4,7 @@
 
 mod builder;
 mod contact;
+mod contacts;
 mod declared;
 mod design;
 mod equations;
@@ -39,7 +40,7 @@ use crate::scene::CheckedScene;
 use builder::Builder;
 use declared::{documentation, parameter, variables};
 
-/// Most operations of one kernel: some seconds of compile time.
+/// Most operations of one kernel that is compiled: some seconds of compile time.
 pub(crate) const BUDGET: usize = 60_000;
 
 /// Everything that is derived from a declaration.
@@ -137,13 +138,18 @@ pub(crate) enum Unfit {
 }
 
 impl Description {
-    pub(crate) fn of(scene: &CheckedScene, equations: &Equations) -> Result<Self, Unfit> {
+    /// The description of a scene with these equations, whose kernels may have so many operations.
+    pub(crate) fn of(
+        scene: &CheckedScene,
+        equations: &Equations,
+        most: usize,
+    ) -> Result<Self, Unfit> {
         graph::begin(Stage::Kernels);
         let inertia = equations.inertia.as_ref();
         let mut builder = Builder::new(scene, equations.inputs.len(), inertia);
         let (motion, [free_jacobian, free_hessian]) = motion(&mut builder, equations);
         let inertia = builder.inertia();
-        let (declared_contacts, contacts) = contact::contacts(&mut builder, equations);
+        let (declared_contacts, contacts) = contacts::contacts(&mut builder, equations);
         let joints = equations.joints.as_ref();
         let joints = joints.map(|derived| joint::joints(&mut builder, derived));
         let task = scene.optimal_control.as_ref();
@@ -159,7 +165,7 @@ impl Description {
         let (experiments, starts) = measured::experiments(&mut builder);
         let held = design::held(&mut builder, equations);
         let (kernels, systems) = (builder.kernels, list(builder.systems));
-        check(&kernels)?;
+        check(&kernels, most)?;
         let declaration =
             Declaration {
                 name: text(&scene.name.text),
@@ -238,14 +244,14 @@ impl Description {
     }
 }
 
-/// Whether all kernels can be compiled and evaluated.
-fn check(kernels: &[Kernel]) -> Result<(), Unfit> {
+/// Whether all kernels can be evaluated, and have no more operations than allowed.
+fn check(kernels: &[Kernel], most: usize) -> Result<(), Unfit> {
     if graph::is_exhausted() {
         return Err(Unfit::Exhausted);
     }
     for kernel in kernels {
         let operations = kernel.cost();
-        if operations > BUDGET {
+        if operations > most {
             return Err(Unfit::Long {
                 kernel: kernel.name.clone(),
                 operations,

@@ -11,22 +11,32 @@ pub(crate) use code::{Leaf, Op, Operation, Tape};
 use crate::graph::Sym;
 use lower::Lowering;
 
+/// Operations from which on sums are not factored: those of chains of 40 to 100 links become half as long again by it, in twice the time.
+const LONG: usize = 10_000;
+
 /// The shortest of several ways to evaluate `outputs`.
 pub(crate) fn shortest(outputs: &[Sym]) -> Tape {
-    let mut best: Option<Tape> = None;
-    for factor in [false, true] {
-        let (nodes, roots) = Lowering::run(outputs, factor);
-        let shared = share::pairs(nodes.clone());
-        for candidate in [linear::tape(&nodes, &roots), linear::tape(&shared, &roots)] {
-            if best
-                .as_ref()
-                .is_none_or(|best| candidate.operations() < best.operations())
-            {
-                best = Some(candidate);
-            }
+    let mut best = shorter(outputs, false);
+    if best.operations() <= LONG {
+        let factored = shorter(outputs, true);
+        if factored.operations() < best.operations() {
+            best = factored;
         }
     }
-    best.unwrap_or_default().calls_first()
+    best.calls_first()
+}
+
+/// The shorter one of the evaluations with pairs that are looked for in all sums and products, and without, where common factors are taken
+/// out or not.
+fn shorter(outputs: &[Sym], factor: bool) -> Tape {
+    let (nodes, roots) = Lowering::run(outputs, factor);
+    let plain = linear::tape(&nodes, &roots);
+    let shared = linear::tape(&share::pairs(nodes), &roots);
+    if shared.operations() < plain.operations() {
+        shared
+    } else {
+        plain
+    }
 }
 
 /// What a set of expressions costs, in multiplications, about: a division or a root takes as long as

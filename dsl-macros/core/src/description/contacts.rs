@@ -1,13 +1,30 @@
-//! A contact that differs from another one in the names of its coordinates only.
+//! All contacts of a scene, of which those that differ in the names of their coordinates only share kernels.
 
-use super::{Contact, Friction, Rows, called, coefficients, restitution, surface};
+use super::builder::Builder;
+use super::contact::{self, Contact, Friction, Rows, called, coefficients, restitution, surface};
 use crate::declaration::{ContactDeclaration, FrictionDeclaration, SparsityPattern, list};
-use crate::derive::Names;
-use crate::description::builder::Builder;
+use crate::derive::{Derived, Equations, Names};
 use crate::scene;
 
-/// What is declared of it, and its kernels: those of the one that was derived, under these names.
-pub(super) fn contact(
+/// What is declared of all contacts, and their kernels.
+pub(super) fn contacts(
+    builder: &mut Builder<'_>,
+    equations: &Equations,
+) -> (Vec<ContactDeclaration>, Vec<Contact>) {
+    let mut known: Vec<(ContactDeclaration, Contact)> = Vec::new();
+    let scene = builder.scene;
+    for (declared, derived) in scene.contacts.iter().zip(equations.contacts.derived()) {
+        let next = match derived {
+            Derived::Own(own) => contact::contact(builder, declared, own),
+            Derived::Like(like, names) => renamed(builder, declared, &known[*like], names),
+        };
+        known.push(next);
+    }
+    known.into_iter().unzip()
+}
+
+/// What is declared of a contact that is like another one, and its kernels: those of that one under these names.
+fn renamed(
     builder: &mut Builder<'_>,
     declared: &scene::Contact,
     (declaration, kernels): &(ContactDeclaration, Contact),
