@@ -316,9 +316,9 @@ fn rolling_discs(count: usize, mass: &str) -> TextScene {
         lagrangian sum(k in 1..=n: {mass}/2*|dot(p[k])|^2 + {mass}*r^2/4*dot(phi[k])^2 - {mass}*g*z[k])
         surface pair[i in 2..=n, j in 1..i]: |p[i] - p[j]| >= 2*r
         impact pair[i in 2..=n, j in 1..i]: restitution 0.4, friction mu, sliding r*(dot(phi[i]) + dot(phi[j])) + (x[i]*dot(z[j]) - z[i]*dot(x[j]))/far
-        surface floor[i in 1..=n]: z[i] >= r + 0.1*sin(x[i]/far)^2 [m]
+        surface floor[i in 1..=n]: z[i] >= r + 0.1 [m]*sin(x[i]/far)^2
         impact floor[i in 1..=n]: inelastic, friction mu, sliding dot(x[i]) + r*dot(phi[i])
-        start {{ x[k in 1..=n]: 0.3*k - 0.1*k^2/n, z[k in 1..=n]: 0.5 + 0.2*k }}
+        start {{ x[k in 1..=n]: 0.3 [m]*k, z[k in 1..=n]: 0.5 [m] + 0.2 [m]*k }}
         horizon 1 [s]"
     ))
 }
