@@ -1,10 +1,9 @@
 //! A penalty of the smaller sides, where a choice of sides alone leads nowhere.
 
-use super::forward::forward;
 use super::watch::{Purpose, Watch};
 use super::{Mpcc, Settings};
 use crate::linalg::norms::norm_inf;
-use crate::nlp::{self, NlpProblem};
+use crate::nlp::{self, Objective, Variant};
 
 /// First cost of a side, relative to the gradient of the objective, and what a side that does not vanish multiplies its own by.
 const COST: f64 = 10.0;
@@ -20,51 +19,15 @@ const VANISHED: f64 = 1e-6;
 /// Violation of rows from which on a program has failed.
 const FAILED: f64 = 1e-3;
 
-/// The smooth program
+/// A point near a given one at which a side of every pair vanishes to `VANISHED`: smooth programs
 ///
 /// ```text
 ///     min f(x) + sum_k w_k x_(s_k)   s.t.  c_l <= c(x) <= c_u,  x_l <= x <= x_u
 /// ```
 ///
-/// with the side `s_k` of each pair: no row ties the sides together, so that its multipliers are bounded by the costs `w_k`, and a
-/// side that cannot vanish stays positive instead of making the program infeasible.
-struct Penalty<'a> {
-    problem: &'a mut dyn Mpcc,
-    cost: Vec<f64>,
-}
-
-impl NlpProblem for Penalty<'_> {
-    forward!(
-        variables,
-        constraints,
-        variable_bounds,
-        constraint_bounds,
-        initial_point,
-        constraint_values,
-        jacobian_pattern,
-        jacobian_values,
-        hessian_pattern,
-        hessian_values,
-        variable_name,
-        constraint_name
-    );
-
-    fn objective(&mut self, x: &[f64]) -> f64 {
-        let cost: f64 = self.cost.iter().zip(x).map(|(c, x)| c * x).sum();
-        self.problem.objective(x) + cost
-    }
-
-    fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
-        self.problem.gradient(x, gradient);
-        for (g, cost) in gradient.iter_mut().zip(&self.cost) {
-            *g += cost;
-        }
-    }
-}
-
-/// A point near a given one at which a side of every pair vanishes to `VANISHED`: programs with a cost of the side that is the
-/// smaller one where the last program ended, the costs of those that do not vanish growing. `None` where a few programs do not lead
-/// there.
+/// with the side `s_k` of each pair that is the smaller one where the last program ended, the costs of those that do not vanish growing. No
+/// row ties the sides together, so that its multipliers are bounded by the costs `w_k`, and a side that cannot vanish stays positive
+/// instead of making the program infeasible. `None` where a few programs do not lead there.
 pub(crate) fn penalized(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -90,9 +53,9 @@ pub(crate) fn penalized(
             cost[if from.x[i] <= from.x[j] { i } else { j }] += own;
         }
         from.barrier_parameter = BARRIER;
-        let mut penalty = Penalty {
-            problem: &mut *problem,
-            cost,
+        let mut penalty = Variant {
+            objective: Objective::Costs(cost),
+            ..Variant::of(&mut *problem)
         };
         let solution = watch
             .run(
@@ -125,6 +88,7 @@ pub(crate) fn penalized(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::nlp::NlpProblem;
 
     /// `min (x_0 - 0.3)^2 + (x_1 - 1)^2` with `x_1 + x_2 = 1`, `x_3 = 3 x_0`, and the pairs `(0, 1)`, `(2, 3)`.
     struct Chain;

@@ -2,12 +2,11 @@
 
 use super::crossover::{choose, descend_from, patient_point};
 use super::finish::{Ended, compare};
-use super::nearest::Nearest;
 use super::penalty::penalized;
 use super::run::solve_with;
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
-use crate::nlp::{self, InputError};
+use crate::nlp::{self, InputError, Variant};
 
 /// Violation and relaxation up to which a relaxed point shows the sides of an exact one, optimal or not.
 const NEAR: f64 = 1e-6;
@@ -141,7 +140,7 @@ fn nearest(
         crossover: false,
         ..settings.clone()
     };
-    let mut near = Nearest::new(problem, to);
+    let mut near = Variant::nearest(problem, to);
     let ended = solve_with(&mut near, &relaxed, rule, watch)?;
     let relaxed = &ended.solution;
     let is_near = relaxed.residuals.primal <= NEAR && relaxed.relaxation_parameter <= NEAR;

@@ -1,14 +1,14 @@
 //! The entry points: rules one after the other.
 
 use super::crossover::improve;
-use super::decided::{Decided, decided_sides};
+use super::decided::decided_sides;
 use super::finish::{BINDING, Ended, compare};
-use super::moved::{Moved, start_within_rows};
+use super::moved::start_within_rows;
 use super::run::solve_with;
 use super::second_round::second_round;
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
-use crate::nlp::{self, Fault, InputError};
+use crate::nlp::{self, Fault, InputError, Variant};
 
 /// Part of the iterations that a first path may take where another one follows: the problem as it is stated where linear rows decide sides,
 /// and the one from another start.
@@ -137,7 +137,10 @@ pub fn solve_observed(
     };
     let all = settings.maximum_iterations;
     watch.limit(first_path(watch.used(), all));
-    let mut moved = Moved::new(problem, start);
+    let mut moved = Variant {
+        start,
+        ..Variant::of(&mut *problem)
+    };
     let moved = solve_stated(&mut moved, settings, None, watch)?;
     // a point without descent of the violation says nothing of other starts
     let goes_on = moved.status == Status::Infeasible || !is_settled(problem, &moved);
@@ -182,7 +185,10 @@ fn solve_paths(
         rules: rules.copied().collect(),
         ..settings.clone()
     };
-    let mut program = Decided::new(problem, vanishes);
+    let mut program = Variant {
+        fixed: vanishes,
+        ..Variant::of(problem)
+    };
     let decided = solve_stated(&mut program, &settings, None, watch)?;
     Ok(better(decided, stated, watch))
 }

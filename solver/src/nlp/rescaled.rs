@@ -13,7 +13,9 @@
 use super::method::barrier::Monotone;
 use super::program::scaling::row_scaling;
 use super::run::{Ended, Start, run_after};
-use super::{NlpProblem, Observer, Products, Residuals, Settings, Solution, Status, WarmStart};
+use super::{
+    NlpProblem, Observer, Products, Residuals, Settings, Solution, Status, Variant, WarmStart,
+};
 use crate::linalg::norms::norm_inf;
 
 /// How much larger the scale at the end has to be for another run. What a smaller ratio hides is of the size of the tolerance;
@@ -68,10 +70,13 @@ pub(super) fn rescaled(
         };
         let tied = (&mut Products::default(), &mut path as &mut _);
         let mut see = |info: &super::IterationInfo| observer(info);
-        let mut in_units = InUnits { problem, units };
-        let warm = in_units.start(warm);
+        let mut variant = Variant {
+            units,
+            ..Variant::of(&mut *problem)
+        };
+        let warm = in_units(&variant, warm);
         let next = run_after(
-            &mut in_units,
+            &mut variant,
             &near,
             tied,
             Start::Warm(&warm),
@@ -80,13 +85,13 @@ pub(super) fn rescaled(
         );
         match next {
             // what goes up from there leads to another solution, if to any
-            Ok((next, _)) if rises(&in_units, &next, &solution) => {
+            Ok((next, _)) if rises(&variant, &next, &solution) => {
                 solution.status = Status::StepTooSmall;
                 add_work(&mut solution, &next);
                 return solution;
             }
             Ok((next, its)) => {
-                (solution, ended) = (in_units.solution(next), its);
+                (solution, ended) = (in_problem(&mut variant, next), its);
                 went_on = true;
             }
             // the functions have no value that near
@@ -103,9 +108,9 @@ pub(super) fn rescaled(
 }
 
 /// Whether a run with variables in other units ended at a higher objective than the one before.
-fn rises(of: &InUnits<'_>, next: &Solution, before: &Solution) -> bool {
-    let has_units = of.units.iter().any(|unit| *unit != 1.0);
-    has_units && next.objective > before.objective + LEFT * before.objective.abs().max(1.0)
+fn rises(of: &Variant<'_, dyn NlpProblem + '_>, next: &Solution, before: &Solution) -> bool {
+    !of.units.is_empty()
+        && next.objective > before.objective + LEFT * before.objective.abs().max(1.0)
 }
 
 /// Counts, times and log of a later run, which hold those before it.
@@ -116,7 +121,7 @@ pub(super) fn add_work(first: &mut Solution, later: &Solution) {
     first.seconds = later.seconds;
 }
 
-/// The units of the variables and the scale of the objective that a solution asks for, if residuals are left that those of its run hide.
+/// The units of the variables, none where ordinary ones do, and the scale of the objective that a solution asks for, if residuals are left that those of its run hide.
 fn hidden(
     problem: &mut dyn NlpProblem,
     settings: &Settings,
@@ -173,7 +178,7 @@ fn hidden(
     let gap = GAP * settings.tolerance * needed * solution.objective.abs();
     let is_large = needed * dual > absolute || needed * complementarity > absolute.max(gap);
     let hides = needed >= RATIO * scale && is_large;
-    hides.then(|| (vec![1.0; x.len()], needed))
+    hides.then(|| (Vec::new(), needed))
 }
 
 /// What belongs to the variables at the end of a run, zero where they are fixed.
@@ -215,114 +220,21 @@ impl Ends {
     }
 }
 
-/// A problem whose variables are measured in units of their own.
-struct InUnits<'a> {
-    problem: &'a mut dyn NlpProblem,
-    units: Vec<f64>,
+/// A start in the units of a problem.
+fn in_units(of: &Variant<'_, dyn NlpProblem + '_>, mut start: WarmStart) -> WarmStart {
+    of.to_units(&mut start.x);
+    of.per_unit(&mut start.multipliers_lower);
+    of.per_unit(&mut start.multipliers_upper);
+    start
 }
 
-impl InUnits<'_> {
-    fn in_problem(&self, u: &[f64]) -> Vec<f64> {
-        u.iter()
-            .zip(&self.units)
-            .map(|(u, unit)| u * unit)
-            .collect()
+/// A solution in the variables of the problem.
+fn in_problem(of: &mut Variant<'_, dyn NlpProblem + '_>, mut solution: Solution) -> Solution {
+    of.per_unit(&mut solution.x);
+    of.to_units(&mut solution.multipliers_lower);
+    of.to_units(&mut solution.multipliers_upper);
+    if !of.units.is_empty() {
+        solution.residuals.dual = norm_inf(&Ends::new(of.problem, &solution).left);
     }
-
-    fn to_units(&self, x: &mut [f64]) {
-        x.iter_mut()
-            .zip(&self.units)
-            .for_each(|(x, unit)| *x /= unit);
-    }
-
-    fn per_unit(&self, z: &mut [f64]) {
-        z.iter_mut()
-            .zip(&self.units)
-            .for_each(|(z, unit)| *z *= unit);
-    }
-
-    fn start(&self, mut start: WarmStart) -> WarmStart {
-        self.to_units(&mut start.x);
-        self.per_unit(&mut start.multipliers_lower);
-        self.per_unit(&mut start.multipliers_upper);
-        start
-    }
-
-    /// A solution in the variables of the problem.
-    fn solution(&mut self, mut solution: Solution) -> Solution {
-        self.per_unit(&mut solution.x);
-        self.to_units(&mut solution.multipliers_lower);
-        self.to_units(&mut solution.multipliers_upper);
-        solution.residuals.dual = norm_inf(&Ends::new(self.problem, &solution).left);
-        solution
-    }
-}
-
-impl NlpProblem for InUnits<'_> {
-    fn variables(&self) -> usize {
-        self.units.len()
-    }
-
-    fn constraints(&self) -> usize {
-        self.problem.constraints()
-    }
-
-    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.problem.variable_bounds(lower, upper);
-        self.to_units(lower);
-        self.to_units(upper);
-    }
-
-    fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.problem.constraint_bounds(lower, upper);
-    }
-
-    fn initial_point(&self, x: &mut [f64]) {
-        self.problem.initial_point(x);
-        self.to_units(x);
-    }
-
-    fn objective(&mut self, x: &[f64]) -> f64 {
-        self.problem.objective(&self.in_problem(x))
-    }
-
-    fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
-        self.problem.gradient(&self.in_problem(x), gradient);
-        self.per_unit(gradient);
-    }
-
-    fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-        self.problem.constraint_values(&self.in_problem(x), c);
-    }
-
-    fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-        self.problem.jacobian_pattern()
-    }
-
-    fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-        self.problem.jacobian_values(&self.in_problem(x), values);
-        for (value, (_, i)) in values.iter_mut().zip(self.problem.jacobian_pattern()) {
-            *value *= self.units[i];
-        }
-    }
-
-    fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-        self.problem.hessian_pattern()
-    }
-
-    fn hessian_values(&mut self, x: &[f64], weight: f64, multipliers: &[f64], values: &mut [f64]) {
-        let x = self.in_problem(x);
-        self.problem.hessian_values(&x, weight, multipliers, values);
-        for (value, (i, j)) in values.iter_mut().zip(self.problem.hessian_pattern()) {
-            *value *= self.units[i] * self.units[j];
-        }
-    }
-
-    fn variable_name(&self, index: usize) -> String {
-        self.problem.variable_name(index)
-    }
-
-    fn constraint_name(&self, index: usize) -> String {
-        self.problem.constraint_name(index)
-    }
+    solution
 }
