@@ -73,4 +73,4 @@ pub(crate) use least_squares::violation;
 pub(crate) use method::barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
 pub(crate) use products::Products;
 pub(crate) use run::run;
-pub(crate) use variant::{Objective, Variant};
+pub(crate) use variant::Variant;

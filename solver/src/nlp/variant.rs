@@ -20,8 +20,6 @@ pub(crate) struct Variant<'a, P: ?Sized> {
 pub(crate) enum Objective {
     /// The objective of the problem.
     Own,
-    /// That and a cost of each variable, `f(x) + sum_i w_i x_i`.
-    Costs(Vec<f64>),
     /// The distance to a point in place of it, `1/2 sum_i ((x_i - a_i) / max(1, |a_i|))^2`.
     Distance(Distance),
 }
@@ -128,10 +126,6 @@ impl<P: NlpProblem + ?Sized> NlpProblem for Variant<'_, P> {
         let x = self.in_problem(x);
         match &self.objective {
             Objective::Own => self.problem.objective(&x),
-            Objective::Costs(costs) => {
-                let cost: f64 = costs.iter().zip(&*x).map(|(c, x)| c * x).sum();
-                self.problem.objective(&x) + cost
-            }
             Objective::Distance(distance) => {
                 let term =
                     |(i, x): (usize, &f64)| distance.weight(i) * (x - distance.to[i]).powi(2);
@@ -144,13 +138,6 @@ impl<P: NlpProblem + ?Sized> NlpProblem for Variant<'_, P> {
         let x = self.in_problem(x);
         match &self.objective {
             Objective::Own => self.problem.gradient(&x, gradient),
-            Objective::Costs(costs) => {
-                self.problem.gradient(&x, gradient);
-                gradient
-                    .iter_mut()
-                    .zip(costs)
-                    .for_each(|(g, cost)| *g += cost);
-            }
             Objective::Distance(distance) => {
                 for (i, g) in gradient.iter_mut().enumerate() {
                     *g = distance.weight(i) * (x[i] - distance.to[i]);
@@ -265,12 +252,10 @@ mod tests {
 
     #[test]
     fn derivatives_of_every_change_are_those_of_its_functions() {
-        let costs = || Objective::Costs(vec![0.3, -2.0]);
-        for (units, nearest, has_costs) in [
-            (vec![], false, true),
-            (vec![], true, false),
-            (vec![40.0, 0.02], false, true),
-            (vec![0.3, 7.0], true, false),
+        for (units, nearest) in [
+            (vec![], true),
+            (vec![40.0, 0.02], false),
+            (vec![0.3, 7.0], true),
         ] {
             let mut product = Product;
             let mut variant = if nearest {
@@ -279,9 +264,6 @@ mod tests {
                 Variant::of(&mut product)
             };
             variant.units = units;
-            if has_costs {
-                variant.objective = costs();
-            }
             let entries = nlp::check_derivatives(&mut variant, Some(&[1.5, 0.5])).unwrap();
             // differences are right to the root of the rounding unit
             assert!(
