@@ -6,7 +6,7 @@ mod spacing;
 
 use crate::words;
 use scan::{Kind, Piece, pieces};
-use spacing::Line;
+use spacing::{Apart, Line, none};
 
 /// Longest line.
 const LONGEST: usize = 120;
@@ -28,7 +28,7 @@ pub(crate) fn formatted(text: &str) -> String {
             let close = pieces.iter().rposition(|piece| piece.is("}"));
             let close = close.unwrap_or(pieces.len()).max(open);
             writer.comments(&pieces[..first]);
-            let mut header = Line::default();
+            let mut header = Line::new(none);
             pieces[first..open]
                 .iter()
                 .for_each(|piece| header.push(piece));
@@ -114,9 +114,11 @@ impl Writer {
             .filter(named)
             .filter(|&open| pieces.len() > open + 1 && !remarks(&pieces[..open]))
         else {
-            return self.expression(pieces, false, "");
+            let of_bodies = words::is_of_bodies(&pieces[0].text) && is_named(pieces, 0);
+            let apart: Apart = if of_bodies { words::is_clause } else { none };
+            return self.expression(pieces, apart, "");
         };
-        let word = &plain(&pieces[..open], false);
+        let word = &plain(&pieces[..open], none);
         if pieces[0].text == "part" {
             self.line(&format!("{word} {{"));
             self.depth += 1;
@@ -124,7 +126,11 @@ impl Writer {
             self.depth -= 1;
             return self.line("}");
         }
-        let picture = word == "picture";
+        let picture: Apart = if word == "picture" {
+            words::is_of_picture
+        } else {
+            none
+        };
         let inner = &pieces[open + 1..pieces.len() - 1];
         let entries = entries(inner);
         let commented = inner.iter().any(Piece::is_comment);
@@ -149,7 +155,7 @@ impl Writer {
     }
 
     /// An entry of a block on lines of its own; comments may stand before it and behind it.
-    fn entry(&mut self, pieces: &[Piece], picture: bool) {
+    fn entry(&mut self, pieces: &[Piece], picture: Apart) {
         let comments = pieces.iter().take_while(|piece| piece.is_comment());
         let (before, rest) = pieces.split_at(comments.count());
         self.comments(before);
@@ -162,7 +168,7 @@ impl Writer {
     }
 
     /// Pieces as one line, or as several if it is too long or a comment stands inside.
-    fn expression(&mut self, pieces: &[Piece], picture: bool, end: &str) {
+    fn expression(&mut self, pieces: &[Piece], picture: Apart, end: &str) {
         let (mut line, mut start) = (Line::new(picture), 0);
         let more = format!("{}{INDENT}", self.indent());
         for (index, piece) in pieces.iter().enumerate() {
@@ -218,9 +224,7 @@ fn begins(pieces: &[Piece], index: usize) -> bool {
     let text = pieces[index].text.as_str();
     let before = index.checked_sub(1).map(|before| &pieces[before]);
     let named = before.is_some_and(|before| match before.kind {
-        Kind::Word => {
-            words::STATEMENTS.contains(&before.text.as_str()) || before.text == "friction"
-        }
+        Kind::Word => words::takes_next(&before.text),
         Kind::Symbol => ![")", "]", "}", ";"].contains(&before.text.as_str()),
         Kind::Comment => false,
     });
@@ -236,15 +240,34 @@ fn begins(pieces: &[Piece], index: usize) -> bool {
                 && (text == "count" && is(index + 2, "=")
                     || text == "part" && is(index + 2, "(")
                     || text == "use" && pieces[index + 1].text.starts_with('"'))
-            || !named && is(colon, ":") && is_word(colon + 1) && is(colon + 2, "("))
+            || !named && is(colon, ":") && is_word(colon + 1) && is(colon + 2, "(")
+            || !named && words::is_of_bodies(text) && is_named(pieces, index))
+}
+
+/// Whether a name stands behind the word of a statement of bodies, or a vector behind that of gravity.
+fn is_named(pieces: &[Piece], index: usize) -> bool {
+    pieces.get(index + 1).is_some_and(|next| match next.kind {
+        Kind::Word => !words::is_keyword(&next.text),
+        _ => pieces[index].text == "gravity" && next.is("("),
+    })
+}
+
+/// Whether `at` stands there of a body or a shape, which has not said yet where it is.
+fn is_place(pieces: &[Piece], index: usize) -> bool {
+    let is_at = |piece: &Piece| piece.text == words::AT;
+    let of_body = ["body", "shape"].contains(&pieces[0].text.as_str());
+    of_body && is_at(&pieces[index]) && !pieces[..index].iter().any(is_at)
 }
 
 /// Where the first statement ends: before the next one, or before what belongs to that.
 fn statement_end(pieces: &[Piece]) -> usize {
     let mut depth = 0_usize;
     for (index, piece) in pieces.iter().enumerate() {
-        let begins =
-            index > 0 && depth == 0 && begins(pieces, index) && !is_value(&pieces[index..]);
+        let begins = index > 0
+            && depth == 0
+            && begins(pieces, index)
+            && !is_value(&pieces[index..])
+            && !is_place(pieces, index);
         if begins {
             // Comments above the next statement are its own; one behind this statement stays there.
             let comments = pieces[..index].iter().rev();
@@ -287,14 +310,14 @@ fn entries(pieces: &[Piece]) -> Vec<Vec<Piece>> {
 }
 
 /// Pieces as one line.
-fn plain(pieces: &[Piece], picture: bool) -> String {
+fn plain(pieces: &[Piece], picture: Apart) -> String {
     let mut line = Line::new(picture);
     pieces.iter().for_each(|piece| line.push(piece));
     line.text
 }
 
 /// What stands from a sign up to the next place where a line may be broken.
-fn term(pieces: &[Piece], picture: bool) -> String {
+fn term(pieces: &[Piece], picture: Apart) -> String {
     let mut line = Line::new(picture);
     for (index, piece) in pieces.iter().enumerate() {
         if (index > 0 && line.breaks_before(piece)) || piece.is_comment() {

@@ -30,8 +30,65 @@ pub(crate) const STATEMENTS: [&str; 26] = [
     "picture",
 ];
 
-/// Words that begin a statement where a name follows, and are names otherwise: what is written out before anything is read.
-pub(crate) const WRITTEN_OUT: [&str; 3] = ["count", "part", "use"];
+/// Words that begin a statement where a name follows, and are names otherwise: what is written out before anything is read. Each
+/// with how it is written.
+pub(crate) const WRITTEN_OUT: [(&str, &str); 11] = [
+    ("count", "count n = 3"),
+    ("part", "part leg(a: m) { coordinates { q: rad } .. }"),
+    ("use", "use \"leg.hang\""),
+    ("gravity", "gravity (0, -g)"),
+    (
+        "body",
+        "body block: mass m, inertia j, at (x, z), angle phi",
+    ),
+    ("shape", "shape block: rectangle (w, h)"),
+    ("contact", "contact block, ground: inelastic, friction mu"),
+    ("hinge", "hinge elbow: upper.tip == lower.base"),
+    ("weld", "weld seam: block.corner[1] == plate.tip"),
+    ("slider", "slider rail: block on frame along (1, 0)"),
+    ("rolling", "rolling grip: wheel on ground"),
+];
+
+/// How a statement is written that is written out.
+pub(crate) fn example(word: &str) -> Option<&'static str> {
+    let known = WRITTEN_OUT.iter().find(|(known, _)| *known == word);
+    known.map(|(_, example)| *example)
+}
+
+/// Whether a word begins a statement of bodies where a name follows.
+pub(crate) fn is_of_bodies(word: &str) -> bool {
+    WRITTEN_OUT[3..].iter().any(|(known, _)| *known == word)
+}
+
+/// Whether what stands behind a word belongs to it and begins no statement.
+pub(crate) fn takes_next(word: &str) -> bool {
+    is_keyword(word) || is_of_bodies(word) || ["angle", "mass", "inertia", "on"].contains(&word)
+}
+
+/// Words that begin what is said of a body.
+pub(crate) const BODY: [&str; 6] = ["mass", "inertia", "centre", "at", "angle", "fixed"];
+
+/// Words that begin what is said of a shape: its kind, how it lies on its body.
+pub(crate) const SHAPE: [&str; 7] = [
+    "circle",
+    "rectangle",
+    "half",
+    "capsule",
+    "segment",
+    "at",
+    "angle",
+];
+
+/// Words that begin what is said of a joint of bodies.
+pub(crate) const JOINT: [&str; 2] = ["along", "angle"];
+
+/// Whether a word of a statement of bodies stands apart from its value.
+pub(crate) fn is_clause(word: &str) -> bool {
+    word == "gravity"
+        || [&BODY[..], &SHAPE, &JOINT]
+            .iter()
+            .any(|words| words.contains(&word))
+}
 
 /// Functions of other languages, and what is written instead.
 pub(crate) const FOREIGN: [(&str, &str); 12] = [
@@ -56,7 +113,7 @@ pub(crate) const FOREIGN: [(&str, &str); 12] = [
 ];
 
 /// Statements that there are not, and what is written instead.
-const OTHERWISE: [(&str, &str); 49] = [
+const OTHERWISE: [(&str, &str); 44] = [
     (
         "maximize",
         "what is to be large is minimized with its sign changed, as in `minimize -(...)`",
@@ -154,10 +211,6 @@ const OTHERWISE: [(&str, &str); 49] = [
         "energies stand in one `lagrangian`, kinetic minus potential",
     ),
     (
-        "gravity",
-        "weight is a part of the potential energy, as in `lagrangian ... - m*g*z`",
-    ),
-    (
         "damping",
         "what brakes stands in `dissipation c/2*dot(x)^2` or `forces { x: -c*dot(x) }`",
     ),
@@ -198,10 +251,6 @@ const OTHERWISE: [(&str, &str); 49] = [
         "equations of motion follow from the `lagrangian`; what acts besides stands in `forces { x: ... }`",
     ),
     (
-        "contact",
-        "what is not passed through is a `surface name: z >= 0` with a law, `impact name: inelastic`",
-    ),
-    (
         "ground",
         "what is not passed through is a `surface name: z >= 0` with a law, `impact name: inelastic`",
     ),
@@ -226,18 +275,6 @@ const OTHERWISE: [(&str, &str); 49] = [
     (
         "record",
         "what is recorded stands in `outputs { name: unit = ... }`",
-    ),
-    (
-        "joint",
-        "choose coordinates that keep bodies joined, such as the angles of links",
-    ),
-    (
-        "weld",
-        "choose coordinates that keep bodies joined, such as the angles of links",
-    ),
-    (
-        "hinge",
-        "choose coordinates that keep bodies joined, such as the angles of links",
     ),
 ];
 
@@ -276,7 +313,7 @@ pub(crate) fn is_keyword(text: &str) -> bool {
 /// ```
 #[must_use]
 pub fn is_word(text: &str) -> bool {
-    is_keyword(text) || SHAPES.contains(&text) || WRITTEN_OUT.contains(&text)
+    is_keyword(text) || SHAPES.contains(&text) || example(text).is_some()
 }
 
 /// All words that an editor sets apart: those of which [`is_word`] is true.
@@ -287,7 +324,8 @@ pub fn is_word(text: &str) -> bool {
 /// ```
 #[must_use]
 pub fn words() -> Vec<&'static str> {
-    [&STATEMENTS[..], &LAW_PARTS, &SHAPES, &WRITTEN_OUT].concat()
+    let written_out = WRITTEN_OUT.map(|(word, _)| word);
+    [&STATEMENTS[..], &LAW_PARTS, &SHAPES, &written_out].concat()
 }
 
 /// Functions of one number.
@@ -377,6 +415,11 @@ pub(crate) const PICTURE: [&str; 14] = [
     "spring",
     "curve",
 ];
+
+/// Whether a word of a picture stands apart from what follows.
+pub(crate) fn is_of_picture(word: &str) -> bool {
+    PICTURE.contains(&word)
+}
 
 /// Functions with a kink or a jump, which dynamics must not have.
 pub(crate) const NONSMOOTH: [&str; 11] = [

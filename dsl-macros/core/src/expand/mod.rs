@@ -2,10 +2,15 @@
 //! them, each at the place where it was written. What repeats is copied, with numbers in the place of its indices; the
 //! statements of a part stand where it is used, with its name in front of theirs. A scene without any of it is not touched.
 
+mod body;
+mod clause;
+mod contact;
+mod hinge;
 mod index;
 mod names;
 mod part;
 mod repeat;
+mod shape;
 mod tokens;
 
 pub(crate) use names::decoded;
@@ -47,6 +52,7 @@ pub(crate) fn expanded(stream: TokenStream, diagnostics: &mut Diagnostics) -> Ch
     let known = &parts.counts;
     let unrolled = parts.unrolled(&tokens, (known, &scope), &mut names, &mut repeat);
     repeat.is_bounded()?;
+    let unrolled = written_out(unrolled, &mut names, diagnostics);
     for (statement, scope) in &unrolled {
         names.declare_all(statement, scope);
     }
@@ -55,6 +61,29 @@ pub(crate) fn expanded(stream: TokenStream, diagnostics: &mut Diagnostics) -> Ch
         .map(|(statement, scope)| names.resolved(statement, scope, diagnostics));
     let resolved = in_one(resolved.collect());
     Ok(resolved.into_iter().flatten().collect())
+}
+
+/// Statements without bodies, shapes and contacts.
+fn written_out(
+    statements: Vec<part::Placed>,
+    names: &mut Names,
+    diagnostics: &mut Diagnostics,
+) -> Vec<part::Placed> {
+    let mut bodies = body::Bodies::new(names, diagnostics);
+    for (statement, scope) in statements {
+        let _: Checked<()> = match keyword(&statement).as_str() {
+            "gravity" => bodies.gravity(&statement, &scope),
+            "body" => bodies.body(&statement, &scope),
+            "shape" => bodies.shape(&statement, &scope),
+            "contact" => bodies.contact(&statement, &scope),
+            "hinge" => bodies.hinge(&statement, &scope),
+            "weld" => bodies.weld(&statement, &scope),
+            "slider" => bodies.slider(&statement, &scope),
+            "rolling" => bodies.rolling(&statement, &scope),
+            _ => bodies.other((statement, scope)),
+        };
+    }
+    bodies.finished()
 }
 
 /// Whether tokens hold anything of what is written out.

@@ -50,6 +50,17 @@ pub(super) fn member(name: &str, indices: &[i64]) -> String {
     indices.fold(name.to_owned(), |name, index| name + &index)
 }
 
+/// A whole name without the indices at its end, and these.
+fn split(whole: &str) -> (&str, Vec<i64>) {
+    let own = whole.rfind('.').map_or(0, |point| point + 1);
+    let Some(open) = whole[own..].find('[').map(|open| own + open) else {
+        return (whole, Vec::new());
+    };
+    let numbers = whole[open..].split(['[', ']']);
+    let numbers = numbers.filter_map(|number| number.parse().ok());
+    (&whole[..open], numbers.collect())
+}
+
 /// Where names are looked for: in a part, then in the scene.
 #[derive(Default)]
 pub(super) struct Scope {
@@ -66,6 +77,8 @@ pub(super) struct Names {
     families: HashMap<String, BTreeSet<Vec<i64>>>,
     known: HashSet<String>,
     parts: HashSet<String>,
+    /// Parts that are places themselves.
+    places: HashSet<String>,
 }
 
 impl Names {
@@ -91,7 +104,28 @@ impl Names {
         self.parts.insert(whole.clone()).then_some(whole)
     }
 
-    fn has(&self, name: &str) -> bool {
+    /// The same of a part that is a place as well: a body.
+    pub(super) fn declare_body(&mut self, name: &str, indices: &[i64]) -> Option<String> {
+        let whole = self.declare_part(name, indices)?;
+        self.places.insert(whole.clone());
+        Some(whole)
+    }
+
+    /// Declares what may have points in its name; whether it is new.
+    pub(super) fn declare_path(&mut self, whole: &str) -> bool {
+        for (point, _) in whole.match_indices('.') {
+            let part = &whole[..point];
+            let (name, numbers) = split(part);
+            self.declare(name, &numbers);
+            self.parts.insert(part.to_owned());
+        }
+        let (name, numbers) = split(whole);
+        let is_new = !self.has(whole);
+        self.declare(name, &numbers);
+        is_new
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
         self.families.contains_key(name) || self.known.contains(name)
     }
 
@@ -120,7 +154,9 @@ impl Names {
         };
         let indices = rest.first().and_then(indices).unwrap_or_default();
         let name = decoded(name.to_string());
-        if !indices.is_empty() || !scope.prefix.is_empty() {
+        // What was written out has its whole name.
+        let is_whole = name.contains(['.', '[']);
+        if !is_whole && (!indices.is_empty() || !scope.prefix.is_empty()) {
             self.declare(&format!("{}{name}", scope.prefix), &indices);
         }
     }
@@ -132,13 +168,24 @@ impl Names {
         scope: &Scope,
         diagnostics: &mut Diagnostics,
     ) -> Vec<TokenTree> {
+        let pictured = keyword(tokens) == "picture";
+        self.resolved_in((tokens, pictured), scope, diagnostics)
+    }
+
+    /// The same of a statement, or of an entry of `picture`.
+    pub(super) fn resolved_in(
+        &self,
+        (tokens, pictured): (&[TokenTree], bool),
+        scope: &Scope,
+        diagnostics: &mut Diagnostics,
+    ) -> Vec<TokenTree> {
         let keyword = keyword(tokens);
         let mut found = Resolver {
             names: self,
             scope,
             diagnostics,
             depth: 0,
-            pictured: keyword == "picture",
+            pictured,
             declares: DECLARING.contains(&keyword.as_str())
                 || matches!(keyword.as_str(), "let" | "free" | "profile"),
         };
@@ -245,6 +292,13 @@ impl Resolver<'_> {
                     name = format!("{part}.{next}");
                     length += 2;
                     if !names.has(&name) {
+                        // A component of a place.
+                        if names.places.contains(&part)
+                            && ["x", "y", "z"].iter().any(|known| next == known)
+                        {
+                            (name, length) = (part, length - 2);
+                            break;
+                        }
                         self.no_such(&part, next);
                         self.diagnostics.poison(&name);
                         break;

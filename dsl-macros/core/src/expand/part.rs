@@ -36,14 +36,36 @@ pub(crate) fn is_declaration(tokens: &[TokenTree]) -> bool {
 /// Whether a statement begins here that is written out: a declaration, or `left: leg(..)`, behind that token.
 pub(super) fn begins(tokens: &[TokenTree], before: Option<&TokenTree>) -> bool {
     let named = match before {
-        Some(TokenTree::Ident(word)) => {
-            let word = word.to_string();
-            words::STATEMENTS.contains(&word.as_str()) || word == "friction"
-        }
+        Some(TokenTree::Ident(word)) => words::takes_next(&word.to_string()),
         Some(TokenTree::Punct(mark)) => mark.as_char() != ';',
         _ => false,
     };
-    !named && (is_declaration(tokens) || a_use(tokens).is_some())
+    !named && (is_declaration(tokens) || a_use(tokens).is_some() || is_written_out(tokens))
+}
+
+/// Whether a statement of bodies is there: `body crate`, `gravity (0, -g)`, also without the name that is missing.
+fn is_written_out(tokens: &[TokenTree]) -> bool {
+    match tokens {
+        [TokenTree::Ident(word), TokenTree::Ident(name), ..] => {
+            let (word, name) = (word.to_string(), name.to_string());
+            words::is_of_bodies(&word) && !words::is_keyword(&name)
+        }
+        [TokenTree::Ident(word), next, ..] => {
+            let is_vector = group_in(Some(next), Delimiter::Parenthesis).is_some();
+            let is_value = is_vector || matches!(next, TokenTree::Literal(_));
+            *word == "gravity" && is_value
+                || words::is_of_bodies(&word.to_string()) && is_punct(Some(next), ':')
+        }
+        _ => false,
+    }
+}
+
+/// Whether `at` is there behind a body or a shape that has not said yet where it is.
+fn is_place(token: &TokenTree, statement: &[TokenTree]) -> bool {
+    let is_at = |token: &TokenTree| matches!(token, TokenTree::Ident(word) if word == words::AT);
+    is_at(token)
+        && ["body", "shape"].contains(&keyword(statement).as_str())
+        && !statement.iter().any(is_at)
 }
 
 /// Whether a statement begins at the first of these tokens.
@@ -65,11 +87,13 @@ pub(super) fn statements(tokens: &[TokenTree]) -> Vec<&[TokenTree]> {
     for at in 0..tokens.len() {
         let before = at.checked_sub(1).and_then(|before| tokens.get(before));
         let documents = is_punct(tokens.get(at), '#') && !is_punct(before, '#');
-        if !documented && (documents || begins_any(&tokens[at..], before)) {
+        let begins =
+            begins_any(&tokens[at..], before) && !is_place(&tokens[at], &tokens[begin..at]);
+        if !documented && (documents || begins) {
             found.push(&tokens[begin..at]);
             begin = at;
         }
-        documented = documents || documented && !begins_any(&tokens[at..], before);
+        documented = documents || documented && !begins;
     }
     found.push(&tokens[begin..]);
     found.retain(|statement| !statement.is_empty());

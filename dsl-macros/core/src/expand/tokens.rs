@@ -19,6 +19,14 @@ pub(super) fn inside(group: &Group) -> Vec<TokenTree> {
     group.stream().into_iter().collect()
 }
 
+/// What an invisible group holds.
+pub(super) fn opened(token: &TokenTree) -> Vec<TokenTree> {
+    match token {
+        TokenTree::Group(group) if group.delimiter() == Delimiter::None => inside(group),
+        other => vec![other.clone()],
+    }
+}
+
 /// Tokens between commas; a comma at the end ends nothing.
 pub(super) fn items(tokens: &[TokenTree]) -> impl Iterator<Item = &[TokenTree]> {
     tokens
@@ -32,6 +40,13 @@ pub(super) fn undocumented(mut tokens: &[TokenTree]) -> &[TokenTree] {
         tokens = tokens.get(2..).unwrap_or_default();
     }
     tokens
+}
+
+/// Tokens without the marks at their end.
+pub(super) fn ended(tokens: &[TokenTree]) -> &[TokenTree] {
+    let is_end = |token: &&TokenTree| is_punct(Some(token), ',') || is_punct(Some(token), ';');
+    let ends = tokens.iter().rev().take_while(is_end).count();
+    &tokens[..tokens.len() - ends]
 }
 
 /// The first word of a statement.

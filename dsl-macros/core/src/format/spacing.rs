@@ -3,8 +3,15 @@
 use super::scan::{Kind, Piece};
 use crate::words;
 
+/// Words that stand apart from what follows where a value or a mark stands before them.
+pub(super) type Apart = fn(&str) -> bool;
+
+/// No words.
+pub(super) fn none(_: &str) -> bool {
+    false
+}
+
 /// Writes pieces behind each other.
-#[derive(Default)]
 pub(super) struct Line {
     pub(super) text: String,
     /// Whether what stands last can be the left side of an operator.
@@ -13,18 +20,22 @@ pub(super) struct Line {
     wants_blank: bool,
     /// Whether the last piece binds to the next one.
     binds: bool,
-    /// Whether the words of pictures have their meaning.
-    picture: bool,
+    apart: Apart,
     norms: Vec<usize>,
     depth: usize,
 }
 
 impl Line {
-    /// A line of `picture`, or another one.
-    pub(super) fn new(picture: bool) -> Self {
+    /// A line in which some words stand apart.
+    pub(super) fn new(apart: Apart) -> Self {
         Self {
-            picture,
-            ..Self::default()
+            text: String::new(),
+            value: false,
+            wants_blank: false,
+            binds: false,
+            apart,
+            norms: Vec::new(),
+            depth: 0,
         }
     }
 
@@ -60,15 +71,14 @@ impl Line {
     }
 
     fn word(&mut self, piece: &Piece) {
+        let begins = self.value || self.text.is_empty() || self.text.ends_with([',', ':']);
         if self.value || self.wants_blank {
             self.separate();
         }
         let text = piece.text.as_str();
         let keyword = (words::is_keyword(text) && ![words::START, words::AT].contains(&text))
             || ["in", words::IF, "else"].contains(&text)
-            || (self.picture
-                && (self.value || self.text.is_empty())
-                && words::PICTURE.contains(&text));
+            || begins && (self.apart)(text);
         self.write(text);
         self.value = !keyword;
         self.wants_blank = keyword;

@@ -140,12 +140,12 @@ fn statement(cursor: &mut Cursor, documentation: Documentation) -> Checked<State
 
 fn unknown_statement(cursor: &mut Cursor, word: &Name) -> Reported {
     let text = word.text.as_str();
+    let written = words::example(text);
     let message = match closest(text, words::STATEMENTS) {
-        _ if text == "count" => "`count` is written as in `count n = 3`".to_owned(),
-        _ if text == "part" => {
-            "`part` is written as in `part leg(a: m) { coordinates { q: rad } .. }`".to_owned()
-        }
-        _ if text == "use" => "`use` is written as in `use \"leg.hang\"`".to_owned(),
+        _ if written.is_some() => format!(
+            "`{text}` is written as in `{}`",
+            written.unwrap_or_default()
+        ),
         _ if slips::is_equation_of_motion(cursor) => slips::EQUATIONS_FOLLOW.to_owned(),
         _ if text == "friction" => {
             "`friction` is part of an impact law; write `impact name: ..., friction mu`, or \

@@ -138,7 +138,7 @@ fn equations_of_motion_are_said_to_follow() {
 fn unknown_statements_say_what_to_write() {
     for (statement, instead) in [
         ("damping s: 3", "dissipation"),
-        ("gravity 9.81", "potential energy"),
+        ("gravity 9.81", "gravity (0, -g)"),
         ("initial s: 1", "start {"),
         ("goal s: 1", "finally {"),
         ("variables s", "coordinates {"),

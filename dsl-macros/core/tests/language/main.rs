@@ -31,6 +31,7 @@ fn mistakes_in_file(text: &str) -> Vec<String> {
 }
 
 mod advice;
+mod bodies;
 mod conditions;
 mod design;
 mod format;

@@ -5,7 +5,7 @@ use hangtime_dsl::describe_text;
 use hangtime_dsl::description::Description;
 use proc_macro2::{TokenStream, TokenTree};
 
-fn described(text: &str) -> Description {
+pub(super) fn described(text: &str) -> Description {
     match describe_text(text, "scene") {
         Ok((description, warnings)) => {
             let warnings: Vec<String> = warnings.iter().map(|known| known.text()).collect();
@@ -213,7 +213,7 @@ fn parts_repeat_and_hold_indices_and_parts() {
 }
 
 /// A scene with one slip; the text between `<<` and `>>` is where it is told.
-fn assert_told(marked: &str, wanted: &str) {
+pub(super) fn assert_told(marked: &str, wanted: &str) {
     let (before, rest) = marked.split_once("<<").expect("a mark");
     let (inside, after) = rest.split_once(">>").expect("a second mark");
     let text = format!("{before}{inside}{after}");

@@ -1,0 +1,464 @@
+//! Bodies: `body crate: mass m, inertia j, at (x, z), angle phi, tip = (l, 0)` becomes its energies and its points, and `gravity` the
+//! potential energy of all of them. A body is the place where it is, and its name stands in front of what it has, `crate.tip`.
+
+use super::clause::{Clause, clauses, head, shown, sorted};
+use super::names::{Names, Scope, encoded, member};
+use super::part::Placed;
+use super::shape::Shape;
+use super::tokens::{
+    around, ended, group_in, grouped, inside, is_punct, items, keyword, number, place_of, punct,
+    undocumented, word,
+};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use crate::words;
+use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
+use quote::quote_spanned;
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
+/// What is known of a body.
+pub(super) struct Body {
+    /// Whether it has an angle, by whose name it turns.
+    pub(super) turns: bool,
+    /// Whether it has no mass and no motion of its own.
+    pub(super) is_fixed: bool,
+    /// Whether it never moves.
+    pub(super) is_still: bool,
+    pub(super) span: Span,
+    /// Whether its place has two components, as far as that is written.
+    is_plane: bool,
+    /// Points that were named.
+    points: Vec<Ident>,
+    scope: Rc<Scope>,
+}
+
+/// Everything that is written out of bodies.
+pub(super) struct Bodies<'a> {
+    pub(super) names: &'a mut Names,
+    pub(super) diagnostics: &'a mut Diagnostics,
+    pub(super) bodies: HashMap<String, Body>,
+    /// Names of bodies in the order of the scene.
+    order: Vec<String>,
+    pub(super) shapes: Vec<Shape>,
+    pub(super) written: Vec<Placed>,
+    /// Entries of the picture, each with the name that it draws.
+    drawn: Vec<(String, Placed)>,
+    gravity: Option<(Span, Placed)>,
+    /// Names of numbers that do not move, and whether they are negative.
+    constants: HashMap<String, bool>,
+}
+
+impl<'a> Bodies<'a> {
+    pub(super) fn new(names: &'a mut Names, diagnostics: &'a mut Diagnostics) -> Self {
+        Self {
+            names,
+            diagnostics,
+            bodies: HashMap::new(),
+            order: Vec::new(),
+            shapes: Vec::new(),
+            written: Vec::new(),
+            drawn: Vec::new(),
+            gravity: None,
+            constants: HashMap::new(),
+        }
+    }
+
+    /// Takes up a statement that is no other one's to write out.
+    pub(super) fn other(&mut self, (statement, scope): Placed) -> Checked<()> {
+        self.note_constants(&statement, &scope);
+        self.written.push((statement, scope));
+        Ok(())
+    }
+
+    pub(super) fn write(&mut self, tokens: TokenStream, scope: &Rc<Scope>) {
+        let tokens = tokens.into_iter().collect();
+        self.written.push((tokens, Rc::clone(scope)));
+    }
+
+    /// Notes an entry of the picture.
+    pub(super) fn drawn(&mut self, name: &str, entry: TokenStream, scope: &Rc<Scope>) {
+        let entry = (entry.into_iter().collect(), Rc::clone(scope));
+        self.drawn.push((name.to_owned(), entry));
+    }
+
+    pub(super) fn told(&mut self, place: Place, message: impl Into<String>) -> Reported {
+        self.diagnostics.report("E27", place, message)
+    }
+
+    /// The name of something that belongs to what has a whole name, as it is declared.
+    pub(super) fn own(&mut self, whole: &str, name: &str, span: Span) -> Ident {
+        let name = format!("{whole}.{name}");
+        self.names.declare(&name, &[]);
+        Ident::new(&encoded(&name), span)
+    }
+
+    /// `gravity (0, -g)`.
+    pub(super) fn gravity(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
+        let statement = undocumented(statement);
+        let place = Place::at(statement[0].span());
+        let value = ended(&statement[1..]);
+        if self.gravity.is_some() {
+            let message = "`gravity` is declared twice; it is that of all bodies";
+            return Err(self.diagnostics.report("E19", place, message));
+        }
+        if !scope.prefix.is_empty() {
+            let message =
+                "`gravity` is that of all bodies; declare it in the scene, outside of parts";
+            return Err(self.told(place, message));
+        }
+        if matches!(value, [TokenTree::Literal(_), ..]) {
+            let message = "`gravity` is a vector, as in `gravity (0, -g)`";
+            return Err(self.diagnostics.syntax(place, message));
+        }
+        let value = (value.to_vec(), Rc::clone(scope));
+        self.gravity = Some((statement[0].span(), value));
+        Ok(())
+    }
+
+    /// `body name: mass m, ..`.
+    pub(super) fn body(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
+        let (name, indices, rest) = head(statement, self.diagnostics)?;
+        let (span, text) = (name.span(), format!("{}{name}", scope.prefix));
+        let Some(whole) = self.names.declare_body(&text, &indices) else {
+            let message = format!("`{name}` is declared twice; rename this body");
+            return Err(self.diagnostics.report("E19", Place::at(span), message));
+        };
+        let clauses = clauses(rest, &words::BODY);
+        let [mass, inertia, centre, at, angle, fixed] = self.of_body(name, &clauses)?;
+        let given = |clause: Option<Clause<'_>>| clause.map(|clause| clause.value());
+        let is_fixed = fixed.is_some();
+        let nought = grouped(Delimiter::Parenthesis, nought(span), span);
+        let place = match (given(at), is_fixed) {
+            (Some(at), _) => at,
+            (None, true) => nought,
+            (None, false) => {
+                let message = format!(
+                    "body `{name}` is nowhere; say where, as in `at (x, z)` with two coordinates"
+                );
+                return Err(self.told(Place::at(span), message));
+            }
+        };
+        let is_plane = angle.is_some() || two(&place);
+        let own = Ident::new(&encoded(&whole), span);
+        self.write(quote_spanned!(span=> let #own: m = #place), scope);
+        let turn = given(angle).or_else(|| is_fixed.then(|| number(0, span)));
+        if let Some(turn) = &turn {
+            let angle = self.own(&whole, "angle", span);
+            self.write(quote_spanned!(span=> let #angle: rad = #turn), scope);
+        }
+        self.order.push(whole.clone());
+        let body = Body {
+            turns: turn.is_some(),
+            is_fixed,
+            is_still: is_fixed && self.are_constant([at, angle], scope),
+            span,
+            is_plane,
+            points: Vec::new(),
+            scope: Rc::clone(scope),
+        };
+        self.bodies.insert(whole.clone(), body);
+        let middle = match centre {
+            None => quote_spanned!(span=> #own),
+            Some(centre) => self.offset(&whole, centre.place(), &centre.value())?,
+        };
+        let centre = self.own(&whole, "centre", span);
+        self.write(quote_spanned!(span=> let #centre = #middle), scope);
+        if let Some(mass) = given(mass) {
+            let m = self.own(&whole, "mass", span);
+            self.write(quote_spanned!(span=> let #m: kg = #mass), scope);
+            let energy = quote_spanned!(span=> lagrangian += #m/2*|dot(#centre)|^2);
+            self.write(energy, scope);
+        }
+        if let Some(inertia) = given(inertia) {
+            let j = self.own(&whole, "inertia", span);
+            let angle = self.named(&whole, "angle");
+            self.write(quote_spanned!(span=> let #j: kg*m^2 = #inertia), scope);
+            let energy = quote_spanned!(span=> lagrangian += #j/2*dot(#angle)^2);
+            self.write(energy, scope);
+        }
+        for clause in clauses.iter().filter(|clause| clause.is_named()) {
+            self.point(&whole, clause, scope)?;
+        }
+        Ok(())
+    }
+
+    /// What is said of a body, fitting together.
+    fn of_body<'t>(
+        &mut self,
+        name: &Ident,
+        clauses: &[Clause<'t>],
+    ) -> Checked<[Option<Clause<'t>>; 6]> {
+        let what = format!("body `{name}`");
+        let own = clauses.iter().filter(|clause| !clause.is_named()).copied();
+        let found = sorted(own, &words::BODY, &what, self.diagnostics)?;
+        let [mass, inertia, centre, _, angle, fixed] = found.map(|clause| clause.is_some());
+        let message = match fixed {
+            true if mass || inertia => {
+                "is fixed, so that its mass does nothing; leave `fixed` out, or the mass"
+            }
+            true if centre => {
+                "is fixed and has no mass, so that it has no centre of mass; leave `centre` out"
+            }
+            false if !mass => {
+                "has no mass; write `mass m`, or `fixed` if it has no motion of its own"
+            }
+            false if inertia && !angle => {
+                "has an inertia, and no angle by which it turns; add `angle phi`"
+            }
+            _ => return Ok(found),
+        };
+        Err(self.told(Place::at(name.span()), format!("{what} {message}")))
+    }
+
+    /// A point of a body, `tip = (l, 0)`.
+    fn point(&mut self, whole: &str, clause: &Clause<'_>, scope: &Rc<Scope>) -> Checked<()> {
+        let text = clause.word();
+        let (place, name) = (Place::at(clause.first().span()), format!("{whole}.{text}"));
+        if self.names.has(&name) || words::BODY.contains(&text.as_str()) {
+            let message = format!(
+                "`{}` is something else of this body; choose another name for the point",
+                shown(&name)
+            );
+            return Err(self.diagnostics.report("E19", place, message));
+        }
+        let value = clause.value();
+        let offset = self.offset(whole, place, &value)?;
+        let own = self.own(whole, &text, clause.first().span());
+        self.write(quote_spanned!(own.span()=> let #own: m = #offset), scope);
+        if let Some(body) = self.bodies.get_mut(whole) {
+            body.points.push(own);
+        }
+        Ok(())
+    }
+
+    /// A place that is given as seen from a body.
+    pub(super) fn offset(
+        &mut self,
+        whole: &str,
+        place: Place,
+        value: &TokenTree,
+    ) -> Checked<TokenStream> {
+        self.needs_angle(whole, place, "a place on it")?;
+        let (own, angle) = (self.body_place(whole), self.named(whole, "angle"));
+        Ok(quote_spanned!(value.span()=> #own + rotation(#angle)*#value))
+    }
+
+    /// E27: what hangs on how a body is turned.
+    pub(super) fn needs_angle(&mut self, whole: &str, place: Place, what: &str) -> Checked<()> {
+        if self.turns(whole) {
+            return Ok(());
+        }
+        let message = format!(
+            "body `{}` has no angle, and {what} needs it; write `angle phi` where the body is declared, or `angle 0` if it never turns",
+            shown(whole)
+        );
+        Err(self.told(place, message))
+    }
+
+    /// Whether a body has an angle.
+    pub(super) fn turns(&self, body: &str) -> bool {
+        self.bodies.get(body).is_some_and(|body| body.turns)
+    }
+
+    /// Where a body is, by name.
+    pub(super) fn body_place(&self, whole: &str) -> Ident {
+        Ident::new(&encoded(whole), self.span(whole))
+    }
+
+    /// What a body has, by name.
+    pub(super) fn named(&self, whole: &str, name: &str) -> Ident {
+        Ident::new(&encoded(&format!("{whole}.{name}")), self.span(whole))
+    }
+
+    fn span(&self, whole: &str) -> Span {
+        let body = self.bodies.get(whole);
+        body.map_or_else(Span::call_site, |body| body.span)
+    }
+
+    /// Names of numbers that are declared here and do not move.
+    fn note_constants(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) {
+        let statement = undocumented(statement);
+        let inner = statement
+            .get(1)
+            .and_then(|block| group_in(Some(block), Delimiter::Brace));
+        let entries = match (keyword(statement).as_str(), inner) {
+            ("parameters", Some(block)) => inside(block),
+            ("let", _) => statement[1..].to_vec(),
+            _ => return,
+        };
+        for entry in items(&entries).map(undocumented) {
+            let sign = entry.iter().position(|token| is_punct(Some(token), '='));
+            let value = sign.map_or(&entry[..0], |sign| ended(&entry[sign + 1..]));
+            let (Some(TokenTree::Ident(name)), true) =
+                (entry.first(), self.is_constant(value, scope))
+            else {
+                continue;
+            };
+            let name = format!("{}{}", scope.prefix, super::decoded(name.to_string()));
+            self.constants.insert(name, is_punct(value.first(), '-'));
+        }
+    }
+
+    /// Whether tokens hold nothing but numbers and names of numbers that do not move.
+    pub(super) fn is_constant(&self, tokens: &[TokenTree], scope: &Scope) -> bool {
+        let mut before = None;
+        tokens.iter().all(|token| {
+            let is_unit = matches!(before.replace(token), Some(TokenTree::Literal(_)));
+            match token {
+                TokenTree::Ident(name) => {
+                    let text = super::decoded(name.to_string());
+                    let alias = scope.aliases.get(&text);
+                    let constant = || self.constant(&text, scope).is_some();
+                    let of_alias = |(value, outer): &Placed| self.is_constant(value, outer);
+                    alias.map_or_else(constant, of_alias)
+                        || words::is_function(&text)
+                        || text == "pi"
+                }
+                TokenTree::Group(group) => {
+                    is_unit && group.delimiter() == Delimiter::Bracket
+                        || self.is_constant(&inside(group), scope)
+                }
+                _ => true,
+            }
+        })
+    }
+
+    fn are_constant(&self, clauses: [Option<Clause<'_>>; 2], scope: &Scope) -> bool {
+        let mut clauses = clauses.into_iter().flatten();
+        clauses.all(|clause| self.is_constant(clause.tokens(), scope))
+    }
+
+    fn constant(&self, text: &str, scope: &Scope) -> Option<bool> {
+        let own = self.constants.get(&format!("{}{text}", scope.prefix));
+        own.or_else(|| self.constants.get(text)).copied()
+    }
+
+    /// E10: a length that is a number is positive.
+    pub(super) fn is_length(&mut self, value: &[TokenTree], scope: &Scope) -> Checked<()> {
+        let wrong = match value {
+            [TokenTree::Ident(name)] => self.constant(&name.to_string(), scope) == Some(true),
+            [TokenTree::Literal(first), ..] => first.to_string().parse::<f64>() == Ok(0.0),
+            _ => is_punct(value.first(), '-'),
+        };
+        if !wrong {
+            return Ok(());
+        }
+        let message = "the size of a shape is positive";
+        let place = place_of(value, Place::at(Span::call_site()));
+        Err(self.diagnostics.report("E10", place, message))
+    }
+
+    /// All statements, with weights and what is drawn.
+    pub(super) fn finished(mut self) -> Vec<Placed> {
+        let in_plane = self
+            .gravity
+            .as_ref()
+            .is_some_and(|(_, (value, _))| value.len() == 1 && two(&value[0]));
+        for whole in std::mem::take(&mut self.order) {
+            self.weight(&whole);
+            let shape = format!("{whole}.");
+            let is_own = |(name, _): &(String, Placed)| *name == whole || name.starts_with(&shape);
+            if !self.drawn.iter().any(is_own) {
+                self.draw(&whole, in_plane);
+            }
+        }
+        self.picture();
+        self.written
+    }
+
+    fn weight(&mut self, whole: &str) {
+        let has_mass = self.bodies.get(whole).is_some_and(|body| !body.is_fixed);
+        let Some((span, (value, scope))) = self.gravity.clone().filter(|_| has_mass) else {
+            return;
+        };
+        let value = grouped(Delimiter::None, value, span);
+        let (m, centre) = ["mass", "centre"]
+            .map(|name| self.named(whole, name))
+            .into();
+        self.write(
+            quote_spanned!(span=> lagrangian += #m*(#value . (#centre))),
+            &scope,
+        );
+    }
+
+    /// A body without a shape: its centre and lines to its points.
+    fn draw(&mut self, whole: &str, in_plane: bool) {
+        let Some(body) = self.bodies.get(whole) else {
+            return;
+        };
+        if body.is_fixed && body.points.is_empty() || !(body.is_plane || in_plane) {
+            return;
+        }
+        let (own, centre) = (self.body_place(whole), self.named(whole, "centre"));
+        let scope = Rc::clone(&body.scope);
+        let links = body.points.iter();
+        let links = links.map(|point| quote_spanned!(body.span=> link #centre to #point));
+        let entries = [quote_spanned!(body.span=> point #own at #centre)].into_iter();
+        for entry in entries.chain(links).collect::<Vec<_>>() {
+            self.drawn(whole, entry, &scope);
+        }
+    }
+
+    /// What is drawn of bodies, in front of what the scene draws itself; that goes before by name.
+    fn picture(&mut self) {
+        let is_picture = |(statement, _): &Placed| keyword(statement) == "picture";
+        let own = self.written.iter().rposition(is_picture);
+        let (mut entries, mut taken) = (Vec::new(), HashSet::new());
+        if let Some(own) = own {
+            let (statement, scope) = &self.written[own];
+            let inner = undocumented(statement).get(1);
+            let inner = group_in(inner, Delimiter::Brace).map_or_else(Vec::new, inside);
+            for entry in items(&inner).map(undocumented) {
+                if let [_, TokenTree::Ident(name), rest @ ..] = entry {
+                    let indices = rest.first().and_then(super::names::indices);
+                    let name = format!("{}{}", scope.prefix, super::decoded(name.to_string()));
+                    taken.insert(member(&name, &indices.unwrap_or_default()));
+                }
+            }
+        }
+        let mut drawn = std::mem::take(&mut self.drawn);
+        drawn.retain(|(name, _)| !taken.contains(name));
+        let Some((_, (first, _))) = drawn.first() else {
+            return;
+        };
+        let span = first.first().map_or_else(Span::call_site, TokenTree::span);
+        for (_, (entry, scope)) in drawn {
+            let entry = self
+                .names
+                .resolved_in((&entry, true), &scope, self.diagnostics);
+            entries.extend(entry);
+            entries.push(punct(',', span));
+        }
+        match own {
+            Some(own) => {
+                for token in &mut self.written[own].0 {
+                    if let Some(block) = group_in(Some(token), Delimiter::Brace) {
+                        let inner = entries.drain(..).chain(inside(block)).collect();
+                        *token = around(block, inner);
+                    }
+                }
+            }
+            None => {
+                let block = grouped(Delimiter::Brace, entries, span);
+                let statement = vec![word("picture", span), block];
+                self.written.push((statement, Rc::default()));
+            }
+        }
+    }
+}
+
+/// Whether a vector of two components is written there.
+fn two(value: &TokenTree) -> bool {
+    match value {
+        TokenTree::Group(group) if group.delimiter() == Delimiter::None => {
+            matches!(&inside(group)[..], [only] if two(only))
+        }
+        value => group_in(Some(value), Delimiter::Parenthesis)
+            .is_some_and(|group| items(&inside(group)).count() == 2),
+    }
+}
+
+/// `0, 0`.
+fn nought(span: Span) -> Vec<TokenTree> {
+    vec![number(0, span), punct(',', span), number(0, span)]
+}

@@ -1,0 +1,267 @@
+//! Joints between bodies: `hinge elbow: upper.tip == lower.base`, and `weld`, `slider` and `rolling`, become `joint`s, and what moves in
+//! them gets a name, `elbow.angle` and `rail.way`.
+
+use super::body::Bodies;
+use super::clause::{Clause, clauses, head, shown, sorted};
+use super::names::{Scope, encoded};
+use super::tokens::{grouped, is_punct, place_of};
+use crate::diagnostics::{Checked, Place};
+use crate::words;
+use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
+use quote::quote_spanned;
+use std::rc::Rc;
+
+/// What a joint is made of.
+struct Between<'t> {
+    whole: String,
+    name: &'t Ident,
+    /// The two that are joined.
+    sides: [TokenTree; 2],
+    /// Their bodies; none of a place that belongs to none.
+    bodies: [Option<String>; 2],
+    along: Option<Clause<'t>>,
+    angle: Option<Clause<'t>>,
+}
+
+impl Bodies<'_> {
+    /// `hinge elbow: upper.tip == lower.base`: a point on a point, about which both turn.
+    pub(super) fn hinge(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
+        let between = self.between(statement, "==", scope)?;
+        self.refuse(&between, [false, false])?;
+        self.pinned(&between, scope);
+        if let Some(turn) = self.turn(&between) {
+            let angle = self.own(&between.whole, "angle", between.name.span());
+            self.write(
+                quote_spanned!(angle.span()=> let #angle: rad = #turn),
+                scope,
+            );
+        }
+        Ok(())
+    }
+
+    /// `weld seam: a.tip == b.base angle c`: a point on a point, and an angle between both bodies that stays.
+    pub(super) fn weld(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
+        let between = self.between(statement, "==", scope)?;
+        self.refuse(&between, [false, true])?;
+        self.pinned(&between, scope);
+        self.locked(&between, scope)
+    }
+
+    /// `slider rail: block on frame along (1, 0)`: a point on a line of the other body, and an angle that stays.
+    pub(super) fn slider(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
+        let between = self.between(statement, "on", scope)?;
+        self.refuse(&between, [true, true])?;
+        let Some(direction) = between.along else {
+            let message = format!(
+                "slider `{0}` has no direction; add it as its second body has it, as in `slider {0}: block on frame along (1, 0)`",
+                between.name
+            );
+            return Err(self.told(Place::at(between.name.span()), message));
+        };
+        let (span, value) = (between.name.span(), direction.value());
+        let direction = match &between.bodies[1] {
+            Some(body) if self.turns(body) => {
+                let angle = self.named(body, "angle");
+                quote_spanned!(span=> rotation(#angle)*#value)
+            }
+            _ => quote_spanned!(span=> #value),
+        };
+        let [along, way] = ["along", "way"].map(|name| self.own(&between.whole, name, span));
+        let [a, b] = &between.sides;
+        let joint = Ident::new(&encoded(&between.whole), span);
+        self.write(
+            quote_spanned!(span=> let #along = (#direction)/|#value|),
+            scope,
+        );
+        self.write(
+            quote_spanned!(span=> let #way: m = #along . (#a - #b)),
+            scope,
+        );
+        let off = quote_spanned!(span=> #along[0]*(#a - #b)[1] - #along[1]*(#a - #b)[0]);
+        self.write(quote_spanned!(span=> joint #joint: #off == 0), scope);
+        let [first, _] = &between.bodies;
+        match first.as_ref().is_some_and(|body| self.turns(body)) {
+            true => self.locked(&between, scope),
+            false => Ok(()),
+        }
+    }
+
+    /// `rolling grip: wheel on ground`: two shapes that touch in one point, and do not slide there.
+    pub(super) fn rolling(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
+        let between = self.between(statement, "on", scope)?;
+        self.refuse(&between, [false, false])?;
+        let place = Place::at(between.name.span());
+        let mut shapes = Vec::new();
+        for side in &between.sides {
+            shapes.push(self.shapes_of(&super::tokens::opened(side), scope)?);
+        }
+        let (&[a], &[b]) = (&shapes[0][..], &shapes[1][..]) else {
+            let message = format!(
+                "`{}` rolls with more than one shape of a body; name one of them, as in `block.lid`",
+                between.name
+            );
+            return Err(self.told(place, message));
+        };
+        let bodies = [a, b].map(|shape| self.shapes[shape].body.clone());
+        for body in &bodies {
+            self.needs_angle(body, place, "rolling")?;
+        }
+        let groups = self.gaps(a, b, place.start);
+        let (1, Some([piece])) = (groups.len(), groups.first().map(Vec::as_slice)) else {
+            let kinds = [a, b].map(|shape| self.shapes[shape].kind);
+            let message = format!(
+                "a {} does not roll on a {} in one point; a circle rolls on a half plane or on a circle",
+                kinds[0], kinds[1]
+            );
+            return Err(self.told(place, message));
+        };
+        let (span, distance, sliding) = (place.start, &piece.distance, &piece.sliding);
+        let joint = Ident::new(&encoded(&between.whole), span);
+        let grip = self.own(&between.whole, "grip", span);
+        self.write(quote_spanned!(span=> joint #joint: #distance == 0), scope);
+        self.write(quote_spanned!(span=> joint #grip: #sliding == 0), scope);
+        Ok(())
+    }
+
+    /// Name, sides and clauses of a joint; its name is taken.
+    fn between<'t>(
+        &mut self,
+        statement: &'t [TokenTree],
+        sign: &str,
+        scope: &Rc<Scope>,
+    ) -> Checked<Between<'t>> {
+        let (name, indices, rest) = head(statement, self.diagnostics)?;
+        let place = Place::at(name.span());
+        let clauses = clauses(rest, &words::JOINT);
+        let relation = clauses[0].whole();
+        let is_sign = |at: usize| match sign {
+            "==" => {
+                relation[at..]
+                    .iter()
+                    .take(2)
+                    .all(|token| is_punct(Some(token), '='))
+                    && at + 2 < relation.len()
+            }
+            _ => {
+                matches!(&relation[at], TokenTree::Ident(word) if word == sign)
+                    && at + 1 < relation.len()
+            }
+        };
+        let at = (1..relation.len()).find(|&at| is_sign(at));
+        let Some(at) = at else {
+            let keyword = super::tokens::keyword(statement);
+            let example = words::example(&keyword).unwrap_or_default();
+            let message = format!("`{keyword}` joins two sides by `{sign}`, as in `{example}`");
+            return Err(self.diagnostics.syntax(place_of(relation, place), message));
+        };
+        let behind = at + if sign == "==" { 2 } else { 1 };
+        let sides = [&relation[..at], &relation[behind..]];
+        let what = format!("joint `{name}`");
+        let [along, angle] = sorted(
+            clauses[1..].iter().copied(),
+            &words::JOINT,
+            &what,
+            self.diagnostics,
+        )?;
+        let text = format!("{}{name}", scope.prefix);
+        let Some(whole) = self.names.declare_part(&text, &indices) else {
+            let message = format!("`{name}` is declared twice; rename this joint");
+            return Err(self.diagnostics.report("E19", place, message));
+        };
+        let bodies = sides.map(|side| self.body_of(side, scope));
+        if bodies.iter().all(Option::is_none) {
+            let message = format!(
+                "neither side of `{name}` is a body or a point of one; what holds between other places is a `joint {name}: left == right`"
+            );
+            return Err(self.told(place_of(relation, place), message));
+        }
+        let sides = sides.map(|side| grouped(Delimiter::None, side.to_vec(), side[0].span()));
+        Ok(Between {
+            whole,
+            name,
+            sides,
+            bodies,
+            along,
+            angle,
+        })
+    }
+
+    /// The body to which a place belongs by its name.
+    fn body_of(&mut self, tokens: &[TokenTree], scope: &Rc<Scope>) -> Option<String> {
+        let [TokenTree::Ident(_), ..] = tokens else {
+            return None;
+        };
+        let found = self.names.resolved(tokens, scope, self.diagnostics);
+        let [TokenTree::Ident(name)] = &found[..] else {
+            return None;
+        };
+        let whole = super::decoded(name.to_string());
+        let is_its = |body: &&String| {
+            let rest = whole.strip_prefix(body.as_str());
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let found = self.bodies.keys().filter(is_its);
+        found.max_by_key(|body| body.len()).cloned()
+    }
+
+    /// Clauses that a kind of joint does not have.
+    fn refuse(&mut self, between: &Between<'_>, [along, angle]: [bool; 2]) -> Checked<()> {
+        let wrong = [(between.along, along), (between.angle, angle)];
+        let wrong = wrong
+            .into_iter()
+            .find_map(|(clause, known)| clause.filter(|_| !known));
+        let Some(clause) = wrong else {
+            return Ok(());
+        };
+        let message = format!(
+            "`{}` says nothing of joint `{}`; leave it out",
+            clause.word(),
+            between.name
+        );
+        Err(self.told(clause.place(), message))
+    }
+
+    /// A point on a point.
+    fn pinned(&mut self, between: &Between<'_>, scope: &Rc<Scope>) {
+        let (span, [a, b]) = (between.name.span(), &between.sides);
+        let joint = Ident::new(&encoded(&between.whole), span);
+        self.write(quote_spanned!(span=> joint #joint: #a == #b), scope);
+    }
+
+    /// How far the second body is turned against the first one; none if one of them cannot turn.
+    fn turn(&self, between: &Between<'_>) -> Option<TokenStream> {
+        let span = between.name.span();
+        let known = between.bodies.iter().flatten();
+        if !known.clone().all(|body| self.turns(body)) {
+            return None;
+        }
+        let angle = |body: &Option<String>| body.as_ref().map(|body| self.named(body, "angle"));
+        match [&between.bodies[0], &between.bodies[1]].map(angle) {
+            [Some(a), Some(b)] => Some(quote_spanned!(span=> #b - #a)),
+            [Some(a), None] => Some(quote_spanned!(span=> -#a)),
+            [None, Some(b)] => Some(quote_spanned!(span=> #b)),
+            [None, None] => None,
+        }
+    }
+
+    /// An angle between both bodies that stays, 0 where none is said.
+    fn locked(&mut self, between: &Between<'_>, scope: &Rc<Scope>) -> Checked<()> {
+        for body in between.bodies.iter().flatten() {
+            self.needs_angle(
+                body,
+                Place::at(between.name.span()),
+                &format!("joint `{}`", shown(&between.whole)),
+            )?;
+        }
+        let Some(turn) = self.turn(between) else {
+            return Ok(());
+        };
+        let span: Span = between.name.span();
+        let angle = between
+            .angle
+            .map_or_else(|| super::tokens::number(0, span), |clause| clause.value());
+        let joint = self.own(&between.whole, "turn", span);
+        self.write(quote_spanned!(span=> joint #joint: #turn == #angle), scope);
+        Ok(())
+    }
+}

@@ -1,0 +1,553 @@
+//! Bodies, shapes and contacts: what is written out has the functions of the scene that an author would have written.
+
+use crate::repetition::{assert_told, described};
+use hangtime_dsl::description::{Description, Function, Kernel, Operation, Source};
+
+/// The outputs of a kernel at numbers that stand in no relation to each other.
+fn values(kernel: &Kernel) -> Vec<f64> {
+    let number = |salt: f64, k: u32| 0.4 + (f64::from(k) * 0.618 + salt).fract();
+    let mut found: Vec<f64> = Vec::new();
+    for &operation in &kernel.operations {
+        let at = |k: u32| found[k as usize];
+        found.push(match operation {
+            Operation::Given(Source::Parameter(k)) => number(0.1, k),
+            Operation::Given(Source::Input(k)) => number(0.5, k),
+            Operation::Given(Source::Weight(k)) => number(0.9, k),
+            Operation::Given(Source::Constant(value)) => value,
+            Operation::Add(a, b) => at(a) + at(b),
+            Operation::Subtract(a, b) => at(a) - at(b),
+            Operation::Multiply(a, b) => at(a) * at(b),
+            Operation::Divide(a, b) => at(a) / at(b),
+            Operation::Negate(a) => -at(a),
+            Operation::Root(a) => at(a).sqrt(),
+            Operation::Call(Function::Sin, a) => at(a).sin(),
+            Operation::Call(Function::Cos, a) => at(a).cos(),
+            other => panic!("{other:?}"),
+        });
+    }
+    let outputs = kernel.outputs.iter();
+    outputs.map(|&output| found[output as usize]).collect()
+}
+
+/// A scene and its twin without bodies have functions with the same values; what is drawn aside.
+fn assert_alike(text: &str, twin: &str) -> Description {
+    let [own, twin] = [text, twin].map(described);
+    let kernels = |scene: &Description| -> Vec<Vec<f64>> {
+        let kernels = scene
+            .kernels
+            .iter()
+            .filter(|kernel| kernel.name != "picture");
+        kernels.map(values).collect()
+    };
+    let [left, right] = [&own, &twin].map(kernels);
+    assert_eq!(left.len(), right.len(), "{text}");
+    for (k, (left, right)) in left.iter().zip(&right).enumerate() {
+        assert_eq!(left.len(), right.len(), "{k} of {text}");
+        for (a, b) in left.iter().zip(right) {
+            assert!(
+                a == b || (a - b).abs() <= 1e-9 * (1.0 + b.abs()),
+                "{a} {b} in {k} of {text}"
+            );
+        }
+    }
+    own
+}
+
+/// A box on a floor by hand.
+const BOX: &str =
+    "parameters { m: kg = 1, j: kg*m^2 = 0.01, g: m/s^2 = 9.81, w: m = 0.4, h: m = 0.2, mu = 0.3 }
+    coordinates { x: m, z: m, phi: rad }
+    let p = (x, z)
+    let a = p + rotation(phi)*(w/2, h/2)
+    let b = p + rotation(phi)*(-w/2, h/2)
+    let c = p + rotation(phi)*(-w/2, -h/2)
+    let d = p + rotation(phi)*(w/2, -h/2)
+    lagrangian m/2*|dot(p)|^2 + j/2*dot(phi)^2 - m*g*z
+    surface block_ground_1: a.z >= 0
+    surface block_ground_2: b.z >= 0
+    surface block_ground_3: c.z >= 0
+    surface block_ground_4: d.z >= 0
+    impact block_ground_1: inelastic, friction mu, sliding dot(a).x
+    impact block_ground_2: inelastic, friction mu, sliding dot(b).x
+    impact block_ground_3: inelastic, friction mu, sliding dot(c).x
+    impact block_ground_4: inelastic, friction mu, sliding dot(d).x
+    start { z: h/2, dot(x): 1 }";
+
+#[test]
+fn box_on_a_floor_is_its_corners() {
+    assert_alike(
+        "parameters { m: kg = 1, j: kg*m^2 = 0.01, g: m/s^2 = 9.81, w: m = 0.4, h: m = 0.2, mu = 0.3 }
+         coordinates { x: m, z: m, phi: rad }
+         gravity (0, -g)
+         body block: mass m, inertia j at (x, z) angle phi
+         body ground: fixed
+         shape block: rectangle (w, h)
+         shape ground: half plane
+         contact block, ground: inelastic, friction mu
+         start { z: h/2, dot(x): 1 }",
+        BOX,
+    );
+}
+
+#[test]
+fn discs_strike_where_their_middles_are_a_sum_of_radii_apart() {
+    assert_alike(
+        "count n = 3
+         parameters { m: kg = 1, r: m = 0.1, mu = 0.2 }
+         coordinates { x[n]: m, z[n]: m, phi[n]: rad }
+         body disc[k in 1..=n]: mass m, inertia m*r^2/2, at (x[k], z[k]), angle phi[k]
+         shape disc[k in 1..=n]: circle r
+         contact disc[i in 2..=n], disc[j in 1..i]: restitution 0.5, friction mu
+         start { x[k in 1..=n]: k*1 [m] }",
+        &twin_of_discs(),
+    );
+}
+
+fn twin_of_discs() -> String {
+    let mut text = "parameters { m: kg = 1, r: m = 0.1, mu = 0.2 }
+         coordinates { x_1: m, x_2: m, x_3: m, z_1: m, z_2: m, z_3: m, phi_1: rad, phi_2: rad, phi_3: rad }
+         lagrangian m/2*(dot(x_1)^2 + dot(z_1)^2) + m*r^2/4*dot(phi_1)^2 + m/2*(dot(x_2)^2 + dot(z_2)^2) + m*r^2/4*dot(phi_2)^2
+            + m/2*(dot(x_3)^2 + dot(z_3)^2) + m*r^2/4*dot(phi_3)^2\n"
+        .to_owned();
+    text += "start { x_1: 1 [m], x_2: 2 [m], x_3: 3 [m] }";
+    for (i, j) in [(2, 1), (3, 1), (3, 2)] {
+        text += &format!(
+            "let p_{i}{j} = (x_{i} - x_{j}, z_{i} - z_{j})
+             let n_{i}{j} = p_{i}{j}/|p_{i}{j}|
+             surface disc_{i}_disc_{j}: |p_{i}{j}| - r - r >= 0
+             impact disc_{i}_disc_{j}: restitution 0.5, friction mu,
+                sliding n_{i}{j}[1]*dot(p_{i}{j})[0] - n_{i}{j}[0]*dot(p_{i}{j})[1] + dot(phi_{i})*r
+                    + dot(phi_{j})*(n_{i}{j} . (p_{i}{j}) - r)\n"
+        );
+    }
+    text
+}
+
+#[test]
+fn rectangle_on_a_rectangle_is_each_corner_on_all_sides_of_the_other() {
+    let own = described(
+        "parameters { m: kg = 1, w: m = 0.4, h: m = 0.2, j: kg*m^2 = 0.01 }
+         coordinates { x[2]: m, z[2]: m, phi[2]: rad }
+         body block[k in 1..=2]: mass m, inertia j, at (x[k], z[k]), angle phi[k]
+         shape block[k in 1..=2]: rectangle (w, h)
+         contact block[1], block[2]: inelastic
+         start { z[1]: 1 [m] }",
+    );
+    let contacts = own.structure.declaration.contacts;
+    let names: Vec<&str> = contacts.iter().map(|contact| contact.name).collect();
+    assert_eq!(names.len(), 32);
+    assert_eq!(names[0], "block[1].block[2][1].1");
+    assert_eq!(names[31], "block[1].block[2][8].4");
+}
+
+#[test]
+fn pendulum_on_a_hinge_and_by_its_angle() {
+    let own = described(
+        "parameters { m: kg = 1, l: m = 0.5, g: m/s^2 = 9.81 }
+         coordinates { x: m, z: m, phi: rad }
+         gravity (0, -g)
+         body rod: mass m, inertia m*l^2/12, at (x, z), angle phi, top = (0, l/2)
+         hinge pivot: (0, 0) == rod.top
+         outputs { angle: rad = pivot.angle, pull: N = |force(pivot)| }
+         start { z: -l/2 }",
+    );
+    let joints = own.structure.declaration.joints.expect("joints");
+    assert_eq!(joints.list[0].name, "pivot");
+    assert_alike(
+        "parameters { m: kg = 1, l: m = 0.5, g: m/s^2 = 9.81 }
+         coordinates { theta: rad }
+         gravity (0, -g)
+         body rod: mass m, inertia m*l^2/12, centre (0, -l/2), at (0, 0), angle theta, tip = (0, -l)
+         outputs { height: m = rod.tip.z }
+         start { theta: 1 }",
+        "parameters { m: kg = 1, l: m = 0.5, g: m/s^2 = 9.81 }
+         coordinates { theta: rad }
+         let p = l/2*(sin(theta), -cos(theta))
+         lagrangian m/2*|dot(p)|^2 + m*l^2/24*dot(theta)^2 - m*g*p.z
+         outputs { height: m = -l*cos(theta) }
+         start { theta: 1 }",
+    );
+}
+
+#[test]
+fn chain_of_bodies_hangs_each_on_the_one_before() {
+    assert_alike(
+        "count n = 3
+         parameters { m: kg = 1, l: m = 0.5, g: m/s^2 = 9.81 }
+         coordinates { theta[n]: rad }
+         gravity (0, -g)
+         body link[k in 1..=n]: mass m, centre (0, -l) at if k > 1 { link[k - 1].tip } else { (0, 0) } angle theta[k], tip = (0, -l)
+         start { theta[k in 1..=n]: 0.1*k }",
+        "count n = 3
+         parameters { m: kg = 1, l: m = 0.5, g: m/s^2 = 9.81 }
+         coordinates { theta[n]: rad }
+         let p[k in 1..=n] = p[k-1] + l*(sin(theta[k]), -cos(theta[k])), p[0] = (0, 0)
+         lagrangian sum(k in 1..=n: m/2*|dot(p[k])|^2 - m*g*p[k][1])
+         start { theta[k in 1..=n]: 0.1*k }",
+    );
+}
+
+#[test]
+fn wheel_that_rolls_holds_two_equations() {
+    assert_alike(
+        "parameters { m: kg = 1, r: m = 0.3, g: m/s^2 = 9.81, s: rad = 0.3 }
+         coordinates { x: m, z: m, phi: rad }
+         gravity (g*sin(s), -g*cos(s))
+         body wheel: mass m, inertia m*r^2/2 at (x, z) angle phi
+         body ground: fixed
+         shape wheel: circle r
+         shape ground: half plane
+         rolling grip: wheel on ground
+         start { z: r }",
+        "parameters { m: kg = 1, r: m = 0.3, g: m/s^2 = 9.81, s: rad = 0.3 }
+         coordinates { x: m, z: m, phi: rad }
+         lagrangian m/2*|dot((x, z))|^2 + m*r^2/4*dot(phi)^2 + m*g*(x*sin(s) - z*cos(s))
+         joint ground: z - r == 0
+         joint roll: dot(x) + r*dot(phi) == 0
+         start { z: r }",
+    );
+}
+
+#[test]
+fn sliders_and_welds_hold_a_line_and_an_angle() {
+    let text = "parameters { m: kg = 1, j: kg*m^2 = 0.1, g: m/s^2 = 9.81 }
+         coordinates { x: m, z: m, phi: rad, a: rad, u: m, w: m, v: rad }
+         gravity (0, -g)
+         body beam: mass m, inertia j at (0, 0) angle a
+         body block: mass m, inertia j at (x, z) angle phi, side = (0.1 [m], 0)
+         body plate: mass m, inertia j at (u, w) angle v
+         slider rail: block on beam along (3, 4)
+         weld seam: block.side == plate angle 90 [deg]
+         outputs { way: m = rail.way }
+         start { u: 0.1 [m], v: 90 [deg] }";
+    let by_hand = "parameters { m: kg = 1, j: kg*m^2 = 0.1, g: m/s^2 = 9.81 }
+         coordinates { x: m, z: m, phi: rad, a: rad, u: m, w: m, v: rad }
+         lagrangian j/2*dot(a)^2 + m/2*(dot(x)^2 + dot(z)^2) + j/2*dot(phi)^2 + m/2*(dot(u)^2 + dot(w)^2) + j/2*dot(v)^2
+            - m*g*(z + w)
+         let e = rotation(a)*(3, 4)/|(3, 4)|
+         joint rail: e[0]*z - e[1]*x == 0
+         joint rail_turn: a - phi == 0
+         joint seam: (x, z) + rotation(phi)*(0.1 [m], 0) == (u, w)
+         joint seam_turn: v - phi == 90 [deg]
+         outputs { way: m = e . (x, z) }
+         start { u: 0.1 [m], v: 90 [deg] }";
+    assert_alike(text, by_hand);
+}
+
+#[test]
+fn words_of_bodies_are_names_elsewhere() {
+    described(
+        "parameters { body: kg = 1, gravity: m/s^2 = 9.81, mass: kg = 1, shape: m = 1 }
+         coordinates { contact: m, hinge: rad }
+         fn rolling(a) = 2*a
+         lagrangian (body + mass)/2*dot(contact)^2 + body*shape^2/2*dot(hinge)^2 - body*gravity*contact
+         surface weld: contact >= 0
+         impact weld: inelastic
+         forces { contact: rolling(1 [N])*hinge }",
+    );
+}
+
+#[test]
+fn names_of_bodies_in_parts_have_those_of_the_part_in_front() {
+    let own = described(
+        "part wheel(middle, r: m) {
+            coordinates { phi: rad }
+            body rim: mass m, inertia m*r^2, at middle, angle phi, valve = (r, 0)
+            shape rim: circle r
+            contact rim, ground: inelastic, friction 0.5
+         }
+         part cart(n) {
+            coordinates { x: m, z: m }
+            body frame: mass 3*m at (x, z)
+            rear: wheel(frame, 0.1 [m])
+         }
+         parameters { m: kg = 1, g: m/s^2 = 9.81 }
+         gravity (0, -g)
+         body ground: fixed
+         shape ground: half plane
+         car: cart(1)
+         outputs { load: N = force(car.rear.rim.ground), valve: m = car.rear.rim.valve.z }
+         start { car.z: 0.1 [m] }",
+    );
+    let declaration = own.structure.declaration;
+    assert_eq!(declaration.contacts[0].name, "car.rear.rim.ground");
+    assert_eq!(declaration.coordinates[2].name, "car.rear.phi");
+}
+
+/// A scene with slips in the place of `SLIP`.
+const SCENE: &str = "parameters { m: kg = 1, j: kg*m^2 = 0.01, r: m = 0.1 }
+    coordinates { x: m, z: m, phi: rad, y: m }
+    body block: mass m, inertia j at (x, z) angle phi, tip = (r, 0)
+    body ground: fixed
+    body wall: fixed at (1 [m], 0) angle 90 [deg]
+    body ball: mass m at (y, 0)
+    shape block.lid: rectangle (r, r) at (0, r)
+    shape ground: half plane
+    SLIP
+    start { z: 1 [m] }";
+
+#[test]
+fn slips_of_bodies_are_told_where_they_stand() {
+    for (slip, wanted) in [
+        (
+            "body <<block>>: mass m at (x, y)",
+            "E19: `block` is declared twice; rename this body",
+        ),
+        (
+            "body <<rod>>: inertia j at (x, y) angle phi",
+            "E27: body `rod` has no mass; write `mass m`, or `fixed` if it has no motion of its own",
+        ),
+        (
+            "body <<rod>>: mass m, inertia j at (x, y)",
+            "E27: body `rod` has an inertia, and no angle by which it turns; add `angle phi`",
+        ),
+        (
+            "body <<rod>>: mass m",
+            "E27: body `rod` is nowhere; say where, as in `at (x, z)` with two coordinates",
+        ),
+        (
+            "body <<rod>>: mass m, fixed at (0, 0)",
+            "E27: body `rod` is fixed, so that its mass does nothing; leave `fixed` out, or the mass",
+        ),
+        (
+            "body rod: <<mas m>> at (x, y)",
+            "E27: `mas` says nothing of body `rod`; did you mean `mass`?",
+        ),
+        (
+            "body rod: mass m at (x, y), <<colour 3>>",
+            "E27: `colour` says nothing of body `rod`; it knows `mass`, `inertia`, `centre`, `at`, `angle`, `fixed`",
+        ),
+        (
+            "body rod: mass m, <<mass m>> at (x, y)",
+            "`mass` stands twice; keep one",
+        ),
+        (
+            "body rod: <<mass>>, at (x, y)",
+            "`mass` needs its value behind it",
+        ),
+        (
+            "body rod: mass <<r>> at (x, y)",
+            "E03: units differ: `r` is in m, where kg is needed (`rod.mass` is declared so)",
+        ),
+        (
+            "body rod: mass m at <<(phi, 0)>>",
+            "E03: units differ: `(phi, 0)` has no unit, where m is needed (`rod` is declared so)",
+        ),
+        (
+            "body rod: mass m at (x, y), <<tip>> = (r, 0)",
+            "E27: body `rod` has no angle, and a place on it needs it; write `angle phi` where the body is declared, or `angle 0` if it \
+             never turns",
+        ),
+        (
+            "body rod: mass m at (x, y) angle phi, <<angle>> = (r, 0)",
+            "E19: `rod.angle` is something else of this body; choose another name for the point",
+        ),
+        (
+            "<<body rod>>",
+            "a colon and what is said of `rod` are missing; write `body block: mass m, inertia j, at (x, z), angle phi`",
+        ),
+        (
+            "<<body>>: mass m",
+            "`body` is written as in `body block: mass m, inertia j, at (x, z), angle phi`",
+        ),
+        (
+            "gravity (0, -9.81 [m/s^2]) <<gravity>> (0, 1 [m/s^2])",
+            "E19: `gravity` is declared twice; it is that of all bodies",
+        ),
+        (
+            "part leg(a) { <<gravity>> (0, -a) } left: leg(1 [m/s^2])",
+            "E27: `gravity` is that of all bodies; declare it in the scene, outside of parts",
+        ),
+        (
+            "outputs { height: m = block.<<tap>>.z }",
+            "E27: part `block` has no `tap`; did you mean `block.tip`?",
+        ),
+    ] {
+        assert_told(&SCENE.replace("SLIP", slip), wanted);
+    }
+}
+
+#[test]
+fn slips_of_shapes_and_contacts_are_told_where_they_stand() {
+    for (slip, wanted) in [
+        (
+            "shape <<ghost>>: circle r",
+            "E27: there is no body `ghost` above; declare it before, as in `body ghost: mass m, at (x, z)` or `body ghost: fixed`",
+        ),
+        (
+            "shape <<bloc>>: circle r",
+            "E27: there is no body `bloc` above; did you mean `block`?",
+        ),
+        (
+            "shape ball: <<rectangle (r, r)>>",
+            "E27: body `ball` has no angle, and a shape `rectangle` needs it; write `angle phi` where the body is declared, or `angle 0` \
+             if it never turns",
+        ),
+        (
+            "shape <<ground>>: circle r",
+            "E19: `ground` is declared twice; give this shape a name of its own, as in `shape ground.lid: ..`",
+        ),
+        (
+            "shape <<block.tip>>: circle r",
+            "E19: `block.tip` is declared twice; give this shape a name of its own, as in `shape block.lid: ..`",
+        ),
+        (
+            "shape block: <<circel r>>",
+            "E27: `circel` says nothing of the shape of `block`; did you mean `circle`?",
+        ),
+        (
+            "shape block: circle r, <<tip = (r, 0)>>",
+            "E27: `tip` says nothing of the shape of `block`; it knows `circle`, `rectangle`, `half`, `capsule`, `segment`, `at`, `angle`",
+        ),
+        (
+            "shape block: <<blob r>>",
+            "E27: `blob` says nothing of the shape of `block`; it knows `circle`, `rectangle`, `half`, `capsule`, `segment`, `at`, `angle`",
+        ),
+        (
+            "shape block: <<rectangle r>>",
+            "E27: `rectangle` has two lengths, as in `rectangle (w, h)`",
+        ),
+        (
+            "shape block: circle <<-r>>",
+            "E10: the size of a shape is positive",
+        ),
+        (
+            "parameters { bad: m = -0.1 } shape block: circle <<bad>>",
+            "E10: the size of a shape is positive",
+        ),
+        (
+            "shape block: circle <<0 [m]>>",
+            "E10: the size of a shape is positive",
+        ),
+        (
+            "shape block: circle <<m>>",
+            "E03: units differ: `m` is in kg, where m is needed (`block.radius` is declared so)",
+        ),
+        (
+            "<<shape>> block",
+            "a shape is written as in `shape block: rectangle (w, h)`, behind the name of its body",
+        ),
+        (
+            "<<contact>> block: inelastic",
+            "a contact is that of two shapes with a law, as in `contact block, ground: inelastic, friction mu`",
+        ),
+        (
+            "contact <<ball>>, ground: inelastic",
+            "E27: body `ball` has no shape above that could touch anything; declare one before, as in `shape ball: circle r`",
+        ),
+        (
+            "contact block, <<floor>>: inelastic",
+            "E27: there is no body `floor` above; declare it before, as in `body floor: mass m, at (x, z)` or `body floor: fixed`",
+        ),
+        (
+            "shape block.hat: circle r contact <<block.hat, block.lid>>: inelastic",
+            "E27: `block.hat` and `block.lid` never move against each other, on one body or on fixed ones; leave the contact out",
+        ),
+        (
+            "shape wall: half plane contact <<wall, ground>>: inelastic",
+            "E27: `wall` and `ground` never move against each other, on one body or on fixed ones; leave the contact out",
+        ),
+        (
+            "shape ball: circle r contact <<ball, ground>>: inelastic, friction 0.3",
+            "E27: body `ball` has no angle, and friction, which turns it, needs it; write `angle phi` where the body is declared, or \
+             `angle 0` if it never turns",
+        ),
+        (
+            "contact block, ground: inelastic, friction 0.3, <<sliding>> dot(x)",
+            "E27: the sliding velocity of a contact is derived from its bodies; leave `sliding` out",
+        ),
+        (
+            "shape wall: segment r contact <<block, wall>>: inelastic",
+            "E27: there is no contact between a rectangle and a segment; give one of them a radius, as a circle or a capsule has",
+        ),
+        (
+            "contact block, ground: inelastic contact <<block, ground>>: inelastic",
+            "E19: `block.lid.ground` is declared twice; keep one contact between two shapes",
+        ),
+        (
+            "contact block, ground: <<elastic>>",
+            "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`",
+        ),
+    ] {
+        assert_told(&SCENE.replace("SLIP", slip), wanted);
+    }
+}
+
+#[test]
+fn slips_of_joints_of_bodies_are_told_where_they_stand() {
+    for (slip, wanted) in [
+        (
+            "hinge pin: <<(0, 0) == (x, z)>>",
+            "E27: neither side of `pin` is a body or a point of one; what holds between other places is a `joint pin: left == right`",
+        ),
+        (
+            "hinge pin: <<block.tip>>",
+            "`hinge` joins two sides by `==`, as in `hinge elbow: upper.tip == lower.base`",
+        ),
+        (
+            "<<hinge block>>.tip == ball",
+            "a colon and what is said of `block` are missing; write `hinge elbow: upper.tip == lower.base`",
+        ),
+        (
+            "slider <<rail>>: block on ground",
+            "E27: slider `rail` has no direction; add it as its second body has it, as in `slider rail: block on frame along (1, 0)`",
+        ),
+        (
+            "hinge pin: block.tip == ball <<angle 1>>",
+            "E27: `angle` says nothing of joint `pin`; leave it out",
+        ),
+        (
+            "weld <<pin>>: block.tip == ball",
+            "E27: body `ball` has no angle, and joint `pin` needs it; write `angle phi` where the body is declared, or `angle 0` if it \
+             never turns",
+        ),
+        (
+            "hinge <<block>>: block.tip == ball",
+            "E19: `block` is declared twice; rename this joint",
+        ),
+        (
+            "rolling <<grip>>: block on ground",
+            "E27: a rectangle does not roll on a half plane in one point; a circle rolls on a half plane or on a circle",
+        ),
+        (
+            "hinge pin: block.<<tup>> == ball",
+            "E27: part `block` has no `tup`; did you mean `block.tip`?",
+        ),
+    ] {
+        assert_told(&SCENE.replace("SLIP", slip), wanted);
+    }
+}
+
+#[test]
+fn settled_style_keeps_bodies() {
+    let wanted = "\
+//! Bodies.
+
+parameters { m: kg = 1, j: kg*m^2 = 0.1, l: m = 0.5, g: m/s^2 = 9.81 }
+coordinates { x: m, z: m, phi: rad, theta: rad }
+controls { u: N in -1..=1 }
+forces { x: u }
+gravity (0, -g)
+body block: mass m, inertia j, at (x, z), angle -phi, tip = (-l, 0)
+body rod: mass m, centre (0, -l/2) at block.tip angle theta
+body ground: fixed
+shape block: rectangle (l, l/2) at (0, l)
+shape ground: half plane angle 2 [deg]
+contact block, ground: inelastic, friction 0.3
+slider rail: block on ground along (1, 0)
+minimize integral(u^2)
+at 0.5 [s] { x == 0 }
+start { z: 1 [m], x: 1 [m] }
+horizon 2 [s]
+";
+    let loose = wanted
+        .replace("at (", "at(")
+        .replace("mass m, ", "mass m ,\n  ")
+        .replace("angle -phi", "angle - phi");
+    for text in [&loose, wanted] {
+        assert_eq!(
+            hangtime_dsl::format_text(text, "s").ok().as_deref(),
+            Some(wanted)
+        );
+    }
+}
