@@ -2,14 +2,14 @@
 //! potential energy of all of them. A body is the place where it is, and its name stands in front of what it has, `crate.tip`.
 
 use super::clause::{Clause, clauses, head, shown, sorted};
-use super::names::{Names, Scope, encoded, member};
+use super::constants::Constants;
+use super::names::{Names, Scope, encoded, indices, member};
 use super::part::Placed;
-use super::shape::Shape;
 use super::tokens::{
-    around, ended, group_in, grouped, inside, is_punct, items, keyword, number, place_of, punct,
+    around, ended, group_in, grouped, inside, items, keyword, number, place_of, punct,
     undocumented, word,
 };
-use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest};
 use crate::words;
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
 use quote::quote_spanned;
@@ -19,11 +19,11 @@ use std::rc::Rc;
 /// What is known of a body.
 pub(super) struct Body {
     /// Whether it has an angle, by whose name it turns.
-    pub(super) turns: bool,
+    turns: bool,
     /// Whether it has no mass and no motion of its own.
-    pub(super) is_fixed: bool,
+    is_fixed: bool,
     /// Whether it never moves.
-    pub(super) is_still: bool,
+    is_still: bool,
     pub(super) span: Span,
     /// Whether its place has two components, as far as that is written.
     is_plane: bool,
@@ -36,16 +36,14 @@ pub(super) struct Body {
 pub(super) struct Bodies<'a> {
     pub(super) names: &'a mut Names,
     pub(super) diagnostics: &'a mut Diagnostics,
-    pub(super) bodies: HashMap<String, Body>,
+    pub(super) known: HashMap<String, Body>,
     /// Names of bodies in the order of the scene.
     order: Vec<String>,
-    pub(super) shapes: Vec<Shape>,
     pub(super) written: Vec<Placed>,
     /// Entries of the picture, each with the name that it draws.
     drawn: Vec<(String, Placed)>,
     gravity: Option<(Span, Placed)>,
-    /// Names of numbers that do not move, and whether they are negative.
-    constants: HashMap<String, bool>,
+    pub(super) constants: Constants,
 }
 
 impl<'a> Bodies<'a> {
@@ -53,19 +51,18 @@ impl<'a> Bodies<'a> {
         Self {
             names,
             diagnostics,
-            bodies: HashMap::new(),
+            known: HashMap::new(),
             order: Vec::new(),
-            shapes: Vec::new(),
             written: Vec::new(),
             drawn: Vec::new(),
             gravity: None,
-            constants: HashMap::new(),
+            constants: Constants::default(),
         }
     }
 
     /// Takes up a statement that is no other one's to write out.
     pub(super) fn other(&mut self, (statement, scope): Placed) -> Checked<()> {
-        self.note_constants(&statement, &scope);
+        self.constants.note(&statement, &scope);
         self.written.push((statement, scope));
         Ok(())
     }
@@ -90,6 +87,18 @@ impl<'a> Bodies<'a> {
         let name = format!("{whole}.{name}");
         self.names.declare(&name, &[]);
         Ident::new(&encoded(&name), span)
+    }
+
+    /// Declares something that belongs to what has a whole name, by what stands behind its name.
+    pub(super) fn define(
+        &mut self,
+        (whole, name, span): (&str, &str, Span),
+        value: TokenStream,
+        scope: &Rc<Scope>,
+    ) -> Ident {
+        let own = self.own(whole, name, span);
+        self.write(quote_spanned!(span=> let #own #value), scope);
+        own
     }
 
     /// `gravity (0, -g)`.
@@ -143,38 +152,48 @@ impl<'a> Bodies<'a> {
         self.write(quote_spanned!(span=> let #own: m = #place), scope);
         let turn = given(angle).or_else(|| is_fixed.then(|| number(0, span)));
         if let Some(turn) = &turn {
-            let angle = self.own(&whole, "angle", span);
-            self.write(quote_spanned!(span=> let #angle: rad = #turn), scope);
+            self.define(
+                (&whole, "angle", span),
+                quote_spanned!(span=> : rad = #turn),
+                scope,
+            );
         }
         self.order.push(whole.clone());
         let body = Body {
             turns: turn.is_some(),
             is_fixed,
-            is_still: is_fixed && self.are_constant([at, angle], scope),
+            is_still: is_fixed && self.are_still([at, angle], scope),
             span,
             is_plane,
             points: Vec::new(),
             scope: Rc::clone(scope),
         };
-        self.bodies.insert(whole.clone(), body);
+        self.known.insert(whole.clone(), body);
         let middle = match centre {
             None => quote_spanned!(span=> #own),
             Some(centre) => self.offset(&whole, centre.place(), &centre.value())?,
         };
-        let centre = self.own(&whole, "centre", span);
-        self.write(quote_spanned!(span=> let #centre = #middle), scope);
+        let middle = quote_spanned!(span=> = #middle);
+        let centre = self.define((&whole, "centre", span), middle, scope);
         if let Some(mass) = given(mass) {
-            let m = self.own(&whole, "mass", span);
-            self.write(quote_spanned!(span=> let #m: kg = #mass), scope);
-            let energy = quote_spanned!(span=> lagrangian += #m/2*|dot(#centre)|^2);
-            self.write(energy, scope);
+            let m = self.define(
+                (&whole, "mass", span),
+                quote_spanned!(span=> : kg = #mass),
+                scope,
+            );
+            self.write(
+                quote_spanned!(span=> lagrangian += #m/2*|dot(#centre)|^2),
+                scope,
+            );
         }
         if let Some(inertia) = given(inertia) {
-            let j = self.own(&whole, "inertia", span);
+            let inertia = quote_spanned!(span=> : kg*m^2 = #inertia);
+            let j = self.define((&whole, "inertia", span), inertia, scope);
             let angle = self.named(&whole, "angle");
-            self.write(quote_spanned!(span=> let #j: kg*m^2 = #inertia), scope);
-            let energy = quote_spanned!(span=> lagrangian += #j/2*dot(#angle)^2);
-            self.write(energy, scope);
+            self.write(
+                quote_spanned!(span=> lagrangian += #j/2*dot(#angle)^2),
+                scope,
+            );
         }
         for clause in clauses.iter().filter(|clause| clause.is_named()) {
             self.point(&whole, clause, scope)?;
@@ -221,11 +240,14 @@ impl<'a> Bodies<'a> {
             );
             return Err(self.diagnostics.report("E19", place, message));
         }
-        let value = clause.value();
-        let offset = self.offset(whole, place, &value)?;
-        let own = self.own(whole, &text, clause.first().span());
-        self.write(quote_spanned!(own.span()=> let #own: m = #offset), scope);
-        if let Some(body) = self.bodies.get_mut(whole) {
+        let offset = self.offset(whole, place, &clause.value())?;
+        let span = clause.first().span();
+        let own = self.define(
+            (whole, &text, span),
+            quote_spanned!(span=> : m = #offset),
+            scope,
+        );
+        if let Some(body) = self.known.get_mut(whole) {
             body.points.push(own);
         }
         Ok(())
@@ -257,7 +279,15 @@ impl<'a> Bodies<'a> {
 
     /// Whether a body has an angle.
     pub(super) fn turns(&self, body: &str) -> bool {
-        self.bodies.get(body).is_some_and(|body| body.turns)
+        self.known.get(body).is_some_and(|body| body.turns)
+    }
+
+    pub(super) fn is_fixed(&self, body: &str) -> bool {
+        self.known.get(body).is_some_and(|body| body.is_fixed)
+    }
+
+    pub(super) fn is_still(&self, body: &str) -> bool {
+        self.known.get(body).is_some_and(|body| body.is_still)
     }
 
     /// Where a body is, by name.
@@ -271,81 +301,47 @@ impl<'a> Bodies<'a> {
     }
 
     fn span(&self, whole: &str) -> Span {
-        let body = self.bodies.get(whole);
+        let body = self.known.get(whole);
         body.map_or_else(Span::call_site, |body| body.span)
     }
 
-    /// Names of numbers that are declared here and do not move.
-    fn note_constants(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) {
-        let statement = undocumented(statement);
-        let inner = statement
-            .get(1)
-            .and_then(|block| group_in(Some(block), Delimiter::Brace));
-        let entries = match (keyword(statement).as_str(), inner) {
-            ("parameters", Some(block)) => inside(block),
-            ("let", _) => statement[1..].to_vec(),
-            _ => return,
+    /// E27: a name that is no body above.
+    pub(super) fn no_body(&mut self, name: &str, place: Place) -> Reported {
+        let bodies: Vec<String> = self.known.keys().map(|name| shown(name)).collect();
+        let name = shown(name);
+        let message = match closest(&name, bodies.iter().map(String::as_str)) {
+            Some(near) => format!("there is no body `{name}` above; did you mean `{near}`?"),
+            None => format!(
+                "there is no body `{name}` above; declare it before, as in `body {name}: mass m, at (x, z)` or `body {name}: fixed`"
+            ),
         };
-        for entry in items(&entries).map(undocumented) {
-            let sign = entry.iter().position(|token| is_punct(Some(token), '='));
-            let value = sign.map_or(&entry[..0], |sign| ended(&entry[sign + 1..]));
-            let (Some(TokenTree::Ident(name)), true) =
-                (entry.first(), self.is_constant(value, scope))
-            else {
-                continue;
-            };
-            let name = format!("{}{}", scope.prefix, super::decoded(name.to_string()));
-            self.constants.insert(name, is_punct(value.first(), '-'));
-        }
+        self.told(place, message)
     }
 
-    /// Whether tokens hold nothing but numbers and names of numbers that do not move.
-    pub(super) fn is_constant(&self, tokens: &[TokenTree], scope: &Scope) -> bool {
-        let mut before = None;
-        tokens.iter().all(|token| {
-            let is_unit = matches!(before.replace(token), Some(TokenTree::Literal(_)));
-            match token {
-                TokenTree::Ident(name) => {
-                    let text = super::decoded(name.to_string());
-                    let alias = scope.aliases.get(&text);
-                    let constant = || self.constant(&text, scope).is_some();
-                    let of_alias = |(value, outer): &Placed| self.is_constant(value, outer);
-                    alias.map_or_else(constant, of_alias)
-                        || words::is_function(&text)
-                        || text == "pi"
-                }
-                TokenTree::Group(group) => {
-                    is_unit && group.delimiter() == Delimiter::Bracket
-                        || self.is_constant(&inside(group), scope)
-                }
-                _ => true,
+    /// The whole name that tokens are.
+    pub(super) fn whole(&mut self, tokens: &[TokenTree], scope: &Rc<Scope>) -> Checked<String> {
+        let before = self.diagnostics.mistakes();
+        let found = self.names.resolved(tokens, scope, self.diagnostics);
+        self.diagnostics.none_since(before)?;
+        match &found[..] {
+            [TokenTree::Ident(name)] => Ok(super::decoded(name.to_string())),
+            [TokenTree::Ident(name), bracket] if indices(bracket).is_some() => {
+                let name = super::decoded(name.to_string());
+                Ok(member(&name, &indices(bracket).unwrap_or_default()))
             }
-        })
-    }
-
-    fn are_constant(&self, clauses: [Option<Clause<'_>>; 2], scope: &Scope) -> bool {
-        let mut clauses = clauses.into_iter().flatten();
-        clauses.all(|clause| self.is_constant(clause.tokens(), scope))
-    }
-
-    fn constant(&self, text: &str, scope: &Scope) -> Option<bool> {
-        let own = self.constants.get(&format!("{}{text}", scope.prefix));
-        own.or_else(|| self.constants.get(text)).copied()
-    }
-
-    /// E10: a length that is a number is positive.
-    pub(super) fn is_length(&mut self, value: &[TokenTree], scope: &Scope) -> Checked<()> {
-        let wrong = match value {
-            [TokenTree::Ident(name)] => self.constant(&name.to_string(), scope) == Some(true),
-            [TokenTree::Literal(first), ..] => first.to_string().parse::<f64>() == Ok(0.0),
-            _ => is_punct(value.first(), '-'),
-        };
-        if !wrong {
-            return Ok(());
+            _ => {
+                let place = place_of(tokens, Place::at(Span::call_site()));
+                Err(self.told(
+                    place,
+                    "a body or a shape has a name here, as in `block` or `block.lid`",
+                ))
+            }
         }
-        let message = "the size of a shape is positive";
-        let place = place_of(value, Place::at(Span::call_site()));
-        Err(self.diagnostics.report("E10", place, message))
+    }
+    /// Whether nothing moves in these clauses.
+    pub(super) fn are_still(&self, clauses: [Option<Clause<'_>>; 2], scope: &Scope) -> bool {
+        let mut clauses = clauses.into_iter().flatten();
+        clauses.all(|clause| self.constants.all(clause.tokens(), scope))
     }
 
     /// All statements, with weights and what is drawn.
@@ -367,7 +363,7 @@ impl<'a> Bodies<'a> {
     }
 
     fn weight(&mut self, whole: &str) {
-        let has_mass = self.bodies.get(whole).is_some_and(|body| !body.is_fixed);
+        let has_mass = !self.is_fixed(whole);
         let Some((span, (value, scope))) = self.gravity.clone().filter(|_| has_mass) else {
             return;
         };
@@ -383,7 +379,7 @@ impl<'a> Bodies<'a> {
 
     /// A body without a shape: its centre and lines to its points.
     fn draw(&mut self, whole: &str, in_plane: bool) {
-        let Some(body) = self.bodies.get(whole) else {
+        let Some(body) = self.known.get(whole) else {
             return;
         };
         if body.is_fixed && body.points.is_empty() || !(body.is_plane || in_plane) {
@@ -410,7 +406,7 @@ impl<'a> Bodies<'a> {
             let inner = group_in(inner, Delimiter::Brace).map_or_else(Vec::new, inside);
             for entry in items(&inner).map(undocumented) {
                 if let [_, TokenTree::Ident(name), rest @ ..] = entry {
-                    let indices = rest.first().and_then(super::names::indices);
+                    let indices = rest.first().and_then(indices);
                     let name = format!("{}{}", scope.prefix, super::decoded(name.to_string()));
                     taken.insert(member(&name, &indices.unwrap_or_default()));
                 }

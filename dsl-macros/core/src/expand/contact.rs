@@ -1,10 +1,9 @@
 //! Contacts between shapes: `contact crate, ground: inelastic, friction mu` becomes surfaces, one for each corner that can touch,
 //! and their laws with the sliding velocities.
 
-use super::body::Bodies;
 use super::clause::shown;
 use super::names::{Scope, encoded, member};
-use super::shape::{Shape, Strip};
+use super::shape::{Shape, Shapes, Side};
 use super::tokens::{ended, is_punct, items, place_of, undocumented};
 use crate::diagnostics::{Checked, Place};
 use proc_macro2::{Ident, Span, TokenStream, TokenTree};
@@ -28,7 +27,10 @@ struct Touch<'b> {
     others: Option<Ident>,
 }
 
-impl Bodies<'_> {
+/// Writes contacts out.
+pub(super) struct Contacts<'s, 'a>(pub(super) &'s mut Shapes<'a>);
+
+impl Contacts<'_, '_> {
     /// `contact a, b: law`, also of more than two, each with each.
     pub(super) fn contact(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
         let statement = ended(undocumented(statement));
@@ -41,21 +43,21 @@ impl Bodies<'_> {
         let operands: Vec<&[TokenTree]> = items(&statement[1..colon]).collect();
         if operands.len() < 2 || law.is_empty() {
             let message = "a contact is that of two shapes with a law, as in `contact block, ground: inelastic, friction mu`";
-            return Err(self.diagnostics.syntax(begin, message));
+            return Err(self.0.bodies.diagnostics.syntax(begin, message));
         }
         let is_word = |word: &'static str| move |token: &&TokenTree| matches!(token, TokenTree::Ident(own) if own == word);
         let rubs = law.iter().any(|token| is_word("friction")(&token));
         if let Some(wrong) = law.iter().find(is_word("sliding")) {
             let message =
                 "the sliding velocity of a contact is derived from its bodies; leave `sliding` out";
-            return Err(self.told(Place::at(wrong.span()), message));
+            return Err(self.0.bodies.told(Place::at(wrong.span()), message));
         }
-        let before = self.diagnostics.mistakes();
+        let before = self.0.bodies.diagnostics.mistakes();
         let found: Vec<_> = operands
             .iter()
-            .map(|operand| self.shapes_of(operand, scope))
+            .map(|operand| self.0.shapes_of(operand, scope))
             .collect();
-        self.diagnostics.none_since(before)?;
+        self.0.bodies.diagnostics.none_since(before)?;
         let found: Vec<Vec<usize>> = found.into_iter().flatten().collect();
         let is_list = found.len() > 2;
         for (k, first) in found.iter().enumerate() {
@@ -75,36 +77,10 @@ impl Bodies<'_> {
         Ok(())
     }
 
-    /// The shapes that a name means: that of a body with all that have names of their own, or one of these.
-    pub(super) fn shapes_of(
-        &mut self,
-        tokens: &[TokenTree],
-        scope: &Rc<Scope>,
-    ) -> Checked<Vec<usize>> {
-        let place = place_of(tokens, Place::at(Span::call_site()));
-        let whole = self.whole(tokens, scope)?;
-        let is_meant = |shape: &Shape| shape.name == whole || shape.body == whole;
-        let found: Vec<usize> = (0..self.shapes.len())
-            .filter(|&k| is_meant(&self.shapes[k]))
-            .collect();
-        match (found.is_empty(), self.bodies.contains_key(&whole)) {
-            (false, _) => Ok(found),
-            (true, true) => {
-                let name = shown(&whole);
-                let message = format!(
-                    "body `{name}` has no shape above that could touch anything; declare one before, as in `shape {name}: circle r`"
-                );
-                Err(self.told(place, message))
-            }
-            (true, false) => Err(self.no_body(&whole, place)),
-        }
-    }
-
     /// Whether two shapes are on one body, or on bodies that are both fixed.
     fn stand_still(&self, a: usize, b: usize) -> bool {
-        let [one, other] = [a, b].map(|shape| &self.shapes[shape].body);
-        let is_fixed = |body: &str| self.bodies.get(body).is_some_and(|body| body.is_fixed);
-        one == other || is_fixed(one) && is_fixed(other)
+        let [one, other] = [a, b].map(|shape| &self.0.list[shape].body);
+        one == other || self.0.bodies.is_fixed(one) && self.0.bodies.is_fixed(other)
     }
 
     /// The surfaces and laws between two shapes.
@@ -115,45 +91,47 @@ impl Bodies<'_> {
         (law, rubs): (&[TokenTree], bool),
         scope: &Rc<Scope>,
     ) -> Checked<()> {
-        let [one, other] = [a, b].map(|shape| self.shapes[shape].body.clone());
+        let [one, other] = [a, b].map(|shape| self.0.list[shape].body.clone());
         if self.stand_still(a, b) {
-            let names = [a, b].map(|shape| shown(&self.shapes[shape].name));
+            let names = [a, b].map(|shape| shown(&self.0.list[shape].name));
             let message = format!(
                 "`{}` and `{}` never move against each other, on one body or on fixed ones; leave the contact out",
                 names[0], names[1]
             );
-            return Err(self.told(place, message));
+            return Err(self.0.bodies.told(place, message));
         }
         if rubs {
             for body in [&one, &other] {
-                self.needs_angle(body, place, "friction, which turns it,")?;
+                self.0
+                    .bodies
+                    .needs_angle(body, place, "friction, which turns it,")?;
             }
         }
         let groups = self.gaps(a, b, place.start);
         if groups.is_empty() {
-            let kinds = [a, b].map(|shape| self.shapes[shape].kind);
+            let kinds = [a, b].map(|shape| self.0.list[shape].kind);
             let message = format!(
                 "there is no contact between a {} and a {}; give one of them a radius, as a circle or a capsule has",
                 kinds[0], kinds[1]
             );
-            return Err(self.told(place, message));
+            return Err(self.0.bodies.told(place, message));
         }
-        let (first, second) = (&self.shapes[a].name, &self.shapes[b].name);
+        let (first, second) = (&self.0.list[a].name, &self.0.list[b].name);
         let own = second.strip_prefix(&scope.prefix).unwrap_or(second);
         let whole = format!("{first}.{own}");
         let many = groups.len() > 1;
-        if !self.names.declare_path(&whole) {
+        if !self.0.bodies.names.declare_path(&whole) {
             let message = format!(
                 "`{}` is declared twice; keep one contact between two shapes",
                 shown(&whole)
             );
-            return Err(self.diagnostics.report("E19", place, message));
+            return Err(self.0.bodies.diagnostics.report("E19", place, message));
         }
         let span = place.start;
         for (k, pieces) in (1..).zip(groups) {
             let name = match many {
                 true => {
-                    self.names.declare(&whole, &[k]);
+                    self.0.bodies.names.declare(&whole, &[k]);
                     Ident::new(&encoded(&member(&whole, &[k])), span)
                 }
                 false => Ident::new(&encoded(&whole), span),
@@ -180,10 +158,10 @@ impl Bodies<'_> {
             [gap] => quote_spanned!(span=> surface #name: #gap >= 0),
             gaps => quote_spanned!(span=> surface #name: max(#(#gaps),*) >= 0),
         };
-        self.write(surface, scope);
+        self.0.bodies.write(surface, scope);
         let law = law.iter();
         let law = quote_spanned!(span=> impact #name: #(#law)*);
-        self.write(
+        self.0.bodies.write(
             match rubs {
                 false => law,
                 true => quote_spanned!(span=> #law, sliding (#(#slides),*)),
@@ -194,12 +172,12 @@ impl Bodies<'_> {
 
     /// All gaps that have to be kept between two shapes, each the largest of its pieces.
     pub(super) fn gaps(&self, a: usize, b: usize, span: Span) -> Vec<Vec<Piece>> {
-        let (a, b) = (&self.shapes[a], &self.shapes[b]);
+        let (a, b) = (&self.0.list[a], &self.0.list[b]);
         let is_round = a.radius.is_some() || b.radius.is_some();
-        let halves = a.is_half_plane() || b.is_half_plane();
+        let halves = a.corners.is_empty() || b.corners.is_empty();
         let mut groups = Vec::new();
         // A sharp corner that meets a segment has no side on which it is.
-        if !is_round && !halves && (a.sides.is_empty() || b.sides.is_empty()) {
+        if !is_round && !halves && !(a.is_solid && b.is_solid) {
             return groups;
         }
         if is_round && !halves {
@@ -213,18 +191,18 @@ impl Bodies<'_> {
             }
         }
         for (one, other) in [(a, b), (b, a)] {
-            for corner in &one.corners {
-                let touch = touch(one, corner, other, span);
+            let touches = one
+                .corners
+                .iter()
+                .map(|corner| touch(one, corner, other, span));
+            for touch in touches.collect::<Vec<_>>() {
                 if is_round && !halves {
                     let strips = other.strips.iter();
-                    groups.extend(strips.map(|strip| self.on_strip(&touch, strip)));
+                    groups.extend(
+                        strips.map(|&strip| self.on_sides(&touch, other, |k| k % 2 == strip)),
+                    );
                 } else if !other.sides.is_empty() {
-                    let sides = other.sides.iter().map(|side| {
-                        let (normal, foot) = (&side.normal, &side.foot);
-                        let height = quote_spanned!(span=> #normal . (#corner - #foot));
-                        self.piece(&touch, &side.normal, &less_radii(&touch, height))
-                    });
-                    groups.push(sides.collect());
+                    groups.push(self.on_sides(&touch, other, |_| true));
                 }
             }
         }
@@ -239,31 +217,26 @@ impl Bodies<'_> {
         self.piece(touch, &normal, &less_radii(touch, distance))
     }
 
-    /// A corner on a strip that is a radius longer or wider than the core.
-    fn on_strip(&self, touch: &Touch<'_>, strip: &Strip) -> Vec<Piece> {
-        let (span, corner) = (touch.span, &touch.corner);
-        let Strip {
-            middle,
-            along,
-            across,
-            half_length,
-            half_width,
-            is_longer,
-        } = strip;
-        let sides = [
-            (quote_spanned!(span=> #along), half_length, *is_longer),
-            (quote_spanned!(span=> #across), half_width, !is_longer),
-            (quote_spanned!(span=> (-#along)), half_length, *is_longer),
-            (quote_spanned!(span=> (-#across)), half_width, !is_longer),
-        ];
-        let pieces = sides.into_iter().map(|(normal, half, is_round)| {
-            let distance = quote_spanned!(span=> #normal . (#corner - #middle) - #half);
-            let distance = match is_round {
-                true => less_radii(touch, distance),
-                false => distance,
-            };
-            self.piece(touch, &normal, &distance)
-        });
+    /// A corner on all sides of a shape, some of them a radius farther away.
+    fn on_sides(
+        &self,
+        touch: &Touch<'_>,
+        shape: &Shape,
+        is_round: impl Fn(usize) -> bool,
+    ) -> Vec<Piece> {
+        let (span, corner, middle) = (touch.span, &touch.corner, &shape.middle);
+        let pieces = shape
+            .sides
+            .iter()
+            .enumerate()
+            .map(|(k, Side { normal, half })| {
+                let distance = quote_spanned!(span=> #normal . (#corner - #middle) - #half);
+                let distance = match is_round(k) {
+                    true => less_radii(touch, distance),
+                    false => distance,
+                };
+                self.piece(touch, normal, &distance)
+            });
         pieces.collect()
     }
 
@@ -271,19 +244,19 @@ impl Bodies<'_> {
     /// the other body there differ along the surface by `(p' - b') x n + w_a r_a + w_b (n . (p - b) - r_a)`.
     fn piece(&self, touch: &Touch<'_>, normal: &TokenStream, distance: &TokenStream) -> Piece {
         let (span, corner) = (touch.span, &touch.corner);
-        let on = self.body_place(touch.on);
+        let on = self.0.bodies.body_place(touch.on);
         let apart = quote_spanned!(span=> (dot(#corner) - dot(#on)));
         let mut sliding = quote_spanned!(span=> #normal[1]*#apart[0] - #normal[0]*#apart[1]);
         let mut below = quote_spanned!(span=> #normal . (#corner - #on));
         if let Some(radius) = &touch.radius {
             below = quote_spanned!(span=> #below - #radius);
-            if self.turns(touch.body) {
-                let angle = self.named(touch.body, "angle");
+            if self.0.bodies.turns(touch.body) {
+                let angle = self.0.bodies.named(touch.body, "angle");
                 sliding = quote_spanned!(span=> #sliding + dot(#angle)*#radius);
             }
         }
-        if self.turns(touch.on) {
-            let angle = self.named(touch.on, "angle");
+        if self.0.bodies.turns(touch.on) {
+            let angle = self.0.bodies.named(touch.on, "angle");
             sliding = quote_spanned!(span=> #sliding + dot(#angle)*(#below));
         }
         let distance = distance.clone();

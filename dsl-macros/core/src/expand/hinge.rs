@@ -1,9 +1,10 @@
 //! Joints between bodies: `hinge elbow: upper.tip == lower.base`, and `weld`, `slider` and `rolling`, become `joint`s, and what moves in
 //! them gets a name, `elbow.angle` and `rail.way`.
 
-use super::body::Bodies;
 use super::clause::{Clause, clauses, head, shown, sorted};
+use super::contact::Contacts;
 use super::names::{Scope, encoded};
+use super::shape::Shapes;
 use super::tokens::{grouped, is_punct, place_of};
 use crate::diagnostics::{Checked, Place};
 use crate::words;
@@ -23,18 +24,21 @@ struct Between<'t> {
     angle: Option<Clause<'t>>,
 }
 
-impl Bodies<'_> {
+/// Writes joints of bodies out.
+pub(super) struct Hinges<'s, 'a>(pub(super) &'s mut Shapes<'a>);
+
+impl Hinges<'_, '_> {
     /// `hinge elbow: upper.tip == lower.base`: a point on a point, about which both turn.
     pub(super) fn hinge(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
         let between = self.between(statement, "==", scope)?;
         self.refuse(&between, [false, false])?;
         self.pinned(&between, scope);
         if let Some(turn) = self.turn(&between) {
-            let angle = self.own(&between.whole, "angle", between.name.span());
-            self.write(
-                quote_spanned!(angle.span()=> let #angle: rad = #turn),
-                scope,
-            );
+            let span = between.name.span();
+            let turn = quote_spanned!(span=> : rad = #turn);
+            self.0
+                .bodies
+                .define((&between.whole, "angle", span), turn, scope);
         }
         Ok(())
     }
@@ -56,31 +60,33 @@ impl Bodies<'_> {
                 "slider `{0}` has no direction; add it as its second body has it, as in `slider {0}: block on frame along (1, 0)`",
                 between.name
             );
-            return Err(self.told(Place::at(between.name.span()), message));
+            return Err(self.0.bodies.told(Place::at(between.name.span()), message));
         };
         let (span, value) = (between.name.span(), direction.value());
         let direction = match &between.bodies[1] {
-            Some(body) if self.turns(body) => {
-                let angle = self.named(body, "angle");
+            Some(body) if self.0.bodies.turns(body) => {
+                let angle = self.0.bodies.named(body, "angle");
                 quote_spanned!(span=> rotation(#angle)*#value)
             }
             _ => quote_spanned!(span=> #value),
         };
-        let [along, way] = ["along", "way"].map(|name| self.own(&between.whole, name, span));
         let [a, b] = &between.sides;
+        let direction = quote_spanned!(span=> = (#direction)/|#value|);
+        let along = self
+            .0
+            .bodies
+            .define((&between.whole, "along", span), direction, scope);
+        let way = quote_spanned!(span=> : m = #along . (#a - #b));
+        self.0
+            .bodies
+            .define((&between.whole, "way", span), way, scope);
         let joint = Ident::new(&encoded(&between.whole), span);
-        self.write(
-            quote_spanned!(span=> let #along = (#direction)/|#value|),
-            scope,
-        );
-        self.write(
-            quote_spanned!(span=> let #way: m = #along . (#a - #b)),
-            scope,
-        );
         let off = quote_spanned!(span=> #along[0]*(#a - #b)[1] - #along[1]*(#a - #b)[0]);
-        self.write(quote_spanned!(span=> joint #joint: #off == 0), scope);
+        self.0
+            .bodies
+            .write(quote_spanned!(span=> joint #joint: #off == 0), scope);
         let [first, _] = &between.bodies;
-        match first.as_ref().is_some_and(|body| self.turns(body)) {
+        match first.as_ref().is_some_and(|body| self.0.bodies.turns(body)) {
             true => self.locked(&between, scope),
             false => Ok(()),
         }
@@ -93,33 +99,37 @@ impl Bodies<'_> {
         let place = Place::at(between.name.span());
         let mut shapes = Vec::new();
         for side in &between.sides {
-            shapes.push(self.shapes_of(&super::tokens::opened(side), scope)?);
+            shapes.push(self.0.shapes_of(&super::tokens::opened(side), scope)?);
         }
         let (&[a], &[b]) = (&shapes[0][..], &shapes[1][..]) else {
             let message = format!(
                 "`{}` rolls with more than one shape of a body; name one of them, as in `block.lid`",
                 between.name
             );
-            return Err(self.told(place, message));
+            return Err(self.0.bodies.told(place, message));
         };
-        let bodies = [a, b].map(|shape| self.shapes[shape].body.clone());
+        let bodies = [a, b].map(|shape| self.0.list[shape].body.clone());
         for body in &bodies {
-            self.needs_angle(body, place, "rolling")?;
+            self.0.bodies.needs_angle(body, place, "rolling")?;
         }
-        let groups = self.gaps(a, b, place.start);
+        let groups = Contacts(&mut *self.0).gaps(a, b, place.start);
         let (1, Some([piece])) = (groups.len(), groups.first().map(Vec::as_slice)) else {
-            let kinds = [a, b].map(|shape| self.shapes[shape].kind);
+            let kinds = [a, b].map(|shape| self.0.list[shape].kind);
             let message = format!(
                 "a {} does not roll on a {} in one point; a circle rolls on a half plane or on a circle",
                 kinds[0], kinds[1]
             );
-            return Err(self.told(place, message));
+            return Err(self.0.bodies.told(place, message));
         };
         let (span, distance, sliding) = (place.start, &piece.distance, &piece.sliding);
         let joint = Ident::new(&encoded(&between.whole), span);
-        let grip = self.own(&between.whole, "grip", span);
-        self.write(quote_spanned!(span=> joint #joint: #distance == 0), scope);
-        self.write(quote_spanned!(span=> joint #grip: #sliding == 0), scope);
+        let grip = self.0.bodies.own(&between.whole, "grip", span);
+        self.0
+            .bodies
+            .write(quote_spanned!(span=> joint #joint: #distance == 0), scope);
+        self.0
+            .bodies
+            .write(quote_spanned!(span=> joint #grip: #sliding == 0), scope);
         Ok(())
     }
 
@@ -130,7 +140,7 @@ impl Bodies<'_> {
         sign: &str,
         scope: &Rc<Scope>,
     ) -> Checked<Between<'t>> {
-        let (name, indices, rest) = head(statement, self.diagnostics)?;
+        let (name, indices, rest) = head(statement, self.0.bodies.diagnostics)?;
         let place = Place::at(name.span());
         let clauses = clauses(rest, &words::JOINT);
         let relation = clauses[0].whole();
@@ -152,7 +162,11 @@ impl Bodies<'_> {
             let keyword = super::tokens::keyword(statement);
             let example = words::example(&keyword).unwrap_or_default();
             let message = format!("`{keyword}` joins two sides by `{sign}`, as in `{example}`");
-            return Err(self.diagnostics.syntax(place_of(relation, place), message));
+            return Err(self
+                .0
+                .bodies
+                .diagnostics
+                .syntax(place_of(relation, place), message));
         };
         let behind = at + if sign == "==" { 2 } else { 1 };
         let sides = [&relation[..at], &relation[behind..]];
@@ -161,19 +175,19 @@ impl Bodies<'_> {
             clauses[1..].iter().copied(),
             &words::JOINT,
             &what,
-            self.diagnostics,
+            self.0.bodies.diagnostics,
         )?;
         let text = format!("{}{name}", scope.prefix);
-        let Some(whole) = self.names.declare_part(&text, &indices) else {
+        let Some(whole) = self.0.bodies.names.declare_part(&text, &indices) else {
             let message = format!("`{name}` is declared twice; rename this joint");
-            return Err(self.diagnostics.report("E19", place, message));
+            return Err(self.0.bodies.diagnostics.report("E19", place, message));
         };
         let bodies = sides.map(|side| self.body_of(side, scope));
         if bodies.iter().all(Option::is_none) {
             let message = format!(
                 "neither side of `{name}` is a body or a point of one; what holds between other places is a `joint {name}: left == right`"
             );
-            return Err(self.told(place_of(relation, place), message));
+            return Err(self.0.bodies.told(place_of(relation, place), message));
         }
         let sides = sides.map(|side| grouped(Delimiter::None, side.to_vec(), side[0].span()));
         Ok(Between {
@@ -191,7 +205,11 @@ impl Bodies<'_> {
         let [TokenTree::Ident(_), ..] = tokens else {
             return None;
         };
-        let found = self.names.resolved(tokens, scope, self.diagnostics);
+        let found = self
+            .0
+            .bodies
+            .names
+            .resolved(tokens, scope, self.0.bodies.diagnostics);
         let [TokenTree::Ident(name)] = &found[..] else {
             return None;
         };
@@ -200,7 +218,7 @@ impl Bodies<'_> {
             let rest = whole.strip_prefix(body.as_str());
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
-        let found = self.bodies.keys().filter(is_its);
+        let found = self.0.bodies.known.keys().filter(is_its);
         found.max_by_key(|body| body.len()).cloned()
     }
 
@@ -218,24 +236,27 @@ impl Bodies<'_> {
             clause.word(),
             between.name
         );
-        Err(self.told(clause.place(), message))
+        Err(self.0.bodies.told(clause.place(), message))
     }
 
     /// A point on a point.
     fn pinned(&mut self, between: &Between<'_>, scope: &Rc<Scope>) {
         let (span, [a, b]) = (between.name.span(), &between.sides);
         let joint = Ident::new(&encoded(&between.whole), span);
-        self.write(quote_spanned!(span=> joint #joint: #a == #b), scope);
+        self.0
+            .bodies
+            .write(quote_spanned!(span=> joint #joint: #a == #b), scope);
     }
 
     /// How far the second body is turned against the first one; none if one of them cannot turn.
     fn turn(&self, between: &Between<'_>) -> Option<TokenStream> {
         let span = between.name.span();
         let known = between.bodies.iter().flatten();
-        if !known.clone().all(|body| self.turns(body)) {
+        if !known.clone().all(|body| self.0.bodies.turns(body)) {
             return None;
         }
-        let angle = |body: &Option<String>| body.as_ref().map(|body| self.named(body, "angle"));
+        let angle =
+            |body: &Option<String>| body.as_ref().map(|body| self.0.bodies.named(body, "angle"));
         match [&between.bodies[0], &between.bodies[1]].map(angle) {
             [Some(a), Some(b)] => Some(quote_spanned!(span=> #b - #a)),
             [Some(a), None] => Some(quote_spanned!(span=> -#a)),
@@ -247,7 +268,7 @@ impl Bodies<'_> {
     /// An angle between both bodies that stays, 0 where none is said.
     fn locked(&mut self, between: &Between<'_>, scope: &Rc<Scope>) -> Checked<()> {
         for body in between.bodies.iter().flatten() {
-            self.needs_angle(
+            self.0.bodies.needs_angle(
                 body,
                 Place::at(between.name.span()),
                 &format!("joint `{}`", shown(&between.whole)),
@@ -260,8 +281,10 @@ impl Bodies<'_> {
         let angle = between
             .angle
             .map_or_else(|| super::tokens::number(0, span), |clause| clause.value());
-        let joint = self.own(&between.whole, "turn", span);
-        self.write(quote_spanned!(span=> joint #joint: #turn == #angle), scope);
+        let joint = self.0.bodies.own(&between.whole, "turn", span);
+        self.0
+            .bodies
+            .write(quote_spanned!(span=> joint #joint: #turn == #angle), scope);
         Ok(())
     }
 }

@@ -4,6 +4,7 @@
 
 mod body;
 mod clause;
+mod constants;
 mod contact;
 mod hinge;
 mod index;
@@ -17,9 +18,13 @@ pub(crate) use names::decoded;
 pub(crate) use part::{counts, files, is_declaration};
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
+use body::Bodies;
+use contact::Contacts;
+use hinge::Hinges;
 use names::{Names, Scope};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use repeat::{DEEPEST, Repeat};
+use shape::Shapes;
 use std::rc::Rc;
 use tokens::{group_in, grouped, inside, is_punct, joined, keyword, place_of, undocumented, word};
 
@@ -69,21 +74,21 @@ fn written_out(
     names: &mut Names,
     diagnostics: &mut Diagnostics,
 ) -> Vec<part::Placed> {
-    let mut bodies = body::Bodies::new(names, diagnostics);
+    let mut shapes = Shapes::new(Bodies::new(names, diagnostics));
     for (statement, scope) in statements {
         let _: Checked<()> = match keyword(&statement).as_str() {
-            "gravity" => bodies.gravity(&statement, &scope),
-            "body" => bodies.body(&statement, &scope),
-            "shape" => bodies.shape(&statement, &scope),
-            "contact" => bodies.contact(&statement, &scope),
-            "hinge" => bodies.hinge(&statement, &scope),
-            "weld" => bodies.weld(&statement, &scope),
-            "slider" => bodies.slider(&statement, &scope),
-            "rolling" => bodies.rolling(&statement, &scope),
-            _ => bodies.other((statement, scope)),
+            "gravity" => shapes.bodies.gravity(&statement, &scope),
+            "body" => shapes.bodies.body(&statement, &scope),
+            "shape" => shapes.shape(&statement, &scope),
+            "contact" => Contacts(&mut shapes).contact(&statement, &scope),
+            "hinge" => Hinges(&mut shapes).hinge(&statement, &scope),
+            "weld" => Hinges(&mut shapes).weld(&statement, &scope),
+            "slider" => Hinges(&mut shapes).slider(&statement, &scope),
+            "rolling" => Hinges(&mut shapes).rolling(&statement, &scope),
+            _ => shapes.bodies.other((statement, scope)),
         };
     }
-    bodies.finished()
+    shapes.bodies.finished()
 }
 
 /// Whether tokens hold anything of what is written out.

@@ -3,11 +3,11 @@
 
 use super::body::Bodies;
 use super::clause::{Clause, clauses, shown, sorted};
-use super::names::{Scope, encoded, indices, member};
+use super::names::{Scope, encoded, member};
 use super::tokens::{
     ended, group_in, grouped, inside, is_punct, items, place_of, punct, undocumented,
 };
-use crate::diagnostics::{Checked, Place, Reported, closest, list};
+use crate::diagnostics::{Checked, Place, list};
 use crate::words;
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
 use quote::quote_spanned;
@@ -22,21 +22,10 @@ const KINDS: [&str; 5] = [
     "segment l",
 ];
 
-/// All points with `|along . (p - middle)| <= half_length` and `|across . (p - middle)| <= half_width`.
-pub(super) struct Strip {
-    pub(super) middle: Ident,
-    pub(super) along: Ident,
-    pub(super) across: Ident,
-    pub(super) half_length: TokenStream,
-    pub(super) half_width: TokenStream,
-    /// Whether the radius is added to its length, otherwise to its width.
-    pub(super) is_longer: bool,
-}
-
-/// All points with `normal . (p - foot) <= 0`.
+/// All points with `normal . (p - middle) <= half`.
 pub(super) struct Side {
     pub(super) normal: TokenStream,
-    pub(super) foot: Ident,
+    pub(super) half: TokenStream,
 }
 
 /// A shape, with names in the place of its parts.
@@ -46,42 +35,43 @@ pub(super) struct Shape {
     pub(super) body: String,
     /// Its kind as it is written.
     pub(super) kind: &'static str,
+    pub(super) middle: Ident,
     /// None of a half plane.
     pub(super) corners: Vec<Ident>,
     pub(super) radius: Option<Ident>,
-    pub(super) strips: Vec<Strip>,
+    /// In all of them the core lies; opposite ones are two apart.
     pub(super) sides: Vec<Side>,
-}
-
-impl Shape {
-    fn new(name: String, body: String, kind: &'static str) -> Self {
-        Self {
-            name,
-            body,
-            kind,
-            corners: Vec::new(),
-            radius: None,
-            strips: Vec::new(),
-            sides: Vec::new(),
-        }
-    }
-
-    pub(super) fn is_half_plane(&self) -> bool {
-        self.corners.is_empty()
-    }
+    /// Whether a corner that is inside of all sides is inside of the core, which has a width.
+    pub(super) is_solid: bool,
+    /// What lies within a radius of the core beside its corners: all sides, of which those with this remainder by two are moved by
+    /// the radius.
+    pub(super) strips: &'static [usize],
 }
 
 /// What a shape is made with.
-struct Frame<'s> {
-    whole: String,
+struct Frame<'t> {
+    shape: Shape,
     span: Span,
-    middle: Ident,
-    scope: &'s Rc<Scope>,
-    /// What `at` and `angle` say of how it lies on its body.
-    placed: [Vec<TokenTree>; 2],
+    scope: &'t Rc<Scope>,
+    kind: Clause<'t>,
+    /// How it is turned.
+    turn: TokenStream,
+    /// Whether it can be drawn: its size does not move.
+    is_drawn: bool,
 }
 
-impl Bodies<'_> {
+/// All shapes of a scene.
+pub(super) struct Shapes<'a> {
+    pub(super) bodies: Bodies<'a>,
+    pub(super) list: Vec<Shape>,
+}
+
+impl<'a> Shapes<'a> {
+    pub(super) fn new(bodies: Bodies<'a>) -> Self {
+        let list = Vec::new();
+        Self { bodies, list }
+    }
+
     /// `shape crate: rectangle (w, h) at (a, b) angle c`, also under a name of its own, `shape crate.lid: ..`.
     pub(super) fn shape(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
         let statement = ended(undocumented(statement));
@@ -91,48 +81,80 @@ impl Bodies<'_> {
             .position(|token| is_punct(Some(token), ':'));
         let Some(colon) = colon.filter(|&colon| colon + 1 < statement.len()) else {
             let message = "a shape is written as in `shape block: rectangle (w, h)`, behind the name of its body";
-            return Err(self.diagnostics.syntax(begin, message));
+            return Err(self.bodies.diagnostics.syntax(begin, message));
         };
         let (body, whole, span) = self.owner(&statement[1..colon], scope)?;
         let clauses = clauses(&statement[colon + 1..], &words::SHAPE);
         let what = format!("the shape of `{}`", shown(&whole));
-        let [kinds @ .., at, angle] =
-            sorted(clauses.into_iter(), &words::SHAPE, &what, self.diagnostics)?;
+        let [kinds @ .., at, angle] = sorted(
+            clauses.into_iter(),
+            &words::SHAPE,
+            &what,
+            self.bodies.diagnostics,
+        )?;
         let mut kinds = kinds.into_iter().flatten();
         let (Some(kind), None) = (kinds.next(), kinds.next()) else {
             let message = format!("{what} is one of {}", list(KINDS));
-            return Err(self.told(begin, message));
+            return Err(self.bodies.told(begin, message));
         };
         if kind.word() != "circle" {
-            self.needs_angle(&body, kind.place(), &format!("a shape `{}`", kind.word()))?;
+            self.bodies
+                .needs_angle(&body, kind.place(), &format!("a shape `{}`", kind.word()))?;
         }
-        let middle = match at {
-            None => self.body_place(&body),
-            Some(at) => {
-                let place = self.offset(&body, at.place(), &at.value())?;
-                let middle = self.own(&whole, "middle", span);
-                self.write(quote_spanned!(span=> let #middle: m = #place), scope);
-                middle
-            }
+        let middle = self.middle((&body, &whole, span), at, scope)?;
+        let own = self.bodies.named(&body, "angle");
+        let turn = match angle.map(|angle| angle.value()) {
+            None => quote_spanned!(span=> #own),
+            Some(angle) => quote_spanned!(span=> #own + #angle),
         };
-        let placed = [at, angle].map(|clause| {
-            clause.map_or_else(Vec::new, |clause: Clause<'_>| clause.tokens().to_vec())
-        });
-        let frame = Frame {
-            whole,
-            span,
+        let is_still = self.bodies.is_still(&body) && self.bodies.are_still([at, angle], scope);
+        let shape = Shape {
+            name: whole,
+            body,
+            kind: "half plane",
             middle,
+            corners: Vec::new(),
+            radius: None,
+            sides: Vec::new(),
+            is_solid: false,
+            strips: &[],
+        };
+        let word = kind.word();
+        let is_drawn = match word.as_str() {
+            "half" => is_still,
+            _ => self.bodies.constants.all(kind.tokens(), scope),
+        };
+        let mut frame = Frame {
+            shape,
+            span,
             scope,
-            placed,
+            kind,
+            turn,
+            is_drawn,
         };
-        let shape = match kind.word().as_str() {
-            "circle" => self.circle(body, &frame, &kind)?,
-            "capsule" | "segment" => self.capsule(body, &frame, &kind)?,
-            "rectangle" => self.rectangle(body, &frame, &kind)?,
-            _ => self.half_plane(body, &frame, &kind)?,
-        };
-        self.shapes.push(shape);
+        match word.as_str() {
+            "circle" => self.circle(&mut frame)?,
+            "capsule" | "segment" => self.capsule(&mut frame)?,
+            "rectangle" => self.rectangle(&mut frame)?,
+            _ => self.half_plane(&mut frame)?,
+        }
+        self.list.push(frame.shape);
         Ok(())
+    }
+
+    /// Where the middle of a shape is.
+    fn middle(
+        &mut self,
+        (body, whole, span): (&str, &str, Span),
+        at: Option<Clause<'_>>,
+        scope: &Rc<Scope>,
+    ) -> Checked<Ident> {
+        let Some(at) = at else {
+            return Ok(self.bodies.body_place(body));
+        };
+        let place = self.bodies.offset(body, at.place(), &at.value())?;
+        let place = quote_spanned!(span=> : m = #place);
+        Ok(self.bodies.define((whole, "middle", span), place, scope))
     }
 
     /// The body of a shape, the whole name of the shape, and where that stands.
@@ -148,200 +170,169 @@ impl Bodies<'_> {
             }
             names => (names, None),
         };
-        let outer = self.whole(if own.is_some() { names } else { tokens }, scope)?;
+        let outer = self
+            .bodies
+            .whole(if own.is_some() { names } else { tokens }, scope)?;
         let (body, whole) = match own {
-            Some(own) if self.bodies.contains_key(&outer) => {
+            Some(own) if self.bodies.known.contains_key(&outer) => {
                 let whole = format!("{outer}.{own}");
                 (outer, whole)
             }
             Some(_) => {
-                let whole = self.whole(tokens, scope)?;
+                let whole = self.bodies.whole(tokens, scope)?;
                 (whole.clone(), whole)
             }
             None => (outer.clone(), outer),
         };
-        let Some(known) = self.bodies.get(&body) else {
-            return Err(self.no_body(&body, place));
+        let Some(known) = self.bodies.known.get(&body) else {
+            return Err(self.bodies.no_body(&body, place));
         };
         let span = match own {
             Some(own) => own.span(),
             None => known.span,
         };
-        if self.shapes.iter().any(|shape| shape.name == whole)
-            || body != whole && self.names.has(&whole)
+        if self.list.iter().any(|shape| shape.name == whole)
+            || body != whole && self.bodies.names.has(&whole)
         {
             let message = format!(
                 "`{}` is declared twice; give this shape a name of its own, as in `shape {}.lid: ..`",
                 shown(&whole),
                 shown(&body)
             );
-            return Err(self.diagnostics.report("E19", place, message));
+            return Err(self.bodies.diagnostics.report("E19", place, message));
         }
         if body != whole {
-            self.names.declare_body(&whole, &[]);
+            self.bodies.names.declare_body(&whole, &[]);
         }
         Ok((body, whole, span))
     }
 
-    /// E27: a name that is no body above.
-    pub(super) fn no_body(&mut self, name: &str, place: Place) -> Reported {
-        let bodies: Vec<String> = self.bodies.keys().map(|name| shown(name)).collect();
-        let name = shown(name);
-        let message = match closest(&name, bodies.iter().map(String::as_str)) {
-            Some(near) => format!("there is no body `{name}` above; did you mean `{near}`?"),
-            None => format!(
-                "there is no body `{name}` above; declare it before, as in `body {name}: mass m, at (x, z)` or `body {name}: fixed`"
-            ),
-        };
-        self.told(place, message)
-    }
-
     /// Directions of a shape, `along` and `across` it.
-    fn directions(&mut self, body: &str, frame: &Frame<'_>) -> [Ident; 2] {
-        let (angle, span) = (self.named(body, "angle"), frame.span);
-        let turn = match &frame.placed[1][..] {
-            [] => quote_spanned!(span=> #angle),
-            turn => {
-                let turn = grouped(Delimiter::None, turn.to_vec(), turn[0].span());
-                quote_spanned!(span=> #angle + #turn)
-            }
-        };
-        let [along, across] = ["along", "across"].map(|name| self.own(&frame.whole, name, span));
-        self.write(
-            quote_spanned!(span=> let #along = rotation(#turn)*(1, 0)),
-            frame.scope,
-        );
-        self.write(
-            quote_spanned!(span=> let #across = rotation(#turn)*(0, 1)),
-            frame.scope,
-        );
-        [along, across]
+    fn directions(&mut self, frame: &Frame<'_>) -> [Ident; 2] {
+        let (turn, span, whole) = (&frame.turn, frame.span, &frame.shape.name);
+        let along = quote_spanned!(span=> = rotation(#turn)*(1, 0));
+        let across = quote_spanned!(span=> = rotation(#turn)*(0, 1));
+        [("along", along), ("across", across)]
+            .map(|(name, value)| self.bodies.define((whole, name, span), value, frame.scope))
     }
 
     /// A length of a shape, by name.
     fn size(&mut self, frame: &Frame<'_>, name: &str, value: &[TokenTree]) -> Checked<Ident> {
-        self.is_length(value, frame.scope)?;
+        self.bodies
+            .constants
+            .is_length(value, frame.scope, self.bodies.diagnostics)?;
         let span = value.first().map_or(frame.span, TokenTree::span);
-        let size = self.own(&frame.whole, name, span);
         let value = grouped(Delimiter::None, value.to_vec(), span);
-        self.write(quote_spanned!(span=> let #size: m = #value), frame.scope);
-        Ok(size)
+        let value = quote_spanned!(span=> : m = #value);
+        Ok(self
+            .bodies
+            .define((&frame.shape.name, name, span), value, frame.scope))
     }
 
-    fn circle(&mut self, body: String, frame: &Frame<'_>, kind: &Clause<'_>) -> Checked<Shape> {
-        let radius = self.size(frame, "radius", kind.tokens())?;
-        let mut shape = Shape::new(frame.whole.clone(), body, "circle");
-        shape.corners = vec![frame.middle.clone()];
-        shape.radius = Some(radius.clone());
-        self.draw_shape(
-            &shape,
-            frame,
-            "circle",
-            kind.tokens(),
-            &quote_spanned!(frame.span=> radius #radius),
+    /// Two lengths in parentheses.
+    fn two_lengths(
+        &mut self,
+        example: &str,
+        frame: &Frame<'_>,
+        names: [&str; 2],
+    ) -> Checked<[Ident; 2]> {
+        let inner = match frame.kind.tokens() {
+            [group] => group_in(Some(group), Delimiter::Parenthesis).map(inside),
+            _ => None,
+        };
+        let inner = inner.unwrap_or_default();
+        let [first, second] = items(&inner).collect::<Vec<_>>()[..] else {
+            let message = format!("`{}` has two lengths, as in `{example}`", frame.kind.word());
+            return Err(self.bodies.told(frame.kind.place(), message));
+        };
+        let first = self.size(frame, names[0], first)?;
+        Ok([first, self.size(frame, names[1], second)?])
+    }
+
+    /// Sides along and across a shape, which lies within these halves of them.
+    fn sides(&mut self, frame: &mut Frame<'_>, halves: [TokenStream; 2]) -> [Ident; 2] {
+        let [along, across] = self.directions(frame);
+        let span = frame.span;
+        let [length, width] = &halves;
+        frame.shape.sides = [
+            (quote_spanned!(span=> #along), length),
+            (quote_spanned!(span=> #across), width),
+            (quote_spanned!(span=> (-#along)), length),
+            (quote_spanned!(span=> (-#across)), width),
+        ]
+        .map(|(normal, half)| Side {
+            normal,
+            half: half.clone(),
+        })
+        .into();
+        [along, across]
+    }
+
+    /// Declares the next corner of the core.
+    fn corner(&mut self, frame: &mut Frame<'_>, place: TokenStream) {
+        let name = format!("{}.corner", frame.shape.name);
+        let k = 1 + frame.shape.corners.len() as i64;
+        self.bodies.names.declare(&name, &[k]);
+        let corner = Ident::new(&encoded(&member(&name, &[k])), frame.span);
+        self.bodies.write(
+            quote_spanned!(frame.span=> let #corner = #place),
+            frame.scope,
         );
-        Ok(shape)
+        frame.shape.corners.push(corner);
     }
 
-    fn rectangle(&mut self, body: String, frame: &Frame<'_>, kind: &Clause<'_>) -> Checked<Shape> {
-        let [w, h] = self.two_lengths(kind, "rectangle (w, h)", frame, ["width", "height"])?;
-        let [along, across] = self.directions(&body, frame);
-        let (span, middle) = (frame.span, &frame.middle);
-        let mut shape = Shape::new(frame.whole.clone(), body, "rectangle");
-        let corners = [['+', '+'], ['-', '+'], ['-', '-'], ['+', '-']];
-        for (k, signs) in (1..).zip(corners) {
+    fn circle(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
+        let radius = self.size(frame, "radius", frame.kind.tokens())?;
+        self.draw_shape(frame, &quote_spanned!(frame.span=> radius #radius));
+        let shape = &mut frame.shape;
+        (shape.kind, shape.radius) = ("circle", Some(radius));
+        shape.corners = vec![shape.middle.clone()];
+        Ok(())
+    }
+
+    fn rectangle(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
+        let [w, h] = self.two_lengths("rectangle (w, h)", frame, ["width", "height"])?;
+        let (span, middle) = (frame.span, frame.shape.middle.clone());
+        let halves = [&w, &h].map(|size| quote_spanned!(span=> #size/2));
+        let [along, across] = self.sides(frame, halves);
+        for signs in [['+', '+'], ['-', '+'], ['-', '-'], ['+', '-']] {
             let [a, b] = signs.map(|sign| punct(sign, span));
-            let place = quote_spanned!(span=> #middle #a #w/2*#along #b #h/2*#across);
-            self.corner(&mut shape, k, place, frame);
+            self.corner(
+                frame,
+                quote_spanned!(span=> #middle #a #w/2*#along #b #h/2*#across),
+            );
         }
-        let [right, top] = [shape.corners[0].clone(), shape.corners[0].clone()];
-        let [left, bottom] = [shape.corners[2].clone(), shape.corners[2].clone()];
-        shape.sides = vec![
-            Side {
-                normal: quote_spanned!(span=> #along),
-                foot: right,
-            },
-            Side {
-                normal: quote_spanned!(span=> #across),
-                foot: top,
-            },
-            Side {
-                normal: quote_spanned!(span=> (-#along)),
-                foot: left,
-            },
-            Side {
-                normal: quote_spanned!(span=> (-#across)),
-                foot: bottom,
-            },
-        ];
-        shape.strips = [true, false]
-            .map(|is_longer| Strip {
-                middle: middle.clone(),
-                along: along.clone(),
-                across: across.clone(),
-                half_length: quote_spanned!(span=> #w/2),
-                half_width: quote_spanned!(span=> #h/2),
-                is_longer,
-            })
-            .into();
-        self.draw_shape(
-            &shape,
-            frame,
-            "rectangle",
-            kind.tokens(),
-            &quote_spanned!(span=> size (#w, #h)),
-        );
-        Ok(shape)
+        self.draw_shape(frame, &quote_spanned!(span=> size (#w, #h)));
+        let shape = &mut frame.shape;
+        (shape.kind, shape.is_solid, shape.strips) = ("rectangle", true, &[0, 1]);
+        Ok(())
     }
 
     /// What lies within a radius of a segment, or the segment alone.
-    fn capsule(&mut self, body: String, frame: &Frame<'_>, kind: &Clause<'_>) -> Checked<Shape> {
-        let is_round = kind.word() == "capsule";
-        let mut shape = Shape::new(
-            frame.whole.clone(),
-            body,
-            if is_round { "capsule" } else { "segment" },
-        );
-        let length = if is_round {
+    fn capsule(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
+        let (span, middle) = (frame.span, frame.shape.middle.clone());
+        let length = if frame.kind.word() == "capsule" {
             let [length, radius] =
-                self.two_lengths(kind, "capsule (l, r)", frame, ["length", "radius"])?;
-            shape.radius = Some(radius);
+                self.two_lengths("capsule (l, r)", frame, ["length", "radius"])?;
+            (frame.shape.kind, frame.shape.radius) = ("capsule", Some(radius));
             length
         } else {
-            self.size(frame, "length", kind.tokens())?
+            frame.shape.kind = "segment";
+            self.size(frame, "length", frame.kind.tokens())?
         };
-        let [along, across] = self.directions(&shape.body, frame);
-        let (span, middle) = (frame.span, &frame.middle);
-        for (k, sign) in [(1, '+'), (2, '-')] {
-            let sign = punct(sign, span);
-            self.corner(
-                &mut shape,
-                k,
-                quote_spanned!(span=> #middle #sign #length/2*#along),
-                frame,
-            );
+        let halves = [quote_spanned!(span=> #length/2), quote_spanned!(span=> 0)];
+        let [along, across] = self.sides(frame, halves);
+        for sign in ['+', '-'].map(|sign| punct(sign, span)) {
+            self.corner(frame, quote_spanned!(span=> #middle #sign #length/2*#along));
         }
-        self.draw_capsule(&shape, frame, kind.tokens());
-        shape.strips.push(Strip {
-            middle: middle.clone(),
-            along,
-            across,
-            half_length: quote_spanned!(span=> #length/2),
-            half_width: quote_spanned!(span=> 0),
-            is_longer: false,
-        });
-        Ok(shape)
-    }
-
-    /// The ends of a capsule, and the lines between them.
-    fn draw_capsule(&mut self, shape: &Shape, frame: &Frame<'_>, size: &[TokenTree]) {
-        let (span, [a, b]) = (frame.span, [0, 1].map(|k| &shape.corners[k]));
-        let across = self.named(&shape.name, "across");
+        frame.shape.strips = &[1];
+        let (shape, is_drawn) = (&frame.shape, frame.is_drawn);
+        let [a, b] = [0, 1].map(|k| &shape.corners[k]);
         let entries = match &shape.radius {
             None => vec![quote_spanned!(span=> link #a to #b)],
             Some(radius) => {
-                let name = |k| member(&format!("{}.end", shape.name), &[k]);
-                let [c, d] = [1, 2].map(|k| Ident::new(&encoded(&name(k)), span));
+                let name = |k| encoded(&member(&format!("{}.end", shape.name), &[k]));
+                let [c, d] = [1, 2].map(|k| Ident::new(&name(k), span));
                 vec![
                     quote_spanned!(span=> circle #c at #a radius #radius),
                     quote_spanned!(span=> circle #d at #b radius #radius),
@@ -350,125 +341,70 @@ impl Bodies<'_> {
                 ]
             }
         };
-        if self.is_constant(size, frame.scope) {
-            entries
-                .into_iter()
-                .for_each(|entry| self.drawn(&shape.name, entry, frame.scope));
+        for entry in entries.into_iter().filter(|_| is_drawn) {
+            self.bodies.drawn(&shape.name, entry, frame.scope);
         }
+        Ok(())
     }
 
-    /// Declares a corner of the core.
-    fn corner(&mut self, shape: &mut Shape, k: i64, place: TokenStream, frame: &Frame<'_>) {
-        let name = format!("{}.corner", frame.whole);
-        self.names.declare(&name, &[k]);
-        let corner = Ident::new(&encoded(&member(&name, &[k])), frame.span);
-        self.write(
-            quote_spanned!(frame.span=> let #corner = #place),
-            frame.scope,
-        );
-        shape.corners.push(corner);
-    }
-
-    fn half_plane(&mut self, body: String, frame: &Frame<'_>, kind: &Clause<'_>) -> Checked<Shape> {
-        if !matches!(kind.tokens(), [TokenTree::Ident(word)] if word == "plane") {
+    fn half_plane(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
+        if !matches!(frame.kind.tokens(), [TokenTree::Ident(word)] if word == "plane") {
             let message = "a half plane is written as in `shape ground: half plane`; `at` and `angle` stand behind that";
-            return Err(self.diagnostics.syntax(kind.place(), message));
+            return Err(self.bodies.diagnostics.syntax(frame.kind.place(), message));
         }
-        let [along, across] = self.directions(&body, frame);
-        let (span, middle) = (frame.span, &frame.middle);
-        let mut shape = Shape::new(frame.whole.clone(), body, "half plane");
+        let [along, across] = self.directions(frame);
+        let (span, shape) = (frame.span, &mut frame.shape);
         shape.sides.push(Side {
             normal: quote_spanned!(span=> #across),
-            foot: middle.clone(),
+            half: quote_spanned!(span=> 0),
         });
-        let name = Ident::new(&encoded(&shape.name), span);
-        let is_still = self
-            .bodies
-            .get(&shape.body)
-            .is_some_and(|body| body.is_still);
-        if is_still
-            && frame
-                .placed
-                .iter()
-                .all(|tokens| self.is_constant(tokens, frame.scope))
-        {
+        let (name, middle) = (Ident::new(&encoded(&shape.name), span), &shape.middle);
+        if frame.is_drawn {
             let entry = quote_spanned!(span=> curve #name: #middle + w*#along over w);
-            self.drawn(&shape.name, entry, frame.scope);
+            self.bodies.drawn(&shape.name, entry, frame.scope);
         }
-        Ok(shape)
+        Ok(())
     }
 
-    /// Two lengths in parentheses.
-    fn two_lengths(
-        &mut self,
-        kind: &Clause<'_>,
-        example: &str,
-        frame: &Frame<'_>,
-        names: [&str; 2],
-    ) -> Checked<[Ident; 2]> {
-        let tokens = kind.tokens();
-        let inner = match tokens {
-            [group] => group_in(Some(group), Delimiter::Parenthesis).map(inside),
-            _ => None,
+    /// Draws a shape under the word of its kind.
+    fn draw_shape(&mut self, frame: &Frame<'_>, size: &TokenStream) {
+        let Frame {
+            shape, span, turn, ..
+        } = frame;
+        let word = Ident::new(&frame.kind.word(), *span);
+        let (name, middle) = (Ident::new(&encoded(&shape.name), *span), &shape.middle);
+        let angle = match self.bodies.turns(&shape.body) {
+            false => TokenStream::new(),
+            true => quote_spanned!(*span=> angle #turn),
         };
-        let inner = inner.unwrap_or_default();
-        match items(&inner).collect::<Vec<_>>()[..] {
-            [first, second] => Ok([
-                self.size(frame, names[0], first)?,
-                self.size(frame, names[1], second)?,
-            ]),
-            _ => {
-                let message = format!("`{}` has two lengths, as in `{example}`", kind.word());
-                Err(self.told(kind.place(), message))
-            }
+        if frame.is_drawn {
+            let entry = quote_spanned!(*span=> #word #name at #middle #size #angle);
+            self.bodies.drawn(&shape.name, entry, frame.scope);
         }
     }
 
-    /// Draws a shape whose size does not move.
-    fn draw_shape(
+    /// The shapes that a name means: that of a body with all that have names of their own, or one of these.
+    pub(super) fn shapes_of(
         &mut self,
-        shape: &Shape,
-        frame: &Frame<'_>,
-        word: &str,
-        size: &[TokenTree],
-        drawn: &TokenStream,
-    ) {
-        if !self.is_constant(size, frame.scope) {
-            return;
-        }
-        let (span, middle) = (frame.span, &frame.middle);
-        let word = Ident::new(word, span);
-        let name = Ident::new(&encoded(&shape.name), span);
-        let turned = self.turns(&shape.body);
-        let angle = self.named(&shape.body, "angle");
-        let turn = grouped(Delimiter::None, frame.placed[1].clone(), span);
-        let angle = match (turned, frame.placed[1].is_empty()) {
-            (false, _) => TokenStream::new(),
-            (true, true) => quote_spanned!(span=> angle #angle),
-            (true, false) => quote_spanned!(span=> angle #angle + #turn),
-        };
-        let entry = quote_spanned!(span=> #word #name at #middle #drawn #angle);
-        self.drawn(&shape.name, entry, frame.scope);
-    }
-
-    /// The whole name that tokens are.
-    pub(super) fn whole(&mut self, tokens: &[TokenTree], scope: &Rc<Scope>) -> Checked<String> {
-        let before = self.diagnostics.mistakes();
-        let found = self.names.resolved(tokens, scope, self.diagnostics);
-        self.diagnostics.none_since(before)?;
-        match &found[..] {
-            [TokenTree::Ident(name)] => Ok(super::decoded(name.to_string())),
-            [TokenTree::Ident(name), bracket] if indices(bracket).is_some() => {
-                let name = super::decoded(name.to_string());
-                Ok(member(&name, &indices(bracket).unwrap_or_default()))
+        tokens: &[TokenTree],
+        scope: &Rc<Scope>,
+    ) -> Checked<Vec<usize>> {
+        let place = place_of(tokens, Place::at(Span::call_site()));
+        let whole = self.bodies.whole(tokens, scope)?;
+        let is_meant = |shape: &Shape| shape.name == whole || shape.body == whole;
+        let found: Vec<usize> = (0..self.list.len())
+            .filter(|&k| is_meant(&self.list[k]))
+            .collect();
+        match (found.is_empty(), self.bodies.known.contains_key(&whole)) {
+            (false, _) => Ok(found),
+            (true, true) => {
+                let name = shown(&whole);
+                let message = format!(
+                    "body `{name}` has no shape above that could touch anything; declare one before, as in `shape {name}: circle r`"
+                );
+                Err(self.bodies.told(place, message))
             }
-            _ => {
-                let place = place_of(tokens, Place::at(Span::call_site()));
-                Err(self.told(
-                    place,
-                    "a body or a shape has a name here, as in `block` or `block.lid`",
-                ))
-            }
+            (true, false) => Err(self.bodies.no_body(&whole, place)),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Bodies, shapes and contacts: what is written out has the functions of the scene that an author would have written.
 
 use crate::repetition::{assert_told, described};
-use hangtime_dsl::description::{Description, Function, Kernel, Operation, Source};
+use hangtime_dsl::description::{Description, Function, Kernel, Operation};
+use hangtime_dsl::{describe_text, in_used};
 
 /// The outputs of a kernel at numbers that stand in no relation to each other.
 fn values(kernel: &Kernel) -> Vec<f64> {
@@ -10,10 +11,10 @@ fn values(kernel: &Kernel) -> Vec<f64> {
     for &operation in &kernel.operations {
         let at = |k: u32| found[k as usize];
         found.push(match operation {
-            Operation::Given(Source::Parameter(k)) => number(0.1, k),
-            Operation::Given(Source::Input(k)) => number(0.5, k),
-            Operation::Given(Source::Weight(k)) => number(0.9, k),
-            Operation::Given(Source::Constant(value)) => value,
+            Operation::Parameter(k) => number(0.1, k),
+            Operation::Input(k) => number(0.5, k),
+            Operation::Weight(k) => number(0.9, k),
+            Operation::Constant(value) => value,
             Operation::Add(a, b) => at(a) + at(b),
             Operation::Subtract(a, b) => at(a) - at(b),
             Operation::Multiply(a, b) => at(a) * at(b),
@@ -368,7 +369,7 @@ fn slips_of_bodies_are_told_where_they_stand() {
 }
 
 #[test]
-fn slips_of_shapes_and_contacts_are_told_where_they_stand() {
+fn slips_of_shapes_are_told_where_they_stand() {
     for (slip, wanted) in [
         (
             "shape <<ghost>>: circle r",
@@ -427,6 +428,14 @@ fn slips_of_shapes_and_contacts_are_told_where_they_stand() {
             "<<shape>> block",
             "a shape is written as in `shape block: rectangle (w, h)`, behind the name of its body",
         ),
+    ] {
+        assert_told(&SCENE.replace("SLIP", slip), wanted);
+    }
+}
+
+#[test]
+fn slips_of_contacts_are_told_where_they_stand() {
+    for (slip, wanted) in [
         (
             "<<contact>> block: inelastic",
             "a contact is that of two shapes with a law, as in `contact block, ground: inelastic, friction mu`",
@@ -516,6 +525,80 @@ fn slips_of_joints_of_bodies_are_told_where_they_stand() {
     ] {
         assert_told(&SCENE.replace("SLIP", slip), wanted);
     }
+}
+
+#[test]
+fn slips_in_a_file_that_is_used_are_told_there() {
+    let scene = "use \"wheel.hang\"
+         parameters { m: kg = 1, g: m/s^2 = 9.81 }
+         coordinates { x: m, z: m }
+         gravity (0, -g)
+         body ground: fixed
+         shape ground: half plane
+         rear: wheel((x, z), 0.1 [m])
+         start { z: 0.1 [m] }";
+    let wheel = "part wheel(middle, r: m) {
+            coordinates { phi: rad }
+            body rim: mass m, inertia m*r^2 at middle angle phi, valve = (r, 0)
+            shape rim: circle r
+            contact rim, ground: inelastic, friction 0.5
+         }";
+    let whole = |wheel: &str| hangtime_dsl::with_used(scene, |_| Ok(wheel.to_owned()));
+    described(&whole(wheel).expect("files"));
+    for (right, slip, wanted) in [
+        (
+            "angle phi,",
+            "angle phi, <<radius r>>,",
+            "E27: `radius` says nothing of body `rim`; it knows `mass`, `inertia`, `centre`, `at`, `angle`, `fixed`",
+        ),
+        (
+            "circle r",
+            "circle <<-r>>",
+            "E10: the size of a shape is positive",
+        ),
+        (
+            "circle r",
+            "circle <<phi>>",
+            "E03: units differ: `phi` is in rad, where m is needed (`rear.rim.radius` is declared so)",
+        ),
+        (
+            "rim, ground",
+            "rim, <<floor>>",
+            "E27: there is no body `floor` above; declare it before, as in `body floor: mass m, at (x, z)` or `body floor: fixed`",
+        ),
+        (
+            "shape rim",
+            "shape <<rin>>",
+            "E27: there is no body `rin` above; did you mean `rear.rim`?",
+        ),
+        (
+            "friction 0.5",
+            "friction <<z>>",
+            "E03: units differ: `z` is in m, where no unit is needed (a coefficient of friction is a ratio)",
+        ),
+    ] {
+        let slipped = wheel.replace(right, slip);
+        let text = whole(&slipped.replace("<<", "").replace(">>", "")).expect("files");
+        let mistakes = describe_text(&text, "s").expect_err(slip);
+        assert_eq!(mistakes[0].text(), wanted);
+        let (file, own, place) = in_used(&text, &mistakes[0].place);
+        assert_eq!(file, Some("wheel.hang"));
+        let (_, rest) = slip.split_once("<<").expect("a mark");
+        assert_eq!(
+            own.get(place),
+            rest.split_once(">>").map(|(inside, _)| inside)
+        );
+    }
+}
+
+#[test]
+fn bodies_have_names_of_rust_where_they_are_compiled() {
+    let scene = format!(
+        "S {{ {} }}",
+        SCENE.replace("SLIP", "contact block, ground: inelastic")
+    );
+    let code = hangtime_dsl::expand(scene.parse().expect("tokens")).to_string();
+    assert!(!code.contains("compile_error"), "{code}");
 }
 
 #[test]
