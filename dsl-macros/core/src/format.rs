@@ -224,7 +224,10 @@ fn begins(pieces: &[Piece], index: usize) -> bool {
     let text = pieces[index].text.as_str();
     let before = index.checked_sub(1).map(|before| &pieces[before]);
     let named = before.is_some_and(|before| match before.kind {
-        Kind::Word => words::takes_next(&before.text),
+        Kind::Word => {
+            words::takes_next(&before.text)
+                || words::is_of_bodies(&before.text) && begins(pieces, index - 1)
+        }
         Kind::Symbol => ![")", "]", "}", ";"].contains(&before.text.as_str()),
         Kind::Comment => false,
     });
@@ -247,7 +250,13 @@ fn begins(pieces: &[Piece], index: usize) -> bool {
 /// Whether a name stands behind the word of a statement of bodies, or a vector behind that of gravity.
 fn is_named(pieces: &[Piece], index: usize) -> bool {
     pieces.get(index + 1).is_some_and(|next| match next.kind {
-        Kind::Word => !words::is_keyword(&next.text),
+        Kind::Word => {
+            let behind = pieces.get(index + 2);
+            let marks = [":", ".", ",", "["];
+            !words::is_keyword(&next.text)
+                && (!words::is_clause(&next.text)
+                    || behind.is_some_and(|piece| marks.iter().any(|mark| piece.is(mark))))
+        }
         _ => pieces[index].text == "gravity" && next.is("("),
     })
 }

@@ -62,7 +62,7 @@ pub(crate) fn is_of_bodies(word: &str) -> bool {
 
 /// Whether what stands behind a word belongs to it and begins no statement.
 pub(crate) fn takes_next(word: &str) -> bool {
-    is_keyword(word) || is_of_bodies(word) || ["angle", "mass", "inertia", "on"].contains(&word)
+    is_keyword(word) && word != "inelastic"
 }
 
 /// Words that begin what is said of a body.
@@ -84,10 +84,8 @@ pub(crate) const JOINT: [&str; 2] = ["along", "angle"];
 
 /// Whether a word of a statement of bodies stands apart from its value.
 pub(crate) fn is_clause(word: &str) -> bool {
-    word == "gravity"
-        || [&BODY[..], &SHAPE, &JOINT]
-            .iter()
-            .any(|words| words.contains(&word))
+    let mut words = [&BODY[..], &SHAPE, &JOINT].into_iter().flatten();
+    word != "fixed" && words.any(|known| *known == word) || ["gravity", "on"].contains(&word)
 }
 
 /// Functions of other languages, and what is written instead.

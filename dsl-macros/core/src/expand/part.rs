@@ -48,7 +48,12 @@ fn is_written_out(tokens: &[TokenTree]) -> bool {
     match tokens {
         [TokenTree::Ident(word), TokenTree::Ident(name), ..] => {
             let (word, name) = (word.to_string(), name.to_string());
-            words::is_of_bodies(&word) && !words::is_keyword(&name)
+            // `inertia shape angle phi` is about something that is called so.
+            let behind = tokens.get(2);
+            let is_value = words::is_clause(&name)
+                && ![':', '.', ','].iter().any(|&mark| is_punct(behind, mark))
+                && group_in(behind, Delimiter::Bracket).is_none();
+            words::is_of_bodies(&word) && !words::is_keyword(&name) && !is_value
         }
         [TokenTree::Ident(word), next, ..] => {
             let is_vector = group_in(Some(next), Delimiter::Parenthesis).is_some();
@@ -60,12 +65,16 @@ fn is_written_out(tokens: &[TokenTree]) -> bool {
     }
 }
 
-/// Whether `at` is there behind a body or a shape that has not said yet where it is.
-fn is_place(token: &TokenTree, statement: &[TokenTree]) -> bool {
+/// Whether a token belongs to the statement of a body before it: the name at its begin, and the first `at` of a body or a shape.
+fn is_of_body(token: &TokenTree, statement: &[TokenTree]) -> bool {
     let is_at = |token: &TokenTree| matches!(token, TokenTree::Ident(word) if word == words::AT);
-    is_at(token)
-        && ["body", "shape"].contains(&keyword(statement).as_str())
-        && !statement.iter().any(is_at)
+    let statement = undocumented(statement);
+    let word = keyword(statement);
+    let is_name = !matches!(token, TokenTree::Ident(name) if words::is_keyword(&name.to_string()));
+    words::is_of_bodies(&word) && statement.len() == 1 && is_name
+        || is_at(token)
+            && ["body", "shape"].contains(&word.as_str())
+            && !statement.iter().any(is_at)
 }
 
 /// Whether a statement begins at the first of these tokens.
@@ -88,7 +97,7 @@ pub(super) fn statements(tokens: &[TokenTree]) -> Vec<&[TokenTree]> {
         let before = at.checked_sub(1).and_then(|before| tokens.get(before));
         let documents = is_punct(tokens.get(at), '#') && !is_punct(before, '#');
         let begins =
-            begins_any(&tokens[at..], before) && !is_place(&tokens[at], &tokens[begin..at]);
+            begins_any(&tokens[at..], before) && !is_of_body(&tokens[at], &tokens[begin..at]);
         if !documented && (documents || begins) {
             found.push(&tokens[begin..at]);
             begin = at;

@@ -246,6 +246,21 @@ fn words_of_bodies_are_names_elsewhere() {
          impact weld: inelastic
          forces { contact: rolling(1 [N])*hinge }",
     );
+    let own = described(
+        "parameters { body: kg = 1, mass: kg = 1, shape: kg*m^2 = 1 }
+         part leg(n) { coordinates { q: m } lagrangian += n*1 [kg]*dot(q)^2 }
+         coordinates { x: m, y: m, phi: rad }
+         lagrangian += dot(x)^2/2*mass
+         left: leg(1)
+         lagrangian += dot(y)^2/2*body
+         right: leg(2)
+         surface stop: x >= 0
+         impact stop: inelastic
+         rear: leg(3)
+         body angle: mass body, inertia shape angle phi, at (x, y)
+         contacts: leg(4)",
+    );
+    assert_eq!(own.structure.declaration.coordinates.len(), 7);
 }
 
 #[test]
@@ -559,7 +574,7 @@ fn slips_in_a_file_that_is_used_are_told_there() {
         (
             "circle r",
             "circle <<phi>>",
-            "E03: units differ: `phi` is in rad, where m is needed (`rear.rim.radius` is declared so)",
+            "E03: units differ: `rear.phi` has no unit, where m is needed (`rear.rim.radius` is declared so)",
         ),
         (
             "rim, ground",
@@ -613,7 +628,7 @@ forces { x: u }
 gravity (0, -g)
 body block: mass m, inertia j, at (x, z), angle -phi, tip = (-l, 0)
 body rod: mass m, centre (0, -l/2) at block.tip angle theta
-body ground: fixed
+body ground: fixed at (0, 0) angle -l/l
 shape block: rectangle (l, l/2) at (0, l)
 shape ground: half plane angle 2 [deg]
 contact block, ground: inelastic, friction 0.3
