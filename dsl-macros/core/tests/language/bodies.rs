@@ -1,7 +1,7 @@
 //! Bodies, shapes and contacts: what is written out has the functions of the scene that an author would have written.
 
 use crate::repetition::{assert_told, described};
-use hangtime_dsl::description::{Description, Function, Kernel, Operation};
+use hangtime_dsl::description::{Description, Function, Kernel, Operation, Source};
 use hangtime_dsl::{describe_text, in_used};
 
 /// The outputs of a kernel at numbers that stand in no relation to each other.
@@ -11,10 +11,10 @@ fn values(kernel: &Kernel) -> Vec<f64> {
     for &operation in &kernel.operations {
         let at = |k: u32| found[k as usize];
         found.push(match operation {
-            Operation::Parameter(k) => number(0.1, k),
-            Operation::Input(k) => number(0.5, k),
-            Operation::Weight(k) => number(0.9, k),
-            Operation::Constant(value) => value,
+            Operation::Given(Source::Parameter(k)) => number(0.1, k),
+            Operation::Given(Source::Input(k)) => number(0.5, k),
+            Operation::Given(Source::Weight(k)) => number(0.9, k),
+            Operation::Given(Source::Constant(value)) => value,
             Operation::Add(a, b) => at(a) + at(b),
             Operation::Subtract(a, b) => at(a) - at(b),
             Operation::Multiply(a, b) => at(a) * at(b),
