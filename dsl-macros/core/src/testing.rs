@@ -3,7 +3,7 @@
 
 use crate::ast::{Expr, Kind, Operator, Quantity, Relation, Scene, Statement};
 use crate::graph::{Sym, Variable};
-use crate::tape::{self, Op};
+use crate::tape::{self, Leaf, Op};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -14,8 +14,8 @@ pub(crate) fn run(outputs: &[Sym], input: impl Fn(Variable) -> f64) -> Vec<f64> 
     for op in &tape.ops {
         let at = |i: u32| values[i as usize];
         let value = match *op {
-            Op::Load(variable) => input(variable),
-            Op::Constant(bits) => f64::from_bits(bits),
+            Op::Given(Leaf::Variable(variable)) => input(variable),
+            Op::Given(Leaf::Constant(bits)) => f64::from_bits(bits),
             Op::Add(a, b) => at(a) + at(b),
             Op::Subtract(a, b) => at(a) - at(b),
             Op::Multiply(a, b) => at(a) * at(b),

@@ -177,7 +177,7 @@ impl Contacts<'_, '_> {
         let halves = a.corners.is_empty() || b.corners.is_empty();
         let mut groups = Vec::new();
         // A sharp corner that meets a segment has no side on which it is.
-        if !is_round && !halves && !(a.is_solid && b.is_solid) {
+        if !(is_round || halves || a.is_solid && b.is_solid) {
             return groups;
         }
         if is_round && !halves {
