@@ -309,7 +309,15 @@ impl<'a> Bodies<'a> {
     pub(super) fn no_body(&mut self, name: &str, place: Place) -> Reported {
         let bodies: Vec<String> = self.known.keys().map(|name| shown(name)).collect();
         let name = shown(name);
-        let message = match closest(&name, bodies.iter().map(String::as_str)) {
+        // In a part a body has a name of its own, behind that of the part.
+        let own = |body: &str| body.rsplit('.').next().map(str::to_owned);
+        let names: Vec<String> = bodies.iter().filter_map(|body| own(body)).collect();
+        let near = closest(&name, bodies.iter().chain(&names).map(String::as_str));
+        let near = near.and_then(|near| {
+            let is_near = |body: &&String| *body == near || own(body).as_deref() == Some(near);
+            bodies.iter().find(is_near)
+        });
+        let message = match near {
             Some(near) => format!("there is no body `{name}` above; did you mean `{near}`?"),
             None => format!(
                 "there is no body `{name}` above; declare it before, as in `body {name}: mass m, at (x, z)` or `body {name}: fixed`"

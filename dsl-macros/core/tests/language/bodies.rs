@@ -589,7 +589,7 @@ fn slips_in_a_file_that_is_used_are_told_there() {
         (
             "friction 0.5",
             "friction <<z>>",
-            "E03: units differ: `z` is in m, where no unit is needed (a coefficient of friction is a ratio)",
+            "E03: units differ: `z` is in m, where a pure number is needed (a coefficient of friction is a ratio)",
         ),
     ] {
         let slipped = wheel.replace(right, slip);
