@@ -49,7 +49,6 @@ mod settings;
 mod solution;
 mod solve;
 mod status;
-mod variant;
 mod warm_start;
 
 pub use crate::InputError;
@@ -73,4 +72,3 @@ pub(crate) use least_squares::violation;
 pub(crate) use method::barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
 pub(crate) use products::Products;
 pub(crate) use run::run;
-pub(crate) use variant::Variant;
