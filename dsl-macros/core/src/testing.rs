@@ -3,7 +3,7 @@
 
 use crate::ast::{Expr, Kind, Operator, Quantity, Relation, Scene, Statement};
 use crate::graph::{Sym, Variable};
-use crate::tape::{self, Leaf, Op};
+use crate::tape::{self, Leaf};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -12,19 +12,11 @@ pub(crate) fn run(outputs: &[Sym], input: impl Fn(Variable) -> f64) -> Vec<f64> 
     let tape = tape::shortest(outputs);
     let mut values: Vec<f64> = Vec::with_capacity(tape.ops.len());
     for op in &tape.ops {
-        let at = |i: u32| values[i as usize];
-        let value = match *op {
-            Op::Given(Leaf::Variable(variable)) => input(variable),
-            Op::Given(Leaf::Constant(bits)) => f64::from_bits(bits),
-            Op::Add(a, b) => at(a) + at(b),
-            Op::Subtract(a, b) => at(a) - at(b),
-            Op::Multiply(a, b) => at(a) * at(b),
-            Op::Divide(a, b) => at(a) / at(b),
-            Op::Negate(a) => -at(a),
-            Op::Root(a) => at(a).sqrt(),
-            Op::Call(function, a) => function.value(at(a)),
-            Op::Call2(function, a, b) => function.value(at(a), at(b)),
+        let given = |leaf| match leaf {
+            Leaf::Variable(variable) => input(variable),
+            Leaf::Constant(bits) => f64::from_bits(bits),
         };
+        let value = op.value(given, |i| values[i as usize]);
         values.push(value);
     }
     tape.outputs.iter().map(|&i| values[i as usize]).collect()

@@ -133,20 +133,12 @@ impl Program {
     pub(super) fn fold<'a>(&'a self, parameters: &[f64]) -> impl Iterator<Item = f64> + 'a {
         let mut values: Vec<f64> = Vec::with_capacity(self.code.folding.operations.len());
         for &operation in &self.code.folding.operations {
-            let at = |part: u32| values[part as usize];
-            let value = match operation {
-                Operation::Given(Source::Parameter(i)) => parameters[i as usize],
-                Operation::Given(Source::Constant(value)) => value,
-                Operation::Given(Source::Input(_) | Source::Weight(_)) => f64::NAN,
-                Operation::Add(a, b) => at(a) + at(b),
-                Operation::Subtract(a, b) => at(a) - at(b),
-                Operation::Multiply(a, b) => at(a) * at(b),
-                Operation::Divide(a, b) => at(a) / at(b),
-                Operation::Negate(a) => -at(a),
-                Operation::Root(a) => at(a).sqrt(),
-                Operation::Call(function, a) => function.value(at(a)),
-                Operation::Call2(function, a, b) => function.value(at(a), at(b)),
+            let given = |source| match source {
+                Source::Parameter(i) => parameters[i as usize],
+                Source::Constant(value) => value,
+                Source::Input(_) | Source::Weight(_) => f64::NAN,
             };
+            let value = operation.value(given, |part| values[part as usize]);
             values.push(value);
         }
         self.code

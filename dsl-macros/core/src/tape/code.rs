@@ -57,6 +57,21 @@ impl<G> Operation<G> {
         first.into_iter().chain(second)
     }
 
+    /// Its value as a number, of what is given and of the results of earlier operations.
+    pub fn value(self, given: impl FnOnce(G) -> f64, at: impl Fn(u32) -> f64) -> f64 {
+        match self {
+            Self::Given(known) => given(known),
+            Self::Add(a, b) => at(a) + at(b),
+            Self::Subtract(a, b) => at(a) - at(b),
+            Self::Multiply(a, b) => at(a) * at(b),
+            Self::Divide(a, b) => at(a) / at(b),
+            Self::Negate(a) => -at(a),
+            Self::Root(a) => at(a).sqrt(),
+            Self::Call(function, a) => function.value(at(a)),
+            Self::Call2(function, a, b) => function.value(at(a), at(b)),
+        }
+    }
+
     /// This operation on other operands.
     #[must_use]
     pub fn with_operands(self, to: impl Fn(u32) -> u32) -> Self {

@@ -1,7 +1,7 @@
 //! Bodies, shapes and contacts: what is written out has the functions of the scene that an author would have written.
 
 use crate::repetition::{assert_told, described};
-use hangtime_dsl::description::{Description, Function, Kernel, Operation, Source};
+use hangtime_dsl::description::{Description, Kernel, Source};
 use hangtime_dsl::{describe_text, in_used};
 
 /// The outputs of a kernel at numbers that stand in no relation to each other.
@@ -9,22 +9,14 @@ fn values(kernel: &Kernel) -> Vec<f64> {
     let number = |salt: f64, k: u32| 0.4 + (f64::from(k) * 0.618 + salt).fract();
     let mut found: Vec<f64> = Vec::new();
     for &operation in &kernel.operations {
-        let at = |k: u32| found[k as usize];
-        found.push(match operation {
-            Operation::Given(Source::Parameter(k)) => number(0.1, k),
-            Operation::Given(Source::Input(k)) => number(0.5, k),
-            Operation::Given(Source::Weight(k)) => number(0.9, k),
-            Operation::Given(Source::Constant(value)) => value,
-            Operation::Add(a, b) => at(a) + at(b),
-            Operation::Subtract(a, b) => at(a) - at(b),
-            Operation::Multiply(a, b) => at(a) * at(b),
-            Operation::Divide(a, b) => at(a) / at(b),
-            Operation::Negate(a) => -at(a),
-            Operation::Root(a) => at(a).sqrt(),
-            Operation::Call(Function::Sin, a) => at(a).sin(),
-            Operation::Call(Function::Cos, a) => at(a).cos(),
-            other => panic!("{other:?}"),
-        });
+        let given = |source| match source {
+            Source::Parameter(k) => number(0.1, k),
+            Source::Input(k) => number(0.5, k),
+            Source::Weight(k) => number(0.9, k),
+            Source::Constant(value) => value,
+        };
+        let value = operation.value(given, |k| found[k as usize]);
+        found.push(value);
     }
     let outputs = kernel.outputs.iter();
     outputs.map(|&output| found[output as usize]).collect()
