@@ -1,10 +1,9 @@
 //! The smooth program that remains when some variables are fixed at zero, and its solution.
 
-use super::forward::forward;
 use super::watch::{Purpose, Watch};
 use super::{Mpcc, Settings};
 use crate::linalg::norms::norm_inf;
-use crate::nlp::{self, NlpProblem, WarmStart};
+use crate::nlp::{self, Variant, WarmStart};
 
 /// Dual shift below which convergence is fast even for dependent rows.
 const LEAST_SHIFT: f64 = 1e-12;
@@ -167,9 +166,10 @@ pub(crate) fn solve_branch(
     attempt: Attempt,
     watch: &mut Watch<'_>,
 ) -> Option<nlp::Solution> {
-    let mut branch = Branch {
-        problem,
-        fixed: vanishes,
+    // without its pairs
+    let mut branch = Variant {
+        fixed: vanishes.to_vec(),
+        ..Variant::of(problem)
     };
     let mut warm = WarmStart {
         barrier_parameter: attempt.barrier_parameter,
@@ -254,38 +254,4 @@ fn accepts(
     };
     complementarity <= COMPLEMENTARITY * tolerance * solution.objective.abs().max(1.0)
         && (optimal || rough())
-}
-
-/// A complementarity problem without its pairs, with some variables fixed at zero.
-struct Branch<'a> {
-    problem: &'a mut dyn Mpcc,
-    fixed: &'a [bool],
-}
-
-impl NlpProblem for Branch<'_> {
-    forward!(
-        variables,
-        constraints,
-        constraint_bounds,
-        initial_point,
-        objective,
-        gradient,
-        constraint_values,
-        jacobian_pattern,
-        jacobian_values,
-        hessian_pattern,
-        hessian_values,
-        variable_name,
-        constraint_name
-    );
-
-    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.problem.variable_bounds(lower, upper);
-        for ((l, u), fixed) in lower.iter_mut().zip(upper).zip(self.fixed) {
-            if *fixed {
-                *l = 0.0;
-                *u = 0.0;
-            }
-        }
-    }
 }

@@ -2,6 +2,7 @@
 
 use super::Mpcc;
 use super::linear_program::{LinearProgram, Outcome};
+use super::parts::{Part, let_go, of_part, parts};
 use super::watch::Watch;
 use crate::linalg::norms::norm_inf;
 use crate::nlp::{self, Astray, Cone, OFF_CONE};
@@ -53,8 +54,11 @@ const NEIGHBOURHOOD: f64 = 100.0;
 /// Gradient of the Lagrangian from which on the multipliers of a point are too rough for a certificate.
 const ROUGH: f64 = 1e-6;
 
-/// Most linear programs of a certificate.
+/// Most linear programs of a part of a certificate.
 const MOST_PROGRAMS: usize = 200;
+
+/// Part of a direction that a row has to leave at least to be let go: it only shortens steps then.
+const FAR: f64 = 1e-2;
 
 /// Part of the radius that counts as none.
 const NONE: f64 = 1e-6;
@@ -267,7 +271,7 @@ impl<'a> Certifier<'a> {
         let stay = forced.iter().all(|&i| self.stays(i));
         if stationarity != StationarityType::Strong || !stay || self.is_rough {
             self.search_descent(&mut certificate, watch);
-            // The first program leaves the pairs out: without descent there, multipliers of the right signs exist.
+            // the first program leaves the pairs out: without descent there, multipliers of the right signs exist
             let relaxed = certificate.b_stationary == Some(true) && certificate.programs == 1;
             if self.is_rough || !stay {
                 certificate.stationarity = match relaxed {
@@ -283,60 +287,107 @@ impl<'a> Certifier<'a> {
     /// Looks for a feasible descent direction: `d` solves
     ///
     /// ```text
-    ///     min grad f'd  s.t.  c_l <= c + r J d <= c_u,  x_l <= x + r d <= x_u,  0 <= x_i + r d_i _|_ x_j + r d_j >= 0,  |d|_inf <= 1
+    ///     min grad f'd  s.t.  c_l <= c + r J d <= c_u,  x_l <= x + r d <= x_u,  0 <= x_i + r d_i  _|_  x_j + r d_j >= 0,  |d|_inf <= 1
     /// ```
     ///
-    /// with the radius `r` and the pairs that count as biactive, by branch and bound over their sides. Bounds count with their
-    /// distances, so that none has to be called active or not.
+    /// with the radius `r` and the pairs that count as biactive, by branch and bound over their sides, part by part. Bounds count with their
+    /// distances, so that none has to be called active or not; but for rows that leave a good part of any such direction.
     fn search_descent(&self, certificate: &mut Certificate, watch: &mut Watch<'_>) {
         let mut program = self.linear_program(&certificate.biactive);
-        let free = program.upper.clone();
-        let mut open: Vec<Vec<(usize, bool)>> = vec![Vec::new()];
-        while let Some(decided) = open.pop() {
-            if certificate.programs >= MOST_PROGRAMS || watch.stop.is_some() {
+        let let_go = let_go(&mut program, FAR);
+        certificate.programs = 1;
+        let d = match program.solve_below(-self.least, watch) {
+            Outcome::Solution(d, value) if value < -self.least => d,
+            Outcome::Failed => {
                 certificate.b_stationary = None;
                 return;
             }
-            certificate.programs += 1;
-            program.upper.copy_from_slice(&free);
-            for &(k, first) in &decided {
-                let (i, j) = self.pairs[k];
-                let side = if first { i } else { j };
+            _ => return,
+        };
+        let mut direction = vec![0.0; d.len()];
+        let pairs = certificate.biactive.iter().map(|&k| self.pairs[k]);
+        for part in parts(&program, &pairs.collect::<Vec<_>>()) {
+            let own: Vec<f64> = part.variables.iter().map(|&i| d[i]).collect();
+            let share: f64 = part
+                .variables
+                .iter()
+                .map(|&i| self.gradient[i] * d[i])
+                .sum();
+            if share >= -self.least {
+                continue;
+            }
+            match self.search_part(&of_part(&program, &part), &part, own, certificate, watch) {
+                Some(Some(own)) => {
+                    for (&i, d) in part.variables.iter().zip(&own) {
+                        direction[i] = *d;
+                    }
+                    certificate.b_stationary = Some(false);
+                }
+                Some(None) => {}
+                None if certificate.b_stationary == Some(false) => {}
+                None => certificate.b_stationary = None,
+            }
+        }
+        if certificate.b_stationary == Some(false) {
+            let whole = let_go.longest(&direction);
+            let moved = direction.iter().zip(&self.sizes);
+            certificate.descent = Some(moved.map(|(d, size)| whole * d * size).collect());
+        }
+    }
+
+    /// A descent direction of a part, from one of its program without the pairs; `Some(None)` where it is proved that there is none.
+    fn search_part(
+        &self,
+        whole: &LinearProgram,
+        part: &Part,
+        first: Vec<f64>,
+        certificate: &mut Certificate,
+        watch: &mut Watch<'_>,
+    ) -> Option<Option<Vec<f64>>> {
+        let mut program = whole.clone();
+        let mut open = vec![(Vec::new(), Some(first))];
+        let (mut programs, mut is_proved) = (0, true);
+        while let Some((decided, known)) = open.pop() {
+            if programs >= MOST_PROGRAMS || watch.stop.is_some() {
+                return None;
+            }
+            program.upper.copy_from_slice(&whole.upper);
+            for &side in &decided {
                 program.upper[side] = program.lower[side];
             }
-            let d = match program.solve_below(-self.least, watch) {
-                Outcome::Solution(d, value) if value < -self.least => d,
-                Outcome::Failed => {
-                    certificate.b_stationary = None;
-                    continue;
-                }
-                _ => continue,
-            };
-            let off = |i: usize| d[i] - self.lower[i];
-            let violated = certificate
-                .biactive
-                .iter()
-                .copied()
-                .filter(|&k| !decided.iter().any(|&(other, _)| other == k))
-                .map(|k| (k, off(self.pairs[k].0).min(off(self.pairs[k].1))))
-                .filter(|&(_, least)| least > NONE)
-                .max_by(|a, b| a.1.total_cmp(&b.1));
-            match violated {
+            let d = match known {
+                Some(d) => d,
                 None => {
-                    certificate.b_stationary = Some(false);
-                    let moved = d.iter().zip(&self.sizes).map(|(d, size)| d * size);
-                    certificate.descent = Some(moved.collect());
-                    return;
+                    programs += 1;
+                    certificate.programs += 1;
+                    match program.solve_below(-self.least, watch) {
+                        Outcome::Solution(d, value) if value < -self.least => d,
+                        Outcome::Failed => {
+                            is_proved = false;
+                            continue;
+                        }
+                        _ => continue,
+                    }
                 }
-                Some((k, _)) => {
-                    for first in [true, false] {
+            };
+            let off = |i: usize| d[i] - program.lower[i];
+            let least = |&(i, j): &(usize, usize)| off(i).min(off(j));
+            let violated = part
+                .pairs
+                .iter()
+                .max_by(|a, b| least(a).total_cmp(&least(b)));
+            match violated.filter(|pair| least(pair) > NONE) {
+                None => return Some(Some(d)),
+                Some(&(i, j)) => {
+                    for side in [i, j] {
                         let mut child = decided.clone();
-                        child.push((k, first));
-                        open.push(child);
+                        child.push(side);
+                        open.push((child, None));
                     }
                 }
             }
         }
+        is_proved.then_some(None)
     }
 
     /// Multipliers of rows and variables that prove a point whose own are too rough to be stationary in its branch, with

@@ -218,7 +218,7 @@ pub(crate) fn patient_point(
     })
 }
 
-/// The certificate of a point of a choice of sides, or of a lower one: what two attempts do not leave is for a penalty.
+/// The certificate of a point of a choice of sides, or of a lower one.
 pub(crate) fn descend_from(
     problem: &mut dyn Mpcc,
     settings: &Settings,

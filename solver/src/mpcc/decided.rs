@@ -6,8 +6,6 @@
 
 use super::Mpcc;
 use super::forced::{LinearRow, LinearRows, mark_forced};
-use super::forward::forward;
-use crate::nlp::NlpProblem;
 
 /// Size from which on a side is positive at every point that counts as exact.
 const POSITIVE: f64 = 2e-9;
@@ -17,52 +15,6 @@ const MOVED: f64 = 1e-9;
 const ROUNDING: f64 = 1e-13;
 /// Most passes over all rows; bounds that creep towards a limit need not get there.
 const MOST_PASSES: usize = 20;
-
-/// A problem with decided sides fixed at zero.
-pub(crate) struct Decided<'a> {
-    problem: &'a mut dyn Mpcc,
-    vanishes: Vec<bool>,
-}
-
-impl<'a> Decided<'a> {
-    pub(crate) fn new(problem: &'a mut dyn Mpcc, vanishes: Vec<bool>) -> Self {
-        Self { problem, vanishes }
-    }
-}
-
-impl NlpProblem for Decided<'_> {
-    forward!(
-        variables,
-        constraints,
-        constraint_bounds,
-        initial_point,
-        objective,
-        gradient,
-        constraint_values,
-        jacobian_pattern,
-        jacobian_values,
-        hessian_pattern,
-        hessian_values,
-        variable_name,
-        constraint_name
-    );
-
-    fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.problem.variable_bounds(lower, upper);
-        for (k, _) in self.vanishes.iter().enumerate().filter(|(_, v)| **v) {
-            (lower[k], upper[k]) = (0.0, 0.0);
-        }
-    }
-}
-
-impl Mpcc for Decided<'_> {
-    forward!(
-        complementarities,
-        complementarity_name,
-        vanishing_sides,
-        neighbour
-    );
-}
 
 /// The variables that vanish at every exact point: partners of sides that linear rows keep above zero, and what these rows force to
 /// zero with them. `None` if there are none.
@@ -173,6 +125,7 @@ fn ends(factor: f64, (lower, upper): (f64, f64)) -> (f64, f64) {
 mod tests {
     use super::super::{Settings, Status, solve};
     use super::*;
+    use crate::nlp::NlpProblem;
 
     /// A given gap, as at the start of a motion:
     ///

@@ -47,8 +47,7 @@
 //! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective.
 //!
 //! Where no rule ends at a certified point, a *second round* crosses over with many more iterations from where they ended: from
-//! these ends first, then from where a penalty leads, a cost of the smaller side of each pair that grows where a side does not vanish,
-//! then from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,
+//! these ends first, then from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,
 //! equations that determine a point twice); their runs end where nothing moves any more, and the linear programs of the
 //! certificate, whose dual solutions prove that there is no descent, give the multipliers.
 //!
@@ -72,11 +71,9 @@ mod decided;
 mod elastic;
 mod finish;
 mod forced;
-mod forward;
 mod linear_program;
 mod moved;
-mod nearest;
-mod penalty;
+mod parts;
 mod problem;
 mod ray;
 mod relaxation;

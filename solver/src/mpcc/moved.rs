@@ -4,57 +4,12 @@
 //! violation, be the pairs relaxed or not, though points that keep the rows lie near. Without pairs and objective they are found.
 
 use super::Mpcc;
-use super::forward::forward;
-use super::nearest::Nearest;
 use super::watch::{Purpose, Watch};
 use crate::linalg::norms::norm_inf;
-use crate::nlp::{self, InputError, IterationInfo, NlpProblem, violation};
+use crate::nlp::{self, InputError, IterationInfo, Variant, violation};
 
 /// Violation, scaled, up to which a start keeps the rows: further digits are left to the runs from there.
 const KEPT: f64 = 1e-6;
-
-/// A problem that starts from another point.
-pub(crate) struct Moved<'a> {
-    problem: &'a mut dyn Mpcc,
-    start: Vec<f64>,
-}
-
-impl<'a> Moved<'a> {
-    pub(crate) fn new(problem: &'a mut dyn Mpcc, start: Vec<f64>) -> Self {
-        Self { problem, start }
-    }
-}
-
-impl NlpProblem for Moved<'_> {
-    forward!(
-        variables,
-        constraints,
-        variable_bounds,
-        constraint_bounds,
-        objective,
-        gradient,
-        constraint_values,
-        jacobian_pattern,
-        jacobian_values,
-        hessian_pattern,
-        hessian_values,
-        variable_name,
-        constraint_name
-    );
-
-    fn initial_point(&self, x: &mut [f64]) {
-        x.copy_from_slice(&self.start);
-    }
-}
-
-impl Mpcc for Moved<'_> {
-    forward!(
-        complementarities,
-        complementarity_name,
-        vanishing_sides,
-        neighbour
-    );
-}
 
 /// A point near the start of a problem at which its rows and bounds hold, whatever the pairs do: on the way to the nearest one, where
 /// the rows hold first. `None` where that comes to no such point, and where they hold at the start.
@@ -80,7 +35,7 @@ pub(crate) fn start_within_rows(
         holds = !info.restoration && info.primal_infeasibility <= KEPT;
         !holds
     };
-    let mut near = Nearest::new(problem, &own);
+    let mut near = Variant::nearest(problem, &own);
     let found = watch.run(
         Purpose::Relaxed,
         &settings,
@@ -109,6 +64,7 @@ fn keeps_rows(problem: &mut dyn Mpcc, x: &[f64]) -> bool {
 mod tests {
     use super::super::{RelaxationRule, Settings, Status, solve};
     use super::*;
+    use crate::nlp::NlpProblem;
 
     /// `min -100 x + a` s.t. `x^3 - 3 x + 3 = y`, `a - b = x`, `|y| <= 0.05`, `0 <= a _|_ b >= 0`, from `x = -1.1`. The first row
     /// can hold near -2.1 only, and has a stationary violation at 1, where the objective leads.

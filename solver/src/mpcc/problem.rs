@@ -1,6 +1,6 @@
 //! The problem class: a nonlinear program and pairs of variables.
 
-use crate::nlp::NlpProblem;
+use crate::nlp::{NlpProblem, Variant};
 
 /// A nonlinear program with complementarity pairs between *variables* (vertical form): for each pair
 /// `(i, j)`, `0 <= x_i  _|_  x_j >= 0`.
@@ -36,5 +36,23 @@ pub trait Mpcc: NlpProblem {
     fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
         let _ = (index, x, vanishes);
         false
+    }
+}
+
+impl<P: Mpcc + ?Sized> Mpcc for Variant<'_, P> {
+    fn complementarities(&self) -> &[(usize, usize)] {
+        self.problem.complementarities()
+    }
+
+    fn complementarity_name(&self, index: usize) -> String {
+        self.problem.complementarity_name(index)
+    }
+
+    fn vanishing_sides(&self, x: &[f64], vanishes: &mut [bool]) -> bool {
+        self.problem.vanishing_sides(x, vanishes)
+    }
+
+    fn neighbour(&self, index: usize, x: &mut [f64], vanishes: &mut [bool]) -> bool {
+        self.problem.neighbour(index, x, vanishes)
     }
 }

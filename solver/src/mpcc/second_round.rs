@@ -2,19 +2,16 @@
 
 use super::crossover::{choose, descend_from, patient_point};
 use super::finish::{Ended, compare};
-use super::nearest::Nearest;
-use super::penalty::penalized;
 use super::run::solve_with;
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
-use crate::nlp::{self, InputError};
+use crate::nlp::{self, InputError, Variant};
 
 /// Violation and relaxation up to which a relaxed point shows the sides of an exact one, optimal or not.
 const NEAR: f64 = 1e-6;
 
-/// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first; then from where
-/// a penalty of the smaller sides leads from there, at once where the crossover had come to an exact point; then from exact points near these and near the point of the problem,
-/// found without the objective.
+/// Where no rule ended at a certified point: crossovers with more patience from where they ended, the best first; then from exact points
+/// near these and near the point of the problem, found without the objective.
 pub(crate) fn second_round(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -33,21 +30,10 @@ pub(crate) fn second_round(
     let ends: Vec<&Solution> = ends
         .filter(|end| end.status != Status::Infeasible)
         .collect();
-    let mut later = Vec::new();
     for &end in &ends {
-        let is_exact = try_sides(problem, settings, (end, warm(end)), best, watch);
-        if is_exact && !best.solution.status.is_solved() {
-            // an exact point from which its own descent does not lead on: a penalty may
-            watch.with_all(|watch| try_penalty(problem, settings, end, best, watch));
-        } else {
-            later.push(end);
-        }
-        if best.solution.status.is_solved() || watch.stop.is_some() {
-            return Ok(());
-        }
-    }
-    for end in later {
-        try_penalty(problem, settings, end, best, watch);
+        let from = warm(end);
+        let vanishes = choose(problem, &from);
+        try_choice(problem, settings, (end, vanishes, &from), best, watch);
         if best.solution.status.is_solved() || watch.stop.is_some() {
             return Ok(());
         }
@@ -82,32 +68,6 @@ fn warm(solution: &Solution) -> nlp::WarmStart {
     }
 }
 
-/// Tries sides from where a penalty of the smaller ones leads, if it leads anywhere.
-fn try_penalty(
-    problem: &mut dyn Mpcc,
-    settings: &Settings,
-    end: &Solution,
-    best: &mut Ended,
-    watch: &mut Watch<'_>,
-) {
-    if let Some(from) = penalized(problem, settings, warm(end), watch) {
-        try_sides(problem, settings, (end, from), best, watch);
-    }
-}
-
-/// Solves the program of the sides that vanish near a point and goes down from there; takes the point over where it is better. Whether
-/// there is an exact point at all.
-fn try_sides(
-    problem: &mut dyn Mpcc,
-    settings: &Settings,
-    (end, from): (&Solution, nlp::WarmStart),
-    best: &mut Ended,
-    watch: &mut Watch<'_>,
-) -> bool {
-    let vanishes = choose(problem, &from);
-    try_choice(problem, settings, (end, vanishes, &from), best, watch)
-}
-
 /// Tries a choice of sides, from a start.
 fn try_choice(
     problem: &mut dyn Mpcc,
@@ -115,9 +75,9 @@ fn try_choice(
     (start, vanishes, from): (&Solution, Vec<bool>, &nlp::WarmStart),
     best: &mut Ended,
     watch: &mut Watch<'_>,
-) -> bool {
+) {
     let Some(point) = patient_point(problem, settings, &vanishes, from, false, watch) else {
-        return false;
+        return;
     };
     let exact = descend_from(problem, settings, vanishes, point, watch);
     let mut solution = start.clone();
@@ -126,7 +86,6 @@ fn try_choice(
     if compare(&solution, &best.solution).is_lt() {
         (best.solution, best.vanishes) = (solution, vanishes);
     }
-    true
 }
 
 /// A choice of sides that has a point near a given one, and that point.
@@ -141,7 +100,7 @@ fn nearest(
         crossover: false,
         ..settings.clone()
     };
-    let mut near = Nearest::new(problem, to);
+    let mut near = Variant::nearest(problem, to);
     let ended = solve_with(&mut near, &relaxed, rule, watch)?;
     let relaxed = &ended.solution;
     let is_near = relaxed.residuals.primal <= NEAR && relaxed.relaxation_parameter <= NEAR;

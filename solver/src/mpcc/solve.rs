@@ -1,20 +1,14 @@
 //! The entry points: rules one after the other.
 
 use super::crossover::improve;
-use super::decided::{Decided, decided_sides};
+use super::decided::decided_sides;
 use super::finish::{BINDING, Ended, compare};
-use super::moved::{Moved, start_within_rows};
+use super::moved::start_within_rows;
 use super::run::solve_with;
 use super::second_round::second_round;
 use super::watch::Watch;
 use super::{Mpcc, RelaxationRule, Settings, Solution, Status};
-use crate::nlp::{self, Fault, InputError};
-
-/// Part of the iterations that a first path may take where another one follows: the problem as it is stated where linear rows decide sides,
-/// and the one from another start.
-const FIRST_PATH: f64 = 0.6;
-/// Rules that are asked for the problem with decided sides fixed.
-const DECIDED_RULES: usize = 2;
+use crate::nlp::{self, Fault, InputError, Variant};
 
 /// Solves a mathematical program with complementarity constraints from its own starting point: the rules of
 /// [`Settings::rules`] one after the other, until one ends at a certified point; where none does, a second round from where
@@ -132,60 +126,98 @@ pub fn solve_observed(
     } else {
         None
     };
-    let Some(start) = start else {
-        return solve_paths(problem, settings, (first, 0), watch);
-    };
-    let all = settings.maximum_iterations;
-    watch.limit(first_path(watch.used(), all));
-    let mut moved = Moved::new(problem, start);
-    let moved = solve_stated(&mut moved, settings, None, watch)?;
-    // a point without descent of the violation says nothing of other starts
-    let goes_on = moved.status == Status::Infeasible || !is_settled(problem, &moved);
-    if !(goes_on && watch.limit(all)) {
-        return Ok(moved);
-    }
-    let begun = watch.used();
-    let own = solve_paths(problem, settings, (first, begun), watch)?;
-    Ok(match (moved.status, own.status) {
-        // a problem is infeasible only if it is so from both starts
-        (Status::Infeasible, Status::Failed(_)) => own,
-        (Status::Failed(_), Status::Infeasible) => with_totals(moved, watch),
-        _ => better(own, moved, watch),
-    })
-}
-
-/// Where the iterations of a first path end that begins after so many of `all`.
-fn first_path(begun: usize, all: usize) -> usize {
-    begun + (FIRST_PATH * all.saturating_sub(begun) as f64) as usize
-}
-
-/// The problem as it is stated, then with the sides that linear rows decide fixed at zero; `first` is what the first rule has come to,
-/// and `begun` the iterations that are not theirs.
-fn solve_paths(
-    problem: &mut dyn Mpcc,
-    settings: &Settings,
-    (first, begun): (Ended, usize),
-    watch: &mut Watch<'_>,
-) -> Result<Solution, InputError> {
     let sides = settings.crossover.then(|| decided_sides(problem)).flatten();
-    let Some(vanishes) = sides else {
-        return solve_stated(problem, settings, Some(first), watch);
+    let is_open = |path: &&Path| match path.change {
+        Change::Start => start.is_some(),
+        Change::Sides => sides.is_some(),
+        Change::None => true,
     };
-    watch.limit(first_path(begun, settings.maximum_iterations));
-    let stated = solve_stated(problem, settings, Some(first), watch)?;
-    if is_settled(problem, &stated) || !watch.limit(settings.maximum_iterations) {
-        return Ok(stated);
+    let paths: Vec<&Path> = PATHS.iter().filter(is_open).collect();
+    let mut first = Some(first);
+    let mut best: Option<Solution> = None;
+    for (k, path) in paths.iter().enumerate() {
+        let begun = if k == 0 && start.is_none() {
+            0
+        } else {
+            watch.used()
+        };
+        let share = if k + 1 < paths.len() { path.share } else { 1.0 };
+        let left = settings.maximum_iterations.saturating_sub(begun);
+        let goes_on = watch.limit(begun + (share * left as f64) as usize);
+        if k > 0 && !goes_on {
+            break;
+        }
+        let settings = Settings {
+            rules: settings.rules.iter().take(path.rules).copied().collect(),
+            ..settings.clone()
+        };
+        let mut variant = Variant::of(&mut *problem);
+        let mut known = None;
+        match path.change {
+            Change::Start => variant.start = start.clone().unwrap_or_default(),
+            Change::Sides => variant.fixed = sides.clone().unwrap_or_default(),
+            Change::None => known = first.take(),
+        }
+        let found = solve_stated(&mut variant, &settings, known, watch)?;
+        let is_end = is_settled(problem, &found)
+            // a point without descent of the violation says nothing of other starts
+            && !(path.change == Change::Start && found.status == Status::Infeasible);
+        best = Some(match best {
+            None => found,
+            Some(before) => match (path.change, before.status, found.status) {
+                // a problem is infeasible only if it is so from both starts
+                (Change::None, Status::Infeasible, Status::Failed(_)) => found,
+                (Change::None, Status::Failed(_), Status::Infeasible) => before,
+                _ => better(found, before, watch),
+            },
+        });
+        if is_end {
+            break;
+        }
     }
-    // sides that are fixed change the path, and another path may lead to a point that can be certified
-    let rules = settings.rules.iter().take(DECIDED_RULES);
-    let settings = Settings {
-        rules: rules.copied().collect(),
-        ..settings.clone()
-    };
-    let mut program = Decided::new(problem, vanishes);
-    let decided = solve_stated(&mut program, &settings, None, watch)?;
-    Ok(better(decided, stated, watch))
+    // there is a path that changes nothing
+    let best = best.ok_or_else(no_rules)?;
+    Ok(with_totals(best, watch))
 }
+
+/// What a path to a solution changes of the problem as it is stated.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Change {
+    /// Its start, for one at which rows and bounds hold, where the first rule ends in a stationary point of the violation.
+    Start,
+    None,
+    /// Sides that linear rows decide, which are fixed at zero: another path may lead to a point that can be certified.
+    Sides,
+}
+
+/// A path to a solution.
+struct Path {
+    change: Change,
+    /// Most rules that are asked.
+    rules: usize,
+    /// Part that it may take of the iterations that are left, where another path follows.
+    share: f64,
+}
+
+/// The paths, in the order in which they are tried. Measured on 392 problems of nosnoc's collection: the start certifies
+/// 1.3 % of all, the sides 1.8 %.
+const PATHS: [Path; 3] = [
+    Path {
+        change: Change::Start,
+        rules: usize::MAX,
+        share: 0.6,
+    },
+    Path {
+        change: Change::None,
+        rules: usize::MAX,
+        share: 0.6,
+    },
+    Path {
+        change: Change::Sides,
+        rules: 2,
+        share: 1.0,
+    },
+];
 
 /// The later of two solutions where it is better, or was interrupted, else the one before, with what all runs took.
 fn better(later: Solution, before: Solution, watch: &Watch<'_>) -> Solution {
@@ -267,11 +299,15 @@ fn solve_stated(
     }
     let best = best.map(|ended| complete(problem, settings, ended, watch));
     // the list of rules is not empty
-    best.ok_or(InputError::from(Fault::Setting {
+    best.ok_or_else(no_rules)
+}
+
+fn no_rules() -> InputError {
+    InputError::from(Fault::Setting {
         name: "rules",
         value: 0.0,
         range: "a list of at least one rule",
-    }))
+    })
 }
 
 /// The best of the rules, improved by neighbours where it is certified, with the totals of all rules.

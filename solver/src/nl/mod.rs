@@ -10,13 +10,10 @@
 //! stated twice, brings complementarity to the vertical form of [`mpcc`](crate::mpcc), and differentiates exactly: values in
 //! one sweep forwards, gradients in one backwards, Hessians by pushing edges. Patterns and places are found once.
 //!
-//! Parts of a program with complementarity that share no variable, row or term are solved one by one.
-//!
 //! A file is data. Whatever its bytes are, it gives a program or a message with the line; memory and time of reading are bounded
 //! by its length and a limit on second derivatives.
 
 mod answer;
-mod components;
 mod error;
 mod expression;
 mod graph;

@@ -82,15 +82,6 @@ pub struct Work {
     pub seconds: f64,
 }
 
-impl Work {
-    /// Adds what another run took, its time apart.
-    pub(super) fn add(&mut self, other: Self) {
-        self.iterations += other.iterations;
-        self.crossover_iterations += other.crossover_iterations;
-        self.factorizations += other.factorizations;
-    }
-}
-
 /// The result of a solve, in the variables and rows of the file.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]

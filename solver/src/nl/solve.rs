@@ -2,7 +2,6 @@
 
 use crate::clock::{Instant, ThreadTime};
 
-use super::components::{Component, components};
 use super::program::Program;
 use super::second_order::{Stationary, second_order};
 use super::solution::{Solution, Status, Work};
@@ -157,7 +156,8 @@ fn run(
         if let Some(most) = options.maximum_iterations {
             settings.maximum_iterations = most;
         }
-        return complementary(program, settings, observer);
+        let solution = mpcc::solve_observed(program, &settings, observer)?;
+        return Ok(End::of_complementary(solution));
     }
     let defaults = nlp::Settings::default();
     let settings = nlp::Settings {
@@ -193,77 +193,6 @@ fn run(
         }
     };
     Ok(End::of_nonlinear(solution))
-}
-
-/// A program with complementarity: part by part where it falls apart, and as a whole where a part is not solved then.
-fn complementary(
-    program: &mut Program,
-    mut settings: mpcc::Settings,
-    observer: &mut nlp::Observer<'_>,
-) -> Result<End, InputError> {
-    let began = Instant::now();
-    let parts = components(program);
-    let mut spent = Work::default();
-    if parts.len() > 1 {
-        let (solved, work) = part_by_part(program, parts, &settings, observer)?;
-        if let Some(end) = solved {
-            return Ok(end);
-        }
-        spent = work;
-        settings.maximum_iterations = settings.maximum_iterations.saturating_sub(work.iterations);
-        settings.interior_point.maximum_seconds -= began.elapsed().as_secs_f64();
-        settings.interior_point.maximum_seconds = settings
-            .interior_point
-            .maximum_seconds
-            .max(f64::MIN_POSITIVE);
-    }
-    let solution = mpcc::solve_observed(program, &settings, observer)?;
-    let mut end = End::of_complementary(solution);
-    end.work.add(spent);
-    Ok(end)
-}
-
-/// The end of a program whose parts are all solved, one after the other; `None` after the first one that is not. With the work so far.
-fn part_by_part(
-    program: &mut Program,
-    parts: Vec<Vec<usize>>,
-    settings: &mpcc::Settings,
-    observer: &mut nlp::Observer<'_>,
-) -> Result<(Option<End>, Work), InputError> {
-    let began = Instant::now();
-    let (n, m) = (program.variables(), program.constraints());
-    let mut x = vec![0.0; n];
-    program.initial_point(&mut x);
-    let mut whole: Option<End> = None;
-    let mut work = Work::default();
-    for variables in parts {
-        let mut settings = settings.clone();
-        settings.maximum_iterations -= work.iterations.min(settings.maximum_iterations);
-        settings.interior_point.maximum_seconds -= began.elapsed().as_secs_f64();
-        if settings.maximum_iterations == 0 || settings.interior_point.maximum_seconds <= 0.0 {
-            return Ok((None, work));
-        }
-        let mut part = Component::new(program, variables, &x);
-        let end = End::of_complementary(mpcc::solve_observed(&mut part, &settings, observer)?);
-        work.add(end.work);
-        if end.status != Status::Solved {
-            return Ok((None, work));
-        }
-        for (&i, value) in part.variables.iter().zip(&end.x) {
-            x[i] = *value;
-        }
-        let places = (part.variables, part.rows);
-        whole = Some(match whole {
-            Some(whole) => whole.and(end, &places),
-            None => End::empty(n, m, &end).and(end, &places),
-        });
-    }
-    let whole = whole.map(|whole| End {
-        objective: program.objective(&whole.x),
-        work,
-        ..whole
-    });
-    Ok((whole, work))
 }
 
 /// Range of the first barrier parameter of a warm start, and its part of the square of what the optimality conditions leave: what
@@ -434,46 +363,6 @@ impl End {
                 ..Work::default()
             },
         }
-    }
-
-    /// The end of a program of `n` variables and `m` rows of which nothing is solved yet, in the words of its first part.
-    fn empty(n: usize, m: usize, first: &Self) -> Self {
-        Self {
-            status: first.status,
-            reason: first.reason.clone(),
-            stationarity: Stationarity::S,
-            objective: 0.0,
-            x: vec![0.0; n],
-            multipliers: vec![0.0; m],
-            lower: vec![0.0; n],
-            upper: vec![0.0; n],
-            residuals: Residuals::default(),
-            violation_stationarity: None,
-            violations: Vec::new(),
-            work: Work::default(),
-        }
-    }
-
-    /// With a part that is solved, whose variables and rows are these.
-    fn and(mut self, part: Self, (variables, rows): &(Vec<usize>, Vec<usize>)) -> Self {
-        if part.stationarity != Stationarity::S {
-            self.stationarity = part.stationarity;
-        }
-        for (own, of_part, places) in [
-            (&mut self.x, part.x, variables),
-            (&mut self.lower, part.lower, variables),
-            (&mut self.upper, part.upper, variables),
-            (&mut self.multipliers, part.multipliers, rows),
-        ] {
-            for (&place, value) in places.iter().zip(of_part) {
-                own[place] = value;
-            }
-        }
-        let (all, own) = (&mut self.residuals, part.residuals);
-        all.primal = all.primal.max(own.primal);
-        all.dual = all.dual.max(own.dual);
-        all.complementarity = all.complementarity.max(own.complementarity);
-        self
     }
 
     /// An end without a solution is one of a program without bound where a ray shows that.

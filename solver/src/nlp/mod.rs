@@ -49,6 +49,7 @@ mod settings;
 mod solution;
 mod solve;
 mod status;
+mod variant;
 mod warm_start;
 
 pub use crate::InputError;
@@ -72,3 +73,4 @@ pub(crate) use least_squares::violation;
 pub(crate) use method::barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
 pub(crate) use products::Products;
 pub(crate) use run::run;
+pub(crate) use variant::Variant;

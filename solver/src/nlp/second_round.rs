@@ -10,7 +10,7 @@
 use super::least_squares::{LeastSquares, violation};
 use super::method::LARGEST_CURVATURE;
 use super::method::barrier::Monotone;
-use super::rescaled::rescaled;
+use super::rescaled::{add_work, rescaled};
 use super::run::{Start, run_after};
 use super::{IterationInfo, NlpProblem, Observer, Products, Settings, Solution, Status};
 use crate::linalg::norms::norm_inf;
@@ -208,12 +208,4 @@ fn run(
     };
     let run = run_after(problem, settings, tied, start, Some(&mut see), earlier).ok()?;
     Some(rescaled(problem, settings, observer, run))
-}
-
-/// Counts, times and log of a later run, which hold those before it.
-fn add_work(first: &mut Solution, later: &Solution) {
-    first.history.clone_from(&later.history);
-    first.counts = later.counts;
-    first.cpu = later.cpu;
-    first.seconds = later.seconds;
 }

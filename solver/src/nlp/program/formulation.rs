@@ -116,6 +116,28 @@ impl Bounds {
         self.x_lower[i] != self.x_upper[i]
     }
 
+    /// Holds variables without bounds at `x` that nothing depends on: they would make every Newton matrix singular.
+    fn hold_idle(
+        &mut self,
+        x: &[f64],
+        gradient: &[f64],
+        [jacobian, hessian, products]: [&[(usize, usize)]; 3],
+    ) {
+        let bounds = self.x_lower.iter().zip(&self.x_upper);
+        let mut is_idle: Vec<bool> = (bounds.zip(gradient))
+            .map(|((&l, &u), g)| *g == 0.0 && l <= -INFINITE && u >= INFINITE)
+            .collect();
+        for &(_, i) in jacobian {
+            is_idle[i] = false;
+        }
+        for &(i, j) in hessian.iter().chain(products) {
+            (is_idle[i], is_idle[j]) = (false, false);
+        }
+        for (i, _) in is_idle.iter().enumerate().filter(|(_, is_idle)| **is_idle) {
+            (self.x_lower[i], self.x_upper[i]) = (x[i], x[i]);
+        }
+    }
+
     /// Whether row `i` has a bound.
     fn is_kept(&self, i: usize) -> bool {
         self.c_lower[i] > -INFINITE || self.c_upper[i] < INFINITE
@@ -216,14 +238,8 @@ impl<'a> Formulation<'a> {
         products: &[(usize, usize)],
         start: Option<&[f64]>,
     ) -> Result<Self, InputError> {
-        let bounds = Bounds::of(problem)?;
+        let mut bounds = Bounds::of(problem)?;
         let mut x_user = starting_point(problem, start)?;
-        let free = Numbering::new(bounds.x_lower.len(), |i| bounds.is_free(i));
-        for (i, x) in x_user.iter_mut().enumerate() {
-            if !bounds.is_free(i) {
-                *x = bounds.x_lower[i];
-            }
-        }
         let rows = Numbering::new(bounds.c_lower.len(), |i| bounds.is_kept(i));
         let (n_user, m_user) = (x_user.len(), bounds.c_lower.len());
         let jacobian_pattern = problem.jacobian_pattern();
@@ -237,9 +253,6 @@ impl<'a> Formulation<'a> {
                 constraints: m_user,
             }));
         }
-        let jacobian = kept_entries(&jacobian_pattern, &rows.new, &free.new);
-        let hessian = kept_entries(&hessian_pattern, &free.new, &free.new);
-
         // scaling at the user's point, projected on the bounds
         for (i, x) in x_user.iter_mut().enumerate() {
             *x = x.max(bounds.x_lower[i]).min(bounds.x_upper[i]);
@@ -248,6 +261,11 @@ impl<'a> Formulation<'a> {
         let mut jacobian_user = vec![0.0; jacobian_pattern.len()];
         problem.gradient(&x_user, &mut gradient_user);
         problem.jacobian_values(&x_user, &mut jacobian_user);
+        let patterns = [&jacobian_pattern, &hessian_pattern, products];
+        bounds.hold_idle(&x_user, &gradient_user, patterns);
+        let free = Numbering::new(n_user, |i| bounds.is_free(i));
+        let jacobian = kept_entries(&jacobian_pattern, &rows.new, &free.new);
+        let hessian = kept_entries(&hessian_pattern, &free.new, &free.new);
         let row_scales = row_scales(&jacobian, &jacobian_user, rows.old.len());
         let of_free = |i: &usize| gradient_user[*i].abs();
         let largest = free.old.iter().map(of_free).fold(0.0, f64::max);
