@@ -1,6 +1,6 @@
 //! Scenes to choose from, one file each in `gallery/`: what each asks, and the answer that it gives by default.
 //!
-//! Switched systems that nothing steers ask nothing: they are simulated, and their tests have their closed forms.
+//! Switched systems that nothing steers and mechanisms of textbooks ask nothing: they are simulated, and their tests have their closed forms.
 //!
 //! Objectives are the least ones known on so many control intervals, as `hangtime solve SCENE --intervals N` finds them: to 1e-6 but
 //! for `hop-forward`, `two-wheels` and `two-bumps`, where it may end 1.2, 0.15 and 0.14 % above them.
@@ -116,5 +116,31 @@ pub(crate) const GALLERY: &[Scene] = gallery! {
             "With how little effort?" => "0.5 s." (10: 0.5);
         "passing-relay": "a relay that holds back has to be passed",
             "With how little effort?" => "4 s: wait in it, and push at the end." (6: 4.0);
+    }
+    "mechanisms of textbooks" {
+        "chain-of-links": "a chain of links swings from the wall";
+        "newtons-cradle": "Newton's cradle: the last ball swings out as far as the first one came";
+        "bead-chain": "beads on threads are thrown: the threads go slack, and jerk";
+        "billiard-break": "the break: a ball strikes fifteen others";
+        "galton-board": "Galton's board: balls fall through rows of pins";
+        "dominoes": "dominoes fall, one over the other";
+        "brick-wall": "the upper brick of a wall is knocked off";
+        "toppling-bricks": "a stack of bricks leans over the edge of a table too far, and topples";
+        "plank-bridge": "a ball falls on a bridge of planks";
+        "seesaw": "a box falls on a seesaw, and lifts another one";
+        "trebuchet": "a trebuchet throws a stone";
+        "four-bar": "Hoecken's four-bar linkage: a point of its coupler draws a straight line";
+        "wiper": "a windscreen wiper: a motor turns a crank, and two arms swing in step";
+        "jansens-linkage": "Theo Jansen's linkage: a leg of eleven rods walks as its crank turns";
+        "two-legs": "a biped of two equal legs falls on its feet";
+        "chain-on-pulley": "a chain slides off a pulley";
+        "ball-bearing": "a ball bearing is started: its balls slip, and roll";
+        "tracked-vehicle": "a tracked vehicle starts: its track slips, then grips";
+        "car": "a car brakes on its two wheels, and dives";
+        "gripper": "a gripper lifts a box, until it slips through its fingers";
+        "clock": "a clock: the wheel of an escapement goes on by half a tooth at each swing of the pendulum";
+        "geneva-drive": "a Geneva drive: a pin turns a wheel by a quarter, and lets it rest for three";
+        "dice": "a die is thrown, falls from corner to corner, and comes to rest on a face";
+        "tippe-top": "a tippe top is spun on a table, and turns upside down";
     }
 };
