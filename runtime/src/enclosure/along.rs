@@ -142,6 +142,11 @@ impl<'a> Along<'a> {
         }
     }
 
+    /// The range of a component of the input vector over the whole piece.
+    pub(crate) fn input(&self, k: usize) -> Range {
+        self.inputs.range(k, [0.0, 1.0])
+    }
+
     /// A range of a gap over the whole piece, before its polynomials are known.
     pub(crate) fn gap_as_a_whole(&mut self, contact: usize) -> Range {
         self.of_pieces(contact, |own, contact| {

@@ -217,10 +217,10 @@ impl<'a> Contacts<'a> {
         self.evaluate_contacts(x, contacts);
     }
 
-    /// Remembers how large gaps and velocities of all contacts are, which were evaluated at the state `x` of
+    /// Remembers how large gaps and velocities of the listed contacts are, which were evaluated at the state `x` of
     /// the motion. States that are only tried may be far beyond it.
-    pub(crate) fn remember_sizes(&mut self, x: &[f64]) {
-        for i in 0..self.sizes.len() {
+    pub(crate) fn remember_sizes(&mut self, x: &[f64], contacts: impl IntoIterator<Item = usize>) {
+        for i in contacts {
             let size = self.size_at(x, i);
             self.sizes[i].include(size);
         }
@@ -237,10 +237,10 @@ impl<'a> Contacts<'a> {
         }
     }
 
-    /// Remembers how large the accelerations of all contacts are, which were evaluated at a state of the
+    /// Remembers how large the accelerations of the listed contacts are, which were evaluated at a state of the
     /// motion.
-    pub(crate) fn remember_scales(&mut self) {
-        for i in 0..self.scales.len() {
+    pub(crate) fn remember_scales(&mut self, contacts: impl IntoIterator<Item = usize>) {
+        for i in contacts {
             self.scales[i] = self.phi_scale(i);
             if self.has_friction(i) {
                 self.tangent_scales[i] = self.tangent_terms(i);

@@ -29,9 +29,21 @@ impl Pieces {
             return;
         }
         self.acting.resize(contacts.len(), 0);
-        for (i, contact) in contacts.iter().enumerate() {
+        self.choose_among(model, x, 0..contacts.len());
+    }
+
+    /// Lets those of the edges of the listed contacts act that do so at `x`.
+    pub(crate) fn choose_among(
+        &mut self,
+        model: &dyn Model,
+        x: &[f64],
+        contacts: impl IntoIterator<Item = usize>,
+    ) {
+        let declared = model.declaration().contacts;
+        for i in contacts {
+            let contact = &declared[i];
             let first = contact.alternatives.iter().all(|&other| i < other);
-            if !first {
+            if !first || self.acting.is_empty() {
                 continue;
             }
             let mut largest = (i, model.gap(i, x));

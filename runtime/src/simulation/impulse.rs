@@ -37,6 +37,7 @@ pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
     let mut sums = vec![vec![0.0; 2 * contacts]];
     let mut impacts: Vec<(f64, Vec<f64>)> = Vec::new();
     let mut at_start = true;
+    let mut evaluated = Contacts::new(model);
     let mut first = 0;
     while let Some(event) = result.events.get(first) {
         let together = |other: &&Event| {
@@ -49,7 +50,8 @@ pub(super) fn record(model: &dyn Model, result: &mut Simulation) {
                 _ => &result.events[first - 1].modes,
             };
             let group = &result.events[first..end];
-            let impulses = of_impact(model, before, group, at_start && event.time == 0.0);
+            let is_start = at_start && event.time == 0.0;
+            let impulses = of_impact(&mut evaluated, before, group, is_start);
             let sum: Vec<f64> = sums
                 .last()
                 .into_iter()
@@ -99,17 +101,17 @@ fn done(impacts: &[(f64, Vec<f64>)], trajectory: &Trajectory) -> Vec<usize> {
 /// Normal impulses of all contacts, then tangential ones, of an impact by its `events`; not a number where its equations
 /// have no solution. `before` are the modes before it.
 fn of_impact(
-    model: &dyn Model,
+    contacts: &mut Contacts<'_>,
     before: &[ContactMode],
     events: &[Event],
     at_start: bool,
 ) -> Vec<f64> {
+    let model = contacts.model;
     let count = model.declaration().contacts.len();
     let mut impulses = vec![0.0; 2 * count];
     let Some(event) = events.first() else {
         return impulses;
     };
-    let mut contacts = Contacts::new(model);
     let surfaces = 0..contacts.surfaces;
     let mut input = [&event.q[..], &event.v_before[..]].concat();
     input.resize(model.declaration().inputs(), 0.0);
@@ -118,19 +120,15 @@ fn of_impact(
     {
         *time = event.time;
     }
-    contacts.evaluate_contacts(&input, surfaces.clone());
     let closed = |modes: &[ContactMode], i: usize| modes.get(i).is_some_and(|mode| !mode.is_open());
     let struck = |i: usize| events.iter().any(|event| event.contact == i);
     // What touched before the start is told by its gap alone.
-    let gaps = events.iter().map(|event| contacts.gap(event.contact).abs());
-    let gap = if at_start {
-        gaps.fold(0.0, f64::max)
-    } else {
-        f64::NEG_INFINITY
-    };
-    let takes_part = |&i: &usize| {
-        struck(i) || closed(before, i) || closed(&event.modes, i) || contacts.gap(i) <= gap
-    };
+    let gaps = events.iter();
+    let gaps = gaps.map(|event| model.gap(event.contact, &input).abs());
+    let largest = at_start.then(|| gaps.fold(0.0, f64::max));
+    let touches = |i: usize| largest.is_some_and(|largest| model.gap(i, &input) <= largest);
+    let takes_part =
+        |&i: &usize| struck(i) || closed(before, i) || closed(&event.modes, i) || touches(i);
     let together: Vec<usize> = surfaces.filter(takes_part).collect();
     let n = event.q.len();
     let mut jump = Jump {
@@ -143,8 +141,9 @@ fn of_impact(
     for (velocities, sign) in [(&event.v_before, -1.0), (&event.v_after, 1.0)] {
         input[n..2 * n].copy_from_slice(velocities);
         jump.add_velocities(&input, sign);
-        for (contact, shares) in jump.shares.iter_mut().enumerate() {
+        for &contact in &jump.together {
             let share = friction_share(model, contact, &input);
+            let shares = &mut jump.shares[contact];
             *shares = (shares.1, share);
         }
     }
@@ -170,9 +169,9 @@ fn of_impact(
 }
 
 /// The jump of the velocities of the contacts that take part.
-struct Jump<'a> {
+struct Jump<'c, 'a> {
     /// Evaluated with the velocities after the impact.
-    contacts: Contacts<'a>,
+    contacts: &'c mut Contacts<'a>,
     together: Vec<usize>,
     /// Jump of the normal and of the sliding velocities of each contact, of which there are two in space.
     normal: Vec<f64>,
@@ -181,7 +180,7 @@ struct Jump<'a> {
     shares: Vec<(f64, f64)>,
 }
 
-impl Jump<'_> {
+impl Jump<'_, '_> {
     /// Adds the velocities at `input`, multiplied by `sign`.
     fn add_velocities(&mut self, input: &[f64], sign: f64) {
         let together = self.together.iter().copied();
@@ -229,7 +228,7 @@ impl Jump<'_> {
     /// The lines of the impulses, and the weights of their sizes: one of a contact that slides afterwards, unless it
     /// `may_stick`, two of one that sticks under a share of the `loads`.
     fn lines(&self, may_stick: bool, loads: &[f64]) -> Vec<(Line, f64)> {
-        let contacts = &self.contacts;
+        let contacts = &*self.contacts;
         let mut lines = Vec::with_capacity(2 * self.together.len());
         for (&contact, &load) in self.together.iter().zip(loads) {
             let friction = contacts.friction(contact);

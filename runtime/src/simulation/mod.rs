@@ -18,6 +18,7 @@ mod hand_over;
 mod hidden_force;
 mod impulse;
 mod joints;
+mod near;
 mod order_of_impacts;
 mod other_grid;
 mod poles;

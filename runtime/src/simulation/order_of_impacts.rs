@@ -15,6 +15,10 @@ const TOUCHES: f64 = 1e-6;
 /// Share of the fastest approach so far by which the velocities after the two differ: what a curve in a figure shows.
 const DIFFERS: f64 = 1e-3;
 
+/// Share of the range of a gap, or of the coordinates, up to which it is looked at closer. One whose terms are 1e9 times as large as it ever becomes may be told
+/// from touching by rounding alone, and is not told.
+const LOOKED_AT: f64 = 1e-3;
+
 /// Share of the terms of a normal velocity that is rounding error.
 const ROUNDING: f64 = 1e-12;
 
@@ -27,6 +31,14 @@ pub(super) fn note(model: &dyn Model, result: &mut Simulation) {
         return;
     }
     let mut scene = Scene::new(model);
+    scene.look(result);
+    let open: Vec<usize> = open
+        .into_iter()
+        .filter(|i| scene.looked_at.binary_search(i).is_ok())
+        .collect();
+    if open.len() < 2 {
+        return;
+    }
     let ranges = ranges(&mut scene, result);
     let mut fastest = 0.0_f64;
     let mut before: &[ContactMode] = &result.initial_modes;
@@ -40,7 +52,10 @@ pub(super) fn note(model: &dyn Model, result: &mut Simulation) {
                 .map(|event| event.contact)
                 .collect();
             scene.place(event);
-            for &i in &struck {
+            for &i in struck
+                .iter()
+                .filter(|i| scene.looked_at.binary_search(i).is_ok())
+            {
                 fastest = fastest.max(-scene.contacts.normal_velocity(i));
             }
             let closed =
@@ -60,22 +75,29 @@ pub(super) fn note(model: &dyn Model, result: &mut Simulation) {
 /// Largest size of each gap at the start, at the impacts and at the end; of one that never opens what its rounding error is told from.
 fn ranges(scene: &mut Scene<'_>, result: &Simulation) -> Vec<f64> {
     let mut ranges = vec![0.0_f64; scene.restitution.len()];
-    let path = &result.trajectory;
-    let ends = [path.q.first(), path.q.last()].into_iter().flatten();
-    let ends = ends.zip([path.time.first(), path.time.last()].into_iter().flatten());
-    let events = result.events.iter().map(|event| (&event.q, &event.time));
-    for (q, time) in ends.chain(events) {
+    for (q, time) in instants(result) {
         scene.x[..q.len()].copy_from_slice(q);
-        scene.at(*time);
-        scene.contacts.remember_sizes(&scene.x);
-        for (range, i) in ranges.iter_mut().zip(0..scene.contacts.surfaces) {
-            let rounding = scene.contacts.size(i, *time).touching_gap();
-            *range = range
+        scene.at(time);
+        scene
+            .contacts
+            .remember_sizes(&scene.x, scene.looked_at.iter().copied());
+        for &i in &scene.looked_at {
+            let rounding = scene.contacts.size(i, time).touching_gap();
+            ranges[i] = ranges[i]
                 .max(scene.contacts.gap(i).abs())
                 .max(rounding / TOUCHES);
         }
     }
     ranges
+}
+
+/// Positions and times of the start, the end, and the events of a run.
+fn instants(result: &Simulation) -> impl Iterator<Item = (&Vec<f64>, f64)> {
+    let path = &result.trajectory;
+    let ends = [path.q.first(), path.q.last()].into_iter().flatten();
+    let ends = ends.zip([path.time.first(), path.time.last()].into_iter().flatten());
+    let events = result.events.iter().map(|event| (&event.q, &event.time));
+    ends.chain(events).map(|(q, time)| (q, *time))
 }
 
 /// The contacts that touch at the impact that is loaded, or are nearer than is told from touching.
@@ -152,6 +174,8 @@ struct Scene<'a> {
     model: &'a dyn Model,
     contacts: Contacts<'a>,
     restitution: Vec<f64>,
+    /// Surfaces that come near to touching.
+    looked_at: Vec<usize>,
     /// Input vector of the model.
     x: Vec<f64>,
     v: Vec<f64>,
@@ -169,6 +193,7 @@ impl<'a> Scene<'a> {
             model,
             contacts: Contacts::new(model),
             restitution: laws.enumerate().map(restitution).collect(),
+            looked_at: Vec::new(),
             x: vec![0.0; declaration.inputs()],
             v: vec![0.0; declaration.coordinates.len()],
         }
@@ -182,14 +207,36 @@ impl<'a> Scene<'a> {
         self.contacts.pieces.choose(self.model, &self.x);
     }
 
-    /// Evaluates all surfaces at a time \[s\].
+    /// Finds the surfaces that come near to touching at an instant of a run.
+    fn look(&mut self, result: &Simulation) {
+        let mut least = vec![f64::INFINITY; self.contacts.surfaces];
+        let mut most = vec![0.0_f64; self.contacts.surfaces];
+        let mut size = 0.0_f64;
+        for (q, time) in instants(result) {
+            self.x[..q.len()].copy_from_slice(q);
+            self.set_time(time);
+            size = q.iter().fold(size, |size, q| size.max(q.abs()));
+            for (i, (least, most)) in least.iter_mut().zip(&mut most).enumerate() {
+                let gap = self.model.gap(i, &self.x).abs();
+                (*least, *most) = (least.min(gap), most.max(gap));
+            }
+        }
+        let near = |i: &usize| least[*i] <= LOOKED_AT * most[*i].max(size);
+        self.looked_at = (0..self.contacts.surfaces).filter(near).collect();
+    }
+
+    /// Evaluates the surfaces that come near at a time \[s\].
     fn at(&mut self, time: f64) {
+        self.set_time(time);
+        self.evaluate(self.looked_at.clone());
+    }
+
+    fn set_time(&mut self, time: f64) {
         if self.model.declaration().explicit_time
             && let Some(last) = self.x.last_mut()
         {
             *last = time;
         }
-        self.evaluate(0..self.contacts.surfaces);
     }
 
     /// Evaluates these surfaces under the present velocities.

@@ -24,18 +24,22 @@ pub(super) fn first_violation(
     detector.pieces.clone_from(&contacts.pieces);
     detector.open.clear();
     detector.drift = 0.0;
-    for (i, size) in detector.sizes.iter_mut().enumerate() {
-        *size = contacts.size(i, start.time);
+    for &i in start.near.contacts() {
+        detector.sizes[i] = contacts.size(i, start.time);
     }
-    for i in 0..detector.sizes.len() {
+    for &i in start.near.contacts() {
         // What an idle piece lacks to acting is the difference of two gaps, whose terms may cancel.
         let acting = detector.sizes[contacts.pieces.acting(i)];
         detector.sizes[i] = detector.sizes[i].as_difference_from(acting);
     }
     detector.enclose(element, start);
+    if !start.near.holds(|k| detector.along.input(k)) {
+        // What is far might come near unseen.
+        return Err(Stop::Unresolved);
+    }
     let row = detector.thetas.len() + 1;
-    for (i, &gap) in start.gaps.iter().enumerate() {
-        let zero = detector.sizes[i].gap_rounding();
+    for &i in start.near.contacts() {
+        let (zero, gap) = (detector.sizes[i].gap_rounding(), start.gaps[i]);
         if find(active, i).is_none() && !detector.stays_open(i, zero) {
             detector.open.push(i);
             detector.gaps[i * row] = gap;

@@ -164,7 +164,7 @@ fn not_finite(driver: &Driver<'_>) -> String {
 
 /// Contacts that touch at the present state.
 fn touching(driver: &Driver<'_>) -> impl Iterator<Item = usize> {
-    driver.setup.contacts().filter(|&i| {
+    driver.now.near().iter().copied().filter(|&i| {
         find(&driver.now.active, i).is_some()
             || driver.now.contacts.gap(i) <= driver.now.size(i).touching_gap()
     })

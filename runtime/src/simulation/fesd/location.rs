@@ -19,6 +19,7 @@ const MAX_LOCATIONS: usize = 60;
 pub(super) fn violation(driver: &mut Driver<'_>) -> Result<Option<Switch>, Stop> {
     let start = ElementStart {
         x: &driver.now.x,
+        near: &driver.now.near,
         gaps: &driver.now.gaps,
         velocities: &driver.now.velocities,
         sliding: &driver.now.sliding,
@@ -161,8 +162,10 @@ pub(super) fn earlier_violation(driver: &Driver<'_>, located: Switch) -> Option<
     };
     let size = |i: usize| driver.now.size(i);
     let closed = driver
-        .setup
-        .contacts()
+        .now
+        .near()
+        .iter()
+        .copied()
         .filter(|&i| find(&driver.now.active, i).is_none())
         .find(|&i| driver.now.gaps[i] < -size(i).touching_gap())
         .and_then(|i| {

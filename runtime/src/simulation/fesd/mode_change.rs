@@ -70,7 +70,7 @@ fn touching(driver: &Driver<'_>, switched: &[usize]) -> Vec<usize> {
                 || switched.contains(&i)
                 || find(&now.active, i).is_some())
     };
-    driver.setup.contacts().filter(touches).collect()
+    now.near().iter().copied().filter(touches).collect()
 }
 
 /// Impact of everything that touches and closes, then the contact mode; records the events. The
@@ -113,9 +113,7 @@ fn change_mode(
     switched: &[usize],
     set: &mut Vec<usize>,
 ) -> Result<Vec<usize>, ModeError> {
-    let contacts = driver.setup.contacts();
-    driver.now.evaluate_contacts(contacts);
-    driver.now.contacts.remember_sizes(&driver.now.x);
+    driver.now.evaluate_near();
     let touching = touching(driver, switched);
     // Dry friction has no impulses, and it acts always.
     let dry = touching.iter().position(|&i| driver.now.contacts.is_dry(i));

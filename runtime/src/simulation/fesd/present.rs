@@ -1,10 +1,12 @@
 //! The present state of a run: the motion, its contacts and their forces.
 
 use crate::contact::{ActiveContact, ContactState, find, force_count};
+use crate::enclosure::Bounds;
 use crate::fesd::contact_size::ContactSize;
 use crate::fesd::contacts::{Contacts, ModeError};
 use crate::fesd::finite_element::State;
 use crate::model::{ControlPiece, Model, Pieces, friction_share};
+use crate::simulation::near::Near;
 use crate::simulation::{ContactMode, ControlSignal, InitialValueProblem, Residuals, Trajectory};
 
 /// The present state, and what is known there.
@@ -20,11 +22,13 @@ pub(super) struct Present<'a> {
     /// Input vector of the model, `(q, v, u[, t])`.
     pub(super) x: Vec<f64>,
     pub(super) contacts: Contacts<'a>,
-    /// Gaps of all contacts.
+    /// Which contacts may close; the others are far.
+    pub(super) near: Near,
+    /// Gaps of all contacts, of one that is far what it is not below.
     pub(super) gaps: Vec<f64>,
-    /// Normal velocities of all contacts.
+    /// Normal velocities of the contacts that may close.
     pub(super) velocities: Vec<f64>,
-    /// Sliding velocities of all contacts, 0 for those without friction.
+    /// Sliding velocities of the contacts that may close, 0 for those without friction.
     pub(super) sliding: Vec<f64>,
     /// Forces of the active contacts: `r` of each, then `s` of those that stick.
     pub(super) forces: Vec<f64>,
@@ -54,6 +58,7 @@ impl<'a> Present<'a> {
             u: vec![0.0; declaration.controls.len()],
             piece: ControlPiece::default(),
             x,
+            near: Near::new(model, evaluated.surfaces),
             contacts: evaluated,
             gaps: vec![0.0; contacts],
             velocities: vec![0.0; contacts],
@@ -98,12 +103,86 @@ impl<'a> Present<'a> {
         self.contacts.size(contact, self.state.time)
     }
 
+    /// Contacts that may close, increasing.
+    pub(super) fn near(&self) -> &[usize] {
+        self.near.contacts()
+    }
+
+    /// Gaps and velocities of the contacts that may close, with the sizes of these.
+    pub(super) fn evaluate_near(&mut self) {
+        self.write_input();
+        self.contacts.evaluate_free_acceleration(&self.x);
+        if self.near.is_left(&self.x, self.state.q.len(), self.time()) {
+            self.look_around();
+        }
+        self.observe(self.near.contacts().to_vec());
+    }
+
+    /// Looks around for a segment of this `length` \[s\] from the present state, if it may leave where nothing can close.
+    pub(super) fn look_ahead(&mut self, length: f64) {
+        self.near.expect_step(length);
+        self.write_input();
+        let (a, timed) = (self.contacts.free_acceleration(), self.time().is_some());
+        if self.near.is_left_within(&self.x, a, timed) {
+            let news = self.look_around();
+            self.observe(news);
+        }
+    }
+
+    /// Looks at all contacts, whichever are far.
+    pub(super) fn look_everywhere(&mut self) {
+        let news = self.near.forget();
+        self.write_input();
+        self.choose_pieces(&news);
+        self.observe(news);
+    }
+
+    /// Time on which gaps depend, if they do.
+    fn time(&self) -> Option<f64> {
+        let has_time = self.x.len() > 2 * self.state.q.len() + self.u.len();
+        has_time.then_some(self.state.time)
+    }
+
+    /// Finds out which contacts may close within the next segments; returns those that were far until now.
+    fn look_around(&mut self) -> Vec<usize> {
+        let mut bounds = Bounds::new(self.contacts.model);
+        let least_gap = |i: usize, low: &[f64], high: &[f64]| bounds.least_gap(i, low, high);
+        let timed = self.time().is_some();
+        let gaps = &mut self.gaps;
+        let now = (&self.x[..], self.contacts.free_acceleration());
+        let place = |contact: usize, bound: f64| gaps[contact] = bound;
+        let news = self.near.look(least_gap, now, timed, place);
+        self.choose_pieces(&news);
+        news
+    }
+
+    /// Lets the pieces of the edges of these contacts act that do so at the input vector.
+    fn choose_pieces(&mut self, contacts: &[usize]) {
+        let model = self.contacts.model;
+        let pieces = &mut self.contacts.pieces;
+        pieces.choose_among(model, &self.x, contacts.iter().copied());
+    }
+
+    /// Gaps and velocities of the listed contacts at the input vector, with the sizes of these.
+    fn observe(&mut self, contacts: Vec<usize>) {
+        self.contacts
+            .evaluate_contacts(&self.x, contacts.iter().copied());
+        self.contacts
+            .remember_sizes(&self.x, contacts.iter().copied());
+        for i in contacts {
+            self.gaps[i] = self.contacts.gap(i);
+            self.velocities[i] = self.contacts.normal_velocity(i);
+            if self.contacts.friction(i) > 0.0 {
+                self.sliding[i] = self.contacts.sliding_velocity(i);
+            }
+        }
+    }
+
     /// Contacts and forces; measures the `residuals`.
     pub(super) fn evaluate(&mut self, residuals: &mut Residuals) -> Result<(), ModeError> {
-        self.write_input();
-        self.contacts.evaluate(&self.x, 0..self.gaps.len());
-        self.contacts.remember_sizes(&self.x);
-        self.contacts.remember_scales();
+        self.evaluate_near();
+        self.contacts
+            .remember_scales(self.near.contacts().iter().copied());
         for k in 0..self.active.len() {
             let held = self.active[k];
             if held.state.sense() != 0.0 {
@@ -122,13 +201,6 @@ impl<'a> Present<'a> {
         }
         if !finite(&self.acceleration) || !finite(&self.forces) {
             return Err(ModeError::NotFinite);
-        }
-        for i in 0..self.gaps.len() {
-            self.gaps[i] = self.contacts.gap(i);
-            self.velocities[i] = self.contacts.normal_velocity(i);
-            if self.contacts.friction(i) > 0.0 {
-                self.sliding[i] = self.contacts.sliding_velocity(i);
-            }
         }
         if !finite(&self.gaps) || !finite(&self.velocities) {
             return Err(ModeError::NotFinite);

@@ -152,7 +152,7 @@ fn steps(driver: &mut Driver<'_>, watch: &mut Watch<'_>) -> Result<(), Simulatio
 /// contacts are evaluated there.
 fn leave_the_ground(driver: &mut Driver<'_>) {
     let now = &mut driver.now;
-    now.contacts.remember_sizes(&now.x);
+    now.contacts.remember_sizes(&now.x, 0..now.gaps.len());
     let surfaces = 0..now.contacts.surfaces;
     let sinks = |&i: &usize| {
         !now.contacts.pieces.is_idle(i) && now.contacts.gap(i) < -now.size(i).gap_rounding()
@@ -241,6 +241,7 @@ fn advance(
         let next = driver.setup.controls.next_break(driver.now.state.time);
         let piece_end = next.map_or(end, |next| next.min(end));
         if driver.setup.settings.formulation == StepFormulation::Complementarity {
+            driver.now.look_everywhere();
             program::solve_program(driver, piece_end, watch)
                 .map_err(|stop| diagnosis::stopped(driver, number, &stop))?;
         } else if standstill::rests(driver) {
@@ -276,6 +277,7 @@ fn attempt(
     let share = driver.setup.settings.elements as f64 * share;
     let (end, elements) = driver.control.plan(time, piece_end, share, step.halvings);
     let end = foreseen(driver, end, elements);
+    driver.now.look_ahead(end - time);
     if time - step.counted_from > 0.01 * driver.setup.horizon {
         step.attempts = 0;
         step.counted_from = time;
@@ -380,6 +382,7 @@ fn recover(
     if mode || not_finite || unknown {
         return Err(diagnosis::stopped(driver, step.number, &stop));
     }
+    driver.now.look_everywhere();
     program::solve_program(driver, end, watch)
         .map_err(|stop| diagnosis::stopped(driver, step.number, &stop))?;
     step.halvings = 0;

@@ -1,6 +1,7 @@
 //! What ends an element, and how a root is found on its dense output.
 
 use crate::fesd::finite_element::MotionSize;
+use crate::simulation::near::Near;
 
 /// Relative size of a negative normal contact acceleration that is rounding error.
 pub(super) const FORCE_TOLERANCE: f64 = 1e-12;
@@ -37,6 +38,8 @@ pub(super) struct Switch {
 pub(super) struct ElementStart<'a> {
     /// Input vector at the start.
     pub(super) x: &'a [f64],
+    /// Which contacts may close.
+    pub(super) near: &'a Near,
     /// Gaps of all contacts.
     pub(super) gaps: &'a [f64],
     /// Normal velocities of all contacts.

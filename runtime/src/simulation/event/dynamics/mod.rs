@@ -7,7 +7,6 @@
 mod laws;
 mod memory;
 pub(in crate::simulation) mod motion;
-mod near;
 pub(in crate::simulation) mod rows;
 mod scales;
 mod sparse;
@@ -19,7 +18,6 @@ use memory::Equations;
 pub(in crate::simulation) use memory::{Mode, SwitchingFunctions};
 pub(in crate::simulation) use switch::Switch;
 
-use near::Near;
 use std::ops::{Deref, DerefMut};
 
 pub(in crate::simulation) use crate::contact::dot;
@@ -31,6 +29,7 @@ use crate::model::{
     ControlPiece, Model, contact_point, friction_share, pair_size, surfaces, switching_terms,
     tangent_point,
 };
+use crate::simulation::near::Near;
 use crate::simulation::{
     ContactMode, ControlSignal, Counts, ProblemSize, Residuals, Seconds, Simulation,
     SimulationStatus, Trajectory,
@@ -424,18 +423,24 @@ impl<'a> Dynamics<'a> {
 
     /// Finds out which contacts may close within the next steps from the state loaded.
     fn look_around(&mut self) {
-        let (view, switching) = (&self.view, &mut self.switching);
-        let now = (&self.x[..], view.free_acceleration());
-        let place = |contact: usize, bound: Option<f64>| {
-            let value = bound.unwrap_or_else(|| view.pieces.gap(view.model, contact, &self.x));
+        let (view, switching) = (&mut self.view, &mut self.switching);
+        let model = view.model;
+        let mut place = |contact: usize, value: f64| {
             switching.values[contact] = value;
             switching.lowest[contact] = value;
             switching.highest[contact] = value;
         };
-        let mut bounds = Bounds::new(view.model);
+        let mut bounds = Bounds::new(model);
         let least_gap =
             |contact: usize, low: &[f64], high: &[f64]| bounds.least_gap(contact, low, high);
-        self.near.look(least_gap, now, self.explicit_time, place);
+        let now = (&self.x[..], view.free_acceleration());
+        let near = &mut self.near;
+        let news = near.look(least_gap, now, self.explicit_time, &mut place);
+        let pieces = &mut view.pieces;
+        pieces.choose_among(model, &self.x, news.iter().copied());
+        for contact in news {
+            place(contact, pieces.gap(model, contact, &self.x));
+        }
     }
 
     /// Expects a motion that is smooth over a `moment`, where no step tells yet.

@@ -2,8 +2,10 @@
 //!
 //! Most pairs of many bodies are far apart. Around the present state lies a box that the motion leaves after some steps at the earliest;
 //! where the gap of a contact stays above zero in the whole box ([`Bounds::least_gap`](crate::enclosure::Bounds::least_gap)), neither its gap nor what counts as zero of
-//! it is looked at until the motion leaves the box. In place of its gap stands that bound.
+//! it is looked at until the motion leaves the box. In place of its gap stands that bound. The pieces of an edge are far together, where one
+//! of them is: the largest of their gaps acts.
 
+use crate::enclosure::Range;
 use crate::model::Model;
 
 /// Number of surfaces from which on it is told which are far. Chosen: of fewer, all gaps take less time than a step without them.
@@ -32,18 +34,23 @@ pub(in crate::simulation) struct Near {
     contacts: Vec<usize>,
     /// Whether each is too far to close.
     far: Vec<bool>,
+    /// The other pieces of the edge of each.
+    others: Vec<&'static [usize]>,
+    /// Bound of the gap of each in the box, where there is one.
+    least: Vec<Option<f64>>,
 }
 
 impl Near {
     /// All contacts of a scene, of which `surfaces` are surfaces.
-    pub(super) fn new(model: &dyn Model, surfaces: usize) -> Self {
-        let contacts = model.declaration().contacts;
-        let edges = contacts.iter().any(|known| !known.alternatives.is_empty());
-        Self::of((contacts.len(), surfaces), surfaces >= MANY && !edges)
+    pub(in crate::simulation) fn new(model: &dyn Model, surfaces: usize) -> Self {
+        let contacts = model.declaration().contacts.iter();
+        let others = contacts.map(|known| known.alternatives).collect();
+        Self::of(others, surfaces, surfaces >= MANY)
     }
 
-    /// That many contacts and surfaces, of which it is `told` or not which are far.
-    fn of((contacts, surfaces): (usize, usize), told: bool) -> Self {
+    /// Contacts with these `others`, of which it is `told` or not which are far.
+    fn of(others: Vec<&'static [usize]>, surfaces: usize, told: bool) -> Self {
+        let contacts = others.len();
         Self {
             told,
             surfaces,
@@ -52,6 +59,8 @@ impl Near {
             high: Vec::new(),
             contacts: (0..contacts).collect(),
             far: vec![false; contacts],
+            others,
+            least: vec![None; contacts],
         }
     }
 
@@ -61,7 +70,7 @@ impl Near {
     }
 
     /// Whether what is known does not hold at an input vector whose first `n` numbers are coordinates, and at the `time` in it.
-    pub(super) fn is_left(&self, x: &[f64], n: usize, time: Option<f64>) -> bool {
+    pub(in crate::simulation) fn is_left(&self, x: &[f64], n: usize, time: Option<f64>) -> bool {
         // Methods that expect no steps look at all.
         if !self.told || self.step == 0.0 {
             return false;
@@ -75,13 +84,37 @@ impl Near {
         !(coordinates.all(within) && time.is_none_or(|time| within((last, time))))
     }
 
+    /// Whether what is known holds for a piece of a motion, by what each coordinate is in there.
+    pub(in crate::simulation) fn holds(&self, mut coordinate: impl FnMut(usize) -> Range) -> bool {
+        let bounds = self.low.iter().zip(&self.high).enumerate();
+        bounds
+            .filter(|(_, (low, _))| **low > f64::NEG_INFINITY)
+            .all(|(k, (low, high))| {
+                let range = coordinate(k);
+                *low <= range.low && range.high <= *high
+            })
+    }
+
+    /// Tells no more which are far until steps are expected again; returns those that were.
+    pub(in crate::simulation) fn forget(&mut self) -> Vec<usize> {
+        self.step = 0.0;
+        self.low.clear();
+        self.high.clear();
+        self.contacts.clear();
+        self.contacts.extend(0..self.far.len());
+        let far = self.contacts.iter().copied();
+        let news = far.filter(|&contact| self.far[contact]).collect();
+        self.far.fill(false);
+        news
+    }
+
     /// Expects steps of about that length.
-    pub(super) fn expect_step(&mut self, h: f64) {
+    pub(in crate::simulation) fn expect_step(&mut self, h: f64) {
         self.step = h;
     }
 
     /// Whether it does not hold for the step that is expected, from the input vector `x` with accelerations `a`.
-    pub(super) fn is_left_within(&self, x: &[f64], a: &[f64], timed: bool) -> bool {
+    pub(in crate::simulation) fn is_left_within(&self, x: &[f64], a: &[f64], timed: bool) -> bool {
         if !self.told {
             return false;
         }
@@ -97,14 +130,15 @@ impl Near {
     }
 
     /// Makes the box for some of the steps that are expected from the input vector `x` with accelerations `a`, and finds the contacts that
-    /// may close in it by their `least_gap` there. Calls `place` with those that may not and their bounds, and with those of which that is news.
-    pub(super) fn look(
+    /// may close in it by their `least_gap` there. Calls `place` with those that may not and their bounds; returns those of which it is news
+    /// that they may.
+    pub(in crate::simulation) fn look(
         &mut self,
         mut least_gap: impl FnMut(usize, &[f64], &[f64]) -> Option<f64>,
         (x, a): (&[f64], &[f64]),
         timed: bool,
-        mut place: impl FnMut(usize, Option<f64>),
-    ) {
+        mut place: impl FnMut(usize, f64),
+    ) -> Vec<usize> {
         let n = a.len();
         let time = STEPS * self.step;
         self.low.clear();
@@ -126,18 +160,30 @@ impl Near {
         self.contacts.clear();
         // Rounding of a bound is some 1e-16 of the coordinates.
         let rounding = 64.0 * f64::EPSILON * largest(&x[..n]);
-        for (contact, far) in self.far.iter_mut().enumerate() {
-            let least =
-                (contact < self.surfaces).then(|| least_gap(contact, &self.low, &self.high));
-            let bound = least.flatten().filter(|least| *least > rounding);
-            if bound.is_none() {
-                self.contacts.push(contact);
-            }
-            if bound.is_some() || *far {
-                place(contact, bound);
-            }
-            *far = bound.is_some();
+        for contact in 0..self.surfaces {
+            let least = least_gap(contact, &self.low, &self.high);
+            self.least[contact] = least.filter(|least| *least > rounding);
         }
+        let mut news = Vec::new();
+        for contact in 0..self.far.len() {
+            let others = self.others[contact].iter().map(|&other| self.least[other]);
+            let bound = others.fold(self.least[contact], |most, least| {
+                least.map_or(most, |least| {
+                    Some(most.map_or(least, |most| most.max(least)))
+                })
+            });
+            match bound {
+                Some(bound) => place(contact, bound),
+                None => {
+                    self.contacts.push(contact);
+                    if self.far[contact] {
+                        news.push(contact);
+                    }
+                }
+            }
+            self.far[contact] = bound.is_some();
+        }
+        news
     }
 }
 
@@ -168,15 +214,15 @@ mod tests {
     fn look(near: &mut Near, x: &[f64; 4]) -> Vec<(usize, bool)> {
         let mut placed = Vec::new();
         near.expect_step(0.1);
-        near.look(least_gap, (x, &[0.0, 0.0]), false, |contact, bound| {
-            placed.push((contact, bound.is_some()));
-        });
+        let place = |contact: usize, _: f64| placed.push((contact, true));
+        let news = near.look(least_gap, (x, &[0.0, 0.0]), false, place);
+        placed.extend(news.into_iter().map(|contact| (contact, false)));
         placed
     }
 
     #[test]
     fn contacts_that_steps_cannot_reach_are_far() {
-        let mut near = Near::of((6, 6), true);
+        let mut near = Near::of(vec![&[]; 6], 6, true);
         // The first goes 1.2 m to either side at most, the other one rests.
         let placed = look(&mut near, &[1.0, 4.0, 1.0, 0.0]);
         assert_eq!(near.contacts(), [0, 5]);
@@ -185,7 +231,7 @@ mod tests {
 
     #[test]
     fn box_holds_until_the_motion_leaves_it_and_what_comes_near_is_news() {
-        let mut near = Near::of((6, 6), true);
+        let mut near = Near::of(vec![&[]; 6], 6, true);
         look(&mut near, &[1.0, 4.0, 1.0, 0.0]);
         assert!(!near.is_left(&[2.1, 4.0, 1.0, 0.0], 2, None));
         assert!(near.is_left(&[2.3, 4.0, 1.0, 0.0], 2, None));
@@ -200,8 +246,19 @@ mod tests {
     }
 
     #[test]
+    fn pieces_of_an_edge_are_far_where_one_is() {
+        let others: Vec<&[usize]> = vec![&[1], &[0], &[], &[], &[], &[]];
+        let mut near = Near::of(others, 6, true);
+        look(&mut near, &[1.0, 4.0, 1.0, 0.0]);
+        assert_eq!(near.contacts(), [5]);
+        assert_eq!(look(&mut near, &[1.0, 0.1, 1.0, 1.0])[..1], [(2, true)]);
+        assert_eq!(near.contacts(), [0, 1, 4, 5]);
+        assert_eq!(near.forget(), [2, 3]);
+    }
+
+    #[test]
     fn nothing_is_far_where_it_is_not_told() {
-        let near = Near::of((6, 6), false);
+        let near = Near::of(vec![&[]; 6], 6, false);
         assert!(!near.is_left(&[1e9, 4.0, 1.0, 0.0], 2, None));
         assert_eq!(near.contacts(), [0, 1, 2, 3, 4, 5]);
     }
