@@ -16,6 +16,7 @@ mod tokens;
 
 pub(crate) use names::decoded;
 pub(crate) use part::{counts, files, is_declaration};
+pub(crate) use tokens::is_product;
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
 use body::Bodies;

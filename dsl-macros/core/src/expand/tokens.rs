@@ -7,6 +7,12 @@ pub(super) fn is_punct(token: Option<&TokenTree>, mark: char) -> bool {
     matches!(token, Some(TokenTree::Punct(punct)) if punct.as_char() == mark)
 }
 
+/// Whether a point is an operator between vectors, `v . f(x)`: what is behind it stands apart. Tokens without a place of their own do not.
+pub(crate) fn is_product(point: &TokenTree, next: &TokenTree) -> bool {
+    let (point, next) = (point.span(), next.span().start());
+    next != point.end() && next != point.start()
+}
+
 /// The group that a token is, if it has these brackets.
 pub(super) fn group_in(token: Option<&TokenTree>, delimiter: Delimiter) -> Option<&Group> {
     match token {

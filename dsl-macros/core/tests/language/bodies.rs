@@ -282,6 +282,66 @@ fn names_of_bodies_in_parts_have_those_of_the_part_in_front() {
     assert_eq!(declaration.coordinates[2].name, "car.rear.phi");
 }
 
+#[test]
+fn points_that_stand_apart_are_products_of_vectors() {
+    let scene = |gap: &str, law: &str| {
+        format!(
+            "parameters {{ m: kg = 1, r: m = 0.1 }}
+             coordinates {{ a: m, b: m, phi: rad }}
+             fn ahead(s) = (cos(s), sin(s))
+             let p = (a, b)
+             let corner[k in 1..=2] = k*(r, r)
+             lagrangian m/2*|dot(p)|^2 + m*r^2/2*dot(phi)^2
+             surface wall: {gap} >= 0
+             impact wall: inelastic, friction 0.1, sliding {law}
+             start {{ a: 1 [m] }}"
+        )
+    };
+    let by_hand = scene(
+        "a*cos(phi) + b*sin(phi) + (a*2*r + b*2*r)/r",
+        "cos(phi)*dot(b) - sin(phi)*dot(a) + r*dot(phi)",
+    );
+    let law = "(-sin(phi), cos(phi)) . dot(p) + r*dot(phi)";
+    let own = scene("p . ahead(phi) + p . corner[2]/r", law);
+    assert_alike(&own, &by_hand);
+    // The text of a compiled scene is that of its tokens.
+    let tokens: proc_macro2::TokenStream = format!("S {{ {own} }}").parse().expect("tokens");
+    let code = hangtime_dsl::expand(tokens).to_string();
+    assert!(!code.contains("compile_error"), "{code}");
+    assert_told(
+        &scene("p . ahead(phi)", "<<(a, b).dot(p)>>"),
+        "`.dot(...)` is a call of Rust; write `dot((a, b), p)`, or `(a, b) . dot(p)` with the velocity",
+    );
+}
+
+#[test]
+fn laws_of_several_surfaces_repeat_each_by_its_own_indices() {
+    let text = |laws: &str| {
+        format!(
+            "count n = 2
+             coordinates {{ x[n]: m, y[n]: m, z: m }}
+             lagrangian sum(k in 1..=n: 1 [kg]*(dot(x[k])^2 + dot(y[k])^2)) + 1 [kg]*dot(z)^2
+             surface left[k in 1..=n]: x[k] >= 0
+             surface right[k in 1..=n]: y[k] >= 0
+             surface top: z >= 0
+             {laws}
+             start {{ z: 0 }}"
+        )
+    };
+    assert_alike(
+        &text("impact left[k in 1..=n], right[j in 1..=n], top: inelastic"),
+        &text(
+            "impact left[k in 1..=n]: inelastic impact right[j in 1..=n]: inelastic impact top: inelastic",
+        ),
+    );
+    assert_alike(
+        &text("impact top, left[k in 1..=n], right[k]: inelastic")
+            .replace("surface top", "surface up")
+            .replace("impact top,", "impact up: inelastic impact"),
+        &text("impact left[1], left[2], right[1], right[2]: inelastic impact top: inelastic"),
+    );
+}
+
 /// A scene with slips in the place of `SLIP`.
 const SCENE: &str = "parameters { m: kg = 1, j: kg*m^2 = 0.01, r: m = 0.1 }
     coordinates { x: m, z: m, phi: rad, y: m }
