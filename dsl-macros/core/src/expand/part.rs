@@ -202,7 +202,7 @@ fn apart(statement: &[TokenTree]) -> Vec<Vec<TokenTree>> {
     values.chain([pieces[0].to_vec()]).collect()
 }
 
-/// A statement for each of the surfaces whose indices run by themselves; one without indices of its own goes with the one before.
+/// A statement for each of the surfaces whose indices run by themselves, and for those without indices; others go with the one before.
 fn impacts(statement: &[TokenTree]) -> Vec<Vec<TokenTree>> {
     let colon = statement
         .iter()
@@ -216,15 +216,18 @@ fn impacts(statement: &[TokenTree]) -> Vec<Vec<TokenTree>> {
     let mut is_running = false;
     for name in head.split(|token| is_punct(Some(token), ',')) {
         let own = name.iter().any(runs);
+        let indexed = name
+            .iter()
+            .any(|token| group_in(Some(token), Delimiter::Bracket).is_some());
         match found.last_mut() {
             None => found.push(name.to_vec()),
-            Some(_) if own && is_running => found.push([&head[..1], name].concat()),
+            Some(_) if is_running && (own || !indexed) => found.push([&head[..1], name].concat()),
             Some(last) => {
                 last.push(punct(',', head[0].span()));
                 last.extend_from_slice(name);
             }
         }
-        is_running |= own;
+        is_running = own || is_running && indexed;
     }
     found
         .into_iter()
