@@ -6,7 +6,7 @@ use super::constants::Constants;
 use super::names::{Names, Scope, encoded, indices, member};
 use super::part::Placed;
 use super::tokens::{
-    around, ended, group_in, grouped, inside, items, keyword, number, place_of, punct,
+    around, ended, group_in, grouped, inside, items, joined, keyword, number, place_of, punct,
     undocumented, word,
 };
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest};
@@ -44,6 +44,8 @@ pub(super) struct Bodies<'a> {
     drawn: Vec<(String, Placed)>,
     gravity: Option<(Span, Placed)>,
     pub(super) constants: Constants,
+    /// Whether the bodies of the scene are in space.
+    pub(super) in_space: bool,
 }
 
 impl<'a> Bodies<'a> {
@@ -57,6 +59,7 @@ impl<'a> Bodies<'a> {
             drawn: Vec::new(),
             gravity: None,
             constants: Constants::default(),
+            in_space: false,
         }
     }
 
@@ -133,16 +136,18 @@ impl<'a> Bodies<'a> {
             return Err(self.diagnostics.report("E19", Place::at(span), message));
         };
         let clauses = clauses(rest, &words::BODY);
-        let [mass, inertia, centre, at, angle, fixed] = self.of_body(name, &clauses)?;
+        let [mass, inertia, centre, at, angle, turn, fixed] = self.of_body(name, &clauses)?;
         let given = |clause: Option<Clause<'_>>| clause.map(|clause| clause.value());
         let is_fixed = fixed.is_some();
-        let nought = grouped(Delimiter::Parenthesis, nought(span), span);
+        let nought = grouped(Delimiter::Parenthesis, nought(span, self.in_space), span);
         let place = match (given(at), is_fixed) {
             (Some(at), _) => at,
             (None, true) => nought,
             (None, false) => {
                 let message = format!(
-                    "body `{name}` is nowhere; say where, as in `at (x, z)` with two coordinates"
+                    "body `{name}` is nowhere; say where, as in `at {}` with {} coordinates",
+                    if self.in_space { "(x, y, z)" } else { "(x, z)" },
+                    if self.in_space { "three" } else { "two" },
                 );
                 return Err(self.told(Place::at(span), message));
             }
@@ -150,19 +155,21 @@ impl<'a> Bodies<'a> {
         let is_plane = angle.is_some() || two(&place);
         let own = Ident::new(&encoded(&whole), span);
         self.write(quote_spanned!(span=> let #own: m = #place), scope);
-        let turn = given(angle).or_else(|| is_fixed.then(|| number(0, span)));
-        if let Some(turn) = &turn {
-            self.define(
-                (&whole, "angle", span),
-                quote_spanned!(span=> : rad = #turn),
-                scope,
-            );
-        }
+        let turns = match self.in_space {
+            true => self.turned((&whole, span), (turn, is_fixed), scope),
+            false => {
+                let turn = given(angle).or_else(|| is_fixed.then(|| number(0, span)));
+                turn.map(|turn| {
+                    let value = quote_spanned!(span=> : rad = #turn);
+                    self.define((&whole, "angle", span), value, scope);
+                })
+            }
+        };
         self.order.push(whole.clone());
         let body = Body {
-            turns: turn.is_some(),
+            turns: turns.is_some(),
             is_fixed,
-            is_still: is_fixed && self.are_still([at, angle], scope),
+            is_still: is_fixed && self.are_still([at, angle.or(turn)], scope),
             span,
             is_plane,
             points: Vec::new(),
@@ -186,14 +193,8 @@ impl<'a> Bodies<'a> {
                 scope,
             );
         }
-        if let Some(inertia) = given(inertia) {
-            let inertia = quote_spanned!(span=> : kg*m^2 = #inertia);
-            let j = self.define((&whole, "inertia", span), inertia, scope);
-            let angle = self.named(&whole, "angle");
-            self.write(
-                quote_spanned!(span=> lagrangian += #j/2*dot(#angle)^2),
-                scope,
-            );
+        if let Some(inertia) = inertia {
+            self.turning((&whole, span), (inertia, turn), scope);
         }
         for clause in clauses.iter().filter(|clause| clause.is_named()) {
             self.point(&whole, clause, scope)?;
@@ -206,12 +207,15 @@ impl<'a> Bodies<'a> {
         &mut self,
         name: &Ident,
         clauses: &[Clause<'t>],
-    ) -> Checked<[Option<Clause<'t>>; 6]> {
+    ) -> Checked<[Option<Clause<'t>>; 7]> {
         let what = format!("body `{name}`");
         let own = clauses.iter().filter(|clause| !clause.is_named()).copied();
         let found = sorted(own, &words::BODY, &what, self.diagnostics)?;
-        let [mass, inertia, centre, _, angle, fixed] = found.map(|clause| clause.is_some());
+        let [mass, inertia, centre, _, angle, turn, fixed] = found.map(|clause| clause.is_some());
         let message = match fixed {
+            _ if angle && self.in_space => {
+                "is in space, where an angle does not say how it is turned; write `turn (q0, q1, q2, q3)`, or `turn rotation_z(phi)`"
+            }
             true if mass || inertia => {
                 "is fixed, so that its mass does nothing; leave `fixed` out, or the mass"
             }
@@ -221,7 +225,10 @@ impl<'a> Bodies<'a> {
             false if !mass => {
                 "has no mass; write `mass m`, or `fixed` if it has no motion of its own"
             }
-            false if inertia && !angle => {
+            false if inertia && !turn && self.in_space => {
+                "has an inertia, and nothing by which it turns; add `turn (q0, q1, q2, q3)`, or `turn rotation_z(phi)`"
+            }
+            false if inertia && !(angle || turn) => {
                 "has an inertia, and no angle by which it turns; add `angle phi`"
             }
             _ => return Ok(found),
@@ -261,8 +268,8 @@ impl<'a> Bodies<'a> {
         value: &TokenTree,
     ) -> Checked<TokenStream> {
         self.needs_angle(whole, place, "a place on it")?;
-        let (own, angle) = (self.body_place(whole), self.named(whole, "angle"));
-        Ok(quote_spanned!(value.span()=> #own + rotation(#angle)*#value))
+        let (own, turn, span) = (self.body_place(whole), self.turn(whole), value.span());
+        Ok(quote_spanned!(span=> #own + #turn*#value))
     }
 
     /// E27: what hangs on how a body is turned.
@@ -270,11 +277,24 @@ impl<'a> Bodies<'a> {
         if self.turns(whole) {
             return Ok(());
         }
+        let [has, write, never] = match self.in_space {
+            true => ["turn", "turn (q0, q1, q2, q3)", "turn diagonal(1, 1, 1)"],
+            false => ["angle", "angle phi", "angle 0"],
+        };
         let message = format!(
-            "body `{}` has no angle, and {what} needs it; write `angle phi` where the body is declared, or `angle 0` if it never turns",
+            "body `{}` has no {has}, and {what} needs it; write `{write}` where the body is declared, or `{never}` if it never turns",
             shown(whole)
         );
         Err(self.told(place, message))
+    }
+
+    /// The matrix by which a body is turned.
+    pub(super) fn turn(&self, whole: &str) -> TokenStream {
+        let [turn, angle] = ["turn", "angle"].map(|name| self.named(whole, name));
+        match self.in_space {
+            true => quote_spanned!(turn.span()=> #turn),
+            false => quote_spanned!(angle.span()=> rotation(#angle)),
+        }
     }
 
     /// Whether a body has an angle.
@@ -390,7 +410,8 @@ impl<'a> Bodies<'a> {
         let Some(body) = self.known.get(whole) else {
             return;
         };
-        if body.is_fixed && body.points.is_empty() || !(body.is_plane || in_plane) {
+        let is_drawn = (body.is_plane || in_plane) && !self.in_space;
+        if body.is_fixed && body.points.is_empty() || !is_drawn {
             return;
         }
         let (own, centre) = (self.body_place(whole), self.named(whole, "centre"));
@@ -453,16 +474,26 @@ impl<'a> Bodies<'a> {
 
 /// Whether a vector of two components is written there.
 fn two(value: &TokenTree) -> bool {
+    components(std::slice::from_ref(value)).len() == 2
+}
+
+/// The components of a vector that is written out; none of anything else.
+pub(super) fn components(value: &[TokenTree]) -> Vec<Vec<TokenTree>> {
     match value {
-        TokenTree::Group(group) if group.delimiter() == Delimiter::None => {
-            matches!(&inside(group)[..], [only] if two(only))
+        [TokenTree::Group(group)] if group.delimiter() == Delimiter::None => {
+            components(&inside(group))
         }
-        value => group_in(Some(value), Delimiter::Parenthesis)
-            .is_some_and(|group| items(&inside(group)).count() == 2),
+        [value] => {
+            let inner = group_in(Some(value), Delimiter::Parenthesis).map(inside);
+            let inner = inner.unwrap_or_default();
+            items(&inner).map(<[TokenTree]>::to_vec).collect()
+        }
+        _ => Vec::new(),
     }
 }
 
-/// `0, 0`.
-fn nought(span: Span) -> Vec<TokenTree> {
-    vec![number(0, span), punct(',', span), number(0, span)]
+/// `0, 0`, in space `0, 0, 0`.
+fn nought(span: Span, in_space: bool) -> Vec<TokenTree> {
+    let noughts = (0..2 + usize::from(in_space)).map(|_| vec![number(0, span)]);
+    joined(noughts, ',', span)
 }

@@ -12,6 +12,8 @@ mod names;
 mod part;
 mod repeat;
 mod shape;
+mod solid;
+mod space;
 mod tokens;
 
 pub(crate) use names::decoded;
@@ -76,6 +78,8 @@ fn written_out(
     diagnostics: &mut Diagnostics,
 ) -> Vec<part::Placed> {
     let mut shapes = Shapes::new(Bodies::new(names, diagnostics));
+    let mut all = statements.iter();
+    shapes.bodies.in_space = all.any(|(statement, _)| space::is_there(statement));
     for (statement, scope) in statements {
         let _: Checked<()> = match keyword(&statement).as_str() {
             "gravity" => shapes.bodies.gravity(&statement, &scope),
@@ -83,6 +87,7 @@ fn written_out(
             "shape" => shapes.shape(&statement, &scope),
             "contact" => Contacts(&mut shapes).contact(&statement, &scope),
             "hinge" => Hinges(&mut shapes).hinge(&statement, &scope),
+            "ball" => Hinges(&mut shapes).ball(&statement, &scope),
             "weld" => Hinges(&mut shapes).weld(&statement, &scope),
             "slider" => Hinges(&mut shapes).slider(&statement, &scope),
             "rolling" => Hinges(&mut shapes).rolling(&statement, &scope),

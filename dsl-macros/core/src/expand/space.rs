@@ -1,0 +1,111 @@
+//! Bodies in space: how they are turned, by a matrix or a quaternion, and their energy by principal moments of inertia.
+
+use super::body::{Bodies, components};
+use super::clause::Clause;
+use super::names::Scope;
+use super::tokens::{keyword, undocumented};
+use crate::words;
+use proc_macro2::{Span, TokenStream, TokenTree};
+use quote::quote_spanned;
+use std::rc::Rc;
+
+/// Whether a statement tells that the bodies of a scene are in space: by how one is turned, or by three components.
+pub(super) fn is_there(statement: &[TokenTree]) -> bool {
+    let statement = undocumented(statement);
+    let is_word =
+        |token: &TokenTree, word: &str| matches!(token, TokenTree::Ident(own) if own == word);
+    let three = |value: &TokenTree| components(std::slice::from_ref(value)).len() == 3;
+    match keyword(statement).as_str() {
+        "gravity" => statement.get(1).is_some_and(three),
+        "body" => statement.windows(2).skip(2).any(|pair| {
+            is_word(&pair[0], "turn") || is_word(&pair[0], words::AT) && three(&pair[1])
+        }),
+        _ => false,
+    }
+}
+
+impl Bodies<'_> {
+    /// Declares the matrix that turns a body, and its angular velocity along its own axes; none of a body that does not turn. A
+    /// quaternion gets the joint that keeps its length.
+    pub(super) fn turned(
+        &mut self,
+        (whole, span): (&str, Span),
+        (turn, is_fixed): (Option<Clause<'_>>, bool),
+        scope: &Rc<Scope>,
+    ) -> Option<()> {
+        let quaternion = turn
+            .map(|turn| components(turn.tokens()))
+            .unwrap_or_default();
+        if let [a, b, c, d] = &quaternion[..] {
+            let [a, b, c, d] = [a, b, c, d].map(|part| quote_spanned!(span=> (#(#part)*)));
+            let unit = self.own(whole, "unit", span);
+            let length = quote_spanned!(span=> #a^2 + #b^2 + #c^2 + #d^2);
+            self.write(quote_spanned!(span=> joint #unit: #length == 1), scope);
+            let matrix = quote_spanned!(span=> = (
+                (1 - 2*(#c^2 + #d^2), 2*(#b*#c - #a*#d), 2*(#b*#d + #a*#c)),
+                (2*(#b*#c + #a*#d), 1 - 2*(#b^2 + #d^2), 2*(#c*#d - #a*#b)),
+                (2*(#b*#d - #a*#c), 2*(#c*#d + #a*#b), 1 - 2*(#b^2 + #c^2))));
+            self.define((whole, "turn", span), matrix, scope);
+            let spin = quote_spanned!(span=> = 2*(
+                #a*dot(#b) - #b*dot(#a) + #d*dot(#c) - #c*dot(#d),
+                #a*dot(#c) - #c*dot(#a) + #b*dot(#d) - #d*dot(#b),
+                #a*dot(#d) - #d*dot(#a) + #c*dot(#b) - #b*dot(#c)));
+            self.define((whole, "spin", span), spin, scope);
+            return Some(());
+        }
+        let value = match turn {
+            Some(turn) => TokenStream::from(turn.value()),
+            None if is_fixed => quote_spanned!(span=> diagonal(1, 1, 1)),
+            None => return None,
+        };
+        let matrix = self.define(
+            (whole, "turn", span),
+            quote_spanned!(span=> = #value),
+            scope,
+        );
+        if turn.is_some() {
+            let rates = quote_spanned!(span=> = transpose(#matrix)*dot(#matrix));
+            let rates = self.define((whole, "rates", span), rates, scope);
+            let spin = quote_spanned!(span=> = (#rates[2][1], #rates[0][2], #rates[1][0]));
+            self.define((whole, "spin", span), spin, scope);
+        }
+        Some(())
+    }
+
+    /// The kinetic energy of a body that turns. That of the length of a quaternion, which its joint keeps, may be any; with equal
+    /// moments it makes the inertia the same for all four.
+    pub(super) fn turning(
+        &mut self,
+        (whole, span): (&str, Span),
+        (inertia, turn): (Clause<'_>, Option<Clause<'_>>),
+        scope: &Rc<Scope>,
+    ) {
+        let value = inertia.value();
+        if !self.in_space {
+            let value = quote_spanned!(span=> : kg*m^2 = #value);
+            let j = self.define((whole, "inertia", span), value, scope);
+            let angle = self.named(whole, "angle");
+            return self.write(
+                quote_spanned!(span=> lagrangian += #j/2*dot(#angle)^2),
+                scope,
+            );
+        }
+        let value = match components(inertia.tokens()).len() {
+            3 => quote_spanned!(span=> : kg*m^2 = #value),
+            _ => quote_spanned!(span=> : kg*m^2 = (#value, #value, #value)),
+        };
+        let j = self.define((whole, "inertia", span), value, scope);
+        let w = self.named(whole, "spin");
+        let mut energy = quote_spanned!(span=> (#j[0]*#w[0]^2 + #j[1]*#w[1]^2 + #j[2]*#w[2]^2)/2);
+        let quaternion = turn
+            .map(|turn| components(turn.tokens()))
+            .unwrap_or_default();
+        if quaternion.len() == 4 {
+            let rates = quaternion
+                .iter()
+                .map(|part| quote_spanned!(span=> (#(#part)*)*dot(#(#part)*)));
+            energy = quote_spanned!(span=> #energy + 2*#j[0]*(#(#rates)+*)^2);
+        }
+        self.write(quote_spanned!(span=> lagrangian += #energy), scope);
+    }
+}
