@@ -122,6 +122,7 @@ impl<'a> Bodies<'a> {
             let message = "`gravity` is a vector, as in `gravity (0, -g)`";
             return Err(self.diagnostics.syntax(place, message));
         }
+        self.fits(value, place, "gravity")?;
         let value = (value.to_vec(), Rc::clone(scope));
         self.gravity = Some((statement[0].span(), value));
         Ok(())
@@ -137,6 +138,9 @@ impl<'a> Bodies<'a> {
         };
         let clauses = clauses(rest, &words::BODY);
         let [mass, inertia, centre, at, angle, turn, fixed] = self.of_body(name, &clauses)?;
+        if let Some(at) = at {
+            self.fits(at.tokens(), at.place(), &format!("body `{name}`"))?;
+        }
         let given = |clause: Option<Clause<'_>>| clause.map(|clause| clause.value());
         let is_fixed = fixed.is_some();
         let nought = grouped(Delimiter::Parenthesis, nought(span, self.in_space), span);
@@ -216,6 +220,9 @@ impl<'a> Bodies<'a> {
             _ if angle && self.in_space => {
                 "is in space, where an angle does not say how it is turned; write `turn (q0, q1, q2, q3)`, or `turn rotation_z(phi)`"
             }
+            _ if turn && !self.in_space => {
+                "is in the plane, where it turns by an angle; write `angle phi`, or a `gravity` with three components"
+            }
             true if mass || inertia => {
                 "is fixed, so that its mass does nothing; leave `fixed` out, or the mass"
             }
@@ -231,7 +238,7 @@ impl<'a> Bodies<'a> {
             false if inertia && !(angle || turn) => {
                 "has an inertia, and no angle by which it turns; add `angle phi`"
             }
-            _ => return Ok(found),
+            _ => return self.of_turn(name, found),
         };
         Err(self.told(Place::at(name.span()), format!("{what} {message}")))
     }
@@ -270,6 +277,24 @@ impl<'a> Bodies<'a> {
         self.needs_angle(whole, place, "a place on it")?;
         let (own, turn, span) = (self.body_place(whole), self.turn(whole), value.span());
         Ok(quote_spanned!(span=> #own + #turn*#value))
+    }
+
+    /// E27: a vector that is written out has a component for each direction.
+    fn fits(&mut self, value: &[TokenTree], place: Place, what: &str) -> Checked<()> {
+        let [dimensions, many, example] = match self.in_space {
+            true => ["in space", "three", "(0, 0, -g)"],
+            false => ["in the plane", "two", "(0, -g)"],
+        };
+        match components(value).len() {
+            0 | 1 => Ok(()),
+            own if own == 2 + usize::from(self.in_space) => Ok(()),
+            own => {
+                let message = format!(
+                    "{what} has {own} components, and the bodies of this scene are {dimensions}; write {many}, as in `{example}`"
+                );
+                Err(self.told(place, message))
+            }
+        }
     }
 
     /// E27: what hangs on how a body is turned.

@@ -98,6 +98,14 @@ impl Hinges<'_, '_> {
             return Err(self.0.bodies.diagnostics.syntax(stop.place(), message));
         };
         let (low, high) = (&range[..at], &range[at + 3..]);
+        let constants = &self.0.bodies.constants;
+        if let (Some(from), Some(to)) = (constants.value(low, scope), constants.value(high, scope))
+            && from >= to
+        {
+            let message = "the range of a stop begins below where it ends, as in `stop -1..=1`";
+            let place = place_of(range, stop.place());
+            return Err(self.0.bodies.diagnostics.report("E10", place, message));
+        }
         let names = ["low", "high"].map(|name| self.0.bodies.own(whole, name, span));
         let law = match restitution {
             None => quote_spanned!(span=> inelastic),

@@ -78,8 +78,7 @@ fn written_out(
     diagnostics: &mut Diagnostics,
 ) -> Vec<part::Placed> {
     let mut shapes = Shapes::new(Bodies::new(names, diagnostics));
-    let mut all = statements.iter();
-    shapes.bodies.in_space = all.any(|(statement, _)| space::is_there(statement));
+    shapes.bodies.in_space = space::is_there(&statements);
     for (statement, scope) in statements {
         let _: Checked<()> = match keyword(&statement).as_str() {
             "gravity" => shapes.bodies.gravity(&statement, &scope),

@@ -3,24 +3,39 @@
 use super::body::{Bodies, components};
 use super::clause::Clause;
 use super::names::Scope;
+use super::part::Placed;
 use super::tokens::{keyword, undocumented};
+use crate::diagnostics::Checked;
 use crate::words;
-use proc_macro2::{Span, TokenStream, TokenTree};
+use proc_macro2::{Ident, Span, TokenStream, TokenTree};
 use quote::quote_spanned;
 use std::rc::Rc;
 
-/// Whether a statement tells that the bodies of a scene are in space: by how one is turned, or by three components.
-pub(super) fn is_there(statement: &[TokenTree]) -> bool {
-    let statement = undocumented(statement);
-    let is_word =
-        |token: &TokenTree, word: &str| matches!(token, TokenTree::Ident(own) if own == word);
-    let three = |value: &TokenTree| components(std::slice::from_ref(value)).len() == 3;
-    match keyword(statement).as_str() {
-        "gravity" => statement.get(1).is_some_and(three),
-        "body" => statement.windows(2).skip(2).any(|pair| {
-            is_word(&pair[0], "turn") || is_word(&pair[0], words::AT) && three(&pair[1])
-        }),
-        _ => false,
+/// Whether the bodies of a scene are in space: by the components of its gravity, else by how bodies are turned, else by those of a place.
+pub(super) fn is_there(statements: &[Placed]) -> bool {
+    let of = |wanted: &'static str| {
+        let statements = statements
+            .iter()
+            .map(|(statement, _)| undocumented(statement));
+        statements.filter(move |statement| keyword(statement) == wanted)
+    };
+    let count = |value: Option<&TokenTree>| {
+        value.map_or(0, |value| components(std::slice::from_ref(value)).len())
+    };
+    let behind = |word: &'static str| {
+        let pairs = of("body").flat_map(|statement| statement.windows(2).skip(2));
+        let pairs =
+            pairs.filter(move |pair| matches!(&pair[0], TokenTree::Ident(own) if own == word));
+        pairs.map(|pair| count(pair.get(1)))
+    };
+    match of("gravity")
+        .map(|statement| count(statement.get(1)))
+        .next()
+    {
+        Some(directions @ (2 | 3)) => directions == 3,
+        _ if behind("turn").next().is_some() => true,
+        _ if behind("angle").next().is_some() => false,
+        _ => behind(words::AT).any(|directions| directions == 3),
     }
 }
 
@@ -70,6 +85,42 @@ impl Bodies<'_> {
             self.define((whole, "spin", span), spin, scope);
         }
         Some(())
+    }
+
+    /// E27: a quaternion has four components, a matrix three rows, and moments of inertia are one or three.
+    pub(super) fn of_turn<'t>(
+        &mut self,
+        name: &Ident,
+        said: [Option<Clause<'t>>; 7],
+    ) -> Checked<[Option<Clause<'t>>; 7]> {
+        let [_, inertia, _, _, _, turn, _] = said;
+        let parts = |clause: Option<Clause<'_>>| {
+            clause
+                .map(|clause| components(clause.tokens()))
+                .unwrap_or_default()
+        };
+        let (moments, turned) = (parts(inertia), parts(turn));
+        let is_row = |row: &Vec<TokenTree>| components(row).len() == 3;
+        let is_turn = turned.is_empty()
+            || turned.len() == 4
+            || turned.len() == 3 && turned.iter().all(is_row);
+        let are_moments = moments.len() <= 1 || moments.len() == 3 && self.in_space;
+        let (wrong, message) = match (is_turn, self.in_space) {
+            (false, _) => (
+                turn,
+                "a quaternion of four components or a matrix that turns it, as in `turn (q0, q1, q2, q3)` or `turn rotation_z(phi)`",
+            ),
+            (true, false) => (inertia, "one moment of inertia in the plane"),
+            (true, true) => (
+                inertia,
+                "one moment of inertia for all axes or three, as in `inertia (jx, jy, jz)`",
+            ),
+        };
+        let wrong = wrong.filter(|_| !(is_turn && are_moments));
+        match wrong {
+            None => Ok(said),
+            Some(clause) => Err(self.told(clause.place(), format!("body `{name}` has {message}"))),
+        }
     }
 
     /// The kinetic energy of a body that turns. That of the length of a quaternion, which its joint keeps, may be any; with equal

@@ -381,7 +381,7 @@ fn slips_of_bodies_are_told_where_they_stand() {
         ),
         (
             "body rod: mass m at (x, y), <<colour 3>>",
-            "E27: `colour` says nothing of body `rod`; it knows `mass`, `inertia`, `centre`, `at`, `angle`, `fixed`",
+            "E27: `colour` says nothing of body `rod`; it knows `mass`, `inertia`, `centre`, `at`, `angle`, `turn`, `fixed`",
         ),
         (
             "body rod: mass m, <<mass m>> at (x, y)",
@@ -407,6 +407,18 @@ fn slips_of_bodies_are_told_where_they_stand() {
         (
             "body rod: mass m at (x, y) angle phi, <<angle>> = (r, 0)",
             "E19: `rod.angle` is something else of this body; choose another name for the point",
+        ),
+        (
+            "body rod: mass m <<at (x, y, z)>>",
+            "E27: body `rod` has 3 components, and the bodies of this scene are in the plane; write two, as in `(0, -g)`",
+        ),
+        (
+            "gravity (0, -9.81 [m/s^2]) body <<rod>>: mass m at (x, y) turn rotation_z(phi)",
+            "E27: body `rod` is in the plane, where it turns by an angle; write `angle phi`, or a `gravity` with three components",
+        ),
+        (
+            "body rod: mass m, <<inertia (j, j)>> at (x, y) angle phi",
+            "E27: body `rod` has one moment of inertia in the plane",
         ),
         (
             "<<body rod>>",
@@ -463,11 +475,13 @@ fn slips_of_shapes_are_told_where_they_stand() {
         ),
         (
             "shape block: circle r, <<tip = (r, 0)>>",
-            "E27: `tip` says nothing of the shape of `block`; it knows `circle`, `rectangle`, `half`, `capsule`, `segment`, `at`, `angle`",
+            "E27: `tip` says nothing of the shape of `block`; it knows `circle`, `rectangle`, `polygon`, `half`, `below`, `capsule`, `segment`, \
+             `point`, `sphere`, `box`, `at`, `angle`",
         ),
         (
-            "shape block: <<blob r>>",
-            "E27: `blob` says nothing of the shape of `block`; it knows `circle`, `rectangle`, `half`, `capsule`, `segment`, `at`, `angle`",
+            "shape block: <<xyz r>>",
+            "E27: `xyz` says nothing of the shape of `block`; it knows `circle`, `rectangle`, `polygon`, `half`, `below`, `capsule`, `segment`, \
+             `point`, `sphere`, `box`, `at`, `angle`",
         ),
         (
             "shape block: <<rectangle r>>",
@@ -488,6 +502,38 @@ fn slips_of_shapes_are_told_where_they_stand() {
         (
             "shape block: circle <<m>>",
             "E03: units differ: `m` is in kg, where m is needed (`block.radius` is declared so)",
+        ),
+        (
+            "shape block: <<polygon ((0, 0), (r, 0))>>",
+            "E27: a polygon has three corners at least, each with two lengths, as in `polygon ((0, 0), (l, 0), (0, l))`",
+        ),
+        (
+            "shape block: polygon ((0, 0), (2*r, 0), <<(r/4, 3 [cm])>>, (0, 2*r))",
+            "E27: the outline does not turn the same way round at corner 3 of the polygon, which has to be convex; make it of several, \
+             as in `shape block.lid: polygon ..`",
+        ),
+        (
+            "shape block: polygon ((0, 3*r), (-2*r, -3*r), (3*r, r), <<(-3*r, r)>>, (2*r, -3*r))",
+            "E27: the outline goes round more than once up to corner 4 of the polygon, which has to be convex; make it of several, as in \
+             `shape block.lid: polygon ..`",
+        ),
+        (
+            "shape block: <<polygon ((0, 0), (y, 0), (0, r))>>",
+            "E27: the corners of a polygon are computed from numbers and parameters, so that it is known to be convex",
+        ),
+        (
+            "shape ball: <<polygon ((0, 0), (r, 0), (0, r))>>",
+            "E27: body `ball` has no angle, and a shape `polygon` needs it; write `angle phi` where the body is declared, or `angle 0` if \
+             it never turns",
+        ),
+        (
+            "shape block: <<sphere r>>",
+            "E27: the shape of `block` is one of `circle r`, `rectangle (w, h)`, `polygon ((0, 0), (l, 0), (0, l))`, `half plane`, \
+             `below h`, `capsule (l, r)`, `segment l`, `point`",
+        ),
+        (
+            "shape ball: <<point r>>",
+            "nothing stands behind `point` but a comma or the next word",
         ),
         (
             "<<shape>> block",
@@ -533,6 +579,11 @@ fn slips_of_contacts_are_told_where_they_stand() {
         (
             "shape wall: segment r contact <<block, wall>>: inelastic",
             "E27: there is no contact between a rectangle and a segment; give one of them a radius, as a circle or a capsule has",
+        ),
+        (
+            "fn hill(s) = s^2/r shape wall: below hill shape ball: circle r contact <<ball, wall>>: inelastic",
+            "E27: there is no contact between a circle and a curve in points that a formula tells; what has corners alone touches a \
+             curve, as a polygon and a `point` do",
         ),
         (
             "contact block, ground: inelastic contact <<block, ground>>: inelastic",
@@ -584,12 +635,146 @@ fn slips_of_joints_of_bodies_are_told_where_they_stand() {
             "E27: a rectangle does not roll on a half plane in one point; a circle rolls on a half plane or on a circle",
         ),
         (
+            "<<ball>> pin: block.tip == ground",
+            "E27: in the plane a point is held on a point by `hinge`",
+        ),
+        (
+            "hinge pin: block.tip == ground, <<stop 1>>",
+            "`stop` has both ends of a range, as in `stop -1..=1`",
+        ),
+        (
+            "hinge pin: block.tip == ground, stop <<2..=1>>",
+            "E10: the range of a stop begins below where it ends, as in `stop -1..=1`",
+        ),
+        (
+            "hinge pin: block.tip == ground, <<restitution 0.5>>",
+            "E27: joint `pin` strikes nothing; add `stop -1..=1`, or leave `restitution` out",
+        ),
+        (
+            "hinge pin: block.tip == ground, stop -1..=1, restitution <<2>>",
+            "E10: coefficient of restitution 2 is outside [0, 1]: 0 keeps no normal velocity, 1 all of it",
+        ),
+        (
+            "hinge pin: block.tip == ball, <<motor 1 [N m]>>",
+            "E27: body `ball` has no angle, and `motor` needs it; write `angle phi` where the body is declared, or `angle 0` if it never \
+             turns",
+        ),
+        (
+            "weld pin: block.tip == ground, <<motor 1 [N m]>>",
+            "E27: `motor` says nothing of joint `pin`; leave it out",
+        ),
+        (
+            "hinge pin: block.tip == ground, motor <<1 [N]>>",
+            "E03: units differ: `1 [N]` is in N, where N m is needed (a force on `pin.angle` is the Lagrangian's unit over that of the name)",
+        ),
+        (
+            "forces { block.tip: <<1 [N]>> }",
+            "E02: the force on `block.tip` has 2 components, as that has",
+        ),
+        (
+            "let speed = dot(block.tip) forces { <<speed>>: (1 [N], 1 [N]) }",
+            "E07: a force acts on a position, and `speed` depends on the velocity of `x`",
+        ),
+        ("forces { <<r>>: 1 [N] }", "E01"),
+        (
             "hinge pin: block.<<tup>> == ball",
             "E27: part `block` has no `tup`; did you mean `block.tip`?",
         ),
     ] {
         assert_told(&SCENE.replace("SLIP", slip), wanted);
     }
+}
+
+#[test]
+fn slips_of_bodies_in_space_are_told_where_they_stand() {
+    let scene = "parameters { m: kg = 1, j: kg*m^2 = 0.01, r: m = 0.1, g: m/s^2 = 9.81 }
+        coordinates { x: m, y: m, z: m, q0, q1, q2, q3, u: m, phi: rad }
+        gravity (0, 0, -g)
+        body die: mass m, inertia (j, j, 2*j), at (x, y, z), turn (q0, q1, q2, q3)
+        body ball: mass m at (u, 0, 2*r)
+        body table: fixed
+        shape die: box (r, r, r)
+        shape table: half space
+        lagrangian += j*dot(phi)^2
+        SLIP
+        start { z: 1 [m], q0: 1 }";
+    described(&scene.replace("SLIP", "contact die, table: inelastic, friction 0.3"));
+    for (slip, wanted) in [
+        (
+            "body <<rod>>: mass m, inertia j at (x, y, u) angle phi",
+            "E27: body `rod` is in space, where an angle does not say how it is turned; write `turn (q0, q1, q2, q3)`, or `turn \
+             rotation_z(phi)`",
+        ),
+        (
+            "body <<rod>>: mass m, inertia j at (x, y, u)",
+            "E27: body `rod` has an inertia, and nothing by which it turns; add `turn (q0, q1, q2, q3)`, or `turn rotation_z(phi)`",
+        ),
+        (
+            "body <<rod>>: mass m",
+            "E27: body `rod` is nowhere; say where, as in `at (x, y, z)` with three coordinates",
+        ),
+        (
+            "body rod: mass m <<at (x, y)>>",
+            "E27: body `rod` has 2 components, and the bodies of this scene are in space; write three, as in `(0, 0, -g)`",
+        ),
+        (
+            "body rod: mass m at (x, y, u) <<turn (q0, q1, q2)>>",
+            "E27: body `rod` has a quaternion of four components or a matrix that turns it, as in `turn (q0, q1, q2, q3)` or `turn \
+             rotation_z(phi)`",
+        ),
+        (
+            "body rod: mass m, <<inertia (j, j)>> at (x, y, u) turn rotation_z(phi)",
+            "E27: body `rod` has one moment of inertia for all axes or three, as in `inertia (jx, jy, jz)`",
+        ),
+        (
+            "body rod: mass m at (x, y, u), <<tip>> = (0, 0, r)",
+            "E27: body `rod` has no turn, and a place on it needs it; write `turn (q0, q1, q2, q3)` where the body is declared, or `turn \
+             diagonal(1, 1, 1)` if it never turns",
+        ),
+        (
+            "shape ball: <<circle r>>",
+            "E27: the shape of `ball` is in space one of `sphere r`, `box (a, b, c)`, `half space`, `capsule (l, r)`, `point`",
+        ),
+        (
+            "shape die.lid: <<box (r, r)>>",
+            "E27: `box` has three lengths, as in `box (a, b, c)`",
+        ),
+        (
+            "shape die.lid: <<half plane>>",
+            "a half space is written as in `shape table: half space`; `at` stands behind that",
+        ),
+        (
+            "shape table.lid: box (r, r, r) contact <<die, table.lid>>: inelastic",
+            "E27: there is no contact between a box and a box in space; a half space touches all shapes, a sphere and a point all but a \
+             point",
+        ),
+        (
+            "shape ball: sphere r contact <<ball, table>>: inelastic, friction 0.3",
+            "E27: body `ball` has no turn, and friction, which turns it, needs it; write `turn (q0, q1, q2, q3)` where the body is \
+             declared, or `turn diagonal(1, 1, 1)` if it never turns",
+        ),
+        (
+            "body stone: mass m, inertia j, at (u, 0, r), turn rotation_z(phi) shape stone: sphere r
+             contact <<stone, die>>: inelastic, friction 0.3",
+            "E27: there is no contact between a sphere and a box with friction in space; leave `friction` out, or let a half space or a \
+             sphere touch",
+        ),
+        (
+            "<<hinge>> pin: die == ball",
+            "E27: this is a joint of the plane; in space `ball` holds a point on a point, and a `joint` what else is equal",
+        ),
+        (
+            "ball pin: die == ball, <<motor 1 [N]>>",
+            "E27: `motor` says nothing of joint `pin`; leave it out",
+        ),
+    ] {
+        assert_told(&scene.replace("SLIP", slip), wanted);
+    }
+    assert_told(
+        "parameters { m: kg = 1, g: m/s^2 = 9.81 } coordinates { x: m, y: m, z: m } gravity (0, -g)
+         body ball: mass m <<at (x, y, z)>> start { z: 1 }",
+        "E27: body `ball` has 3 components, and the bodies of this scene are in the plane; write two, as in `(0, -g)`",
+    );
 }
 
 #[test]
@@ -614,7 +799,7 @@ fn slips_in_a_file_that_is_used_are_told_there() {
         (
             "angle phi,",
             "angle phi, <<radius r>>,",
-            "E27: `radius` says nothing of body `rim`; it knows `mass`, `inertia`, `centre`, `at`, `angle`, `fixed`",
+            "E27: `radius` says nothing of body `rim`; it knows `mass`, `inertia`, `centre`, `at`, `angle`, `turn`, `fixed`",
         ),
         (
             "circle r",
@@ -635,6 +820,17 @@ fn slips_in_a_file_that_is_used_are_told_there() {
             "shape rim",
             "shape <<rin>>",
             "E27: there is no body `rin` above; did you mean `rear.rim`?",
+        ),
+        (
+            "circle r",
+            "polygon ((0, 0), (r, 0), <<(r/4, r/4)>>, (0, r))",
+            "E27: the outline does not turn the same way round at corner 3 of the polygon, which has to be convex; make it of several, \
+             as in `shape rear.rim.lid: polygon ..`",
+        ),
+        (
+            "rim, ground: inelastic, friction 0.5",
+            "rim, ground: inelastic hinge hub: rim == ground, stop <<1..=1>>",
+            "E10: the range of a stop begins below where it ends, as in `stop -1..=1`",
         ),
         (
             "friction 0.5",
