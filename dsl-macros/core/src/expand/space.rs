@@ -1,10 +1,10 @@
 //! Bodies in space: how they are turned, by a matrix or a quaternion, and their energy by principal moments of inertia.
 
 use super::body::{Bodies, components};
-use super::clause::Clause;
+use super::clause::{Clause, clauses};
 use super::names::Scope;
 use super::part::Placed;
-use super::tokens::{keyword, undocumented};
+use super::tokens::{ended, is_punct, keyword, undocumented};
 use crate::diagnostics::Checked;
 use crate::words;
 use proc_macro2::{Ident, Span, TokenStream, TokenTree};
@@ -19,17 +19,23 @@ pub(super) fn is_there(statements: &[Placed]) -> bool {
             .map(|(statement, _)| undocumented(statement));
         statements.filter(move |statement| keyword(statement) == wanted)
     };
-    let count = |value: Option<&TokenTree>| {
-        value.map_or(0, |value| components(std::slice::from_ref(value)).len())
-    };
+    let count = |value: &[TokenTree]| components(value).len();
+    // How many components the values behind a word of bodies have.
     let behind = |word: &'static str| {
-        let pairs = of("body").flat_map(|statement| statement.windows(2).skip(2));
-        let pairs =
-            pairs.filter(move |pair| matches!(&pair[0], TokenTree::Ident(own) if own == word));
-        pairs.map(|pair| count(pair.get(1)))
+        let said = of("body").flat_map(|statement| {
+            let colon = statement
+                .iter()
+                .position(|token| is_punct(Some(token), ':'));
+            clauses(
+                &statement[colon.map_or(statement.len(), |colon| colon + 1)..],
+                &words::BODY,
+            )
+        });
+        let said = said.filter(move |clause| clause.word() == word && !clause.is_named());
+        said.map(|clause| count(clause.tokens()))
     };
     match of("gravity")
-        .map(|statement| count(statement.get(1)))
+        .map(|statement| count(ended(&statement[1..])))
         .next()
     {
         Some(directions @ (2 | 3)) => directions == 3,
