@@ -5,9 +5,10 @@ use super::clause::{Clause, clauses, head, shown, sorted};
 use super::constants::Constants;
 use super::names::{Names, Scope, encoded, indices, member};
 use super::part::Placed;
+use super::space;
 use super::tokens::{
-    around, ended, group_in, grouped, inside, items, joined, keyword, number, place_of, punct,
-    undocumented, word,
+    around, components, ended, group_in, grouped, inside, items, joined, keyword, number, place_of,
+    punct, undocumented, word,
 };
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest};
 use crate::words;
@@ -206,6 +207,62 @@ impl<'a> Bodies<'a> {
         Ok(())
     }
 
+    /// Declares the matrix that turns a body in space, and its angular velocity along its own axes; none of a body that does not turn.
+    /// A quaternion gets the joint that keeps its length.
+    fn turned(
+        &mut self,
+        (whole, span): (&str, Span),
+        (turn, is_fixed): (Option<Clause<'_>>, bool),
+        scope: &Rc<Scope>,
+    ) -> Option<()> {
+        if let Some(parts) = space::quaternion(turn, span) {
+            let unit = self.own(whole, "unit", span);
+            let joint = quote_spanned!(span=> joint #unit: #(#parts^2)+* == 1);
+            self.write(joint, scope);
+            let [matrix, spin] = space::of_quaternion(&parts, span);
+            self.define((whole, "turn", span), matrix, scope);
+            self.define((whole, "spin", span), spin, scope);
+            return Some(());
+        }
+        let value = match turn {
+            Some(turn) => turn.value().into(),
+            None if is_fixed => quote_spanned!(span=> diagonal(1, 1, 1)),
+            None => return None,
+        };
+        let matrix = self.define(
+            (whole, "turn", span),
+            quote_spanned!(span=> = #value),
+            scope,
+        );
+        if turn.is_some() {
+            let rates = quote_spanned!(span=> = transpose(#matrix)*dot(#matrix));
+            let rates = self.define((whole, "rates", span), rates, scope);
+            let spin = quote_spanned!(span=> = (#rates[2][1], #rates[0][2], #rates[1][0]));
+            self.define((whole, "spin", span), spin, scope);
+        }
+        Some(())
+    }
+
+    /// The kinetic energy of a body that turns.
+    fn turning(
+        &mut self,
+        (whole, span): (&str, Span),
+        (inertia, turn): (Clause<'_>, Option<Clause<'_>>),
+        scope: &Rc<Scope>,
+    ) {
+        let (j, value) = (self.named(whole, "inertia"), inertia.value());
+        let [moments, energy] = match self.in_space {
+            true => space::energy(inertia, turn, [&j, &self.named(whole, "spin")]),
+            false => {
+                let angle = self.named(whole, "angle");
+                let energy = quote_spanned!(span=> #j/2*dot(#angle)^2);
+                [quote_spanned!(span=> : kg*m^2 = #value), energy]
+            }
+        };
+        self.define((whole, "inertia", span), moments, scope);
+        self.write(quote_spanned!(span=> lagrangian += #energy), scope);
+    }
+
     /// What is said of a body, fitting together.
     fn of_body<'t>(
         &mut self,
@@ -238,7 +295,13 @@ impl<'a> Bodies<'a> {
             false if inertia && !(angle || turn) => {
                 "has an inertia, and no angle by which it turns; add `angle phi`"
             }
-            _ => return self.of_turn(name, found),
+            _ => {
+                let [_, inertia, _, _, _, turn, _] = found;
+                let Some((clause, has)) = space::wrong([inertia, turn], self.in_space) else {
+                    return Ok(found);
+                };
+                return Err(self.told(clause.place(), format!("{what} has {has}")));
+            }
         };
         Err(self.told(Place::at(name.span()), format!("{what} {message}")))
     }
@@ -500,21 +563,6 @@ impl<'a> Bodies<'a> {
 /// Whether a vector of two components is written there.
 fn two(value: &TokenTree) -> bool {
     components(std::slice::from_ref(value)).len() == 2
-}
-
-/// The components of a vector that is written out; none of anything else.
-pub(super) fn components(value: &[TokenTree]) -> Vec<Vec<TokenTree>> {
-    match value {
-        [TokenTree::Group(group)] if group.delimiter() == Delimiter::None => {
-            components(&inside(group))
-        }
-        [value] => {
-            let inner = group_in(Some(value), Delimiter::Parenthesis).map(inside);
-            let inner = inner.unwrap_or_default();
-            items(&inner).map(<[TokenTree]>::to_vec).collect()
-        }
-        _ => Vec::new(),
-    }
 }
 
 /// `0, 0`, in space `0, 0, 0`.

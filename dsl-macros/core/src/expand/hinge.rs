@@ -130,10 +130,8 @@ impl Hinges<'_, '_> {
 
     /// E27: what hangs on how both bodies are turned.
     fn turning(&mut self, between: &Between<'_>, place: Place, what: &str) -> Checked<()> {
-        let bodies = between.bodies.iter().flatten();
-        bodies
-            .map(|body| self.0.bodies.needs_angle(body, place, what))
-            .collect()
+        let mut bodies = between.bodies.iter().flatten();
+        bodies.try_for_each(|body| self.0.bodies.needs_angle(body, place, what))
     }
 
     /// `weld seam: a.tip == b.base angle c`: a point on a point, and an angle between both bodies that stays.

@@ -28,6 +28,7 @@ use names::{Names, Scope};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use repeat::{DEEPEST, Repeat};
 use shape::Shapes;
+use solid::Solids;
 use std::rc::Rc;
 use tokens::{group_in, grouped, inside, is_punct, joined, keyword, place_of, undocumented, word};
 
@@ -83,7 +84,7 @@ fn written_out(
         let _: Checked<()> = match keyword(&statement).as_str() {
             "gravity" => shapes.bodies.gravity(&statement, &scope),
             "body" => shapes.bodies.body(&statement, &scope),
-            "shape" => shapes.shape(&statement, &scope),
+            "shape" => Solids(&mut shapes).shape(&statement, &scope),
             "contact" => Contacts(&mut shapes).contact(&statement, &scope),
             "hinge" => Hinges(&mut shapes).hinge(&statement, &scope),
             "ball" => Hinges(&mut shapes).ball(&statement, &scope),

@@ -1,10 +1,10 @@
 //! Shapes of bodies: `shape crate: rectangle (w, h)`. Each is all that lies within a radius of a convex core, which has corners,
 //! strips along its sides, and the half planes in all of which it lies.
 
-use super::body::{Bodies, components};
+use super::body::Bodies;
 use super::clause::{Clause, clauses, shown, sorted};
 use super::names::{Scope, encoded, member};
-use super::tokens::{ended, grouped, is_punct, place_of, punct, undocumented};
+use super::tokens::{components, ended, grouped, is_punct, place_of, punct, undocumented};
 use crate::diagnostics::{Checked, Place, Reported, list};
 use crate::words;
 use proc_macro2::{Delimiter, Ident, Span, TokenStream, TokenTree};
@@ -106,8 +106,12 @@ impl<'a> Shapes<'a> {
         Self { bodies, list }
     }
 
-    /// `shape crate: rectangle (w, h) at (a, b) angle c`, also under a name of its own, `shape crate.lid: ..`.
-    pub(super) fn shape(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
+    /// What a shape is made with, `shape crate: rectangle (w, h) at (a, b) angle c`, also under a name of its own, `shape crate.lid: ..`.
+    pub(super) fn frame<'t>(
+        &mut self,
+        statement: &'t [TokenTree],
+        scope: &'t Rc<Scope>,
+    ) -> Checked<Frame<'t>> {
         let statement = ended(undocumented(statement));
         let begin = Place::at(statement[0].span());
         let colon = statement
@@ -168,25 +172,27 @@ impl<'a> Shapes<'a> {
             "half" | "below" => is_still,
             _ => self.bodies.constants.all(kind.tokens(), scope),
         };
-        let mut frame = Frame {
+        Ok(Frame {
             shape,
             span,
             scope,
             kind,
             turn,
             is_drawn,
-        };
-        match word.as_str() {
-            _ if self.bodies.in_space => self.solid(&mut frame)?,
-            "circle" => self.circle(&mut frame)?,
-            "capsule" | "segment" => self.capsule(&mut frame)?,
-            "rectangle" => self.rectangle(&mut frame)?,
-            "polygon" => self.polygon(&mut frame)?,
-            "point" => self.point(&mut frame),
-            "below" => self.below(&mut frame),
-            _ => self.half_plane(&mut frame)?,
+        })
+    }
+
+    /// The core of a shape in the plane, and what is drawn of it.
+    pub(super) fn in_plane(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
+        match frame.kind.word().as_str() {
+            "circle" => self.circle(frame)?,
+            "capsule" | "segment" => self.capsule(frame)?,
+            "rectangle" => self.rectangle(frame)?,
+            "polygon" => self.polygon(frame)?,
+            "point" => self.point(frame),
+            "below" => self.below(frame),
+            _ => self.half_plane(frame)?,
         }
-        self.list.push(frame.shape);
         Ok(())
     }
 

@@ -1,23 +1,37 @@
 //! Shapes in space: spheres, boxes, capsules and half spaces.
 
-use super::names::{encoded, member};
+use super::names::{Scope, encoded, member};
 use super::shape::{Frame, Shapes, Side, pair};
 use super::tokens::punct;
 use crate::diagnostics::Checked;
 use proc_macro2::{Ident, TokenStream, TokenTree};
 use quote::quote_spanned;
+use std::rc::Rc;
 
-impl Shapes<'_> {
-    /// A shape in space.
-    pub(super) fn solid(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
+/// Writes shapes in space out.
+pub(super) struct Solids<'s, 'a>(pub(super) &'s mut Shapes<'a>);
+
+impl Solids<'_, '_> {
+    /// `shape crate: rectangle (w, h)` in the plane, `shape die: box (a, b, c)` in space.
+    pub(super) fn shape(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
+        let mut frame = self.0.frame(statement, scope)?;
+        match self.0.bodies.in_space {
+            true => self.solid(&mut frame)?,
+            false => self.0.in_plane(&mut frame)?,
+        }
+        self.0.list.push(frame.shape);
+        Ok(())
+    }
+
+    fn solid(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
         match frame.kind.word().as_str() {
             "sphere" => {
-                frame.shape.radius = Some(self.size(frame, "radius", frame.kind.tokens())?);
+                frame.shape.radius = Some(self.0.size(frame, "radius", frame.kind.tokens())?);
                 frame.shape.corners = vec![frame.shape.middle.clone()];
                 frame.shape.kind = "sphere";
                 self.draw_round(frame);
             }
-            "point" => self.point(frame),
+            "point" => self.0.point(frame),
             "box" => self.cuboid(frame)?,
             "capsule" => self.rod(frame)?,
             _ => self.half_space(frame)?,
@@ -27,7 +41,7 @@ impl Shapes<'_> {
 
     /// The axes of the body.
     fn axes(&mut self, frame: &Frame<'_>) -> [Ident; 3] {
-        let (turn, span) = (self.bodies.turn(&frame.shape.body), frame.span);
+        let (turn, span) = (self.0.bodies.turn(&frame.shape.body), frame.span);
         let axes = [
             ("along", [1, 0, 0]),
             ("across", [0, 1, 0]),
@@ -36,7 +50,8 @@ impl Shapes<'_> {
         axes.map(|(name, axis)| {
             let axis = axis.map(|part| super::tokens::number(part, span));
             let value = quote_spanned!(span=> = #turn*(#(#axis),*));
-            self.bodies
+            self.0
+                .bodies
                 .define((&frame.shape.name, name, span), value, frame.scope)
         })
     }
@@ -46,7 +61,11 @@ impl Shapes<'_> {
         if !matches!(frame.kind.tokens(), [TokenTree::Ident(word)] if word == "space") {
             let message =
                 "a half space is written as in `shape table: half space`; `at` stands behind that";
-            return Err(self.bodies.diagnostics.syntax(frame.kind.place(), message));
+            return Err(self
+                .0
+                .bodies
+                .diagnostics
+                .syntax(frame.kind.place(), message));
         }
         let [along, across, up] = self.axes(frame);
         let span = frame.span;
@@ -59,7 +78,9 @@ impl Shapes<'_> {
 
     /// A box: what is round comes near to its faces, its edges and its corners.
     fn cuboid(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
-        let sizes = self.lengths("box (a, b, c)", frame, ["length", "width", "height"])?;
+        let sizes = self
+            .0
+            .lengths("box (a, b, c)", frame, ["length", "width", "height"])?;
         let axes = self.axes(frame);
         let (span, middle) = (frame.span, frame.shape.middle.clone());
         let both = ['+', '-'].map(|sign| punct(sign, span));
@@ -69,7 +90,8 @@ impl Shapes<'_> {
                     let parts = [a, b, c].into_iter().zip(&sizes).zip(&axes);
                     let parts = parts
                         .map(|((sign, size), axis)| quote_spanned!(span=> #sign #size/2*#axis));
-                    self.corner(frame, quote_spanned!(span=> #middle #(#parts)*));
+                    self.0
+                        .corner(frame, quote_spanned!(span=> #middle #(#parts)*));
                 }
             }
         }
@@ -95,7 +117,7 @@ impl Shapes<'_> {
                         quote_spanned!(span=> #sign #size/2*#axis)
                     });
                     let line = quote_spanned!(span=> = #middle #(#parts)*);
-                    let line = self.listed(frame, ("edge", strips.len() - 2), line);
+                    let line = self.0.listed(frame, ("edge", strips.len() - 2), line);
                     strips.push(around(axis, &half(k), line));
                 }
             }
@@ -108,11 +130,14 @@ impl Shapes<'_> {
 
     /// All within a radius of a segment along the first axis.
     fn rod(&mut self, frame: &mut Frame<'_>) -> Checked<()> {
-        let [length, radius] = self.lengths("capsule (l, r)", frame, ["length", "radius"])?;
+        let [length, radius] = self
+            .0
+            .lengths("capsule (l, r)", frame, ["length", "radius"])?;
         let [axis, ..] = self.axes(frame);
         let (span, middle) = (frame.span, frame.shape.middle.clone());
         for sign in ['+', '-'].map(|sign| punct(sign, span)) {
-            self.corner(frame, quote_spanned!(span=> #middle #sign #length/2*#axis));
+            self.0
+                .corner(frame, quote_spanned!(span=> #middle #sign #length/2*#axis));
         }
         let strip = around(&axis, &quote_spanned!(span=> #length/2), middle);
         let shape = &mut frame.shape;
@@ -133,7 +158,7 @@ impl Shapes<'_> {
             };
             let name = Ident::new(&encoded(&name), frame.span);
             let entry = quote_spanned!(frame.span=> circle #name at (#corner[0], #corner[2]) radius #radius);
-            self.bodies.drawn(&frame.shape.name, entry, frame.scope);
+            self.0.bodies.drawn(&frame.shape.name, entry, frame.scope);
         }
     }
 
@@ -143,7 +168,7 @@ impl Shapes<'_> {
         for (a, b) in pairs.filter(|(a, b)| a < b && frame.is_drawn) {
             let [a, b] = [a, b].map(|k| &frame.shape.corners[k]);
             let entry = quote_spanned!(frame.span=> link (#a[0], #a[2]) to (#b[0], #b[2]));
-            self.bodies.drawn(&frame.shape.name, entry, frame.scope);
+            self.0.bodies.drawn(&frame.shape.name, entry, frame.scope);
         }
     }
 }

@@ -40,6 +40,21 @@ pub(super) fn items(tokens: &[TokenTree]) -> impl Iterator<Item = &[TokenTree]> 
         .filter(|item| !item.is_empty())
 }
 
+/// The components of a vector that is written out; none of anything else.
+pub(super) fn components(value: &[TokenTree]) -> Vec<Vec<TokenTree>> {
+    match value {
+        [TokenTree::Group(group)] if group.delimiter() == Delimiter::None => {
+            components(&inside(group))
+        }
+        [value] => {
+            let inner = group_in(Some(value), Delimiter::Parenthesis).map(inside);
+            let inner = inner.unwrap_or_default();
+            items(&inner).map(<[TokenTree]>::to_vec).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
 /// Tokens without their documentation.
 pub(super) fn undocumented(mut tokens: &[TokenTree]) -> &[TokenTree] {
     while is_punct(tokens.first(), '#') {
