@@ -1,6 +1,7 @@
 //! A declaration as the text of a file: from characters to tokens, and mistakes with their place in the text.
 
 use crate::diagnostics::{Mistake, closest};
+use crate::expand::is_product;
 use crate::{expand, parse, words};
 use proc_macro2::{Delimiter, Group, Ident, Span, TokenStream, TokenTree};
 use std::ops::Range;
@@ -96,6 +97,34 @@ fn undocumented(tokens: TokenStream) -> Vec<TokenTree> {
         match token {
             TokenTree::Punct(mark) if mark.as_char() == '#' => {
                 tokens.next_if(|next| matches!(next, TokenTree::Group(_)));
+            }
+            // Blanks are lost in text that is made of tokens.
+            TokenTree::Punct(mark)
+                if mark.as_char() == '.'
+                    && tokens
+                        .peek()
+                        .is_some_and(|next| is_product(&mark.clone().into(), next)) =>
+            {
+                let mut operand = Vec::new();
+                while let Some(next) = tokens.next_if(|next| match next {
+                    TokenTree::Ident(_) => {
+                        operand.is_empty() || operand.last().is_some_and(operates)
+                    }
+                    TokenTree::Punct(mark) => !operand.is_empty() && mark.as_char() == '.',
+                    TokenTree::Group(group) => {
+                        !operand.is_empty() && group.delimiter() != Delimiter::Brace
+                    }
+                    TokenTree::Literal(_) => false,
+                }) {
+                    operand.push(next);
+                }
+                kept.push(mark.into());
+                if !operand.is_empty() {
+                    let operand = undocumented(operand.into_iter().collect());
+                    kept.push(
+                        Group::new(Delimiter::Parenthesis, operand.into_iter().collect()).into(),
+                    );
+                }
             }
             TokenTree::Group(group) => {
                 let inner = undocumented(group.stream());

@@ -32,7 +32,7 @@ pub(crate) const STATEMENTS: [&str; 26] = [
 
 /// Words that begin a statement where a name follows, and are names otherwise: what is written out before anything is read. Each
 /// with how it is written.
-pub(crate) const WRITTEN_OUT: [(&str, &str); 11] = [
+pub(crate) const WRITTEN_OUT: [(&str, &str); 12] = [
     ("count", "count n = 3"),
     ("part", "part leg(a: m) { coordinates { q: rad } .. }"),
     ("use", "use \"leg.hang\""),
@@ -44,6 +44,7 @@ pub(crate) const WRITTEN_OUT: [(&str, &str); 11] = [
     ("shape", "shape block: rectangle (w, h)"),
     ("contact", "contact block, ground: inelastic, friction mu"),
     ("hinge", "hinge elbow: upper.tip == lower.base"),
+    ("ball", "ball socket: upper.tip == lower.base"),
     ("weld", "weld seam: block.corner[1] == plate.tip"),
     ("slider", "slider rail: block on frame along (1, 0)"),
     ("rolling", "rolling grip: wheel on ground"),
@@ -66,26 +67,34 @@ pub(crate) fn takes_next(word: &str) -> bool {
 }
 
 /// Words that begin what is said of a body.
-pub(crate) const BODY: [&str; 6] = ["mass", "inertia", "centre", "at", "angle", "fixed"];
+pub(crate) const BODY: [&str; 7] = ["mass", "inertia", "centre", "at", "angle", "turn", "fixed"];
 
 /// Words that begin what is said of a shape: its kind, how it lies on its body.
-pub(crate) const SHAPE: [&str; 7] = [
+pub(crate) const SHAPE: [&str; 12] = [
     "circle",
     "rectangle",
+    "polygon",
     "half",
+    "below",
     "capsule",
     "segment",
+    "point",
+    "sphere",
+    "box",
     "at",
     "angle",
 ];
 
+/// Words of bodies and shapes without a value.
+pub(crate) const BARE: [&str; 2] = ["fixed", "point"];
+
 /// Words that begin what is said of a joint of bodies.
-pub(crate) const JOINT: [&str; 2] = ["along", "angle"];
+pub(crate) const JOINT: [&str; 5] = ["along", "angle", "motor", "stop", "restitution"];
 
 /// Whether a word of a statement of bodies stands apart from its value.
 pub(crate) fn is_clause(word: &str) -> bool {
     let mut words = [&BODY[..], &SHAPE, &JOINT].into_iter().flatten();
-    word != "fixed" && words.any(|known| *known == word) || ["gravity", "on"].contains(&word)
+    !BARE.contains(&word) && words.any(|known| *known == word) || ["gravity", "on"].contains(&word)
 }
 
 /// Functions of other languages, and what is written instead.

@@ -10,7 +10,7 @@ use super::{
     struck_at_start,
 };
 use crate::joints::{JointError, Joints};
-use crate::model::{JointsDeclaration, Model, contact_point, joint_rows};
+use crate::model::{JointsDeclaration, Model, Pieces, contact_point, joint_rows};
 use crate::refusal;
 
 /// Newton steps of the start.
@@ -136,11 +136,14 @@ fn check_surfaces(model: &dyn Model, problem: &InitialValueProblem) -> Result<()
     let mut point = vec![0.0; contact_point::length(n)];
     let mut mass = vec![0.0; n * n];
     model.mass_matrix(&x, &mut mass);
+    let pieces = Pieces::at(model, &x);
+    let size = x[..n].iter().fold(1.0, |size: f64, q| size.max(q.abs()));
     for (i, contact) in model.declaration().contacts.iter().enumerate() {
-        if contact.dry {
+        model.contact(i, &x, &mut point);
+        // Nothing acts on a surface that is open, nor on a piece in whose place another one acts.
+        if contact.dry || pieces.is_idle(i) || point[contact_point::GAP] > ROUNDING * size {
             continue;
         }
-        model.contact(i, &x, &mut point);
         let normal = &point[contact_point::NORMAL..][..n];
         // At most what each coordinate would give by itself, times their number.
         let alone = (0..n).map(|k| normal[k] * normal[k] / mass[k * n + k]);

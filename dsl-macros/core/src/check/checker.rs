@@ -17,6 +17,8 @@ pub(super) struct Surface {
     /// Its number among the pieces, from 0, and how many there are.
     pub(super) piece: usize,
     pub(super) pieces: usize,
+    /// The number of its sliding velocity, from 0, and how many there are: one for each piece that is another function.
+    pub(super) slides: (usize, usize),
     /// Indices of the other pieces of the same maximum.
     pub(super) alternatives: Vec<usize>,
 }

@@ -366,11 +366,11 @@ fn impulse(surface: &Surface, law: &CheckedLaw, n: usize, diagnostics: &mut Diag
         ))
     } else if surface.pieces == 1 {
         None
-    } else if given != surface.pieces {
+    } else if sliding.is_some() && given != surface.slides.1 {
         Some(format!(
             "surface `{name}` has {} smooth pieces, and `sliding` gives {given}; give one velocity for each, as in \
              `sliding (dot(y), dot(z))`",
-            surface.pieces
+            surface.slides.1
         ))
     } else if law.along.is_some() && surface.pieces > 1 {
         Some(format!(
@@ -469,7 +469,7 @@ fn complete(
     // Two velocities on a surface without edges are those of a contact in space.
     let own = declared.map(|list| match surface.pieces {
         1 => list.iter().flatten().copied().collect(),
-        _ => list.get(surface.piece).cloned().unwrap_or_default(),
+        _ => list.get(surface.slides.0).cloned().unwrap_or_default(),
     });
     let own: Vec<Sym> = own.unwrap_or_default();
     for &sliding in &own {

@@ -253,6 +253,12 @@ fn surface(
     }
     let begin = checker.surfaces.len();
     let pieces = groups.iter().map(Vec::len).sum();
+    let mut functions: Vec<Sym> = Vec::new();
+    for &gap in groups.iter().flatten() {
+        if !functions.contains(&gap) {
+            functions.push(gap);
+        }
+    }
     for group in groups {
         let first = checker.surfaces.len();
         for (i, &gap) in group.iter().enumerate() {
@@ -263,6 +269,10 @@ fn surface(
                 gap,
                 piece: first + i - begin,
                 pieces,
+                slides: (
+                    functions.iter().position(|own| *own == gap).unwrap_or(0),
+                    functions.len(),
+                ),
                 alternatives: others.collect(),
             });
         }

@@ -160,10 +160,23 @@ fn lean(groups: Vec<Vec<Sym>>) -> Result<Vec<Vec<Sym>>, Refusal> {
     if lean.iter().map(Vec::len).sum::<usize>() > 1 && lean.iter().flatten().any(fixed) {
         return Err(Refusal::Fixed);
     }
-    let mut seen = HashSet::new();
-    if lean.iter().flatten().all(|piece| seen.insert(*piece)) {
-        Ok(lean)
-    } else {
-        Err(Refusal::Shared)
+    // A piece of two maxima acts in one of them at a time if others of both are never negative together for a size of a sign.
+    let still = |sum: Sym| !graph::depends_on(simplify(sum), Variable::is_coordinate);
+    let apart = |one: &Vec<Sym>, other: &Vec<Sym>| {
+        let shared = one.iter().any(|piece| other.contains(piece));
+        let opposite = |piece: &Sym| {
+            other
+                .iter()
+                .any(|its| !one.contains(its) && still(*piece + *its))
+        };
+        !shared
+            || one
+                .iter()
+                .any(|piece| !other.contains(piece) && opposite(piece))
+    };
+    let mut rest = lean.iter().enumerate();
+    match rest.all(|(k, one)| lean[k + 1..].iter().all(|other| apart(one, other))) {
+        true => Ok(lean),
+        false => Err(Refusal::Shared),
     }
 }

@@ -6,9 +6,9 @@ use super::states;
 use crate::ast::{Assignment, Condition, Expr, Kind, Name, Quantity, WrittenUnit};
 use crate::derive::simplify;
 use crate::diagnostics::{Checked, Place, Reported};
-use crate::evaluate::{Number, unrepresentable};
+use crate::evaluate::{Meaning, Number, Value, unrepresentable};
 use crate::graph::{self, Compose, Sym, Variable};
-use crate::scene;
+use crate::scene::{self, Coordinate};
 
 /// The default of a parameter, in its declared unit: a constant expression. Without a unit of its
 /// own it is meant in the declared one.
@@ -291,6 +291,11 @@ fn damping_is_not_negative(
 
 pub(super) fn forces(checker: &mut Checker<'_>, assignments: &[Assignment]) -> Checked<()> {
     for assignment in assignments {
+        if let Some(moved) = moved(checker, &assignment.target) {
+            // Its mistakes are told; the other entries are read all the same.
+            let _: Checked<()> = force_on(checker, assignment, &moved);
+            continue;
+        }
         checker.scope.acts = true;
         let value = checker.number(&assignment.value);
         checker.scope.acts = false;
@@ -314,6 +319,63 @@ pub(super) fn forces(checker: &mut Checker<'_>, assignments: &[Assignment]) -> C
             continue;
         }
         checker.forces.push((index, value.sym));
+    }
+    Ok(())
+}
+
+/// What a name other than that of a coordinate stands for, if coordinates move it.
+fn moved(checker: &Checker<'_>, target: &Name) -> Option<Value> {
+    let is_target = |known: &Coordinate| known.name.text == target.text;
+    let found = match checker.scope.names.get(&target.text) {
+        Some(Meaning::Value(value)) if !checker.coordinates.iter().any(is_target) => value,
+        _ => return None,
+    };
+    let moves = |sym: &Sym| graph::depends_on(*sym, Variable::is_coordinate);
+    found.syms().iter().any(moves).then(|| found.clone())
+}
+
+/// A force on what coordinates move: by its virtual work `f . dp/dq_i` on each of them.
+fn force_on(checker: &mut Checker<'_>, assignment: &Assignment, moved: &Value) -> Checked<()> {
+    checker.scope.acts = true;
+    let force = checker.value(&assignment.value);
+    checker.scope.acts = false;
+    let (force, name) = (force?, &assignment.target.text);
+    let place = assignment.target.place();
+    let syms = moved.syms();
+    let wrong = |variable: Variable| variable.is_velocity() || variable.is_control();
+    checker.free_of(&syms, wrong, (Some("E07"), place), |wrong| {
+        format!("a force acts on a position, and `{name}` depends on {wrong}")
+    })?;
+    if assignment.velocity || matches!(moved, Value::Matrix(_)) || force.syms().len() != syms.len()
+    {
+        let message = match syms.len() {
+            1 => format!("the force on `{name}` is one number, as in `{name}: ..`"),
+            more => format!("the force on `{name}` has {more} components, as that has"),
+        };
+        return Err(checker
+            .diagnostics
+            .report("E02", assignment.value.place, message));
+    }
+    let units = &mut checker.scope.units;
+    for (own, its) in force.components().iter().zip(moved.components()) {
+        let wanted = units.energy.over(&its.unit);
+        let reason = format!("a force on `{name}` is the Lagrangian's unit over that of the name");
+        let pair = (&own.unit, &wanted);
+        units.expect_called(&assignment.value, pair, &reason, ["J", "N m"]);
+    }
+    let n = checker.coordinates.len();
+    let mut work = vec![Sym::ZERO; n];
+    for (own, its) in force.syms().into_iter().zip(syms) {
+        let rates = graph::gradient(its, &Variable::coordinates(n));
+        for (work, rate) in work.iter_mut().zip(rates) {
+            *work += own * rate;
+        }
+    }
+    for (i, work) in work.into_iter().enumerate() {
+        if !work.is_structural_zero() {
+            let scale = scene::scale(checker.coordinates[i].unit.as_ref());
+            checker.forces.push((i, work.scaled(1.0 / scale)));
+        }
     }
     Ok(())
 }

@@ -5,9 +5,10 @@ use super::clause::{Clause, clauses, head, shown, sorted};
 use super::constants::Constants;
 use super::names::{Names, Scope, encoded, indices, member};
 use super::part::Placed;
+use super::space;
 use super::tokens::{
-    around, ended, group_in, grouped, inside, items, keyword, number, place_of, punct,
-    undocumented, word,
+    around, components, ended, group_in, grouped, inside, items, joined, keyword, number, place_of,
+    punct, undocumented, word,
 };
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported, closest};
 use crate::words;
@@ -44,6 +45,8 @@ pub(super) struct Bodies<'a> {
     drawn: Vec<(String, Placed)>,
     gravity: Option<(Span, Placed)>,
     pub(super) constants: Constants,
+    /// Whether the bodies of the scene are in space.
+    pub(super) in_space: bool,
 }
 
 impl<'a> Bodies<'a> {
@@ -57,6 +60,7 @@ impl<'a> Bodies<'a> {
             drawn: Vec::new(),
             gravity: None,
             constants: Constants::default(),
+            in_space: false,
         }
     }
 
@@ -119,6 +123,7 @@ impl<'a> Bodies<'a> {
             let message = "`gravity` is a vector, as in `gravity (0, -g)`";
             return Err(self.diagnostics.syntax(place, message));
         }
+        self.fits(value, place, "gravity")?;
         let value = (value.to_vec(), Rc::clone(scope));
         self.gravity = Some((statement[0].span(), value));
         Ok(())
@@ -133,16 +138,21 @@ impl<'a> Bodies<'a> {
             return Err(self.diagnostics.report("E19", Place::at(span), message));
         };
         let clauses = clauses(rest, &words::BODY);
-        let [mass, inertia, centre, at, angle, fixed] = self.of_body(name, &clauses)?;
+        let [mass, inertia, centre, at, angle, turn, fixed] = self.of_body(name, &clauses)?;
+        if let Some(at) = at {
+            self.fits(at.tokens(), at.place(), &format!("body `{name}`"))?;
+        }
         let given = |clause: Option<Clause<'_>>| clause.map(|clause| clause.value());
         let is_fixed = fixed.is_some();
-        let nought = grouped(Delimiter::Parenthesis, nought(span), span);
+        let nought = grouped(Delimiter::Parenthesis, nought(span, self.in_space), span);
         let place = match (given(at), is_fixed) {
             (Some(at), _) => at,
             (None, true) => nought,
             (None, false) => {
                 let message = format!(
-                    "body `{name}` is nowhere; say where, as in `at (x, z)` with two coordinates"
+                    "body `{name}` is nowhere; say where, as in `at {}` with {} coordinates",
+                    if self.in_space { "(x, y, z)" } else { "(x, z)" },
+                    if self.in_space { "three" } else { "two" },
                 );
                 return Err(self.told(Place::at(span), message));
             }
@@ -150,19 +160,21 @@ impl<'a> Bodies<'a> {
         let is_plane = angle.is_some() || two(&place);
         let own = Ident::new(&encoded(&whole), span);
         self.write(quote_spanned!(span=> let #own: m = #place), scope);
-        let turn = given(angle).or_else(|| is_fixed.then(|| number(0, span)));
-        if let Some(turn) = &turn {
-            self.define(
-                (&whole, "angle", span),
-                quote_spanned!(span=> : rad = #turn),
-                scope,
-            );
-        }
+        let turns = match self.in_space {
+            true => self.turned((&whole, span), (turn, is_fixed), scope),
+            false => {
+                let turn = given(angle).or_else(|| is_fixed.then(|| number(0, span)));
+                turn.map(|turn| {
+                    let value = quote_spanned!(span=> : rad = #turn);
+                    self.define((&whole, "angle", span), value, scope);
+                })
+            }
+        };
         self.order.push(whole.clone());
         let body = Body {
-            turns: turn.is_some(),
+            turns: turns.is_some(),
             is_fixed,
-            is_still: is_fixed && self.are_still([at, angle], scope),
+            is_still: is_fixed && self.are_still([at, angle.or(turn)], scope),
             span,
             is_plane,
             points: Vec::new(),
@@ -186,14 +198,8 @@ impl<'a> Bodies<'a> {
                 scope,
             );
         }
-        if let Some(inertia) = given(inertia) {
-            let inertia = quote_spanned!(span=> : kg*m^2 = #inertia);
-            let j = self.define((&whole, "inertia", span), inertia, scope);
-            let angle = self.named(&whole, "angle");
-            self.write(
-                quote_spanned!(span=> lagrangian += #j/2*dot(#angle)^2),
-                scope,
-            );
+        if let Some(inertia) = inertia {
+            self.turning((&whole, span), (inertia, turn), scope);
         }
         for clause in clauses.iter().filter(|clause| clause.is_named()) {
             self.point(&whole, clause, scope)?;
@@ -201,17 +207,79 @@ impl<'a> Bodies<'a> {
         Ok(())
     }
 
+    /// Declares the matrix that turns a body in space, and its angular velocity along its own axes; none of a body that does not turn.
+    /// A quaternion gets the joint that keeps its length.
+    fn turned(
+        &mut self,
+        (whole, span): (&str, Span),
+        (turn, is_fixed): (Option<Clause<'_>>, bool),
+        scope: &Rc<Scope>,
+    ) -> Option<()> {
+        if let Some(parts) = space::quaternion(turn, span) {
+            let unit = self.own(whole, "unit", span);
+            let joint = quote_spanned!(span=> joint #unit: #(#parts^2)+* == 1);
+            self.write(joint, scope);
+            let [matrix, spin] = space::of_quaternion(&parts, span);
+            self.define((whole, "turn", span), matrix, scope);
+            self.define((whole, "spin", span), spin, scope);
+            return Some(());
+        }
+        let value = match turn {
+            Some(turn) => turn.value().into(),
+            None if is_fixed => quote_spanned!(span=> diagonal(1, 1, 1)),
+            None => return None,
+        };
+        let matrix = self.define(
+            (whole, "turn", span),
+            quote_spanned!(span=> = #value),
+            scope,
+        );
+        if turn.is_some() {
+            let rates = quote_spanned!(span=> = transpose(#matrix)*dot(#matrix));
+            let rates = self.define((whole, "rates", span), rates, scope);
+            let spin = quote_spanned!(span=> = (#rates[2][1], #rates[0][2], #rates[1][0]));
+            self.define((whole, "spin", span), spin, scope);
+        }
+        Some(())
+    }
+
+    /// The kinetic energy of a body that turns.
+    fn turning(
+        &mut self,
+        (whole, span): (&str, Span),
+        (inertia, turn): (Clause<'_>, Option<Clause<'_>>),
+        scope: &Rc<Scope>,
+    ) {
+        let (j, value) = (self.named(whole, "inertia"), inertia.value());
+        let [moments, energy] = match self.in_space {
+            true => space::energy(inertia, turn, [&j, &self.named(whole, "spin")]),
+            false => {
+                let angle = self.named(whole, "angle");
+                let energy = quote_spanned!(span=> #j/2*dot(#angle)^2);
+                [quote_spanned!(span=> : kg*m^2 = #value), energy]
+            }
+        };
+        self.define((whole, "inertia", span), moments, scope);
+        self.write(quote_spanned!(span=> lagrangian += #energy), scope);
+    }
+
     /// What is said of a body, fitting together.
     fn of_body<'t>(
         &mut self,
         name: &Ident,
         clauses: &[Clause<'t>],
-    ) -> Checked<[Option<Clause<'t>>; 6]> {
+    ) -> Checked<[Option<Clause<'t>>; 7]> {
         let what = format!("body `{name}`");
         let own = clauses.iter().filter(|clause| !clause.is_named()).copied();
         let found = sorted(own, &words::BODY, &what, self.diagnostics)?;
-        let [mass, inertia, centre, _, angle, fixed] = found.map(|clause| clause.is_some());
+        let [mass, inertia, centre, _, angle, turn, fixed] = found.map(|clause| clause.is_some());
         let message = match fixed {
+            _ if angle && self.in_space => {
+                "is in space, where an angle does not say how it is turned; write `turn (q0, q1, q2, q3)`, or `turn rotation_z(phi)`"
+            }
+            _ if turn && !self.in_space => {
+                "is in the plane, where it turns by an angle; write `angle phi`, or a `gravity` with three components"
+            }
             true if mass || inertia => {
                 "is fixed, so that its mass does nothing; leave `fixed` out, or the mass"
             }
@@ -221,10 +289,19 @@ impl<'a> Bodies<'a> {
             false if !mass => {
                 "has no mass; write `mass m`, or `fixed` if it has no motion of its own"
             }
-            false if inertia && !angle => {
+            false if inertia && !turn && self.in_space => {
+                "has an inertia, and nothing by which it turns; add `turn (q0, q1, q2, q3)`, or `turn rotation_z(phi)`"
+            }
+            false if inertia && !(angle || turn) => {
                 "has an inertia, and no angle by which it turns; add `angle phi`"
             }
-            _ => return Ok(found),
+            _ => {
+                let [_, inertia, _, _, _, turn, _] = found;
+                let Some((clause, has)) = space::wrong([inertia, turn], self.in_space) else {
+                    return Ok(found);
+                };
+                return Err(self.told(clause.place(), format!("{what} has {has}")));
+            }
         };
         Err(self.told(Place::at(name.span()), format!("{what} {message}")))
     }
@@ -261,8 +338,26 @@ impl<'a> Bodies<'a> {
         value: &TokenTree,
     ) -> Checked<TokenStream> {
         self.needs_angle(whole, place, "a place on it")?;
-        let (own, angle) = (self.body_place(whole), self.named(whole, "angle"));
-        Ok(quote_spanned!(value.span()=> #own + rotation(#angle)*#value))
+        let (own, turn, span) = (self.body_place(whole), self.turn(whole), value.span());
+        Ok(quote_spanned!(span=> #own + #turn*#value))
+    }
+
+    /// E27: a vector that is written out has a component for each direction.
+    fn fits(&mut self, value: &[TokenTree], place: Place, what: &str) -> Checked<()> {
+        let [dimensions, many, example] = match self.in_space {
+            true => ["in space", "three", "(0, 0, -g)"],
+            false => ["in the plane", "two", "(0, -g)"],
+        };
+        match components(value).len() {
+            0 | 1 => Ok(()),
+            own if own == 2 + usize::from(self.in_space) => Ok(()),
+            own => {
+                let message = format!(
+                    "{what} has {own} components, and the bodies of this scene are {dimensions}; write {many}, as in `{example}`"
+                );
+                Err(self.told(place, message))
+            }
+        }
     }
 
     /// E27: what hangs on how a body is turned.
@@ -270,11 +365,24 @@ impl<'a> Bodies<'a> {
         if self.turns(whole) {
             return Ok(());
         }
+        let [has, write, never] = match self.in_space {
+            true => ["turn", "turn (q0, q1, q2, q3)", "turn diagonal(1, 1, 1)"],
+            false => ["angle", "angle phi", "angle 0"],
+        };
         let message = format!(
-            "body `{}` has no angle, and {what} needs it; write `angle phi` where the body is declared, or `angle 0` if it never turns",
+            "body `{}` has no {has}, and {what} needs it; write `{write}` where the body is declared, or `{never}` if it never turns",
             shown(whole)
         );
         Err(self.told(place, message))
+    }
+
+    /// The matrix by which a body is turned.
+    pub(super) fn turn(&self, whole: &str) -> TokenStream {
+        let [turn, angle] = ["turn", "angle"].map(|name| self.named(whole, name));
+        match self.in_space {
+            true => quote_spanned!(turn.span()=> #turn),
+            false => quote_spanned!(angle.span()=> rotation(#angle)),
+        }
     }
 
     /// Whether a body has an angle.
@@ -390,7 +498,8 @@ impl<'a> Bodies<'a> {
         let Some(body) = self.known.get(whole) else {
             return;
         };
-        if body.is_fixed && body.points.is_empty() || !(body.is_plane || in_plane) {
+        let is_drawn = (body.is_plane || in_plane) && !self.in_space;
+        if body.is_fixed && body.points.is_empty() || !is_drawn {
             return;
         }
         let (own, centre) = (self.body_place(whole), self.named(whole, "centre"));
@@ -453,16 +562,11 @@ impl<'a> Bodies<'a> {
 
 /// Whether a vector of two components is written there.
 fn two(value: &TokenTree) -> bool {
-    match value {
-        TokenTree::Group(group) if group.delimiter() == Delimiter::None => {
-            matches!(&inside(group)[..], [only] if two(only))
-        }
-        value => group_in(Some(value), Delimiter::Parenthesis)
-            .is_some_and(|group| items(&inside(group)).count() == 2),
-    }
+    components(std::slice::from_ref(value)).len() == 2
 }
 
-/// `0, 0`.
-fn nought(span: Span) -> Vec<TokenTree> {
-    vec![number(0, span), punct(',', span), number(0, span)]
+/// `0, 0`, in space `0, 0, 0`.
+fn nought(span: Span, in_space: bool) -> Vec<TokenTree> {
+    let noughts = (0..2 + usize::from(in_space)).map(|_| vec![number(0, span)]);
+    joined(noughts, ',', span)
 }

@@ -6,9 +6,6 @@ use crate::diagnostics::{Checked, Diagnostics, Place, closest, list};
 use crate::words;
 use proc_macro2::{Delimiter, Ident, TokenTree};
 
-/// Words without a value.
-const BARE: [&str; 1] = ["fixed"];
-
 /// `mass m`, `tip = (l, 0)` or `fixed`.
 #[derive(Clone, Copy)]
 pub(super) struct Clause<'t>(&'t [TokenTree]);
@@ -59,7 +56,7 @@ pub(super) fn clauses<'t>(tokens: &'t [TokenTree], words: &[&str]) -> Vec<Clause
             let is_word = matches!(&item[at], TokenTree::Ident(word) if words.iter().any(|known| word == known));
             let ends = !matches!(item[at - 1], TokenTree::Punct(_));
             let has_value = at - begin > 1
-                || matches!(&item[begin], TokenTree::Ident(word) if BARE.iter().any(|bare| word == bare));
+                || matches!(&item[begin], TokenTree::Ident(word) if words::BARE.iter().any(|bare| word == bare));
             if is_word && ends && has_value {
                 found.push(Clause(&item[begin..at]));
                 begin = at;
@@ -88,7 +85,7 @@ pub(super) fn sorted<'t, const N: usize>(
             let message = format!("`{text}` says nothing of {what}; {help}");
             return Err(diagnostics.report("E27", clause.place(), message));
         };
-        let has_value = clause.tokens().is_empty() == BARE.contains(&text.as_str());
+        let has_value = clause.tokens().is_empty() == words::BARE.contains(&text.as_str());
         let message = match found[index].replace(clause) {
             Some(_) => format!("`{text}` stands twice; keep one"),
             None if has_value => continue,

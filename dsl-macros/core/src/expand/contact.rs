@@ -108,14 +108,7 @@ impl Contacts<'_, '_> {
             }
         }
         let groups = self.gaps(a, b, place.start);
-        if groups.is_empty() {
-            let kinds = [a, b].map(|shape| self.0.list[shape].kind);
-            let message = format!(
-                "there is no contact between a {} and a {}; give one of them a radius, as a circle or a capsule has",
-                kinds[0], kinds[1]
-            );
-            return Err(self.0.bodies.told(place, message));
-        }
+        self.is_contact((a, b), &groups, (place, rubs))?;
         let (first, second) = (&self.0.list[a].name, &self.0.list[b].name);
         let own = second.strip_prefix(&scope.prefix).unwrap_or(second);
         let whole = format!("{first}.{own}");
@@ -139,6 +132,38 @@ impl Contacts<'_, '_> {
             self.surface(&name, pieces, (law, rubs), scope);
         }
         Ok(())
+    }
+
+    /// E27: shapes that do not touch in points, and friction on the edges of what is in space.
+    fn is_contact(
+        &mut self,
+        (a, b): (usize, usize),
+        groups: &[Vec<Piece>],
+        (place, rubs): (Place, bool),
+    ) -> Checked<()> {
+        let [one, other] = [a, b].map(|shape| &self.0.list[shape]);
+        let in_space = self.0.bodies.in_space;
+        let edges = rubs && in_space && groups.iter().any(|group| group.len() > 1);
+        let of_curve = one.curve.is_some() || other.curve.is_some();
+        let why = match groups.is_empty() {
+            false if !edges => return Ok(()),
+            false => {
+                "with friction in space; leave `friction` out, or let a half space or a sphere touch"
+            }
+            true if of_curve => {
+                "in points that a formula tells; what has corners alone touches a curve, as a polygon and a `point` do"
+            }
+            true if in_space => {
+                "in space; a half space touches all shapes, a sphere and a point all but a point"
+            }
+            true => "; give one of them a radius, as a circle or a capsule has",
+        };
+        let blank = if why.starts_with(';') { "" } else { " " };
+        let message = format!(
+            "there is no contact between a {} and a {}{blank}{why}",
+            one.kind, other.kind
+        );
+        Err(self.0.bodies.told(place, message))
     }
 
     /// One surface of a contact, with its law.
@@ -176,8 +201,14 @@ impl Contacts<'_, '_> {
         let is_round = a.radius.is_some() || b.radius.is_some();
         let halves = a.corners.is_empty() || b.corners.is_empty();
         let mut groups = Vec::new();
-        // A sharp corner that meets a segment has no side on which it is.
-        if !(is_round || halves || a.is_solid && b.is_solid) {
+        // A sharp corner that meets a segment has no side on which it is; in space edges meet edges.
+        let is_small = |shape: &Shape| shape.corners.len() == 1;
+        let are_sharp = !self.0.bodies.in_space && a.is_solid && b.is_solid;
+        let touch_in_points = match self.0.bodies.in_space {
+            true => halves || is_small(a) || is_small(b),
+            false => is_round || halves || are_sharp,
+        };
+        if !touch_in_points {
             return groups;
         }
         if is_round && !halves {
@@ -191,18 +222,15 @@ impl Contacts<'_, '_> {
             }
         }
         for (one, other) in [(a, b), (b, a)] {
-            let touches = one
-                .corners
-                .iter()
-                .map(|corner| touch(one, corner, other, span));
-            for touch in touches.collect::<Vec<_>>() {
-                if is_round && !halves {
+            for corner in &one.corners {
+                let touch = touch(one, corner, other, span);
+                if let (Some(curve), None) = (&other.curve, &touch.radius) {
+                    groups.push(vec![self.on_curve(&touch, &other.middle, curve)]);
+                } else if is_round && !halves {
                     let strips = other.strips.iter();
-                    groups.extend(
-                        strips.map(|&strip| self.on_sides(&touch, other, |k| k % 2 == strip)),
-                    );
+                    groups.extend(strips.map(|strip| self.on_sides(&touch, other, strip)));
                 } else if !other.sides.is_empty() {
-                    groups.push(self.on_sides(&touch, other, |_| true));
+                    groups.push(self.on_sides(&touch, other, &other.sides));
                 }
             }
         }
@@ -214,35 +242,65 @@ impl Contacts<'_, '_> {
         let (span, corner) = (touch.span, &touch.corner);
         let distance = quote_spanned!(span=> |#corner - #other|);
         let normal = quote_spanned!(span=> ((#corner - #other)/#distance));
-        self.piece(touch, &normal, &less_radii(touch, distance))
+        self.piece(touch, (&normal, None), &less_radii(touch, distance))
     }
 
-    /// A corner on all sides of a shape, some of them a radius farther away.
-    fn on_sides(
+    /// A sharp corner on a curve: its height above that, less by what the curve is inclined.
+    fn on_curve(
         &self,
         touch: &Touch<'_>,
-        shape: &Shape,
-        is_round: impl Fn(usize) -> bool,
-    ) -> Vec<Piece> {
-        let (span, corner, middle) = (touch.span, &touch.corner, &shape.middle);
-        let pieces = shape
-            .sides
-            .iter()
-            .enumerate()
-            .map(|(k, Side { normal, half })| {
-                let distance = quote_spanned!(span=> #normal . (#corner - #middle) - #half);
-                let distance = match is_round(k) {
-                    true => less_radii(touch, distance),
-                    false => distance,
-                };
-                self.piece(touch, normal, &distance)
-            });
+        middle: &Ident,
+        (function, [along, across]): &(TokenStream, [Ident; 2]),
+    ) -> Piece {
+        let (span, corner) = (touch.span, &touch.corner);
+        let place = quote_spanned!(span=> (#along . (#corner - #middle)));
+        let height = quote_spanned!(span=> (#across . (#corner - #middle) - #function(#place)));
+        let slope = quote_spanned!(span=> diff(#function)(#place));
+        let length = quote_spanned!(span=> sqrt(1 + #slope^2));
+        let normal = quote_spanned!(span=> ((#across - #slope*#along)/#length));
+        self.piece(
+            touch,
+            (&normal, None),
+            &quote_spanned!(span=> #height/#length),
+        )
+    }
+
+    /// A corner on all of these sides of a shape, some of them a radius farther away.
+    fn on_sides(&self, touch: &Touch<'_>, shape: &Shape, sides: &[Side]) -> Vec<Piece> {
+        let (span, corner) = (touch.span, &touch.corner);
+        let pieces = sides.iter().map(|side| {
+            let (along, half) = (&side.normal, &side.half);
+            let through = side.line.as_ref().unwrap_or(&shape.middle);
+            let apart = quote_spanned!(span=> (#corner - #through));
+            if side.line.is_some() && side.is_moved {
+                let across = quote_spanned!(span=> (#apart - (#along . #apart)*#along));
+                let distance = quote_spanned!(span=> |#across|);
+                let normal = quote_spanned!(span=> (#across/#distance));
+                return self.piece(touch, (&normal, None), &less_radii(touch, distance));
+            }
+            let distance = quote_spanned!(span=> #along . #apart - #half);
+            let distance = match side.is_moved {
+                true => less_radii(touch, distance),
+                false => distance,
+            };
+            self.piece(touch, (along, side.tangents.as_ref()), &distance)
+        });
         pieces.collect()
     }
 
     /// A piece of a gap along a normal of length 1. The point of the corner that touches is a radius below it; its velocity and that of
     /// the other body there differ along the surface by `(p' - b') x n + w_a r_a + w_b (n . (p - b) - r_a)`.
-    fn piece(&self, touch: &Touch<'_>, normal: &TokenStream, distance: &TokenStream) -> Piece {
+    fn piece(
+        &self,
+        touch: &Touch<'_>,
+        (normal, tangents): (&TokenStream, Option<&[Ident; 2]>),
+        distance: &TokenStream,
+    ) -> Piece {
+        let distance = distance.clone();
+        if self.0.bodies.in_space {
+            let sliding = self.slides_in_space(touch, normal, tangents);
+            return Piece { distance, sliding };
+        }
         let (span, corner) = (touch.span, &touch.corner);
         let on = self.0.bodies.body_place(touch.on);
         let apart = quote_spanned!(span=> (dot(#corner) - dot(#on)));
@@ -259,8 +317,48 @@ impl Contacts<'_, '_> {
             let angle = self.0.bodies.named(touch.on, "angle");
             sliding = quote_spanned!(span=> #sliding + dot(#angle)*(#below));
         }
-        let distance = distance.clone();
         Piece { distance, sliding }
+    }
+
+    /// Both components of the velocity of the touching point of a corner against the other body, `p' + w_a x (-r n) - b' - w_b x (p - r n - b)`,
+    /// along directions that are given, or along two that go smoothly with the normal everywhere but at -(2, 3, 6)/7.
+    fn slides_in_space(
+        &self,
+        touch: &Touch<'_>,
+        normal: &TokenStream,
+        tangents: Option<&[Ident; 2]>,
+    ) -> TokenStream {
+        let (span, corner, bodies) = (touch.span, &touch.corner, &self.0.bodies);
+        let spin = |body: &str| {
+            let (turn, spin) = (bodies.turn(body), bodies.named(body, "spin"));
+            let moves = bodies.turns(body) && !bodies.is_still(body);
+            moves.then(|| quote_spanned!(span=> (#turn*#spin)))
+        };
+        let on = bodies.body_place(touch.on);
+        let mut apart = quote_spanned!(span=> dot(#corner) - dot(#on));
+        let mut arm = quote_spanned!(span=> #corner - #on);
+        if let Some(radius) = &touch.radius {
+            arm = quote_spanned!(span=> #arm - #radius*#normal);
+            if let Some(spin) = spin(touch.body) {
+                apart = quote_spanned!(span=> #apart - #radius*cross(#spin, #normal));
+            }
+        }
+        if let Some(spin) = spin(touch.on) {
+            apart = quote_spanned!(span=> #apart - cross(#spin, #arm));
+        }
+        if let Some([first, second]) = tangents {
+            return quote_spanned!(span=> #first . (#apart), #second . (#apart));
+        }
+        let away = quote_spanned!(span=> (2/7, 3/7, 6/7));
+        let [first, second] = [
+            quote_spanned!(span=> (3/7, -6/7, 2/7)),
+            quote_spanned!(span=> (6/7, 2/7, -3/7)),
+        ]
+        .map(|basis| {
+            let share = quote_spanned!(span=> (#basis . #normal)/(1 + #away . #normal));
+            quote_spanned!(span=> (#basis - #share*(#normal + #away)))
+        });
+        quote_spanned!(span=> #first . (#apart), #second . (#apart))
     }
 }
 

@@ -20,8 +20,15 @@ struct Between<'t> {
     sides: [TokenTree; 2],
     /// Their bodies; none of a place that belongs to none.
     bodies: [Option<String>; 2],
-    along: Option<Clause<'t>>,
-    angle: Option<Clause<'t>>,
+    /// What else is said, in the order of [`words::JOINT`].
+    clauses: [Option<Clause<'t>>; 5],
+}
+
+impl<'t> Between<'t> {
+    fn clause(&self, word: &str) -> Option<Clause<'t>> {
+        let place = words::JOINT.iter().position(|known| *known == word)?;
+        self.clauses[place]
+    }
 }
 
 /// Writes joints of bodies out.
@@ -31,22 +38,106 @@ impl Hinges<'_, '_> {
     /// `hinge elbow: upper.tip == lower.base`: a point on a point, about which both turn.
     pub(super) fn hinge(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
         let between = self.between(statement, "==", scope)?;
-        self.refuse(&between, [false, false])?;
+        self.refuse(&between, &["motor", "stop", "restitution"])?;
         self.pinned(&between, scope);
         if let Some(turn) = self.turn(&between) {
             let span = between.name.span();
             let turn = quote_spanned!(span=> : rad = #turn);
-            self.0
+            let angle = self
+                .0
                 .bodies
                 .define((&between.whole, "angle", span), turn, scope);
+            return self.driven(&between, &angle, scope);
+        }
+        match words::JOINT.iter().find_map(|word| between.clause(word)) {
+            None => Ok(()),
+            Some(clause) => self.turning(&between, clause.place(), &format!("`{}`", clause.word())),
+        }
+    }
+
+    /// `ball socket: a.tip == b.base`: a point on a point in space, about which both turn freely.
+    pub(super) fn ball(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
+        let between = self.between(statement, "==", scope)?;
+        self.refuse(&between, &[])?;
+        self.pinned(&between, scope);
+        Ok(())
+    }
+
+    /// What moves a joint and what it strikes: a force on the quantity that moves in it, and a surface for each end of its range.
+    fn driven(&mut self, between: &Between<'_>, moves: &Ident, scope: &Rc<Scope>) -> Checked<()> {
+        let (span, whole) = (between.name.span(), &between.whole);
+        if let Some(motor) = between.clause("motor") {
+            let value = motor.value();
+            self.0
+                .bodies
+                .write(quote_spanned!(span=> forces { #moves: #value }), scope);
+        }
+        let (Some(stop), restitution) = (between.clause("stop"), between.clause("restitution"))
+        else {
+            return match between.clause("restitution") {
+                None => Ok(()),
+                Some(clause) => {
+                    let message = format!(
+                        "joint `{0}` strikes nothing; add `stop -1..=1`, or leave `restitution` out",
+                        between.name
+                    );
+                    Err(self.0.bodies.told(clause.place(), message))
+                }
+            };
+        };
+        let range = stop.tokens();
+        let mut marks = range.windows(3);
+        let at = marks.position(|marks| {
+            marks
+                .iter()
+                .zip(['.', '.', '='])
+                .all(|(token, mark)| is_punct(Some(token), mark))
+        });
+        let Some(at) = at.filter(|&at| at > 0 && at + 3 < range.len()) else {
+            let message = "`stop` has both ends of a range, as in `stop -1..=1`";
+            return Err(self.0.bodies.diagnostics.syntax(stop.place(), message));
+        };
+        let (low, high) = (&range[..at], &range[at + 3..]);
+        let constants = &self.0.bodies.constants;
+        if let (Some(from), Some(to)) = (constants.value(low, scope), constants.value(high, scope))
+            && from >= to
+        {
+            let message = "the range of a stop begins below where it ends, as in `stop -1..=1`";
+            let place = place_of(range, stop.place());
+            return Err(self.0.bodies.diagnostics.report("E10", place, message));
+        }
+        let names = ["low", "high"].map(|name| self.0.bodies.own(whole, name, span));
+        let law = match restitution {
+            None => quote_spanned!(span=> inelastic),
+            Some(clause) => TokenStream::from_iter(clause.whole().iter().cloned()),
+        };
+        let [lowest, highest] = &names;
+        self.0.bodies.write(
+            quote_spanned!(span=> surface #lowest: #moves >= #(#low)*),
+            scope,
+        );
+        self.0.bodies.write(
+            quote_spanned!(span=> surface #highest: #moves <= #(#high)*),
+            scope,
+        );
+        for name in &names {
+            self.0
+                .bodies
+                .write(quote_spanned!(span=> impact #name: #law), scope);
         }
         Ok(())
+    }
+
+    /// E27: what hangs on how both bodies are turned.
+    fn turning(&mut self, between: &Between<'_>, place: Place, what: &str) -> Checked<()> {
+        let mut bodies = between.bodies.iter().flatten();
+        bodies.try_for_each(|body| self.0.bodies.needs_angle(body, place, what))
     }
 
     /// `weld seam: a.tip == b.base angle c`: a point on a point, and an angle between both bodies that stays.
     pub(super) fn weld(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
         let between = self.between(statement, "==", scope)?;
-        self.refuse(&between, [false, true])?;
+        self.refuse(&between, &["angle"])?;
         self.pinned(&between, scope);
         self.locked(&between, scope)
     }
@@ -54,8 +145,8 @@ impl Hinges<'_, '_> {
     /// `slider rail: block on frame along (1, 0)`: a point on a line of the other body, and an angle that stays.
     pub(super) fn slider(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
         let between = self.between(statement, "on", scope)?;
-        self.refuse(&between, [true, true])?;
-        let Some(direction) = between.along else {
+        self.refuse(&between, &words::JOINT)?;
+        let Some(direction) = between.clause("along") else {
             let message = format!(
                 "slider `{0}` has no direction; add it as its second body has it, as in `slider {0}: block on frame along (1, 0)`",
                 between.name
@@ -77,7 +168,8 @@ impl Hinges<'_, '_> {
             .bodies
             .define((&between.whole, "along", span), direction, scope);
         let way = quote_spanned!(span=> : m = #along . (#a - #b));
-        self.0
+        let way = self
+            .0
             .bodies
             .define((&between.whole, "way", span), way, scope);
         let joint = Ident::new(&encoded(&between.whole), span);
@@ -85,6 +177,7 @@ impl Hinges<'_, '_> {
         self.0
             .bodies
             .write(quote_spanned!(span=> joint #joint: #off == 0), scope);
+        self.driven(&between, &way, scope)?;
         let [first, _] = &between.bodies;
         match first.as_ref().is_some_and(|body| self.0.bodies.turns(body)) {
             true => self.locked(&between, scope),
@@ -95,7 +188,7 @@ impl Hinges<'_, '_> {
     /// `rolling grip: wheel on ground`: two shapes that touch in one point, and do not slide there.
     pub(super) fn rolling(&mut self, statement: &[TokenTree], scope: &Rc<Scope>) -> Checked<()> {
         let between = self.between(statement, "on", scope)?;
-        self.refuse(&between, [false, false])?;
+        self.refuse(&between, &[])?;
         let place = Place::at(between.name.span());
         let mut shapes = Vec::new();
         for side in &between.sides {
@@ -142,8 +235,19 @@ impl Hinges<'_, '_> {
     ) -> Checked<Between<'t>> {
         let (name, indices, rest) = head(statement, self.0.bodies.diagnostics)?;
         let place = Place::at(name.span());
-        let clauses = clauses(rest, &words::JOINT);
-        let relation = clauses[0].whole();
+        let keyword = super::tokens::keyword(statement);
+        let message = match (keyword == "ball", self.0.bodies.in_space) {
+            (true, false) => Some("in the plane a point is held on a point by `hinge`"),
+            (false, true) => Some(
+                "this is a joint of the plane; in space `ball` holds a point on a point, and a `joint` what else is equal",
+            ),
+            _ => None,
+        };
+        if let Some(message) = message {
+            return Err(self.0.bodies.told(Place::at(statement[0].span()), message));
+        }
+        let said = clauses(rest, &words::JOINT);
+        let relation = said[0].whole();
         let is_sign = |at: usize| match sign {
             "==" => {
                 relation[at..]
@@ -159,7 +263,6 @@ impl Hinges<'_, '_> {
         };
         let at = (1..relation.len()).find(|&at| is_sign(at));
         let Some(at) = at else {
-            let keyword = super::tokens::keyword(statement);
             let example = words::example(&keyword).unwrap_or_default();
             let message = format!("`{keyword}` joins two sides by `{sign}`, as in `{example}`");
             return Err(self
@@ -171,8 +274,8 @@ impl Hinges<'_, '_> {
         let behind = at + if sign == "==" { 2 } else { 1 };
         let sides = [&relation[..at], &relation[behind..]];
         let what = format!("joint `{name}`");
-        let [along, angle] = sorted(
-            clauses[1..].iter().copied(),
+        let clauses = sorted(
+            said[1..].iter().copied(),
             &words::JOINT,
             &what,
             self.0.bodies.diagnostics,
@@ -195,8 +298,7 @@ impl Hinges<'_, '_> {
             name,
             sides,
             bodies,
-            along,
-            angle,
+            clauses,
         })
     }
 
@@ -223,12 +325,10 @@ impl Hinges<'_, '_> {
     }
 
     /// Clauses that a kind of joint does not have.
-    fn refuse(&mut self, between: &Between<'_>, [along, angle]: [bool; 2]) -> Checked<()> {
-        let wrong = [(between.along, along), (between.angle, angle)];
-        let wrong = wrong
-            .into_iter()
-            .find_map(|(clause, known)| clause.filter(|_| !known));
-        let Some(clause) = wrong else {
+    fn refuse(&mut self, between: &Between<'_>, known: &[&str]) -> Checked<()> {
+        let clauses = between.clauses.iter().flatten();
+        let mut wrong = clauses.filter(|clause| !known.contains(&clause.word().as_str()));
+        let Some(clause) = wrong.next() else {
             return Ok(());
         };
         let message = format!(
@@ -267,19 +367,14 @@ impl Hinges<'_, '_> {
 
     /// An angle between both bodies that stays, 0 where none is said.
     fn locked(&mut self, between: &Between<'_>, scope: &Rc<Scope>) -> Checked<()> {
-        for body in between.bodies.iter().flatten() {
-            self.0.bodies.needs_angle(
-                body,
-                Place::at(between.name.span()),
-                &format!("joint `{}`", shown(&between.whole)),
-            )?;
-        }
+        let what = format!("joint `{}`", shown(&between.whole));
+        self.turning(between, Place::at(between.name.span()), &what)?;
         let Some(turn) = self.turn(between) else {
             return Ok(());
         };
         let span: Span = between.name.span();
         let angle = between
-            .angle
+            .clause("angle")
             .map_or_else(|| super::tokens::number(0, span), |clause| clause.value());
         let joint = self.0.bodies.own(&between.whole, "turn", span);
         self.0

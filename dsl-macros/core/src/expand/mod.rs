@@ -12,10 +12,13 @@ mod names;
 mod part;
 mod repeat;
 mod shape;
+mod solid;
+mod space;
 mod tokens;
 
 pub(crate) use names::decoded;
 pub(crate) use part::{counts, files, is_declaration};
+pub(crate) use tokens::is_product;
 
 use crate::diagnostics::{Checked, Diagnostics, Place};
 use body::Bodies;
@@ -25,6 +28,7 @@ use names::{Names, Scope};
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use repeat::{DEEPEST, Repeat};
 use shape::Shapes;
+use solid::Solids;
 use std::rc::Rc;
 use tokens::{group_in, grouped, inside, is_punct, joined, keyword, place_of, undocumented, word};
 
@@ -75,13 +79,15 @@ fn written_out(
     diagnostics: &mut Diagnostics,
 ) -> Vec<part::Placed> {
     let mut shapes = Shapes::new(Bodies::new(names, diagnostics));
+    shapes.bodies.in_space = space::is_there(&statements);
     for (statement, scope) in statements {
         let _: Checked<()> = match keyword(&statement).as_str() {
             "gravity" => shapes.bodies.gravity(&statement, &scope),
             "body" => shapes.bodies.body(&statement, &scope),
-            "shape" => shapes.shape(&statement, &scope),
+            "shape" => Solids(&mut shapes).shape(&statement, &scope),
             "contact" => Contacts(&mut shapes).contact(&statement, &scope),
             "hinge" => Hinges(&mut shapes).hinge(&statement, &scope),
+            "ball" => Hinges(&mut shapes).ball(&statement, &scope),
             "weld" => Hinges(&mut shapes).weld(&statement, &scope),
             "slider" => Hinges(&mut shapes).slider(&statement, &scope),
             "rolling" => Hinges(&mut shapes).rolling(&statement, &scope),

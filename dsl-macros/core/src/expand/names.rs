@@ -2,7 +2,7 @@
 
 use super::index::{self, Fault};
 use super::repeat::{DECLARING, DEEPEST, unit_end};
-use super::tokens::{around, group_in, inside, is_punct, items, keyword, undocumented};
+use super::tokens::{around, group_in, inside, is_product, is_punct, items, keyword, undocumented};
 use crate::diagnostics::{Diagnostics, Place, closest};
 use crate::words;
 use proc_macro2::{Delimiter, Group, Ident, TokenTree};
@@ -209,6 +209,13 @@ fn bracket(token: Option<&TokenTree>) -> Option<&Group> {
     group_in(token, Delimiter::Bracket)
 }
 
+/// Whether a name behind others is that of a component or of a part.
+fn is_component(before: &[TokenTree], name: &TokenTree) -> bool {
+    let is_place = ["x", "y", "z"].contains(&name.to_string().as_str());
+    let of_vector = |point: &TokenTree| is_place || !is_product(point, name);
+    is_punct(before.last(), '.') && before.last().is_some_and(of_vector)
+}
+
 struct Resolver<'a> {
     names: &'a Names,
     scope: &'a Scope,
@@ -226,7 +233,7 @@ impl Resolver<'_> {
         let mut at = 0;
         while let Some(token) = tokens.get(at) {
             match token {
-                TokenTree::Ident(name) if !is_punct(written.last(), '.') => {
+                TokenTree::Ident(name) if !is_component(&written, token) => {
                     let (name, length) = self.name(name, &tokens[at + 1..]);
                     written.push(name.into());
                     at += length;
@@ -292,9 +299,10 @@ impl Resolver<'_> {
                     name = format!("{part}.{next}");
                     length += 2;
                     if !names.has(&name) {
-                        // A component of a place.
+                        // A component of a place, or the product with a vector.
+                        let is_place = ["x", "y", "z"].iter().any(|known| next == known);
                         if names.places.contains(&part)
-                            && ["x", "y", "z"].iter().any(|known| next == known)
+                            && (is_place || is_product(point, &next.clone().into()))
                         {
                             (name, length) = (part, length - 2);
                             break;

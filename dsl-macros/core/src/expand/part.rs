@@ -184,8 +184,11 @@ fn is_name(tokens: &[TokenTree]) -> bool {
     })
 }
 
-/// The statements `let` of `let p[k in 1..=n] = .., p[0] = ..`, those without running indices first.
-fn lets(statement: &[TokenTree]) -> Vec<Vec<TokenTree>> {
+/// The statements of `let p[k in 1..=n] = .., p[0] = ..`, those without running indices first, and of `impact a[..], b[..]: law`.
+fn apart(statement: &[TokenTree]) -> Vec<Vec<TokenTree>> {
+    if keyword(statement) == "impact" {
+        return impacts(statement);
+    }
     let pieces: Vec<&[TokenTree]> = items(statement).collect();
     let is_let = keyword(statement) == "let";
     let is_value = |piece: &&[TokenTree]| matches!(piece, [TokenTree::Ident(_), TokenTree::Group(_), sign, ..] if is_punct(Some(sign), '='));
@@ -197,6 +200,39 @@ fn lets(statement: &[TokenTree]) -> Vec<Vec<TokenTree>> {
         [&[keyword], *piece].concat()
     });
     values.chain([pieces[0].to_vec()]).collect()
+}
+
+/// A statement for each of the surfaces whose indices run by themselves, and for those without indices; others go with the one before.
+fn impacts(statement: &[TokenTree]) -> Vec<Vec<TokenTree>> {
+    let colon = statement
+        .iter()
+        .position(|token| is_punct(Some(token), ':'));
+    let (head, law) = statement.split_at(colon.unwrap_or(statement.len()));
+    let runs = |token: &TokenTree| {
+        group_in(Some(token), Delimiter::Bracket)
+            .is_some_and(|group| index::is_repetition(&inside(group)))
+    };
+    let mut found: Vec<Vec<TokenTree>> = Vec::new();
+    let mut is_running = false;
+    for name in head.split(|token| is_punct(Some(token), ',')) {
+        let own = name.iter().any(runs);
+        let indexed = name
+            .iter()
+            .any(|token| group_in(Some(token), Delimiter::Bracket).is_some());
+        match found.last_mut() {
+            None => found.push(name.to_vec()),
+            Some(_) if is_running && (own || !indexed) => found.push([&head[..1], name].concat()),
+            Some(last) => {
+                last.push(punct(',', head[0].span()));
+                last.extend_from_slice(name);
+            }
+        }
+        is_running = own || is_running && indexed;
+    }
+    found
+        .into_iter()
+        .map(|head| [&head, law].concat())
+        .collect()
 }
 
 #[derive(Default)]
@@ -291,7 +327,7 @@ impl Parts {
         repeat: &mut Repeat<'_>,
     ) -> Vec<Placed> {
         let mut found = Vec::new();
-        for statement in statements(tokens).into_iter().flat_map(lets) {
+        for statement in statements(tokens).into_iter().flat_map(apart) {
             if is_declaration(undocumented(&statement)) {
                 found.push((behind(&statement).to_vec(), Rc::clone(scope)));
                 continue;

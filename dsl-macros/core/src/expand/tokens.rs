@@ -7,6 +7,12 @@ pub(super) fn is_punct(token: Option<&TokenTree>, mark: char) -> bool {
     matches!(token, Some(TokenTree::Punct(punct)) if punct.as_char() == mark)
 }
 
+/// Whether a point is an operator between vectors, `v . f(x)`: what is behind it stands apart. Tokens without a place of their own do not.
+pub(crate) fn is_product(point: &TokenTree, next: &TokenTree) -> bool {
+    let (point, next) = (point.span(), next.span().start());
+    next != point.end() && next != point.start()
+}
+
 /// The group that a token is, if it has these brackets.
 pub(super) fn group_in(token: Option<&TokenTree>, delimiter: Delimiter) -> Option<&Group> {
     match token {
@@ -32,6 +38,21 @@ pub(super) fn items(tokens: &[TokenTree]) -> impl Iterator<Item = &[TokenTree]> 
     tokens
         .split(|token| is_punct(Some(token), ','))
         .filter(|item| !item.is_empty())
+}
+
+/// The components of a vector that is written out; none of anything else.
+pub(super) fn components(value: &[TokenTree]) -> Vec<Vec<TokenTree>> {
+    match value {
+        [TokenTree::Group(group)] if group.delimiter() == Delimiter::None => {
+            components(&inside(group))
+        }
+        [value] => {
+            let inner = group_in(Some(value), Delimiter::Parenthesis).map(inside);
+            let inner = inner.unwrap_or_default();
+            items(&inner).map(<[TokenTree]>::to_vec).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Tokens without their documentation.

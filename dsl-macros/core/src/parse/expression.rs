@@ -4,6 +4,7 @@ use super::cursor::{Cursor, Said};
 use super::{number, slips};
 use crate::ast::{Expr, Kind, Link, Name, Operator};
 use crate::diagnostics::{Checked, Diagnostics, Place, Reported};
+use crate::expand::is_product;
 use crate::words;
 use proc_macro2::{Delimiter, Group, Ident, TokenTree};
 use std::cell::RefMut;
@@ -198,7 +199,9 @@ impl Parser {
             if !point && cursor.at_invisible_group(0) {
                 return Ok(expr);
             }
+            let applied = point && is_applied(cursor);
             if point
+                && !applied
                 && !cursor.at_invisible_group(1)
                 && matches!(cursor.peek_at(1), Some(TokenTree::Ident(_)))
             {
@@ -222,7 +225,8 @@ impl Parser {
                     depth,
                 )?;
             } else if point
-                && (cursor.at_invisible_group(1)
+                && (applied
+                    || cursor.at_invisible_group(1)
                     || matches!(cursor.peek_at(1), Some(TokenTree::Group(group))
                         if group.delimiter() == Delimiter::Parenthesis))
             {
@@ -298,7 +302,19 @@ impl Parser {
         let meant = self.node(kind, place, depth)?;
         // What has a kink is refused for that.
         if !words::NONSMOOTH.contains(&name.text.as_str()) {
-            let message = format!("`.{}(...)` is a call of Rust; write `{meant}`", name.text);
+            let rate = match &meant.kind {
+                Kind::Call { arguments, .. } if name.text == "dot" && arguments.len() == 2 => {
+                    format!(
+                        ", or `{} . dot({})` with the velocity",
+                        arguments[0], arguments[1]
+                    )
+                }
+                _ => String::new(),
+            };
+            let message = format!(
+                "`.{}(...)` is a call of Rust; write `{meant}`{rate}",
+                name.text
+            );
             self.said().syntax(place, message);
         }
         Ok(meant)
@@ -623,6 +639,18 @@ impl Parser {
         let (kind, place) = number::with_unit(cursor, (value, number), begin)?;
         self.node(kind, place, 0)
     }
+}
+
+/// Whether behind a point that stands apart a function is called, as in `v . f(x)`.
+fn is_applied(cursor: &Cursor) -> bool {
+    let [point, name, arguments] = [0, 1, 2].map(|k| cursor.peek_at(k));
+    let named = matches!(name, Some(TokenTree::Ident(_)));
+    let called = matches!(arguments, Some(TokenTree::Group(group)) if group.delimiter() == Delimiter::Parenthesis);
+    named
+        && called
+        && point
+            .zip(name)
+            .is_some_and(|(point, name)| is_product(point, name))
 }
 
 /// Whether an exponent is itself a power without parentheses around it.

@@ -1,8 +1,8 @@
 //! Bodies, shapes and contacts: what is written out has the functions of the scene that an author would have written.
 
+use crate::bodies_mistaken::SCENE;
 use crate::repetition::{assert_told, described};
 use hangtime_dsl::description::{Description, Kernel, Source};
-use hangtime_dsl::{describe_text, in_used};
 
 /// The outputs of a kernel at numbers that stand in no relation to each other.
 fn values(kernel: &Kernel) -> Vec<f64> {
@@ -230,6 +230,14 @@ fn sliders_and_welds_hold_a_line_and_an_angle() {
 #[test]
 fn words_of_bodies_are_names_elsewhere() {
     described(
+        "parameters { m: kg = 1, j: kg*m^2 = 1 }
+         coordinates { x: m, z: m, turn: rad, motor: m }
+         body ball: mass m, inertia j, at (x, z), angle turn, point = (0, 1 [m])
+         body box: mass m at (motor, 0)
+         forces { ball.point: (1 [N], 0 [N]) }
+         start { motor: 1 }",
+    );
+    described(
         "parameters { body: kg = 1, gravity: m/s^2 = 9.81, mass: kg = 1, shape: m = 1 }
          coordinates { contact: m, hinge: rad }
          fn rolling(a) = 2*a
@@ -282,320 +290,62 @@ fn names_of_bodies_in_parts_have_those_of_the_part_in_front() {
     assert_eq!(declaration.coordinates[2].name, "car.rear.phi");
 }
 
-/// A scene with slips in the place of `SLIP`.
-const SCENE: &str = "parameters { m: kg = 1, j: kg*m^2 = 0.01, r: m = 0.1 }
-    coordinates { x: m, z: m, phi: rad, y: m }
-    body block: mass m, inertia j at (x, z) angle phi, tip = (r, 0)
-    body ground: fixed
-    body wall: fixed at (1 [m], 0) angle 90 [deg]
-    body ball: mass m at (y, 0)
-    shape block.lid: rectangle (r, r) at (0, r)
-    shape ground: half plane
-    SLIP
-    start { z: 1 [m] }";
-
 #[test]
-fn slips_of_bodies_are_told_where_they_stand() {
-    for (slip, wanted) in [
-        (
-            "body <<block>>: mass m at (x, y)",
-            "E19: `block` is declared twice; rename this body",
-        ),
-        (
-            "body <<rod>>: inertia j at (x, y) angle phi",
-            "E27: body `rod` has no mass; write `mass m`, or `fixed` if it has no motion of its own",
-        ),
-        (
-            "body <<rod>>: mass m, inertia j at (x, y)",
-            "E27: body `rod` has an inertia, and no angle by which it turns; add `angle phi`",
-        ),
-        (
-            "body <<rod>>: mass m",
-            "E27: body `rod` is nowhere; say where, as in `at (x, z)` with two coordinates",
-        ),
-        (
-            "body <<rod>>: mass m, fixed at (0, 0)",
-            "E27: body `rod` is fixed, so that its mass does nothing; leave `fixed` out, or the mass",
-        ),
-        (
-            "body rod: <<mas m>> at (x, y)",
-            "E27: `mas` says nothing of body `rod`; did you mean `mass`?",
-        ),
-        (
-            "body rod: mass m at (x, y), <<colour 3>>",
-            "E27: `colour` says nothing of body `rod`; it knows `mass`, `inertia`, `centre`, `at`, `angle`, `fixed`",
-        ),
-        (
-            "body rod: mass m, <<mass m>> at (x, y)",
-            "`mass` stands twice; keep one",
-        ),
-        (
-            "body rod: <<mass>>, at (x, y)",
-            "`mass` needs its value behind it",
-        ),
-        (
-            "body rod: mass <<r>> at (x, y)",
-            "E03: units differ: `r` is in m, where kg is needed (`rod.mass` is declared so)",
-        ),
-        (
-            "body rod: mass m at <<(phi, 0)>>",
-            "E03: units differ: `(phi, 0)` has no unit, where m is needed (`rod` is declared so)",
-        ),
-        (
-            "body rod: mass m at (x, y), <<tip>> = (r, 0)",
-            "E27: body `rod` has no angle, and a place on it needs it; write `angle phi` where the body is declared, or `angle 0` if it \
-             never turns",
-        ),
-        (
-            "body rod: mass m at (x, y) angle phi, <<angle>> = (r, 0)",
-            "E19: `rod.angle` is something else of this body; choose another name for the point",
-        ),
-        (
-            "<<body rod>>",
-            "a colon and what is said of `rod` are missing; write `body block: mass m, inertia j, at (x, z), angle phi`",
-        ),
-        (
-            "<<body>>: mass m",
-            "`body` is written as in `body block: mass m, inertia j, at (x, z), angle phi`",
-        ),
-        (
-            "gravity (0, -9.81 [m/s^2]) <<gravity>> (0, 1 [m/s^2])",
-            "E19: `gravity` is declared twice; it is that of all bodies",
-        ),
-        (
-            "part leg(a) { <<gravity>> (0, -a) } left: leg(1 [m/s^2])",
-            "E27: `gravity` is that of all bodies; declare it in the scene, outside of parts",
-        ),
-        (
-            "outputs { height: m = block.<<tap>>.z }",
-            "E27: part `block` has no `tap`; did you mean `block.tip`?",
-        ),
-    ] {
-        assert_told(&SCENE.replace("SLIP", slip), wanted);
-    }
+fn points_that_stand_apart_are_products_of_vectors() {
+    let scene = |gap: &str, law: &str| {
+        format!(
+            "parameters {{ m: kg = 1, r: m = 0.1 }}
+             coordinates {{ a: m, b: m, phi: rad }}
+             fn ahead(s) = (cos(s), sin(s))
+             let p = (a, b)
+             let corner[k in 1..=2] = k*(r, r)
+             lagrangian m/2*|dot(p)|^2 + m*r^2/2*dot(phi)^2
+             surface wall: {gap} >= 0
+             impact wall: inelastic, friction 0.1, sliding {law}
+             start {{ a: 1 [m] }}"
+        )
+    };
+    let by_hand = scene(
+        "p . (ahead(phi)) + p . (corner[1])/r + p . (corner[2])/r",
+        "cos(phi)*dot(b) - sin(phi)*dot(a) + r*dot(phi)",
+    );
+    let law = "(-sin(phi), cos(phi)) . dot(p) + r*dot(phi)";
+    let own = scene("p . ahead(phi) + p . corner[1]/r + p . corner[2]/r", law);
+    assert_alike(&own, &by_hand);
+    // The text of a compiled scene is that of its tokens.
+    let tokens: proc_macro2::TokenStream = format!("S {{ {own} }}").parse().expect("tokens");
+    let code = hangtime_dsl::expand(tokens).to_string();
+    assert!(!code.contains("compile_error"), "{code}");
+    assert_told(
+        &scene("<<p.dot(ahead(phi))>>", law),
+        "`.dot(...)` is a call of Rust; write `dot(p, ahead(phi))`, or `p . dot(ahead(phi))` with the velocity",
+    );
 }
 
 #[test]
-fn slips_of_shapes_are_told_where_they_stand() {
-    for (slip, wanted) in [
-        (
-            "shape <<ghost>>: circle r",
-            "E27: there is no body `ghost` above; declare it before, as in `body ghost: mass m, at (x, z)` or `body ghost: fixed`",
+fn laws_of_several_surfaces_repeat_each_by_its_own_indices() {
+    let text = |laws: &str| {
+        format!(
+            "count n = 2
+             coordinates {{ x[n]: m, y[n]: m, z: m }}
+             lagrangian sum(k in 1..=n: 1 [kg]*(dot(x[k])^2 + dot(y[k])^2)) + 1 [kg]*dot(z)^2
+             surface left[k in 1..=n]: x[k] >= 0
+             surface right[k in 1..=n]: y[k] >= 0
+             surface top: z >= 0
+             {laws}
+             start {{ z: 0 }}"
+        )
+    };
+    assert_alike(
+        &text("impact left[k in 1..=n], right[j in 1..=n], top: inelastic"),
+        &text(
+            "impact left[k in 1..=n]: inelastic impact right[j in 1..=n]: inelastic impact top: inelastic",
         ),
-        (
-            "shape <<bloc>>: circle r",
-            "E27: there is no body `bloc` above; did you mean `block`?",
-        ),
-        (
-            "shape ball: <<rectangle (r, r)>>",
-            "E27: body `ball` has no angle, and a shape `rectangle` needs it; write `angle phi` where the body is declared, or `angle 0` \
-             if it never turns",
-        ),
-        (
-            "shape <<ground>>: circle r",
-            "E19: `ground` is declared twice; give this shape a name of its own, as in `shape ground.lid: ..`",
-        ),
-        (
-            "shape <<block.tip>>: circle r",
-            "E19: `block.tip` is declared twice; give this shape a name of its own, as in `shape block.lid: ..`",
-        ),
-        (
-            "shape block: <<circel r>>",
-            "E27: `circel` says nothing of the shape of `block`; did you mean `circle`?",
-        ),
-        (
-            "shape block: circle r, <<tip = (r, 0)>>",
-            "E27: `tip` says nothing of the shape of `block`; it knows `circle`, `rectangle`, `half`, `capsule`, `segment`, `at`, `angle`",
-        ),
-        (
-            "shape block: <<blob r>>",
-            "E27: `blob` says nothing of the shape of `block`; it knows `circle`, `rectangle`, `half`, `capsule`, `segment`, `at`, `angle`",
-        ),
-        (
-            "shape block: <<rectangle r>>",
-            "E27: `rectangle` has two lengths, as in `rectangle (w, h)`",
-        ),
-        (
-            "shape block: circle <<-r>>",
-            "E10: the size of a shape is positive",
-        ),
-        (
-            "parameters { bad: m = -0.1 } shape block: circle <<bad>>",
-            "E10: the size of a shape is positive",
-        ),
-        (
-            "shape block: circle <<0 [m]>>",
-            "E10: the size of a shape is positive",
-        ),
-        (
-            "shape block: circle <<m>>",
-            "E03: units differ: `m` is in kg, where m is needed (`block.radius` is declared so)",
-        ),
-        (
-            "<<shape>> block",
-            "a shape is written as in `shape block: rectangle (w, h)`, behind the name of its body",
-        ),
-    ] {
-        assert_told(&SCENE.replace("SLIP", slip), wanted);
-    }
-}
-
-#[test]
-fn slips_of_contacts_are_told_where_they_stand() {
-    for (slip, wanted) in [
-        (
-            "<<contact>> block: inelastic",
-            "a contact is that of two shapes with a law, as in `contact block, ground: inelastic, friction mu`",
-        ),
-        (
-            "contact <<ball>>, ground: inelastic",
-            "E27: body `ball` has no shape above that could touch anything; declare one before, as in `shape ball: circle r`",
-        ),
-        (
-            "contact block, <<floor>>: inelastic",
-            "E27: there is no body `floor` above; declare it before, as in `body floor: mass m, at (x, z)` or `body floor: fixed`",
-        ),
-        (
-            "shape block.hat: circle r contact <<block.hat, block.lid>>: inelastic",
-            "E27: `block.hat` and `block.lid` never move against each other, on one body or on fixed ones; leave the contact out",
-        ),
-        (
-            "shape wall: half plane contact <<wall, ground>>: inelastic",
-            "E27: `wall` and `ground` never move against each other, on one body or on fixed ones; leave the contact out",
-        ),
-        (
-            "shape ball: circle r contact <<ball, ground>>: inelastic, friction 0.3",
-            "E27: body `ball` has no angle, and friction, which turns it, needs it; write `angle phi` where the body is declared, or \
-             `angle 0` if it never turns",
-        ),
-        (
-            "contact block, ground: inelastic, friction 0.3, <<sliding>> dot(x)",
-            "E27: the sliding velocity of a contact is derived from its bodies; leave `sliding` out",
-        ),
-        (
-            "shape wall: segment r contact <<block, wall>>: inelastic",
-            "E27: there is no contact between a rectangle and a segment; give one of them a radius, as a circle or a capsule has",
-        ),
-        (
-            "contact block, ground: inelastic contact <<block, ground>>: inelastic",
-            "E19: `block.lid.ground` is declared twice; keep one contact between two shapes",
-        ),
-        (
-            "contact block, ground: <<elastic>>",
-            "there is no law `elastic`; a rebound is `restitution 1`, no rebound is `inelastic`",
-        ),
-    ] {
-        assert_told(&SCENE.replace("SLIP", slip), wanted);
-    }
-}
-
-#[test]
-fn slips_of_joints_of_bodies_are_told_where_they_stand() {
-    for (slip, wanted) in [
-        (
-            "hinge pin: <<(0, 0) == (x, z)>>",
-            "E27: neither side of `pin` is a body or a point of one; what holds between other places is a `joint pin: left == right`",
-        ),
-        (
-            "hinge pin: <<block.tip>>",
-            "`hinge` joins two sides by `==`, as in `hinge elbow: upper.tip == lower.base`",
-        ),
-        (
-            "<<hinge block>>.tip == ball",
-            "a colon and what is said of `block` are missing; write `hinge elbow: upper.tip == lower.base`",
-        ),
-        (
-            "slider <<rail>>: block on ground",
-            "E27: slider `rail` has no direction; add it as its second body has it, as in `slider rail: block on frame along (1, 0)`",
-        ),
-        (
-            "hinge pin: block.tip == ball <<angle 1>>",
-            "E27: `angle` says nothing of joint `pin`; leave it out",
-        ),
-        (
-            "weld <<pin>>: block.tip == ball",
-            "E27: body `ball` has no angle, and joint `pin` needs it; write `angle phi` where the body is declared, or `angle 0` if it \
-             never turns",
-        ),
-        (
-            "hinge <<block>>: block.tip == ball",
-            "E19: `block` is declared twice; rename this joint",
-        ),
-        (
-            "rolling <<grip>>: block on ground",
-            "E27: a rectangle does not roll on a half plane in one point; a circle rolls on a half plane or on a circle",
-        ),
-        (
-            "hinge pin: block.<<tup>> == ball",
-            "E27: part `block` has no `tup`; did you mean `block.tip`?",
-        ),
-    ] {
-        assert_told(&SCENE.replace("SLIP", slip), wanted);
-    }
-}
-
-#[test]
-fn slips_in_a_file_that_is_used_are_told_there() {
-    let scene = "use \"wheel.hang\"
-         parameters { m: kg = 1, g: m/s^2 = 9.81 }
-         coordinates { x: m, z: m }
-         gravity (0, -g)
-         body ground: fixed
-         shape ground: half plane
-         rear: wheel((x, z), 0.1 [m])
-         start { z: 0.1 [m] }";
-    let wheel = "part wheel(middle, r: m) {
-            coordinates { phi: rad }
-            body rim: mass m, inertia m*r^2 at middle angle phi, valve = (r, 0)
-            shape rim: circle r
-            contact rim, ground: inelastic, friction 0.5
-         }";
-    let whole = |wheel: &str| hangtime_dsl::with_used(scene, |_| Ok(wheel.to_owned()));
-    described(&whole(wheel).expect("files"));
-    for (right, slip, wanted) in [
-        (
-            "angle phi,",
-            "angle phi, <<radius r>>,",
-            "E27: `radius` says nothing of body `rim`; it knows `mass`, `inertia`, `centre`, `at`, `angle`, `fixed`",
-        ),
-        (
-            "circle r",
-            "circle <<-r>>",
-            "E10: the size of a shape is positive",
-        ),
-        (
-            "circle r",
-            "circle <<phi>>",
-            "E03: units differ: `rear.phi` has no unit, where m is needed (`rear.rim.radius` is declared so)",
-        ),
-        (
-            "rim, ground",
-            "rim, <<floor>>",
-            "E27: there is no body `floor` above; declare it before, as in `body floor: mass m, at (x, z)` or `body floor: fixed`",
-        ),
-        (
-            "shape rim",
-            "shape <<rin>>",
-            "E27: there is no body `rin` above; did you mean `rear.rim`?",
-        ),
-        (
-            "friction 0.5",
-            "friction <<z>>",
-            "E03: units differ: `z` is in m, where a pure number is needed (a coefficient of friction is a ratio)",
-        ),
-    ] {
-        let slipped = wheel.replace(right, slip);
-        let text = whole(&slipped.replace("<<", "").replace(">>", "")).expect("files");
-        let mistakes = describe_text(&text, "s").expect_err(slip);
-        assert_eq!(mistakes[0].text(), wanted);
-        let (file, own, place) = in_used(&text, &mistakes[0].place);
-        assert_eq!(file, Some("wheel.hang"));
-        let (_, rest) = slip.split_once("<<").expect("a mark");
-        assert_eq!(
-            own.get(place),
-            rest.split_once(">>").map(|(inside, _)| inside)
-        );
-    }
+    );
+    assert_alike(
+        &text("impact left[k in 1..=n], right[k]: inelastic impact top: inelastic"),
+        &text("impact left[1], left[2], right[1], right[2]: inelastic impact top: inelastic"),
+    );
 }
 
 #[test]
@@ -624,6 +374,8 @@ body ground: fixed at (0, 0) angle -l/l
 shape block: rectangle (l, l/2) at (0, l)
 shape ground: half plane angle 2 [deg]
 contact block, ground: inelastic, friction 0.3
+shape rod: polygon ((0, 0), (l, 0), (0, l)) at (0, -l)
+hinge elbow: block.tip == ground, motor -2[N m]*phi, stop -1..=2, restitution 0.5
 slider rail: block on ground along (1, 0)
 minimize integral(u^2)
 at 0.5 [s] { x == 0 }

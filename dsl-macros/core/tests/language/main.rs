@@ -32,6 +32,7 @@ fn mistakes_in_file(text: &str) -> Vec<String> {
 
 mod advice;
 mod bodies;
+mod bodies_mistaken;
 mod conditions;
 mod design;
 mod format;
