@@ -78,6 +78,7 @@ mod linalg;
 pub mod model;
 pub mod ocp;
 pub mod prelude;
+mod program;
 mod progress;
 #[cfg(test)]
 mod random_cases;

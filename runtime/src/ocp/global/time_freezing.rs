@@ -16,7 +16,7 @@ use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::{Horizon, Problem, bounds};
-use crate::ocp::program::joint_rows::at_start;
+use crate::ocp::program::start_joints::at_start;
 use crate::ocp::settings::{self, TimeFreezingSettings};
 use crate::ocp::tuning::candidates::SAMPLES;
 use crate::refusal;

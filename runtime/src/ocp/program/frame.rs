@@ -1,14 +1,16 @@
 //! What all programs have in common: horizon, controls, start, objective, goals and path functions.
 
-use super::kernel::Kernel;
-use super::sparse_program::{OBJECTIVE, Program};
-use super::units::{THOUSAND, Units, nearest_power};
-use super::{given, joint_rows};
+use super::units::Units;
+use super::{given, start_joints};
 use crate::model::{ConstraintDeclaration, ContactDeclaration, Model};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Problem;
+use crate::program::kernel::Kernel;
+use crate::program::parts::OBJECTIVE;
+use crate::program::powers::{THOUSAND, nearest_power};
+use crate::program::sparse_program::Program;
 
 /// By how much goals are missed to start with, in their sizes: within the reach of the barrier.
 const FIRST_MISS: f64 = 0.1;
@@ -75,7 +77,7 @@ impl<'a> Frame<'a> {
             })
             .collect();
         given::add(program, (model, problem), (horizon, &start), units);
-        joint_rows::add_at_start(program, model, problem, (&start, &units.states));
+        start_joints::add_at_start(program, model, problem, (&start, &units.states));
         Self {
             model,
             horizon,

@@ -3,8 +3,8 @@
 use hangtime_solver::mpcc::Mpcc as _;
 use hangtime_solver::nlp::NlpProblem as _;
 
-use super::sparse_program::Program;
 use crate::model::Declaration;
+use crate::program::sparse_program::Program;
 use crate::size::{Purpose, SizeGroup, groups_of};
 
 /// Beginnings of the names of variables and rows, without the names that the scene gives.
