@@ -67,7 +67,6 @@ pub mod baselines {
     pub use crate::simulation::baselines::{FixedStep, Moreau, Smooth};
 }
 mod contact;
-mod dcs;
 pub mod derivative;
 mod enclosure;
 pub mod estimation;

@@ -159,6 +159,11 @@ impl<'a> Program<'a> {
         self.variables.guess[variable]
     }
 
+    /// Name of a variable.
+    pub(crate) fn name(&self, variable: usize) -> &str {
+        &self.variables.names[variable]
+    }
+
     /// Says where the solver starts, in physical values.
     pub(crate) fn set_guess(&mut self, variable: usize, value: f64) {
         self.variables.guess[variable] = value;

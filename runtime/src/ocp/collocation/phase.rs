@@ -468,7 +468,7 @@ fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) 
         let (frame, program) = (&builder.frame, &mut builder.program);
         let (inputs, factor) = ([q, v, &stage.drive[..]], element.factor * tableau.b()[m]);
         let known = Provided::Known(&stage.provided);
-        frame.running_cost(program, inputs, known, element.scale, factor);
+        frame.running_cost(program, inputs, known, [element.scale], factor);
         if places.path != PathPoints::Ends || m + 1 == phase.stages.len() {
             let place = format!("at stage {m} of {label}");
             frame.path_rows(program, inputs, known, &place);

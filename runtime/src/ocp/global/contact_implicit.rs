@@ -357,7 +357,7 @@ fn declared(program: &mut Program, frame: &Frame, element: &Element, known: Prov
         u,
         ..
     } = element;
-    frame.running_cost(program, [q, v, u], known, frame.horizon, share);
+    frame.running_cost(program, [q, v, u], known, [frame.horizon], share);
     let place = format!("after element {index}");
     frame.path_rows(program, [q, v, u], known, &place);
 }

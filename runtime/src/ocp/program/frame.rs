@@ -106,20 +106,20 @@ impl<'a> Frame<'a> {
         time
     }
 
-    /// Adds `factor scale` times the running cost at `(q, v, u)` to the objective; `provided` is what contacts do there.
+    /// Adds `factor` times the variables of `scale` times the running cost at `(q, v, u)` to the objective; `provided` is what contacts do there.
     pub(in crate::ocp) fn running_cost(
         &self,
         program: &mut Program,
         [q, v, u]: [&[usize]; 3],
         provided: Provided,
-        scale: usize,
+        scale: impl IntoIterator<Item = usize>,
         factor: f64,
     ) {
         let declared = self.model.declaration().optimal_control;
         if declared.is_some_and(|d| d.running_cost) {
             let behind = provided.behind(declared.is_some_and(|d| d.contacts.path));
             let uses = vec![(OBJECTIVE, 0, factor)];
-            program.block_behind(&Kernel::Path, [q, v, u], behind, Some(scale), uses);
+            program.block_behind(&Kernel::Path, [q, v, u], behind, scale, uses);
         }
     }
 
@@ -190,9 +190,10 @@ impl<'a> Frame<'a> {
             uses.push((OBJECTIVE, 0, 1.0));
         }
         let pattern = declared.terminal_jacobian;
+        let known = last.len() + 1 + self.sums.len();
         let units = self.goal_units(program, last);
         for (i, goal) in declared.goals.iter().enumerate() {
-            if provided.is_known() || !pattern.reads(first + i, last.len() + 1) {
+            if provided.is_known() || !pattern.reads(first + i, known) {
                 let row = condition(program, goal, units[first + i], "at the end");
                 uses.push((row, first + i, 1.0));
                 if let Some(size) = elastic.and_then(|sizes| sizes.get(i)) {
@@ -205,6 +206,10 @@ impl<'a> Frame<'a> {
             let sums = self.sums.iter().map(|sum| Some(sum.variable));
             let mut behind: Vec<Option<usize>> = sums.collect();
             behind.extend(provided.behind(declared.contacts.terminal));
+            if declared.contacts.terminal {
+                let forces = 2 * self.model.declaration().contacts.len();
+                behind.resize(self.sums.len() + forces, None);
+            }
             let inputs = [q, v, &[self.horizon]];
             program.block_behind(&Kernel::Terminal, inputs, &behind, None, uses);
         }

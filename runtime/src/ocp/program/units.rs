@@ -52,6 +52,35 @@ impl Units {
         0.1 * self.force[contact] * self.time
     }
 
+    /// Units of the scene itself, but for controls, which are measured by their bounds, and the time, by a guess of its length.
+    pub(in crate::ocp) fn of_scene(
+        model: &dyn Model,
+        horizon: f64,
+        (lower, upper): (&[f64], &[f64]),
+    ) -> Self {
+        let declaration = model.declaration();
+        let (n, contacts) = (declaration.coordinates.len(), declaration.contacts.len());
+        let bounds = lower[n..].iter().zip(&upper[n..]);
+        let largest = bounds.map(|(lower, upper)| lower.abs().max(upper.abs()));
+        let unit = |size: f64| {
+            if size.is_finite() && size > 0.0 {
+                size
+            } else {
+                1.0
+            }
+        };
+        Self {
+            time: horizon,
+            controls: largest.map(unit).collect(),
+            force: vec![1.0; contacts],
+            gap: vec![1.0; contacts],
+            states: vec![1.0; 2 * n],
+            gap_rows: vec![1.0; contacts],
+            ways: vec![0.0; n],
+            is_exact: false,
+        }
+    }
+
     /// Units of programs that start from a motion.
     pub(in crate::ocp) fn new(
         model: &dyn Model,
