@@ -15,23 +15,20 @@ use hangtime_solver::nlp::NlpProblem;
 /// A bead that flies for 0.1 s, lands on the floor in a jump of 0.1 s, and stays there.
 fn landing() -> Transcription<'static> {
     static BEAD: std::sync::LazyLock<Bead> = std::sync::LazyLock::new(Bead::default);
-    let phase = |weights: [bool; 2],
-                 share: f64,
-                 heights: [f64; 2],
-                 falls: [f64; 2],
-                 times: [f64; 2]| {
-        // (q, v, t, G) and the shares of floor and wall.
-        let point = |k: usize| {
-            let states = [0.0, heights[k], 0.0, falls[k], times[k], heights[k], 1.0];
-            [&states[..], &[share, 1.0]].concat()
+    let phase =
+        |weights: [bool; 2], share: f64, heights: [f64; 2], falls: [f64; 2], times: [f64; 2]| {
+            // (q, v, t, G) and the shares of floor and wall.
+            let point = |k: usize| {
+                let states = [0.0, heights[k], 0.0, falls[k], times[k], heights[k], 1.0];
+                [&states[..], &[share, 1.0]].concat()
+            };
+            Span {
+                length: 0.1,
+                jumps: times[0] == times[1],
+                weights: vec![weights, [true, false]],
+                points: vec![point(0), point(1)],
+            }
         };
-        Span {
-            length: 0.1,
-            jumps: times[0] == times[1],
-            weights: vec![weights, [true, false]],
-            points: vec![point(0), point(1)],
-        }
-    };
     let spans = vec![
         phase([true, false], 1.0, [0.1, 0.0], [-1.0, -2.0], [0.0, 0.1]),
         phase([false, true], 0.0, [0.0, 0.0], [-2.0, 0.0], [0.1, 0.1]),

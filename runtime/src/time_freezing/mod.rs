@@ -156,8 +156,8 @@ mod neighbours;
 mod rows;
 pub(crate) mod step_form;
 pub(crate) mod task;
-pub(crate) mod transcription;
 #[cfg(test)]
 mod test_scenes;
 #[cfg(test)]
 mod tests;
+pub(crate) mod transcription;

@@ -56,7 +56,9 @@ fn program<'a>(
         controls: (0..intervals + usize::from(linear))
             .map(|_| vec![variable("control", 0.8, Some((-3.0, 2.0)))])
             .collect(),
-        start: start.map(|(k, value)| variable("start", value, range(k))).collect(),
+        start: start
+            .map(|(k, value)| variable("start", value, range(k)))
+            .collect(),
     };
     let task = Task {
         time: 0.3,
@@ -112,10 +114,20 @@ fn laws_add_unknowns_to_the_contacts_that_have_them_only() {
     let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
     let sizes = |model: &dyn Model| {
         let program = program(model, &tableau, Unknown::Nothing, 3);
-        let (mut lower, mut upper) = (vec![0.0; program.variables()], vec![0.0; program.variables()]);
+        let (mut lower, mut upper) = (
+            vec![0.0; program.variables()],
+            vec![0.0; program.variables()],
+        );
         program.variable_bounds(&mut lower, &mut upper);
-        let free = lower.iter().zip(&upper).filter(|(lower, upper)| lower < upper);
-        (free.count(), program.constraints(), program.complementarities().len())
+        let free = lower
+            .iter()
+            .zip(&upper)
+            .filter(|(lower, upper)| lower < upper);
+        (
+            free.count(),
+            program.constraints(),
+            program.complementarities().len(),
+        )
     };
     let (plain, rough) = (sizes(&Bead::default()), sizes(&RoughBead::default()));
     // An element and stage: 7 states, 12 step variables, one product; an element: its length, 8 sums.
