@@ -114,7 +114,7 @@ impl<'a> TimeFreezing<'a> {
     }
 
     /// The program of a task, with all that the scene declares.
-    fn transcribed(
+    pub(super) fn transcribed(
         (model, problem, settings): (&'a dyn Model, &Problem, &TimeFreezingSettings),
         guess: &Trajectory,
         task: Task,
