@@ -140,5 +140,8 @@ fn plans_by_time_freezing_pass_switches_slide_along_them_and_end_at_the_same_opt
 fn states_that_conditions_set_are_refused_by_name_in_time_freezing() {
     let refused = frozen(&gallery!("hysteresis-car"), 6);
     let why = refused.expect_err("refused").to_string();
-    assert!(why.contains("a state that `v >= engaged` sets"), "{why}");
+    assert!(
+        why.contains("`when v >= engaged`, by optimal control"),
+        "{why}"
+    );
 }

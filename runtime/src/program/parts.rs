@@ -1,5 +1,7 @@
 //! What a program is made of.
 
+use std::ops::Range;
+
 use super::terms::Term;
 
 /// The row of the objective in the uses of a kernel.
@@ -62,4 +64,21 @@ pub(super) struct Scratch {
     pub(super) physical: Vec<f64>,
     /// Multipliers of the outputs of a kernel.
     pub(super) weights: Vec<f64>,
+}
+
+/// The names that a part of one list has in common with a part of another one, in their order: pairs of places.
+pub(super) fn common(
+    own: &[String],
+    others: &[String],
+    (here, there): (Range<usize>, Range<usize>),
+) -> Vec<(usize, usize)> {
+    let mut next = there.start;
+    let found = |i: usize| {
+        let same = others[next..there.end]
+            .iter()
+            .position(|name| *name == own[i])?;
+        next += same + 1;
+        Some((i, next - 1))
+    };
+    here.filter_map(found).collect()
 }

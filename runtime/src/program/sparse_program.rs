@@ -15,7 +15,7 @@ use hangtime_solver::nlp::{NlpProblem, Pattern};
 use super::haste::Haste;
 use super::kernel::{Evaluator, Kernel};
 use super::laws::Laws;
-use super::parts::{Block, OBJECTIVE, Rows, Scratch, Terms, Variables};
+use super::parts::{Block, OBJECTIVE, Rows, Scratch, Terms, Variables, common};
 use super::powers::objective_size;
 use super::terms::{Term, curvatures, product, slopes};
 use crate::model::Model;
@@ -128,18 +128,6 @@ impl<'a> Program<'a> {
         variables: (Range<usize>, Range<usize>),
         rows: (Range<usize>, Range<usize>),
     ) -> [Vec<(usize, usize)>; 2] {
-        let common =
-            |own: &[String], others: &[String], (here, there): (Range<usize>, Range<usize>)| {
-                let mut next = there.start;
-                let found = |i: usize| {
-                    let same = others[next..there.end]
-                        .iter()
-                        .position(|name| *name == own[i])?;
-                    next += same + 1;
-                    Some((i, next - 1))
-                };
-                here.filter_map(found).collect()
-            };
         [
             common(&self.variables.names, &other.variables.names, variables),
             common(&self.rows.names, &other.rows.names, rows),
@@ -381,6 +369,11 @@ impl<'a> Program<'a> {
             .extend(inputs.map(|slot| slot.map_or(0.0, |i| x[i])));
     }
 
+    /// A point to stand where none is given.
+    fn nowhere(&self, needed: bool) -> Vec<f64> {
+        vec![0.0; usize::from(needed) * self.variables.unit.len()]
+    }
+
     /// Calls `add` for every contribution to the Jacobian, in a fixed order; without a point the values are 0.
     fn visit_jacobian(&mut self, add: &mut dyn FnMut(usize, usize, f64), x: Option<&[f64]>) {
         for &(row, i, c) in &self.terms.linear {
@@ -391,14 +384,7 @@ impl<'a> Program<'a> {
             add(row, i, c * at(j));
             add(row, j, c * at(i));
         }
-        let nowhere = vec![
-            0.0;
-            if x.is_none() {
-                self.variables.unit.len()
-            } else {
-                0
-            }
-        ];
+        let nowhere = self.nowhere(x.is_none());
         let point = x.unwrap_or(&nowhere);
         for term in self.terms.products.iter().filter(|t| t.row != OBJECTIVE) {
             slopes(&term.variables, point, |i, slope| {
@@ -447,14 +433,7 @@ impl<'a> Program<'a> {
             let c = c * multiplier(row);
             add(i, j, if i == j { 2.0 * c } else { c });
         }
-        let nowhere = vec![
-            0.0;
-            if point.is_none() {
-                self.variables.unit.len()
-            } else {
-                0
-            }
-        ];
+        let nowhere = self.nowhere(point.is_none());
         let at = point.map_or(&nowhere[..], |(x, ..)| x);
         for term in &self.terms.products {
             let c = term.coefficient * multiplier(term.row);

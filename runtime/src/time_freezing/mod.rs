@@ -146,8 +146,6 @@ pub(crate) mod clock;
 pub(crate) mod field;
 mod guess;
 mod known;
-#[cfg(test)]
-mod known_tests;
 pub(crate) mod laid_out;
 mod layout;
 mod modes;

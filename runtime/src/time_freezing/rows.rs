@@ -256,17 +256,21 @@ fn add_rates(
         passing.iter().copied(),
         uses(&velocities, 1.0),
     );
-    for contact in 0..layout.contacts() {
-        for (place, factor, scale) in transcription.pressing(contact) {
+    let contacts = transcription.contacts();
+    for number in 0..2 * contacts {
+        for (place, factor, scale) in transcription.provision(number) {
+            let kernel = match number.checked_sub(contacts) {
+                None => Kernel::Push(vec![number]),
+                Some(contact) => Kernel::Friction(vec![contact]),
+            };
             let force: Vec<usize> = block.variables[place].into_iter().collect();
+            let inputs = [&q[..], &v, &u, &force];
             let scales = lengths.iter().copied().chain(scale);
-            transcription.program.block(
-                &Kernel::Push(vec![contact]),
-                [&q, &v, &u, &force],
-                scales,
-                uses(&velocities, a_bar * factor),
-            );
+            let uses = uses(&velocities, a_bar * factor);
+            transcription.program.block(&kernel, inputs, scales, uses);
         }
+    }
+    for contact in 0..layout.contacts() {
         let gap = uses(&[(1, layout.lifted_gap(contact))], 1.0);
         add_contact(transcription, block, contact, &passing, gap.clone());
         let beta = block.variables[layout.algebraic(contact, BETA)];
@@ -277,20 +281,6 @@ fn add_rates(
         if let Some(dip) = layout.dip(contact) {
             let dip = uses(&[(1, dip)], 1.0);
             add_contact(transcription, block, contact, &dipping, dip);
-        }
-    }
-    for (r, contact) in layout.rough.iter().copied().enumerate() {
-        let (mu, scale) = transcription.rubbing(contact);
-        for (offset, sign) in [(SLIP_MINUS, 1.0), (SLIP_PLUS, -1.0)] {
-            let part = block.variables[layout.friction_place(r, offset)];
-            let part: Vec<usize> = part.into_iter().collect();
-            let scales = lengths.iter().copied().chain(scale);
-            transcription.program.block(
-                &Kernel::Friction(vec![contact]),
-                [&q, &v, &u, &part],
-                scales,
-                uses(&velocities, a_bar * mu * sign),
-            );
         }
     }
 }

@@ -4,7 +4,7 @@ use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::NlpProblem;
 
 use super::field::Field;
-use super::task::{Guess, Outer, Task};
+use super::task::{Outer, Task};
 use super::transcription::Transcription;
 use super::{guess, known, modes, neighbours, rows};
 use crate::program::sparse_program::Program;
@@ -22,15 +22,7 @@ pub(crate) fn transcribe<'a>(
     let mut transcription = Transcription::new(program, outer, field, tableau, task);
     guess::set_guess(&mut transcription);
     rows::add(&mut transcription);
-    transcription
-}
-
-/// Fixes patterns, after everything is added, and what is known to vanish.
-pub(crate) fn finish(transcription: Transcription<'_>) -> Transcription<'_> {
-    let mut transcription = transcription.finished();
-    if matches!(transcription.task.guess, Guess::Known(_)) {
-        known::fix_sides(&mut transcription);
-    }
+    known::fix_sides(&mut transcription);
     transcription
 }
 

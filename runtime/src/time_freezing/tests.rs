@@ -1,7 +1,7 @@
 //! Derivatives and sizes of the program.
 
 use super::field::Field;
-use super::step_form::{finish, transcribe};
+use super::step_form::transcribe;
 use super::task::{Guess, Outer, Task};
 use super::test_scenes::{Bead, Blade, DryBead, EdgedBead, HeldBead, RoughBead, Wire};
 use super::transcription::Transcription;
@@ -70,7 +70,7 @@ fn program<'a>(
         guess: Guess::Simulated,
     };
     let field = Field::new(bead, 50.0, &[]);
-    finish(transcribe(program, outer, field, tableau, task))
+    transcribe(program, outer, field, tableau, task).finished()
 }
 
 /// The largest error of a derivative at a point off every bound and symmetry.

@@ -128,8 +128,8 @@ impl<'a> Transcription<'a> {
         own
     }
 
-    /// Fixes the patterns of the program.
-    pub(super) fn finished(self) -> Self {
+    /// Fixes the patterns of the program; call once, after everything is added.
+    pub(crate) fn finished(self) -> Self {
         Self {
             program: self.program.finish(&[], |_| 1.0),
             ..self
@@ -187,7 +187,7 @@ impl<'a> Transcription<'a> {
     }
 
     /// The coefficient of friction of a contact, or 1 and its variable where it is an unknown.
-    pub(crate) fn rubbing(&self, contact: usize) -> (f64, Option<usize>) {
+    fn rubbing(&self, contact: usize) -> (f64, Option<usize>) {
         match self.program.laws().friction(contact) {
             Some(mu) => (1.0, Some(mu)),
             None => (self.field.friction(contact), None),

@@ -7,8 +7,6 @@
 pub(in crate::ocp) mod coarse_to_fine;
 pub(in crate::ocp) mod contact_implicit;
 mod declared;
-#[cfg(test)]
-mod declared_tests;
 pub(in crate::ocp) mod guess;
 mod spans;
 pub(in crate::ocp) mod start_modes;

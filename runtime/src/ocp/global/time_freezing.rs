@@ -6,7 +6,7 @@ use hangtime_solver::nlp::NlpProblem;
 use super::declared;
 use super::guess::guess;
 use super::spans::spans;
-use crate::model::{Model, Switching};
+use crate::model::Model;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::trajectory::Trajectory;
@@ -19,9 +19,9 @@ use crate::ocp::tuning::candidates::SAMPLES;
 use crate::program::sparse_program::Program;
 use crate::refusal;
 use crate::rk::ButcherTableau;
-use crate::simulation::{InputError, SizeGroup};
+use crate::simulation::{InitialValueProblem, InputError, SizeGroup};
 use crate::time_freezing::field::Field;
-use crate::time_freezing::step_form::{finish, transcribe};
+use crate::time_freezing::step_form::transcribe;
 use crate::time_freezing::task::{Guess, Outer, Task};
 use crate::time_freezing::transcription::Transcription;
 
@@ -135,7 +135,7 @@ impl<'a> TimeFreezing<'a> {
         let mut transcription = transcribe(program, outer, field, &tableau, task);
         declared::add(&mut transcription, &mut frame);
         Ok(Self {
-            transcription: finish(transcription),
+            transcription: transcription.finished(),
             shape,
         })
     }
@@ -333,17 +333,8 @@ impl Mpcc for TimeFreezing<'_> {
 /// # Errors
 /// [`InputError`] with the name of the first one.
 pub(in crate::ocp) fn refuse_resets(model: &dyn Model) -> Result<(), InputError> {
-    let mut contacts = model.declaration().contacts.iter();
-    match contacts.find(|known| matches!(known.switch, Some(Switching::Resets))) {
-        None => Ok(()),
-        Some(contact) => Err(refusal::unsupported(
-            format!(
-                "a state that `{}` sets, by optimal control in the time-freezing formulation",
-                contact.name
-            ),
-            "solve in phases, the default",
-        )),
-    }
+    let what = "optimal control in the time-freezing formulation";
+    InitialValueProblem::check_resets(model, what, "solve in phases, the default")
 }
 
 #[cfg(test)]

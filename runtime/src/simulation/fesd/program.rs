@@ -21,7 +21,7 @@ use crate::rk::ButcherTableau;
 use crate::simulation::EventKind;
 use crate::simulation::watch::Watch;
 use crate::time_freezing::field::Field;
-use crate::time_freezing::step_form::{finish, transcribe};
+use crate::time_freezing::step_form::transcribe;
 use crate::time_freezing::task::{Guess, Outer, Task};
 use crate::time_freezing::transcription::Transcription;
 
@@ -84,7 +84,7 @@ impl Step<'_> {
             coordinate_bounds: (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]),
             guess: Guess::Simulated,
         };
-        finish(transcribe(program, outer, field, tableau, task))
+        transcribe(program, outer, field, tableau, task).finished()
     }
 }
 
