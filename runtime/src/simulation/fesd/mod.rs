@@ -102,11 +102,7 @@ impl Simulator for Fesd {
         if self.formulation != StepFormulation::ActiveSet {
             let formulation = "a formulation by complementarity or time-freezing";
             let remedy = "use the active-set formulation";
-            if self.formulation == StepFormulation::Complementarity {
-                InitialValueProblem::check_resets(model, formulation, remedy)?;
-            } else {
-                InitialValueProblem::check_switches(model, formulation, remedy)?;
-            }
+            InitialValueProblem::check_resets(model, formulation, remedy)?;
             InitialValueProblem::check_friction(model, formulation, remedy)?;
         }
         let mut watch = Watch::new(problem, observer);
