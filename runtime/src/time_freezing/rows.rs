@@ -98,8 +98,8 @@ fn add_element(transcription: &mut Transcription<'_>, e: usize) {
     add_collocation(transcription, e, &name);
     let what = format!("switching functions of {name}");
     for block in &element.blocks {
-        let lengths = (&transcription.passing(e, block)[2..]).to_vec();
-        add_algebraic(transcription, block, (&lengths, &what), None);
+        let clock = transcription.passing(e, block)[2..].to_vec();
+        add_algebraic(transcription, block, (&clock, &what), None);
     }
     let what = format!("gaps of {name}");
     for correction in &element.corrections {
@@ -239,8 +239,8 @@ fn add_rates(
     };
     let program = &mut transcription.program;
     for &(weight, rows) in rows {
-        for k in 0..n {
-            if let (Some(row), Some(v)) = (rows[k], block.variables[n + k]) {
+        for (row, v) in rows[..n].iter().zip(&block.variables[n..]) {
+            if let (&Some(row), &Some(v)) = (row, v) {
                 program.product(row, &[&passing[..], &[v]].concat(), weight);
             }
         }

@@ -275,7 +275,7 @@ impl<'a> Transcription<'a> {
         self.field
             .complete(&mut local, &vec![1.0; self.groups.len()]);
         let gaps: Vec<f64> = local[layout.lifted_gaps()].to_vec();
-        for place in 0..layout.local_variables() {
+        for (place, value) in local.into_iter().enumerate() {
             let gap = layout.lifted_gaps().contains(&place);
             let paired = layout.first_algebraic()..layout.first_product();
             let switching = paired.contains(&place) && layout.is_switching(place);
@@ -288,11 +288,11 @@ impl<'a> Transcription<'a> {
                 } else if switching && self.is_free {
                     POSITIVE
                 } else {
-                    (local[place], local[place])
+                    (value, value)
                 };
                 let name = format!("{} at the start", names::local(&self.field, place));
                 let variable = self.take(name, Purpose::FreeStart, range);
-                self.program.set_guess(variable, local[place]);
+                self.program.set_guess(variable, value);
                 Some(variable)
             } else {
                 let control = place.checked_sub(layout.states());
