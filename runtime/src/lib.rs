@@ -67,7 +67,6 @@ pub mod baselines {
     pub use crate::simulation::baselines::{FixedStep, Moreau, Smooth};
 }
 mod contact;
-mod dcs;
 pub mod derivative;
 mod enclosure;
 pub mod estimation;
@@ -78,6 +77,7 @@ mod linalg;
 pub mod model;
 pub mod ocp;
 pub mod prelude;
+mod program;
 mod progress;
 #[cfg(test)]
 mod random_cases;

@@ -1,4 +1,4 @@
-//! What the cases of switched systems cannot say: a motion of many pieces, and a formulation that knows no switches.
+//! What the cases of switched systems cannot say: a motion of many pieces, and plans by time-freezing.
 
 use hangtime::prelude::*;
 use hangtime_scene_files::{TextScene, of_text};
@@ -92,12 +92,56 @@ fn genes_read_each_other_along_exponentials() {
     compare(&gallery!("two-genes"), &[("x", x), ("y", y)], &events);
 }
 
-#[test]
-fn what_optimal_control_does_not_know_of_switches_is_refused_by_name() {
+/// The plan of a scene by time-freezing.
+fn frozen(scene: &TextScene, intervals: usize) -> Result<hangtime::ocp::Solution, InputError> {
     use hangtime::ocp::{Formulation, Settings, TimeFreezingSettings};
     let mut settings = Settings::default();
     settings.formulation = Formulation::TimeFreezing(TimeFreezingSettings::default());
-    let refused = solve(&gallery!("passing-relay")).settings(settings).run();
+    solve(scene).settings(settings).intervals(intervals).run()
+}
+
+#[test]
+fn plans_by_time_freezing_pass_switches_slide_along_them_and_end_at_the_same_optima() {
+    // The closed forms of the cases: the effort of a relay that holds one state, and of one that has to be passed.
+    let optima = [
+        (gallery!("slide-to-target"), 10, 0.5),
+        (gallery!("passing-relay"), 6, 4.0),
+    ];
+    for (scene, intervals, best) in optima {
+        let solution = frozen(&scene, intervals).expect("accepted");
+        assert!(solution.status.is_solved(), "{solution}");
+        assert!((solution.objective - best).abs() < 1e-7, "{solution}");
+        // The program itself led there, and its own optimum is that, too: rates are constant, or linear in time.
+        let report = solution.time_freezing.expect("a report");
+        assert!(report.relaxed.led_to_motion);
+        assert!(
+            (report.objective - best).abs() < 1e-6,
+            "{}",
+            report.objective
+        );
+    }
+    // 5 m/s^2 up to 10 m/s, 15 m/s^2 up to 25 m/s, and backwards: a grid of seconds holds all of it.
+    let mut car = gallery!("turbo-car");
+    let names = car.declaration().parameters;
+    let way = names.iter().position(|known| known.name == "way");
+    car.set_parameter(way.expect("declared"), 55.0);
+    let solution = frozen(&car, 6).expect("accepted");
+    assert!((solution.objective - 6.0).abs() < 1e-7, "{solution}");
+    assert!(
+        solution
+            .time_freezing
+            .expect("a report")
+            .relaxed
+            .led_to_motion
+    );
+}
+
+#[test]
+fn states_that_conditions_set_are_refused_by_name_in_time_freezing() {
+    let refused = frozen(&gallery!("hysteresis-car"), 6);
     let why = refused.expect_err("refused").to_string();
-    assert!(why.contains("the switch `x >= 0`"), "{why}");
+    assert!(
+        why.contains("`when v >= engaged`, by optimal control"),
+        "{why}"
+    );
 }

@@ -15,4 +15,3 @@ pub(crate) mod contact_size;
 pub(crate) mod contacts;
 pub(crate) mod finite_element;
 mod redundancy;
-pub(crate) mod transcription;

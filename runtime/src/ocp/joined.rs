@@ -4,7 +4,7 @@
 //! themselves.
 
 use super::problem::{CompletedStart, Problem, has_free_start};
-use super::program::joint_rows::at_start;
+use super::program::start_joints::at_start;
 use super::solution::Solution;
 use crate::derivative::{completed, differences};
 use crate::model::held::{complete_start, is_held, moving};

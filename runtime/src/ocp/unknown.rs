@@ -6,7 +6,7 @@
 use crate::model::{Given, Model, held};
 use crate::ocp::parameters::FoundParameter;
 use crate::ocp::problem::{Horizon, Problem};
-use crate::ocp::settings::{Formulation, Settings};
+use crate::ocp::settings::Settings;
 use crate::ocp::solution::Solution;
 use crate::refusal;
 use crate::simulation::InputError;
@@ -59,12 +59,6 @@ pub(in crate::ocp) fn with_unknowns<'a>(
             None => return Ok(None),
         },
     };
-    if matches!(settings.formulation, Formulation::TimeFreezing(_)) {
-        return Err(refusal::unsupported(
-            format!("{what} in the time-freezing formulation"),
-            "solve in phases, the default",
-        ));
-    }
     let model = match scene.with_held(&indices) {
         Some(Ok(model)) => model,
         Some(Err(why)) => return Err(InputError::unsupported(why)),

@@ -6,7 +6,7 @@ use crate::model::Pieces;
 use crate::ocp::motion::sequence::Switch;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::Frame;
-use crate::ocp::program::sparse_program::Program;
+use crate::program::sparse_program::Program;
 use crate::simulation::ContactMode;
 
 // Many fields: what every file of the construction adds to.

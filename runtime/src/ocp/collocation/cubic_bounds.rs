@@ -12,7 +12,7 @@
 //!
 //! As for parabolas, the rows have independent gradients also where the coordinate rests on its bound.
 
-use crate::ocp::program::sparse_program::Program;
+use crate::program::sparse_program::Program;
 
 /// A cubic by values and rates at both ends of an interval, of which there are `intervals` in the horizon.
 pub(in crate::ocp) struct Cubic {

@@ -8,8 +8,8 @@ use super::provided;
 use super::stage_inputs::drive_within;
 use crate::model::held::is_held;
 use crate::ocp::program::frame::{Provided, state_name};
-use crate::ocp::program::kernel::Kernel;
-use crate::ocp::program::sparse_program::Program;
+use crate::program::kernel::Kernel;
+use crate::program::sparse_program::Program;
 use crate::simulation::{ContactMode, Direction};
 
 pub(in crate::ocp) fn add(builder: &mut Builder, phase: &mut Phase) {

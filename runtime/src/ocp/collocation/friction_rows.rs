@@ -24,8 +24,8 @@ use super::discretization::Setting;
 use super::layout::{FREE, Phase, Stage, Tangential};
 use super::turns::Turns;
 use crate::model::Model;
-use crate::ocp::program::kernel::Kernel;
-use crate::ocp::program::sparse_program::Program;
+use crate::program::kernel::Kernel;
+use crate::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
 use crate::simulation::{ContactMode, Direction};
 

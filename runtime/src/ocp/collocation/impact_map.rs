@@ -11,7 +11,7 @@ use crate::model::{ContactDeclaration, contact_point};
 use crate::ocp::motion::mode::sets;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::program::frame::state_name;
-use crate::ocp::program::kernel::Kernel;
+use crate::program::kernel::Kernel;
 use crate::simulation::{ContactMode, per_second};
 
 /// Least impact velocity of a touch, relative to what the acceleration of the contact does in an interval: a motion

@@ -12,9 +12,9 @@ use crate::model::held::{first_at_stages, is_held};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::program::frame::{Provided, force_name, state_name};
-use crate::ocp::program::joint_rows::Decided;
-use crate::ocp::program::kernel::Kernel;
 use crate::ocp::settings::PathPoints;
+use crate::program::joint_rows::Decided;
+use crate::program::kernel::Kernel;
 use crate::simulation::per_second;
 
 /// Room of a force at the start of the motion, in the unit of its row: where the start leaves none, as at rest on a curved surface whose
@@ -468,7 +468,7 @@ fn costs_and_path_rows(builder: &mut Builder, element: &Element, phase: &Phase) 
         let (frame, program) = (&builder.frame, &mut builder.program);
         let (inputs, factor) = ([q, v, &stage.drive[..]], element.factor * tableau.b()[m]);
         let known = Provided::Known(&stage.provided);
-        frame.running_cost(program, inputs, known, element.scale, factor);
+        frame.running_cost(program, inputs, known, [element.scale], factor);
         if places.path != PathPoints::Ends || m + 1 == phase.stages.len() {
             let place = format!("at stage {m} of {label}");
             frame.path_rows(program, inputs, known, &place);

@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::ocp::program::sparse_program::Program;
+use crate::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
 use hangtime_solver::nlp::{self, NlpProblem};
 

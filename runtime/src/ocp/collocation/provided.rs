@@ -11,13 +11,11 @@ use super::discretization::Setting;
 use super::layout::{FREE, Phase, Tangential};
 use crate::model::{ContactTerms, Declaration, Model, SparsityPattern};
 use crate::ocp::program::frame::{Sum, condition};
-use crate::ocp::program::kernel::Kernel;
-use crate::ocp::program::sparse_program::Program;
-use crate::ocp::program::units::{Units, nearest_power};
+use crate::ocp::program::units::Units;
+use crate::program::kernel::Kernel;
+use crate::program::powers::{THOUSAND, nearest_power};
+use crate::program::sparse_program::Program;
 use crate::simulation::ContactMode;
-
-/// What sums over impacts are measured in powers of.
-const THOUSAND: f64 = 1e3;
 
 /// Adds a variable and a row for each sum over impacts.
 pub(super) fn sums(program: &mut Program, setting: Setting) -> Vec<Sum> {

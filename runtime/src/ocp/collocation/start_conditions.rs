@@ -10,7 +10,7 @@ use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::mode::{sliding_velocity, zero_velocity};
 use crate::ocp::problem::has_free_start;
 use crate::ocp::program::frame::Provided;
-use crate::ocp::program::kernel::Kernel;
+use crate::program::kernel::Kernel;
 use crate::simulation::ContactMode;
 
 /// Contacts that are pulled into slip from the start of the motion.

@@ -38,9 +38,9 @@ use crate::ocp::motion::mode::{is_frictional, is_passed, sliding_velocity};
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::program::frame::{Frame, Provided, force_name, state_name};
-use crate::ocp::program::joint_rows::Decided;
-use crate::ocp::program::kernel::Kernel;
-use crate::ocp::program::sparse_program::Program;
+use crate::program::joint_rows::Decided;
+use crate::program::kernel::Kernel;
+use crate::program::sparse_program::Program;
 use crate::simulation::{ContactMode, Direction};
 
 /// Unknowns of a contact in an element.
@@ -166,7 +166,7 @@ impl<'a> ContactImplicit<'a> {
         frame.finish(&mut program, &before, Provided::Unknown, setting.elastic);
         Self {
             program: program
-                .finish(&frame.controls, setting.units)
+                .finish(&frame.controls, |largest| setting.units.objective(largest))
                 .hasten(frame.horizon, setting.haste),
             horizon: frame.horizon,
             controls: frame.controls,
@@ -357,7 +357,7 @@ fn declared(program: &mut Program, frame: &Frame, element: &Element, known: Prov
         u,
         ..
     } = element;
-    frame.running_cost(program, [q, v, u], known, frame.horizon, share);
+    frame.running_cost(program, [q, v, u], known, [frame.horizon], share);
     let place = format!("after element {index}");
     frame.path_rows(program, [q, v, u], known, &place);
 }

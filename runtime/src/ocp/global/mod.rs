@@ -6,6 +6,7 @@
 
 pub(in crate::ocp) mod coarse_to_fine;
 pub(in crate::ocp) mod contact_implicit;
+mod declared;
 pub(in crate::ocp) mod guess;
 mod spans;
 pub(in crate::ocp) mod start_modes;

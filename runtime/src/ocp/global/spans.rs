@@ -4,8 +4,6 @@
 //! for their normal accelerations `r_i`; so `theta = prod (1 - theta r_i / a_bar)`. In a jump it stands, until a contact that closes
 //! at the normal velocity `v_n` has been pushed for `|v_n| / a_bar`, and, if it bounces, for `|v_n| / (e a_bar)` more.
 
-use crate::dcs::HeavisideSystem;
-use crate::fesd::transcription::Span;
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::mode::closed_mode;
 use crate::ocp::motion::model_input::drive;
@@ -14,10 +12,12 @@ use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::tuning::equal::ROUNDING;
 use crate::ocp::tuning::freezing::{HALVINGS, STEPS};
 use crate::simulation::{ContactMode, Direction};
+use crate::time_freezing::field::Field;
+use crate::time_freezing::task::Span;
 
 /// What happens in each of the intervals.
 pub(super) fn spans(
-    system: HeavisideSystem<'_>,
+    system: Field<'_>,
     sequence: &Sequence,
     trajectory: &Trajectory,
     intervals: usize,
@@ -58,7 +58,7 @@ type End<'a> = (&'a [f64], &'a [f64]);
 
 /// The motion up to some switch.
 struct Motion<'a> {
-    system: HeavisideSystem<'a>,
+    system: Field<'a>,
     trajectory: &'a Trajectory,
     /// Length of an interval \[s\].
     interval: f64,
@@ -82,7 +82,7 @@ impl Motion<'_> {
             let time = from + duration * step as f64 / STEPS as f64;
             let inside = time.clamp(from + beside, from + duration - beside);
             let mut state = self.trajectory.at(inside, true);
-            let provided = state.split_off(2 * self.system.system.coordinates());
+            let provided = state.split_off(2 * self.system.coordinates());
             let (shares, speed) = self.shares(&provided);
             let weight = if step % STEPS == 0 { 0.5 } else { 1.0 };
             length += weight * duration / STEPS as f64 / speed;
@@ -105,14 +105,13 @@ impl Motion<'_> {
             .collect();
         let time = group[0].time * self.interval;
         let beside = ROUNDING * self.trajectory.horizon;
-        let n = self.system.system.coordinates();
+        let n = self.system.coordinates();
         let before = self.trajectory.at(time - beside, false)[..2 * n].to_vec();
         let after = self.trajectory.at(time + beside, true)[..2 * n].to_vec();
         self.point(&after, time, &[], Vec::new());
         for switch in group {
             // What an impact throws off has no part in it.
-            let leaves =
-                switch.opens() && self.system.system.normal_velocity(switch.contact) > ROUNDING;
+            let leaves = switch.opens() && self.system.normal_velocity(switch.contact) > ROUNDING;
             self.modes[switch.contact] = if leaves { switch.mode } else { switch.impulse };
         }
         let jump = self.jump(&struck, time, (&before, &after));
@@ -129,20 +128,20 @@ impl Motion<'_> {
         time: f64,
         (before, after): (&[f64], &[f64]),
     ) -> Vec<Span> {
-        let a_bar = self.system.system.auxiliary_acceleration;
+        let a_bar = self.system.auxiliary_acceleration;
         let contacts = 0..self.system.layout.contacts();
         self.point(before, time, &[], Vec::new());
         let speeds: Vec<f64> = contacts
             .clone()
-            .map(|i| (-self.system.system.normal_velocity(i)).max(0.0))
+            .map(|i| (-self.system.normal_velocity(i)).max(0.0))
             .collect();
-        let e = |&i: &usize| self.system.system.restitution(i);
+        let e = |&i: &usize| self.system.restitution(i);
         let rebound = struck.iter().map(e).fold(0.0, f64::max);
         let fall = struck.iter().fold(0.0, |most: f64, &i| most.max(speeds[i])) / a_bar;
         if fall < ROUNDING * self.trajectory.horizon {
             return Vec::new();
         }
-        let n = self.system.system.coordinates();
+        let n = self.system.coordinates();
         let lowest: Vec<f64> = before
             .iter()
             .zip(after)
@@ -195,7 +194,7 @@ impl Motion<'_> {
         let system = &self.system;
         let changes = struck.iter().filter_map(|&i| {
             system.layout.slip_group(i)?;
-            let velocity = system.system.sliding_velocity(i);
+            let velocity = system.sliding_velocity(i);
             let slides = closed_mode(true, velocity, ROUNDING);
             (slides != ContactMode::Stick && slides != self.modes[i]).then_some((i, slides))
         });
@@ -216,19 +215,17 @@ impl Motion<'_> {
     ) -> Option<(f64, Vec<f64>)> {
         let shares = self.shares_of_jump(struck, true);
         let mut local = self.point(before, time, &[], Vec::new());
-        let slid = self.system.system.sliding_velocity(contact);
+        let slid = self.system.sliding_velocity(contact);
         local.extend(&self.controls);
         local.resize(self.system.layout.local_variables(), 0.0);
         self.system.complete(&mut local, &shares);
-        let layout = &self.system.layout;
-        let mut rates = vec![0.0; layout.states() + layout.algebraic_equations()];
-        self.system.rows(&local, &mut rates);
+        let rates = self.system.rates(&local);
         let at = |length: f64| -> Vec<f64> {
             let moved = before.iter().zip(&rates);
             moved.map(|(y, rate)| y + length * rate).collect()
         };
         self.point(&at(1.0), time, &[], Vec::new());
-        let length = slid / (slid - self.system.system.sliding_velocity(contact));
+        let length = slid / (slid - self.system.sliding_velocity(contact));
         (length > 0.0 && length < fall).then(|| (length, at(length)))
     }
 
@@ -298,11 +295,11 @@ impl Motion<'_> {
 
     /// `(q, v, t, G, D)` and shares at a state where contacts are dipped into the ground by these depths.
     fn point(&mut self, state: &[f64], time: f64, depths: &[f64], shares: Vec<f64>) -> Vec<f64> {
-        let system = &mut self.system.system;
+        let system = &mut self.system;
         let mut input = state.to_vec();
         input.extend(drive(system.model, &self.controls, time));
         system.evaluate(&input);
-        let layout = &self.system.layout;
+        let layout = &system.layout;
         let depth = |i: usize| depths.get(i).copied().unwrap_or(0.0);
         let gap = |i: usize| match layout.dip(i) {
             Some(_) => system.gap(i),
@@ -321,7 +318,7 @@ impl Motion<'_> {
     /// Shares of the groups where the contacts provide these normal accelerations, and the speed of the clock.
     fn shares(&self, provided: &[f64]) -> (Vec<f64>, f64) {
         let layout = &self.system.layout;
-        let a_bar = self.system.system.auxiliary_acceleration;
+        let a_bar = self.system.auxiliary_acceleration;
         let contacts = 0..layout.contacts();
         let weight = |i: usize| {
             if self.modes[i].is_open() {

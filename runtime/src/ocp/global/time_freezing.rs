@@ -3,26 +3,27 @@
 use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::NlpProblem;
 
+use super::declared;
 use super::guess::guess;
 use super::spans::spans;
-use crate::dcs::HeavisideSystem;
-use crate::fesd::finite_element::State;
-use crate::fesd::transcription::{
-    Controls, Guess, KnownSides, Task, Transcription, known_sides, size_groups, transcribe,
-};
 use crate::model::Model;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
-use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
-use crate::ocp::problem::{Horizon, Problem, bounds};
-use crate::ocp::program::joint_rows::at_start;
+use crate::ocp::problem::{Problem, bounds};
+use crate::ocp::program::frame::Frame;
+use crate::ocp::program::purposes::groups_of_step_form;
+use crate::ocp::program::units::Units;
 use crate::ocp::settings::{self, TimeFreezingSettings};
 use crate::ocp::tuning::candidates::SAMPLES;
+use crate::program::sparse_program::Program;
 use crate::refusal;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InitialValueProblem, InputError, SizeGroup};
-use crate::time_freezing::TimeFreezingSystem;
+use crate::time_freezing::field::Field;
+use crate::time_freezing::step_form::transcribe;
+use crate::time_freezing::task::{Guess, Outer, Task};
+use crate::time_freezing::transcription::Transcription;
 
 /// An optimal control problem on a [`Model`] as a mathematical program with complementarity constraints:
 /// the time-freezing system, transcribed by finite elements with switch detection in step form. Solve it
@@ -38,12 +39,9 @@ use crate::time_freezing::TimeFreezingSystem;
 ///
 /// Sources: Nurkanovic, Albrecht, Brogliato, Diehl, Automatica 158 (2023) 111295 (time-freezing);
 /// Nurkanovic, Sperl, Albrecht, Diehl, Numerische Mathematik 2024 (finite elements).
-#[derive(Clone)]
 pub struct TimeFreezing<'a> {
     transcription: Transcription<'a>,
     shape: ControlShape,
-    /// What is known of the sides of pairs, for a known motion.
-    sides: KnownSides,
 }
 
 /// One motion out of a [`TimeFreezing`] program.
@@ -75,7 +73,7 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
     ) -> Result<Self, InputError> {
         problem.check(model)?;
-        refuse_switches(model)?;
+        refuse_resets(model)?;
         let (lower, upper) = bounds(model);
         let bounds = (&lower[..], &upper[..]);
         let guess = guess(model, problem, &settings::Guess::Straight, bounds)?;
@@ -90,13 +88,8 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
         guess: &Trajectory,
     ) -> Result<Self, InputError> {
-        let tableau = scheme(settings)?;
         let task = task(model, problem, settings, guess);
-        Ok(Self {
-            transcription: transcribe(system(model, settings), &tableau, task),
-            shape: guess.controls.shape(),
-            sides: KnownSides::default(),
-        })
+        Self::transcribed((model, problem, settings), guess, task)
     }
 
     /// Transcribes a problem whose motion is known, with the sides of the pairs that vanish in it fixed at zero, and with as many
@@ -107,23 +100,43 @@ impl<'a> TimeFreezing<'a> {
         settings: &TimeFreezingSettings,
         motion: &Candidate,
     ) -> Result<Self, InputError> {
-        let tableau = scheme(settings)?;
-        let system = system(model, settings);
         let Candidate {
             sequence,
             trajectory,
             ..
         } = motion;
         let mut task = task(model, problem, settings, trajectory);
-        let known = spans(system.clone(), sequence, trajectory, task.intervals);
+        let known = spans(field(model, settings), sequence, trajectory, task.intervals);
         let most = known.iter().map(Vec::len).max();
         task.elements = task.elements.max(most.unwrap_or(0));
         task.guess = Guess::Known(known);
-        let transcription = transcribe(system, &tableau, task);
+        Self::transcribed((model, problem, settings), trajectory, task)
+    }
+
+    /// The program of a task, with all that the scene declares.
+    pub(super) fn transcribed(
+        (model, problem, settings): (&'a dyn Model, &Problem, &TimeFreezingSettings),
+        guess: &Trajectory,
+        task: Task,
+    ) -> Result<Self, InputError> {
+        let tableau = scheme(settings)?;
+        let (lower, upper) = bounds(model);
+        let bounds = (&lower[..], &upper[..]);
+        let shape = guess.controls.shape();
+        let units = Units::of_scene(model, guess.horizon, bounds);
+        let mut program = Program::new(model);
+        let mut frame = Frame::add(&mut program, model, problem, guess, shape, &units, bounds);
+        let outer = Outer {
+            horizon: frame.horizon,
+            controls: frame.controls.clone(),
+            start: frame.start.clone(),
+        };
+        let field = field(model, settings);
+        let mut transcription = transcribe(program, outer, field, &tableau, task);
+        declared::add(&mut transcription, &mut frame);
         Ok(Self {
-            sides: known_sides(&transcription),
-            transcription,
-            shape: trajectory.controls.shape(),
+            transcription: transcription.finished(),
+            shape,
         })
     }
 
@@ -138,12 +151,15 @@ impl<'a> TimeFreezing<'a> {
 
     /// Whether functions that the scene declares read forces or impulses of which the program knows nothing.
     pub(in crate::ocp) fn leaves_out_forces(&self) -> bool {
-        self.transcription.leaves_out_forces()
+        declared::leaves_out_forces(&self.transcription)
     }
 
     /// What its variables and rows are there for.
     pub(in crate::ocp) fn groups(&self) -> Vec<SizeGroup> {
-        size_groups(&self.transcription)
+        groups_of_step_form(
+            &self.transcription,
+            self.transcription.field.model.declaration(),
+        )
     }
 
     /// The motion at the point `x` of the program.
@@ -151,12 +167,17 @@ impl<'a> TimeFreezing<'a> {
     pub(in crate::ocp) fn motion(&self, x: &[f64]) -> TimeFreezingMotion {
         let program = &self.transcription;
         let elements = 0..program.elements();
-        let states: Vec<State> = elements.clone().map(|e| program.state(x, e)).collect();
+        let time = program.field.layout.time();
+        let states: Vec<Vec<f64>> = elements.clone().map(|e| program.state(x, e)).collect();
+        let part = |range: std::ops::Range<usize>| -> Vec<Vec<f64>> {
+            let parts = states.iter().map(|state| state[range.clone()].to_vec());
+            parts.collect()
+        };
         TimeFreezingMotion {
             horizon: program.horizon(x),
             start: program.initial_state(x),
             controls: ControlGrid::new(self.shape, program.controls(x)),
-            time: states.iter().map(|state| state.time).collect(),
+            time: states.iter().map(|state| state[time]).collect(),
             step_functions: elements
                 .clone()
                 .map(|e| {
@@ -165,16 +186,15 @@ impl<'a> TimeFreezing<'a> {
                         .collect()
                 })
                 .collect(),
-            q: states.iter().map(|state| state.q.clone()).collect(),
-            v: states.into_iter().map(|state| state.v).collect(),
+            q: part(0..time / 2),
+            v: part(time / 2..time),
         }
     }
 }
 
 /// The time-freezing system in step form.
-fn system<'a>(model: &'a dyn Model, settings: &TimeFreezingSettings) -> HeavisideSystem<'a> {
-    let a_bar = settings.auxiliary_acceleration;
-    HeavisideSystem::new(TimeFreezingSystem::new(model, a_bar))
+fn field<'a>(model: &'a dyn Model, settings: &TimeFreezingSettings) -> Field<'a> {
+    Field::new(model, settings.auxiliary_acceleration, &[])
 }
 
 /// The scheme, where all settings are in range.
@@ -202,7 +222,7 @@ fn scheme(settings: &TimeFreezingSettings) -> Result<ButcherTableau, InputError>
     Ok(tableau)
 }
 
-/// The problem in plain numbers, to be started at a motion.
+/// The grid, to be started at a motion.
 fn task(
     model: &dyn Model,
     problem: &Problem,
@@ -211,46 +231,19 @@ fn task(
 ) -> Task {
     let n = problem.q.len();
     let (lower, upper) = bounds(model);
-    let intervals = problem.intervals;
-    let controls = if lower.len() == n {
-        Controls::Fixed(Vec::new())
-    } else {
-        let shape = guess.controls.shape();
-        let guessed = guess.controls.resampled(shape, intervals);
-        Controls::Free {
-            guess: guessed.values().to_vec(),
-            linear: shape == ControlShape::Linear,
-            lower: lower[n..].to_vec(),
-            upper: upper[n..].to_vec(),
-        }
-    };
     let declared = model.declaration().optimal_control;
     let aimless = declared.is_none_or(|declared| declared.goals.is_empty());
-    let start = guess.start(model, problem);
-    let ranges = problem.start_ranges(model).into_iter().enumerate();
-    let range = FinalTimes::around(problem, guess.horizon);
     Task {
-        start: State {
-            time: 0.0,
-            q: start[..n].to_vec(),
-            v: start[n..].to_vec(),
-        },
-        free_start: ranges.filter(|(_, (from, to))| from < to).collect(),
-        joints_at_start: at_start(model, problem, &vec![1.0; start.len()], &start).kept,
-        horizon: guess.horizon,
-        horizon_bounds: match problem.horizon {
-            Horizon::Fixed(_) => None,
-            Horizon::Free { .. } => Some((range.shortest, range.longest)),
-        },
-        controls,
-        intervals,
+        time: 0.0,
+        linear: guess.controls.shape() == ControlShape::Linear,
+        slopes: Vec::new(),
+        intervals: problem.intervals,
         elements: settings.elements_of(model),
         coordinate_bounds: (lower[..n].to_vec(), upper[..n].to_vec()),
-        declared: true,
         guess: if settings.simulated_guess || aimless {
             Guess::Simulated
         } else {
-            let count = SAMPLES * intervals;
+            let count = SAMPLES * problem.intervals;
             let time = |i: usize| guess.horizon * i as f64 / count as f64;
             let state = |i: usize| guess.at(time(i), true)[..2 * n].to_vec();
             Guess::Motion((0..=count).map(state).collect())
@@ -269,13 +262,6 @@ impl NlpProblem for TimeFreezing<'_> {
 
     fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
         self.transcription.variable_bounds(lower, upper);
-        for &i in &self.sides.unsigned {
-            lower[i] = f64::NEG_INFINITY;
-        }
-        let vanishing = self.sides.vanishing.iter().enumerate();
-        for (i, _) in vanishing.filter(|(_, zero)| **zero) {
-            (lower[i], upper[i]) = (0.0, 0.0);
-        }
     }
 
     fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
@@ -342,18 +328,19 @@ impl Mpcc for TimeFreezing<'_> {
     }
 }
 
-/// Refuses switches, which the step form of the time-freezing system does not know.
+/// Refuses states that conditions set: such a jump is none by a contact.
 ///
 /// # Errors
 /// [`InputError`] with the name of the first one.
-pub(in crate::ocp) fn refuse_switches(model: &dyn Model) -> Result<(), InputError> {
+pub(in crate::ocp) fn refuse_resets(model: &dyn Model) -> Result<(), InputError> {
     let what = "optimal control in the time-freezing formulation";
-    InitialValueProblem::check_switches(model, what, "solve in phases, the default")
+    InitialValueProblem::check_resets(model, what, "solve in phases, the default")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ocp::problem::Horizon;
     use hangtime_solver::mpcc::{self, Status};
 
     crate::model! {

@@ -7,8 +7,8 @@ use crate::derivative::{SequenceLimit, SequenceRange};
 use crate::model::held::moving;
 use crate::ocp::collocation::program::Collocation;
 use crate::ocp::parameters::{OptimumGradient, OptimumSides};
-use crate::ocp::program::sparse_program::Program;
 use crate::ocp::search::attempt::Local;
+use crate::program::sparse_program::Program;
 
 /// Derivatives by the parameters that stand behind the coordinates and are given; `None` where there are none.
 pub(super) fn gradient(local: &mut Local) -> Option<OptimumGradient> {

@@ -1,14 +1,16 @@
 //! What all programs have in common: horizon, controls, start, objective, goals and path functions.
 
-use super::kernel::Kernel;
-use super::sparse_program::{OBJECTIVE, Program};
-use super::units::{THOUSAND, Units, nearest_power};
-use super::{given, joint_rows};
+use super::units::Units;
+use super::{given, start_joints};
 use crate::model::{ConstraintDeclaration, ContactDeclaration, Model};
 use crate::ocp::motion::control_grid::ControlShape;
 use crate::ocp::motion::final_times::FinalTimes;
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Problem;
+use crate::program::kernel::Kernel;
+use crate::program::parts::OBJECTIVE;
+use crate::program::powers::{THOUSAND, nearest_power};
+use crate::program::sparse_program::Program;
 
 /// By how much goals are missed to start with, in their sizes: within the reach of the barrier.
 const FIRST_MISS: f64 = 0.1;
@@ -75,7 +77,7 @@ impl<'a> Frame<'a> {
             })
             .collect();
         given::add(program, (model, problem), (horizon, &start), units);
-        joint_rows::add_at_start(program, model, problem, (&start, &units.states));
+        start_joints::add_at_start(program, model, problem, (&start, &units.states));
         Self {
             model,
             horizon,
@@ -104,20 +106,20 @@ impl<'a> Frame<'a> {
         time
     }
 
-    /// Adds `factor scale` times the running cost at `(q, v, u)` to the objective; `provided` is what contacts do there.
+    /// Adds `factor` times the variables of `scale` times the running cost at `(q, v, u)` to the objective; `provided` is what contacts do there.
     pub(in crate::ocp) fn running_cost(
         &self,
         program: &mut Program,
         [q, v, u]: [&[usize]; 3],
         provided: Provided,
-        scale: usize,
+        scale: impl IntoIterator<Item = usize>,
         factor: f64,
     ) {
         let declared = self.model.declaration().optimal_control;
         if declared.is_some_and(|d| d.running_cost) {
             let behind = provided.behind(declared.is_some_and(|d| d.contacts.path));
             let uses = vec![(OBJECTIVE, 0, factor)];
-            program.block_behind(&Kernel::Path, [q, v, u], behind, Some(scale), uses);
+            program.block_behind(&Kernel::Path, [q, v, u], behind, scale, uses);
         }
     }
 
@@ -188,9 +190,10 @@ impl<'a> Frame<'a> {
             uses.push((OBJECTIVE, 0, 1.0));
         }
         let pattern = declared.terminal_jacobian;
+        let known = last.len() + 1 + self.sums.len();
         let units = self.goal_units(program, last);
         for (i, goal) in declared.goals.iter().enumerate() {
-            if provided.is_known() || !pattern.reads(first + i, last.len() + 1) {
+            if provided.is_known() || !pattern.reads(first + i, known) {
                 let row = condition(program, goal, units[first + i], "at the end");
                 uses.push((row, first + i, 1.0));
                 if let Some(size) = elastic.and_then(|sizes| sizes.get(i)) {
@@ -203,6 +206,10 @@ impl<'a> Frame<'a> {
             let sums = self.sums.iter().map(|sum| Some(sum.variable));
             let mut behind: Vec<Option<usize>> = sums.collect();
             behind.extend(provided.behind(declared.contacts.terminal));
+            if declared.contacts.terminal {
+                let forces = 2 * self.model.declaration().contacts.len();
+                behind.resize(self.sums.len() + forces, None);
+            }
             let inputs = [q, v, &[self.horizon]];
             program.block_behind(&Kernel::Terminal, inputs, &behind, None, uses);
         }

@@ -1,11 +1,11 @@
 //! What parameters that are unknowns decide of a motion: parts of its start, its length, and the laws of contacts.
 
-use super::kernel::Kernel;
-use super::laws::Laws;
-use super::sparse_program::Program;
 use super::units::Units;
 use crate::model::{Given, Model, held};
 use crate::ocp::problem::Problem;
+use crate::program::kernel::Kernel;
+use crate::program::laws::Laws;
+use crate::program::sparse_program::Program;
 use hangtime_solver::nlp::NlpProblem as _;
 
 /// Bounds of what a row decides.

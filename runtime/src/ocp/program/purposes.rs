@@ -3,9 +3,10 @@
 use hangtime_solver::mpcc::Mpcc as _;
 use hangtime_solver::nlp::NlpProblem as _;
 
-use super::sparse_program::Program;
 use crate::model::Declaration;
+use crate::program::sparse_program::Program;
 use crate::size::{Purpose, SizeGroup, groups_of};
+use crate::time_freezing::transcription::Transcription;
 
 /// Beginnings of the names of variables and rows, without the names that the scene gives.
 const BEGINNINGS: [(&str, Purpose); 34] = [
@@ -98,7 +99,26 @@ pub(in crate::ocp) fn groups(program: &Program, declaration: &Declaration) -> Ve
     groups_of(
         program,
         program.complementarities(),
-        &|index| purpose(&program.variable_name(index), declaration),
+        &|index| purpose(program.name(index), declaration),
         &|index| purpose_of_row(&program.constraint_name(index), declaration),
+    )
+}
+
+/// The groups of a program of the time-freezing system, whose own variables and rows tell what they are there for.
+pub(in crate::ocp) fn groups_of_step_form(
+    own: &Transcription<'_>,
+    declaration: &Declaration,
+) -> Vec<SizeGroup> {
+    let program = &own.program;
+    let of_variable = |index| purpose(program.name(index), declaration);
+    let of_row = |index| purpose_of_row(&program.constraint_name(index), declaration);
+    groups_of(
+        program,
+        program.complementarities(),
+        &|index| {
+            own.purpose_of_variable(index)
+                .unwrap_or_else(|| of_variable(index))
+        },
+        &|index| own.purpose_of_row(index).unwrap_or_else(|| of_row(index)),
     )
 }

@@ -5,11 +5,11 @@ use hangtime_solver::mpcc::Mpcc;
 use hangtime_solver::nlp::{NlpProblem, Violation};
 use hangtime_solver::{mpcc, nlp};
 
-use super::sparse_program::Program;
 use crate::ocp::effort::Effort;
 use crate::ocp::progress::Watch;
 use crate::ocp::settings::Settings;
 use crate::ocp::solution::Counts;
+use crate::program::sparse_program::Program;
 use crate::progress::BestMotion;
 use crate::refusal;
 use crate::simulation::InputError;

@@ -14,11 +14,8 @@ use crate::ocp::motion::mode::is_frictional;
 use crate::ocp::motion::model_input::{drive, free_normal_acceleration};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::scale::Scale;
+use crate::program::powers::{MILLION, THOUSAND, nearest_power, objective_size};
 
-/// Base of the units of lengths and of what is measured like them.
-pub(super) const THOUSAND: f64 = 1e3;
-const MILLION: f64 = 1e6;
-const TEN: f64 = 10.0;
 /// Share of what forces at hand can do below which a normal acceleration at the start, or the size of a coordinate, is an error of the guess.
 const ERROR: f64 = 1e-6;
 /// One to the unit of a coordinate below which distances between motions are measured by it, and that unit to one above which they are.
@@ -53,6 +50,35 @@ impl Units {
     /// Sliding velocity of a contact: what its normal acceleration gives in a tenth of the time.
     pub(in crate::ocp) fn velocity(&self, contact: usize) -> f64 {
         0.1 * self.force[contact] * self.time
+    }
+
+    /// Units of the scene itself, but for controls, which are measured by their bounds, and the time, by a guess of its length.
+    pub(in crate::ocp) fn of_scene(
+        model: &dyn Model,
+        horizon: f64,
+        (lower, upper): (&[f64], &[f64]),
+    ) -> Self {
+        let declaration = model.declaration();
+        let (n, contacts) = (declaration.coordinates.len(), declaration.contacts.len());
+        let bounds = lower[n..].iter().zip(&upper[n..]);
+        let largest = bounds.map(|(lower, upper)| lower.abs().max(upper.abs()));
+        let unit = |size: f64| {
+            if size.is_finite() && size > 0.0 {
+                size
+            } else {
+                1.0
+            }
+        };
+        Self {
+            time: horizon,
+            controls: largest.map(unit).collect(),
+            force: vec![1.0; contacts],
+            gap: vec![1.0; contacts],
+            states: vec![1.0; 2 * n],
+            gap_rows: vec![1.0; contacts],
+            ways: vec![0.0; n],
+            is_exact: false,
+        }
     }
 
     /// Units of programs that start from a motion.
@@ -242,7 +268,7 @@ impl Units {
 
     /// The unit of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller
     /// and it has to be exact.
-    pub(super) fn objective(&self, largest: f64) -> f64 {
+    pub(in crate::ocp) fn objective(&self, largest: f64) -> f64 {
         if self.is_exact {
             objective_size(largest)
         } else {
@@ -280,11 +306,6 @@ fn coordinate_unit(size: f64, asked: f64) -> f64 {
     } else {
         nearest_power(THOUSAND, size)
     }
-}
-
-/// Size of an objective with derivatives up to `largest`: a power of a million, or of ten where that is smaller.
-pub(super) fn objective_size(largest: f64) -> f64 {
-    nearest_power(MILLION, largest).min(nearest_power(TEN, largest))
 }
 
 /// The largest acceleration of each coordinate at a state, as it is and with each control by itself at its unit.
@@ -362,19 +383,9 @@ fn set(model: &dyn Model, motion: &Trajectory) -> Vec<f64> {
     largest
 }
 
-/// The power of a base nearest to a size; 1 for none.
-pub(in crate::ocp) fn nearest_power(base: f64, size: f64) -> f64 {
-    let power = base.powf((size.log10() / base.log10()).round());
-    if (power * power).is_normal() && (1.0 / (power * power)).is_normal() {
-        power
-    } else {
-        1.0
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Scale, Units, nearest_power, objective_size};
+    use super::{Scale, Units, objective_size};
     use crate::model::Model;
     use crate::ocp::motion::control_grid::ControlGrid;
     use crate::ocp::motion::trajectory::Trajectory;
@@ -464,25 +475,5 @@ mod tests {
             assert!(close(exact.objective(largest), exactly), "{largest}");
             assert!(close(objective_size(largest), exactly), "{largest}");
         }
-    }
-
-    #[test]
-    fn nearest_power_of_a_thousand_leaves_ordinary_numbers_alone() {
-        // What is left of zero by rounding is no size: nothing can be divided by it, nor by its square.
-        for size in [
-            0.04,
-            1.0,
-            31.0,
-            0.0,
-            5e-324,
-            1e-170,
-            1e170,
-            f64::INFINITY,
-            f64::NAN,
-        ] {
-            assert_eq!(nearest_power(1e3, size), 1.0, "{size}");
-        }
-        assert_eq!([40.0, 31e3].map(|size| nearest_power(1e3, size)), [1e3; 2]);
-        assert_eq!(nearest_power(1e3, 0.4e-3), 1e-3);
     }
 }

@@ -14,7 +14,7 @@ mod waiting;
 mod words;
 
 use self::impossible::Shown;
-use super::global::time_freezing::refuse_switches;
+use super::global::time_freezing::refuse_resets;
 use super::joined::joined;
 use super::problem::Problem;
 use super::settings::{ControlNodes, Formulation, Settings};
@@ -90,7 +90,7 @@ fn solve_consistent(
 ) -> Result<Solution, InputError> {
     problem.check(model)?;
     if matches!(settings.formulation, Formulation::TimeFreezing(_)) {
-        refuse_switches(model)?;
+        refuse_resets(model)?;
     }
     if settings.grid == ControlNodes::Aligned && model.declaration().controls.is_empty() {
         let what = "a grid that is aligned with phases, of a scene without controls,";

@@ -101,16 +101,9 @@ impl Simulator for Fesd {
         }
         if self.formulation != StepFormulation::ActiveSet {
             let formulation = "a formulation by complementarity or time-freezing";
-            InitialValueProblem::check_switches(
-                model,
-                formulation,
-                "use the active-set formulation",
-            )?;
-            InitialValueProblem::check_friction(
-                model,
-                formulation,
-                "use the active-set formulation",
-            )?;
+            let remedy = "use the active-set formulation";
+            InitialValueProblem::check_resets(model, formulation, remedy)?;
+            InitialValueProblem::check_friction(model, formulation, remedy)?;
         }
         let mut watch = Watch::new(problem, observer);
         let mut result = match self.promise() {

@@ -13,13 +13,17 @@ use super::settings::StepFormulation;
 use super::stop::Stop;
 use crate::contact::{ActiveContact, ContactState, find};
 use crate::contact::{impact, sharing};
-use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::{ElementError, State};
-use crate::fesd::transcription::{Task, Transcription, transcribe};
 use crate::joints::{JointError, Joints};
+use crate::model::Model;
+use crate::program::sparse_program::Program;
+use crate::rk::ButcherTableau;
 use crate::simulation::EventKind;
 use crate::simulation::watch::Watch;
-use crate::time_freezing::TimeFreezingSystem;
+use crate::time_freezing::field::Field;
+use crate::time_freezing::step_form::transcribe;
+use crate::time_freezing::task::{Guess, Outer, Task};
+use crate::time_freezing::transcription::Transcription;
 
 /// Finite elements that one switch with an impact needs: before, jump, after.
 pub(super) const ELEMENTS: usize = 3;
@@ -39,6 +43,50 @@ const MAX_ITERATIONS: usize = 300;
 const ACCEPTED: f64 = 1e-7;
 /// Distance of a mean step function from 0 or 1 that counts as sustained contact.
 const BETWEEN: f64 = 1e-4;
+
+/// A step that is solved as a complementarity problem.
+pub(super) struct Step<'s> {
+    pub(super) state: &'s State,
+    /// Controls at its start, and their rates, empty where they are constant.
+    pub(super) u: &'s [f64],
+    pub(super) slopes: &'s [f64],
+    /// Its length \[s\].
+    pub(super) duration: f64,
+    pub(super) elements: usize,
+}
+
+impl Step<'_> {
+    /// Its program, in which the contacts in `resting` do not bounce.
+    pub(super) fn program<'a>(
+        &self,
+        model: &'a dyn Model,
+        resting: &[usize],
+        tableau: &ButcherTableau,
+    ) -> Transcription<'a> {
+        let mut program = Program::new(model);
+        let mut given = |what: &str, value: f64| {
+            program.variable(format!("{what} of the step"), (value, value), value, 1.0)
+        };
+        let n = self.state.q.len();
+        let start = self.state.q.iter().chain(&self.state.v);
+        let outer = Outer {
+            horizon: given("length", self.duration),
+            controls: vec![self.u.iter().map(|&u| given("control", u)).collect()],
+            start: start.map(|&value| given("state", value)).collect(),
+        };
+        let field = Field::new(model, AUXILIARY_ACCELERATION, resting);
+        let task = Task {
+            time: self.state.time,
+            linear: false,
+            slopes: self.slopes.to_vec(),
+            intervals: 1,
+            elements: self.elements,
+            coordinate_bounds: (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]),
+            guess: Guess::Simulated,
+        };
+        transcribe(program, outer, field, tableau, task).finished()
+    }
+}
 
 /// What a contact does during an element of the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -137,7 +185,7 @@ fn bounces_left_out(
                 continue;
             }
             if e > 0 {
-                driver.now.state = program.state(x, e - 1);
+                driver.now.state = state_after(program, x, e - 1);
             }
             driver.now.write_input();
             driver.now.contacts.evaluate_contacts(&driver.now.x, [i]);
@@ -168,18 +216,14 @@ fn try_program(
     }
     let fewest = asked.max(fewest);
     for elements in fewest..fewest + ATTEMPTS {
-        let system = TimeFreezingSystem::new(driver.setup.model, AUXILIARY_ACCELERATION)
-            .without_bounces(resting);
-        let mut program = transcribe(
-            HeavisideSystem::new(system).driven(driver.now.state.time, driver.now.piece.slopes()),
-            driver.setup.tableau,
-            Task::step(
-                &driver.now.state,
-                &driver.now.u,
-                end - driver.now.state.time,
-                elements,
-            ),
-        );
+        let step = Step {
+            state: &driver.now.state,
+            u: &driver.now.u,
+            slopes: driver.now.piece.slopes(),
+            duration: end - driver.now.state.time,
+            elements,
+        };
+        let mut program = step.program(driver.setup.model, resting, driver.setup.tableau);
         let mut settings = mpcc::Settings::default();
         settings.interior_point.initial_barrier_parameter = BARRIER_PARAMETER;
         settings.interior_point.maximum_iterations = MAX_ITERATIONS;
@@ -244,6 +288,17 @@ fn take(
          element only",
     );
     Ok(())
+}
+
+/// The state at the end of an element of a solved program.
+fn state_after(program: &Transcription<'_>, x: &[f64], e: usize) -> State {
+    let state = program.state(x, e);
+    let time = state.len() - 1;
+    State {
+        time: state[time],
+        q: state[..time / 2].to_vec(),
+        v: state[time / 2..time].to_vec(),
+    }
 }
 
 /// How far the elements of a solved program have been followed.
@@ -320,7 +375,7 @@ fn take_element(
     followed: &mut Followed,
 ) -> Result<(), Stop> {
     let sliding = driver.now.active.clone();
-    let after = program.state(x, e);
+    let after = state_after(program, x, e);
     driver.now.state.copy_from(&after);
     driver.control.motion.include(&after.q, &after.v);
     // Jumps and the slowing down by contact are inversely proportional to the acceleration.

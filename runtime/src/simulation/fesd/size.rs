@@ -1,17 +1,16 @@
 //! What a step of the simulation takes, before any is made.
 
-use super::program::{AUXILIARY_ACCELERATION, BOUNCE_ELEMENTS, ELEMENTS};
+use hangtime_solver::mpcc::Mpcc as _;
+
+use super::program::{BOUNCE_ELEMENTS, ELEMENTS, Step};
 use super::settings::{Fesd, StepFormulation};
 use crate::contact::{ActiveContact, ContactState};
-use crate::dcs::HeavisideSystem;
 use crate::fesd::finite_element::{State, groups as groups_of_element};
-use crate::fesd::transcription::{Task, size_groups, transcribe};
 use crate::model::{ImpactLaw, Model, friction_coefficients};
 use crate::rk::ButcherTableau;
 use crate::simulation::joints::Closed;
 use crate::simulation::{FormulationSize, InitialValueProblem, InputError};
-use crate::size::kernels;
-use crate::time_freezing::TimeFreezingSystem;
+use crate::size::{Purpose, groups_of, kernels};
 
 /// The sizes of the systems that `method` solves on the way over `problem`: an element in free flight, one for each
 /// contact that holds (and slips or sticks where it rubs), and one where all hold; or the program of a step where the
@@ -150,9 +149,15 @@ fn program_of_a_step(
     };
     let steps = method.steps.unwrap_or(Fesd::DEFAULT_STEPS);
     let controls = vec![0.0; declaration.controls.len()];
-    let task = Task::step(&start, &controls, problem.horizon / steps as f64, elements);
-    let system = TimeFreezingSystem::new(model, AUXILIARY_ACCELERATION);
-    let program = transcribe(HeavisideSystem::new(system), tableau, task);
+    let step = Step {
+        state: &start,
+        u: &controls,
+        slopes: &[],
+        duration: problem.horizon / steps as f64,
+        elements,
+    };
+    let program = step.program(model, &[], tableau);
+    let told = |purpose: Option<Purpose>| purpose.unwrap_or(Purpose::Other);
     let mut prefixes = vec!["free_", "contact_"];
     if friction_coefficients(model).iter().any(|mu| *mu > 0.0) {
         prefixes.push("tangent_");
@@ -164,7 +169,12 @@ fn program_of_a_step(
             method.scheme.name(),
             tableau.stages()
         ),
-        groups: size_groups(&program),
+        groups: groups_of(
+            &program,
+            program.complementarities(),
+            &|index| told(program.purpose_of_variable(index)),
+            &|index| told(program.purpose_of_row(index)),
+        ),
         kernels: kernels(declaration, &prefixes, true),
     }
 }

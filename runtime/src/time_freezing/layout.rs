@@ -87,11 +87,6 @@ impl Layout {
         self.first_product() - self.first_algebraic() + self.contacts.saturating_sub(1)
     }
 
-    /// Number of algebraic equations.
-    pub(crate) fn algebraic_equations(&self) -> usize {
-        self.product_row(2) - self.states() + self.contacts.saturating_sub(1)
-    }
-
     /// Symbol of the algebraic variable at `place`, and the contact it belongs to; none for lifted products.
     pub(crate) fn algebraic_symbol(&self, place: usize) -> Option<(&'static str, usize)> {
         let part = |place: usize, first: usize, symbols: &[&'static str], contacts: &[usize]| {
@@ -209,11 +204,6 @@ impl Layout {
         self.dipping.get(dip).copied()
     }
 
-    /// Places in `xi` of what a margin is the sum of before velocities and edges count: the lifted gap, and the dip.
-    pub(super) fn heights(&self, contact: usize) -> impl Iterator<Item = usize> + use<> {
-        std::iter::once(self.lifted_gap(contact)).chain(self.dip(contact))
-    }
-
     /// Place in `xi` of the product of the first `count >= 1` step functions.
     pub(super) fn product(&self, count: usize) -> usize {
         if count == 1 {
@@ -226,31 +216,6 @@ impl Layout {
     /// Place in `xi` of `theta`, unless there is no contact and `theta = 1`.
     pub(crate) fn theta(&self) -> Option<usize> {
         (self.contacts > 0).then(|| self.product(self.contacts))
-    }
-
-    /// First of the three rows of `contact`.
-    pub(super) fn contact_row(&self, contact: usize) -> usize {
-        self.states() + 3 * contact
-    }
-
-    /// First of the two rows of friction `r`.
-    pub(super) fn friction_row(&self, r: usize) -> usize {
-        self.contact_row(self.contacts) + 2 * r
-    }
-
-    /// Row of restitution `j`.
-    pub(super) fn rebound_row(&self, j: usize) -> usize {
-        self.friction_row(self.rough.len()) + j
-    }
-
-    /// Row of edge `k`.
-    pub(super) fn edge_row(&self, k: usize) -> usize {
-        self.rebound_row(self.elastic.len()) + k
-    }
-
-    /// Row of the product of the first `count >= 2` step functions.
-    pub(super) fn product_row(&self, count: usize) -> usize {
-        self.edge_row(self.edges.len()) + count - 2
     }
 
     /// What is cross-complementary over an element: first the step functions of the contacts, then the signs
@@ -333,41 +298,9 @@ impl Layout {
         }
     }
 
-    /// Number of the rows that define switching functions.
-    pub(crate) fn switching_rows(&self) -> usize {
-        2 * self.contacts + self.rough.len() + self.edges.len()
-    }
-
-    /// Number of an algebraic row, counted after the states, among those that define switching functions.
-    pub(crate) fn switching_row(&self, row: usize) -> Option<usize> {
-        let contacts = 3 * self.contacts;
-        if row < contacts {
-            (!row.is_multiple_of(3)).then(|| 2 * (row / 3) + row % 3 - 1)
-        } else if row < contacts + 2 * self.rough.len() {
-            let row = row - contacts;
-            (row % 2 == 1).then(|| 2 * self.contacts + row / 2)
-        } else {
-            let edge = (row + self.states()).checked_sub(self.edge_row(0))?;
-            let before = 2 * self.contacts + self.rough.len();
-            (edge < self.edges.len()).then_some(before + edge)
-        }
-    }
-
     /// Number of the group of the friction of `contact`, if it has any.
     pub(crate) fn slip_group(&self, contact: usize) -> Option<usize> {
         let friction = self.rough.iter().position(|&i| i == contact);
         friction.map(|r| self.contacts + r)
-    }
-
-    /// Place in `xi` of component `k` of the model's input vector.
-    pub(crate) fn local_of_input(&self, k: usize) -> usize {
-        let n = self.n;
-        if k < 2 * n {
-            k
-        } else if k < 2 * n + self.controls {
-            self.states() + k - 2 * n
-        } else {
-            2 * n
-        }
     }
 }

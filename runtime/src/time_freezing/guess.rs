@@ -1,7 +1,9 @@
 //! The starting point of the solver, from the task alone.
 
 use super::laid_out::{Placed, laid_out};
-use super::{Guess, SUMS, Transcription};
+use super::task::Guess;
+use super::transcription::{SUMS, Transcription};
+use crate::model::held::complete_largest;
 
 /// Explicit Euler steps of a simulated guess in an interval without contact.
 const STEPS: usize = 200;
@@ -103,91 +105,119 @@ impl Sampled {
     }
 }
 
+/// Gives all variables values that go with each other.
 pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
-    let mut guess = vec![0.0; transcription.variables];
-    if let Some(horizon) = transcription.horizon {
-        guess[horizon] = transcription.task.horizon;
-    }
     let known = matches!(transcription.task.guess, Guess::Known(_));
     let intervals = elements(transcription);
-    for (k, (interval, (length, _))) in transcription.intervals.iter().zip(&intervals).enumerate() {
-        guess[interval.length] = *length;
-        let units = &transcription.control_units;
-        for (node, variables) in [&interval.controls, &interval.ends].into_iter().enumerate() {
-            let values = transcription.task.controls.values(k + node);
-            for ((&control, value), unit) in variables.iter().zip(values).zip(units) {
-                guess[control] = value / unit;
-            }
-        }
-    }
-    if let Some(beginning) = &transcription.beginning {
-        let variables = beginning.block.variables.clone();
-        let y = transcription.start.clone();
-        set_local(transcription, 0, &y, &vec![1.0; transcription.groups.len()]);
-        for (variable, value) in variables.iter().zip(&transcription.local) {
-            if let Some(variable) = variable {
-                guess[*variable] = *value;
-            }
-        }
+    for (k, (length, _)) in intervals.iter().enumerate() {
+        let interval = transcription.intervals[k].length;
+        transcription.program.set_guess(interval, *length);
     }
     let count = transcription.task.elements;
-    let states = transcription.dcs.layout.states();
+    let states = transcription.field.layout.states();
     let placed = intervals.iter().flat_map(|(_, elements)| elements);
     for (e, Placed { width, points }) in placed.enumerate() {
-        guess[transcription.elements[e].length] = *width;
         if known {
-            transcription.elements[e].even = *width;
+            transcription.set_even(e, *width);
         }
+        let length = transcription.elements[e].length;
+        transcription.program.set_guess(length, *width);
         for (b, point) in points.iter().enumerate() {
-            set_local(transcription, e / count, &point[..states], &point[states..]);
-            for k in 0..transcription.local.len() {
-                if let Some(variable) = transcription.elements[e].blocks[b].variables[k] {
-                    guess[variable] = transcription.local[k] / transcription.unit(k);
+            let (y, shares) = point.split_at(states);
+            let mut local = local(transcription, e / count, y, shares);
+            set_largest(transcription, &mut local);
+            let variables = transcription.elements[e].blocks[b].variables.iter();
+            let values = variables.zip(local).enumerate();
+            for (place, (variable, value)) in values {
+                // What blocks share has its guess already.
+                let own = variable.filter(|i| !is_shared(transcription, place, *i));
+                if let Some(variable) = own {
+                    transcription.program.set_guess(variable, value);
                 }
             }
         }
     }
+    let mut guess = transcription.guess();
     for e in 0..transcription.elements.len() {
         for group in 0..transcription.groups.len() {
             for sum in 0..SUMS {
-                let place = transcription.elements[e].sums + SUMS * group + sum;
-                guess[place] = transcription.sum(&guess, e, group, sum);
+                let variable = transcription.elements[e].sums + SUMS * group + sum;
+                guess[variable] = transcription.sum(&guess, e, group, sum);
+                transcription.program.set_guess(variable, guess[variable]);
             }
         }
     }
-    transcription.guess = guess;
+}
+
+/// Whether a variable at a place of a block belongs to the whole interval, or to the whole motion.
+fn is_shared(transcription: &Transcription<'_>, place: usize, variable: usize) -> bool {
+    let outer = &transcription.outer;
+    let states = transcription.field.layout.states();
+    match place.checked_sub(states) {
+        Some(_) => outer.controls.iter().flatten().any(|&own| own == variable),
+        None => outer.start.contains(&variable),
+    }
+}
+
+/// Gives controls that are largest values of an instant what they are in a local vector.
+fn set_largest(transcription: &Transcription<'_>, local: &mut [f64]) {
+    let model = transcription.field.model;
+    if model.held().is_none_or(|held| held.at_stages.is_empty()) {
+        return;
+    }
+    let layout = &transcription.field.layout;
+    let mut x = transcription.field.input(local);
+    x.resize(model.declaration().path_inputs(), 0.0);
+    complete_largest(model, &mut x);
+    let first = 2 * transcription.field.coordinates();
+    let controls = &x[first..first + layout.controls()];
+    local[layout.states()..layout.first_algebraic()].copy_from_slice(controls);
+}
+
+/// Controls at the start, or those of interval `k` at a share of it.
+fn controls(transcription: &Transcription<'_>, k: usize, elapsed: f64) -> Vec<f64> {
+    let (task, outer) = (&transcription.task, &transcription.outer);
+    let values = |k: usize| -> Vec<f64> {
+        let node = outer.controls[k].iter();
+        node.map(|&i| transcription.program.guessed(i)).collect()
+    };
+    let mut controls = values(k);
+    if task.linear {
+        let horizon = transcription.program.guessed(outer.horizon);
+        let share = task.intervals as f64 * elapsed / horizon - k as f64;
+        for (control, after) in controls.iter_mut().zip(values(k + 1)) {
+            *control += share.clamp(0.0, 1.0) * (after - *control);
+        }
+    }
+    for (control, slope) in controls.iter_mut().zip(&task.slopes) {
+        *control += slope * elapsed;
+    }
+    controls
 }
 
 /// Local vector in interval `k` for states and shares of the groups. Lifted gaps are those of the coordinates, where
 /// they do not move alone.
-fn set_local(transcription: &mut Transcription<'_>, k: usize, y: &[f64], shares: &[f64]) {
-    let states = transcription.dcs.layout.states();
-    transcription.local.fill(0.0);
-    transcription.local[..states].copy_from_slice(y);
-    let task = &transcription.task;
-    let elapsed = y[transcription.dcs.layout.time()] - task.start.time;
-    let share = task.intervals as f64 * elapsed / task.horizon - k as f64;
-    let controls = task.controls.at(k, share.clamp(0.0, 1.0));
-    transcription.local[states..states + controls.len()].copy_from_slice(&controls);
-    transcription
-        .dcs
-        .rows(&transcription.local, &mut transcription.rows);
-    for contact in 0..transcription.dcs.layout.contacts() {
-        if !transcription.dcs.layout.moves_in_jumps(contact) {
-            let place = transcription.dcs.layout.lifted_gap(contact);
-            transcription.local[place] = transcription.dcs.system.gap(contact);
+fn local(transcription: &mut Transcription<'_>, k: usize, y: &[f64], shares: &[f64]) -> Vec<f64> {
+    let layout = transcription.field.layout.clone();
+    let elapsed = y[layout.time()] - transcription.task.time;
+    let mut local = y.to_vec();
+    local.extend(controls(transcription, k, elapsed));
+    local.resize(layout.local_variables(), 0.0);
+    let field = &mut transcription.field;
+    field.locate(&local);
+    for contact in 0..layout.contacts() {
+        if !layout.moves_in_jumps(contact) {
+            local[layout.lifted_gap(contact)] = field.gap(contact);
         }
     }
-    transcription.dcs.complete(&mut transcription.local, shares);
-    transcription
-        .dcs
-        .rows(&transcription.local, &mut transcription.rows);
+    field.complete(&mut local, shares);
+    local
 }
 
 /// Length in numerical time and elements of each interval.
 fn elements(transcription: &mut Transcription<'_>) -> Vec<(f64, Vec<Placed>)> {
     let count = transcription.task.elements;
-    let states = transcription.dcs.layout.states();
+    let states = transcription.field.layout.states();
     let stages = transcription.tableau.stages();
     let mut places = transcription.tableau.c().to_vec();
     if !transcription.tableau.stiffly_accurate() {
@@ -212,11 +242,16 @@ fn elements(transcription: &mut Transcription<'_>) -> Vec<(f64, Vec<Placed>)> {
         .collect()
 }
 
+/// Guess of the physical length of an interval \[s\].
+fn duration(transcription: &Transcription<'_>) -> f64 {
+    let horizon = transcription.program.guessed(transcription.outer.horizon);
+    horizon / transcription.task.intervals as f64
+}
+
 /// The part of a motion in interval `k`.
 fn sample(transcription: &mut Transcription<'_>, k: usize, motion: &[Vec<f64>]) -> Sampled {
-    let count = transcription.task.intervals;
-    let duration = transcription.task.horizon / count as f64;
-    let steps = ((motion.len() - 1) / count).max(1);
+    let duration = duration(transcription);
+    let steps = ((motion.len() - 1) / transcription.task.intervals).max(1);
     let points = (k * steps..=(k + 1) * steps).map(|i| {
         let elapsed = duration * i as f64 / steps as f64;
         undecided(transcription, &motion[i.min(motion.len() - 1)], elapsed)
@@ -229,46 +264,42 @@ fn sample(transcription: &mut Transcription<'_>, k: usize, motion: &[Vec<f64>]) 
 
 /// The simulated motion of all intervals.
 fn simulate_all(transcription: &mut Transcription<'_>) -> Vec<Sampled> {
-    let count = transcription.task.intervals;
-    let duration = transcription.task.horizon / count as f64;
-    let mut y = transcription.start.clone();
-    let intervals = (0..count).map(|k| simulate(transcription, k, &mut y, duration));
+    let start = &transcription.beginning.variables[..transcription.field.layout.states()];
+    let start = start.iter().flatten();
+    let mut y: Vec<f64> = start.map(|&i| transcription.program.guessed(i)).collect();
+    let intervals = 0..transcription.task.intervals;
+    let intervals = intervals.map(|k| simulate(transcription, k, &mut y));
     intervals.collect()
 }
 
 /// The point `(q, v)` at a time since the start, with gaps of its own and every step function undecided.
 fn undecided(transcription: &mut Transcription<'_>, state: &[f64], elapsed: f64) -> Vec<f64> {
-    let states = transcription.dcs.layout.states();
+    let layout = transcription.field.layout.clone();
     let mut point = state.to_vec();
-    point.push(transcription.task.start.time + elapsed);
+    point.push(transcription.task.time + elapsed);
     let mut local = point.clone();
-    local.resize(transcription.local.len(), 0.0);
-    transcription.dcs.rows(&local, &mut transcription.rows);
-    let system = &transcription.dcs.system;
-    let contacts = 0..transcription.dcs.layout.contacts();
-    point.extend(contacts.map(|contact| system.gap(contact)));
-    point.resize(states, 0.0);
-    point.resize(states + transcription.groups.len(), 0.5);
+    local.resize(layout.local_variables(), 0.0);
+    let field = &mut transcription.field;
+    field.locate(&local);
+    point.extend((0..layout.contacts()).map(|contact| field.gap(contact)));
+    point.resize(layout.states(), 0.0);
+    point.resize(layout.states() + transcription.groups.len(), 0.5);
     point
 }
 
-/// Explicit Euler steps of the time-freezing system in interval `k` from `y` until `duration` has passed on its clock.
-fn simulate(
-    transcription: &mut Transcription<'_>,
-    k: usize,
-    y: &mut [f64],
-    duration: f64,
-) -> Sampled {
-    let time = transcription.dcs.layout.time();
+/// Explicit Euler steps of the time-freezing system in interval `k` from `y` until the interval has passed on its clock.
+fn simulate(transcription: &mut Transcription<'_>, k: usize, y: &mut [f64]) -> Sampled {
+    let duration = duration(transcription);
+    let time = transcription.field.layout.time();
     let end = y[time] + duration;
     let step = duration / STEPS as f64;
     let most = (transcription.speed_bound * STEPS as f64) as usize;
     let mut points = Vec::new();
     loop {
         let open = vec![1.0; transcription.groups.len()];
-        set_local(transcription, k, y, &open);
-        y.copy_from_slice(&transcription.local[..y.len()]);
-        let shares = transcription.dcs.shares(&transcription.local);
+        let mut at = local(transcription, k, y, &open);
+        y.copy_from_slice(&at[..y.len()]);
+        let shares = transcription.field.shares(&at);
         let mut point = y.to_vec();
         point.extend(&shares);
         points.push(point);
@@ -276,8 +307,9 @@ fn simulate(
             let length = step * (points.len() - 1) as f64;
             return Sampled { length, points };
         }
-        set_local(transcription, k, y, &shares);
-        for (value, rate) in y.iter_mut().zip(&transcription.rows) {
+        transcription.field.complete(&mut at, &shares);
+        let rates = transcription.field.rates(&at);
+        for (value, rate) in y.iter_mut().zip(&rates) {
             *value += step * rate;
         }
     }

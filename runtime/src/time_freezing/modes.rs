@@ -1,7 +1,8 @@
 //! What each contact does in each element, read off a relaxed point, and what vanishes for it.
 
-use super::{SUMS, Transcription};
-use crate::dcs::{ALPHA, P, W};
+use super::layout::{ALPHA, P, W};
+use super::transcription::{SUMS, Transcription};
+use hangtime_solver::mpcc::Mpcc as _;
 
 /// Factor of `sqrt(sigma)` below which both sides of a relaxed pair count as zero: at `x_i x_j = sigma` the
 /// smaller one is at most `sqrt(sigma)`.
@@ -20,26 +21,27 @@ pub(super) enum Mode {
 
 /// Which paired variables, and which terms of paired sums, vanish near `x`.
 pub(super) fn mark_vanishing(transcription: &Transcription<'_>, x: &[f64], vanishes: &mut [bool]) {
-    let products = transcription.pairs.iter().map(|&(i, j)| x[i] * x[j]);
+    let pairs = transcription.program.complementarities().iter();
+    let products = pairs.map(|&(i, j)| x[i] * x[j]);
     let zero = BOTH_ZERO * products.fold(0.0, f64::max).sqrt();
     let modes = modes(transcription, x, zero);
     mark_modes(transcription, x, zero, &modes, vanishes);
-    let contacts = transcription.dcs.layout.contacts();
+    let contacts = transcription.field.layout.contacts();
     for e in 0..transcription.elements.len() {
         for group in (0..transcription.groups.len())
-            .filter(|&g| g >= contacts || transcription.dcs.layout.bounces(g))
+            .filter(|&g| g >= contacts || transcription.field.layout.bounces(g))
         {
             mark_group(transcription, x, zero, (e, group), vanishes);
         }
     }
     for (k, (first, second)) in transcription
-        .dcs
+        .field
         .layout
         .stage_pairs()
         .into_iter()
         .enumerate()
     {
-        if k < contacts && !transcription.dcs.layout.bounces(k) {
+        if k < contacts && !transcription.field.layout.bounces(k) {
             continue;
         }
         for block in transcription
@@ -82,9 +84,9 @@ fn mark_group(
 /// `zero` is the size up to which both sides of a pair count as zero.
 fn modes(transcription: &Transcription<'_>, x: &[f64], zero: f64) -> Vec<Mode> {
     let mut modes =
-        Vec::with_capacity(transcription.elements.len() * transcription.dcs.layout.contacts());
+        Vec::with_capacity(transcription.elements.len() * transcription.field.layout.contacts());
     for element in &transcription.elements {
-        for contact in 0..transcription.dcs.layout.contacts() {
+        for contact in 0..transcription.field.layout.contacts() {
             let sum = |k: usize| x[element.sums + SUMS * contact + k];
             let (alpha, ln, beta, lp) = (sum(0), sum(1), sum(2), sum(3));
             modes.push(if alpha < ln || alpha <= zero {
@@ -117,9 +119,10 @@ pub(super) fn mark_modes(
     modes: &[Mode],
     vanishes: &mut [bool],
 ) {
-    let contacts = transcription.dcs.layout.contacts();
+    let contacts = transcription.field.layout.contacts();
     for (e, element) in transcription.elements.iter().enumerate() {
-        for contact in (0..contacts).filter(|&contact| !transcription.dcs.layout.bounces(contact)) {
+        for contact in (0..contacts).filter(|&contact| !transcription.field.layout.bounces(contact))
+        {
             let mut mode = modes[e * contacts + contact];
             if mode == Mode::Contact && mark_contact(transcription, x, e, contact, vanishes) {
                 mode = Mode::Jump;
@@ -141,7 +144,7 @@ pub(super) fn mark_modes(
             }
             for block in &element.blocks {
                 let place =
-                    |offset| block.variables[transcription.dcs.layout.algebraic(contact, offset)];
+                    |offset| block.variables[transcription.field.layout.algebraic(contact, offset)];
                 if let (Some(p), Some(w)) = (place(P), place(W)) {
                     let p_vanishes = x[p] < x[w] || mode == Mode::Jump && from_zero;
                     vanishes[p] = p_vanishes;
@@ -163,8 +166,9 @@ fn mark_contact(
 ) -> bool {
     let mut jumps = true;
     for block in &transcription.elements[e].blocks {
-        let place =
-            |contact, offset| block.variables[transcription.dcs.layout.algebraic(contact, offset)];
+        let place = |contact, offset| {
+            block.variables[transcription.field.layout.algebraic(contact, offset)]
+        };
         let (Some(p), Some(w)) = (place(contact, P), place(contact, W)) else {
             continue;
         };
@@ -173,7 +177,7 @@ fn mark_contact(
             continue;
         }
         let step = |i| place(i, ALPHA).map_or(1.0, |alpha| x[alpha]);
-        let steps = (0..transcription.dcs.layout.contacts()).map(step);
+        let steps = (0..transcription.field.layout.contacts()).map(step);
         let theta: f64 = steps.clone().product();
         if theta >= x[w] {
             vanishes[w] = true;
@@ -205,9 +209,9 @@ pub(super) fn mark_sum(
 /// Modes that a choice of vanishing variables stands for.
 pub(super) fn fixed_modes(transcription: &Transcription<'_>, vanishes: &[bool]) -> Vec<Mode> {
     let mut modes =
-        Vec::with_capacity(transcription.elements.len() * transcription.dcs.layout.contacts());
+        Vec::with_capacity(transcription.elements.len() * transcription.field.layout.contacts());
     for element in &transcription.elements {
-        for contact in 0..transcription.dcs.layout.contacts() {
+        for contact in 0..transcription.field.layout.contacts() {
             let first = element.sums + SUMS * contact;
             modes.push(if vanishes[first] {
                 Mode::Jump

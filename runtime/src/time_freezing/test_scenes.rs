@@ -124,24 +124,3 @@ crate::model! {
         start { z: 0.4 [m], dot(y): 1.5 [m/s] }
     }
 }
-
-crate::model! {
-    /// A bead that strikes a floor on which it slides, and a wall that throws it back, and reads what both do to it.
-    pub(crate) StruckBead {
-        parameters { m: kg = 2, g: m/s^2 = 9.81, k: 1/m = 1.5 }
-        coordinates { y: m, z: m }
-        controls { u: N }
-        lagrangian m/2*(dot(y)^2 + (2 + sin(k*y))*dot(z)^2) - m*g*z
-        forces { y: u*cos(k*y) }
-        surface floor: z - sin(k*y)/(4*k) >= 0
-        surface wall: 1[m] - y - k*z^2/8 >= 0
-        impact floor: inelastic, friction 0.4, sliding dot(y) + cos(k*y)/4*dot(z)
-        impact wall: restitution 0.6
-        minimize sum(impulse(wall)^2 + y*friction_impulse(floor)^2/1[m])/1[N^2*s^2] + force(floor)/1[N]
-            + integral(force(floor)^2/1[N^2] + u*friction_force(floor)/1[N^2])/1[s]
-        constraint grip: force(floor) - u^2/1[N] >= 0
-        constraint pace: dot(y)^2 + z*u*1[m/(N*s^2)] >= 0
-        constraint soft: impulse(floor) <= 3[N*s]
-        finally { friction_force(floor)*y == 2[N*m], sum(impulse(floor))*dot(y) <= 5[J] }
-    }
-}

@@ -1,10 +1,10 @@
-//! A sparse program made of quadratic rows and of model kernels: what both phases are written in.
+//! A sparse program made of polynomial rows and of model kernels.
 //!
 //! ```text
-//! c_i(x) = constant_i + sum linear + sum bilinear + sum coefficient scale kernel_output
+//! c_i(x) = sum linear + sum bilinear + sum products + sum coefficient scale kernel_output
 //! ```
 //!
-//! and the objective as a sum of kernels, where `scale` is a variable (a duration) or 1. Values that callers give and get are physical; the
+//! and the objective as a sum of kernels and products, where `scale` is a product of variables, such as a duration. Values that callers give and get are physical; the
 //! solver sees each variable divided by its own unit, so that all of them are of order one.
 
 use std::ops::Range;
@@ -15,71 +15,13 @@ use hangtime_solver::nlp::{NlpProblem, Pattern};
 use super::haste::Haste;
 use super::kernel::{Evaluator, Kernel};
 use super::laws::Laws;
-use super::units::{Units, objective_size};
+use super::parts::{Block, OBJECTIVE, Rows, Scratch, Terms, Variables, common};
+use super::powers::objective_size;
+use super::terms::{Term, curvatures, product, slopes};
 use crate::model::Model;
 
-/// The row of the objective in the uses of a kernel.
-pub(in crate::ocp) const OBJECTIVE: usize = usize::MAX;
-
-/// One use of a kernel.
-struct Block {
-    evaluator: usize,
-    /// Variable of each local input; `None` where the kernel does not read it.
-    inputs: Vec<Option<usize>>,
-    scale: Option<usize>,
-    /// (row, or [`OBJECTIVE`]; output; coefficient).
-    uses: Vec<(usize, usize, f64)>,
-}
-
-impl Block {
-    fn serves_objective(&self) -> bool {
-        self.uses.iter().any(|used| used.0 == OBJECTIVE)
-    }
-
-    fn serves_rows(&self) -> bool {
-        self.uses.iter().any(|used| used.0 != OBJECTIVE)
-    }
-}
-
-/// Linear and bilinear terms, `(row, variable, coefficient)` and `(row, variable, variable, coefficient)`.
-#[derive(Default)]
-struct Terms {
-    linear: Vec<(usize, usize, f64)>,
-    bilinear: Vec<(usize, usize, usize, f64)>,
-}
-
-/// The unknowns.
-#[derive(Default)]
-struct Variables {
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-    guess: Vec<f64>,
-    unit: Vec<f64>,
-    names: Vec<String>,
-}
-
-/// The rows.
-#[derive(Default)]
-struct Rows {
-    lower: Vec<f64>,
-    upper: Vec<f64>,
-    unit: Vec<f64>,
-    names: Vec<String>,
-}
-
-/// Memory of the evaluations.
-#[derive(Default)]
-struct Scratch {
-    /// Inputs of a kernel.
-    local: Vec<f64>,
-    /// Values of the unknowns.
-    physical: Vec<f64>,
-    /// Multipliers of the outputs of a kernel.
-    weights: Vec<f64>,
-}
-
 /// The program.
-pub(in crate::ocp) struct Program<'a> {
+pub(crate) struct Program<'a> {
     model: &'a dyn Model,
     evaluators: Vec<Evaluator<'a>>,
     blocks: Vec<Block>,
@@ -99,7 +41,7 @@ pub(in crate::ocp) struct Program<'a> {
 }
 
 impl<'a> Program<'a> {
-    pub(in crate::ocp) fn new(model: &'a dyn Model) -> Self {
+    pub(crate) fn new(model: &'a dyn Model) -> Self {
         Self {
             model,
             evaluators: Vec::new(),
@@ -120,17 +62,17 @@ impl<'a> Program<'a> {
     }
 
     /// Says which variables are coefficients of the laws of contacts.
-    pub(in crate::ocp) fn set_laws(&mut self, laws: Laws) {
+    pub(crate) fn set_laws(&mut self, laws: Laws) {
         self.laws = laws;
     }
 
     /// The variables that are coefficients of the laws of contacts.
-    pub(in crate::ocp) fn laws(&self) -> &Laws {
+    pub(crate) fn laws(&self) -> &Laws {
         &self.laws
     }
 
     /// Adds a variable with bounds, guess and unit.
-    pub(in crate::ocp) fn variable(
+    pub(crate) fn variable(
         &mut self,
         name: impl Into<String>,
         (lower, upper): (f64, f64),
@@ -146,14 +88,14 @@ impl<'a> Program<'a> {
     }
 
     /// Holds a variable at its lower bound.
-    pub(in crate::ocp) fn hold_at_lower(&mut self, variable: usize) {
+    pub(crate) fn hold_at_lower(&mut self, variable: usize) {
         let lower = self.variables.lower[variable];
         self.variables.upper[variable] = lower;
         self.variables.guess[variable] = lower;
     }
 
     /// Leaves inequalities among the rows out.
-    pub(in crate::ocp) fn relax_rows(&mut self, rows: Range<usize>) {
+    pub(crate) fn relax_rows(&mut self, rows: Range<usize>) {
         for row in rows {
             if self.rows.lower[row] < self.rows.upper[row] {
                 self.rows.lower[row] = f64::NEG_INFINITY;
@@ -163,12 +105,12 @@ impl<'a> Program<'a> {
     }
 
     /// Numbers of variables and rows so far.
-    pub(in crate::ocp) fn extent(&self) -> (usize, usize) {
+    pub(crate) fn extent(&self) -> (usize, usize) {
         (self.variables.names.len(), self.rows.names.len())
     }
 
     /// Whether a part of the variables and rows is the same as one of another program, by their names.
-    pub(in crate::ocp) fn is_like(
+    pub(crate) fn is_like(
         &self,
         other: &Program,
         variables: &(Range<usize>, Range<usize>),
@@ -180,24 +122,12 @@ impl<'a> Program<'a> {
 
     /// The variables, and the rows, that a part has in common with one of another program, by their names and in their order:
     /// pairs of the one here and the one there.
-    pub(in crate::ocp) fn in_common(
+    pub(crate) fn in_common(
         &self,
         other: &Program,
         variables: (Range<usize>, Range<usize>),
         rows: (Range<usize>, Range<usize>),
     ) -> [Vec<(usize, usize)>; 2] {
-        let common =
-            |own: &[String], others: &[String], (here, there): (Range<usize>, Range<usize>)| {
-                let mut next = there.start;
-                let found = |i: usize| {
-                    let same = others[next..there.end]
-                        .iter()
-                        .position(|name| *name == own[i])?;
-                    next += same + 1;
-                    Some((i, next - 1))
-                };
-                here.filter_map(found).collect()
-            };
         [
             common(&self.variables.names, &other.variables.names, variables),
             common(&self.rows.names, &other.rows.names, rows),
@@ -205,7 +135,7 @@ impl<'a> Program<'a> {
     }
 
     /// Bounds of a variable.
-    pub(in crate::ocp) fn bounds(&self, variable: usize) -> (f64, f64) {
+    pub(crate) fn bounds(&self, variable: usize) -> (f64, f64) {
         (
             self.variables.lower[variable],
             self.variables.upper[variable],
@@ -213,24 +143,34 @@ impl<'a> Program<'a> {
     }
 
     /// Where the solver starts, in physical values.
-    pub(in crate::ocp) fn guessed(&self, variable: usize) -> f64 {
+    pub(crate) fn guessed(&self, variable: usize) -> f64 {
         self.variables.guess[variable]
     }
 
+    /// Name of a variable.
+    pub(crate) fn name(&self, variable: usize) -> &str {
+        &self.variables.names[variable]
+    }
+
+    /// Says where the solver starts, in physical values.
+    pub(crate) fn set_guess(&mut self, variable: usize, value: f64) {
+        self.variables.guess[variable] = value;
+    }
+
     /// Narrows the bounds of a variable.
-    pub(in crate::ocp) fn bound(&mut self, variable: usize, lower: f64, upper: f64) {
+    pub(crate) fn bound(&mut self, variable: usize, lower: f64, upper: f64) {
         self.variables.lower[variable] = lower;
         self.variables.upper[variable] = upper;
         self.variables.guess[variable] = self.variables.guess[variable].clamp(lower, upper);
     }
 
     /// Adds a row `lower <= c <= upper` without terms.
-    pub(in crate::ocp) fn row(&mut self, name: impl Into<String>, lower: f64, upper: f64) -> usize {
+    pub(crate) fn row(&mut self, name: impl Into<String>, lower: f64, upper: f64) -> usize {
         self.row_in(1.0, name, lower, upper)
     }
 
     /// Adds a row that the solver sees divided by a unit.
-    pub(in crate::ocp) fn row_in(
+    pub(crate) fn row_in(
         &mut self,
         unit: f64,
         name: impl Into<String>,
@@ -245,25 +185,35 @@ impl<'a> Program<'a> {
     }
 
     /// Adds `coefficient x_i` to a row.
-    pub(in crate::ocp) fn linear(&mut self, row: usize, i: usize, coefficient: f64) {
+    pub(crate) fn linear(&mut self, row: usize, i: usize, coefficient: f64) {
         if coefficient != 0.0 {
             self.terms.linear.push((row, i, coefficient));
         }
     }
 
     /// Adds `coefficient x_i x_j` to a row.
-    pub(in crate::ocp) fn bilinear(&mut self, row: usize, i: usize, j: usize, coefficient: f64) {
+    pub(crate) fn bilinear(&mut self, row: usize, i: usize, j: usize, coefficient: f64) {
         self.terms.bilinear.push((row, i, j, coefficient));
     }
 
-    /// Adds `coefficient scale output` for each (row, output, coefficient); the inputs are the variables of
-    /// `q`, `v`, `u` (or of `T` for terminal functions) and the forces, empty slices where the kernel reads
-    /// nothing, which is 0 to it.
-    pub(in crate::ocp) fn block(
+    /// Adds `coefficient` times a product of variables to a row, or to the objective.
+    pub(crate) fn product(&mut self, row: usize, variables: &[usize], coefficient: f64) {
+        let variables = variables.to_vec();
+        self.terms.products.push(Term {
+            row,
+            variables,
+            coefficient,
+        });
+    }
+
+    /// Adds `coefficient scale output` for each (row, output, coefficient), where `scale` is the product of some variables; the
+    /// inputs are the variables of `q`, `v`, `u` (or of `T` for terminal functions) and the forces, empty slices where the kernel
+    /// reads nothing, which is 0 to it.
+    pub(crate) fn block(
         &mut self,
         kernel: &Kernel,
         [q, v, u, forces]: [&[usize]; 4],
-        scale: Option<usize>,
+        scale: impl IntoIterator<Item = usize>,
         uses: Vec<(usize, usize, f64)>,
     ) {
         let evaluator = self.evaluator(kernel);
@@ -277,18 +227,18 @@ impl<'a> Program<'a> {
         self.blocks.push(Block {
             evaluator,
             inputs,
-            scale,
+            scale: scale.into_iter().collect(),
             uses,
         });
     }
 
     /// Adds a block of functions that read more: `behind` all else, where there is none for 0.
-    pub(in crate::ocp) fn block_behind(
+    pub(crate) fn block_behind(
         &mut self,
         kernel: &Kernel,
         [q, v, u]: [&[usize]; 3],
         behind: &[Option<usize>],
-        scale: Option<usize>,
+        scale: impl IntoIterator<Item = usize>,
         uses: Vec<(usize, usize, f64)>,
     ) {
         self.block(kernel, [q, v, u, &[]], scale, uses);
@@ -309,7 +259,7 @@ impl<'a> Program<'a> {
     }
 
     /// Distance of each row from the nearest of its bounds, in its unit, at a solver's point.
-    pub(in crate::ocp) fn slacks(&mut self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn slacks(&mut self, x: &[f64]) -> Vec<f64> {
         let count = self.rows.names.len();
         let (mut lower, mut upper, mut c) = (vec![0.0; count], vec![0.0; count], vec![0.0; count]);
         self.constraint_bounds(&mut lower, &mut upper);
@@ -319,19 +269,19 @@ impl<'a> Program<'a> {
     }
 
     /// Adds `price` to the objective for each unit of these variables, in place of earlier prices.
-    pub(in crate::ocp) fn penalize(&mut self, variables: &[usize], price: f64) {
+    pub(crate) fn penalize(&mut self, variables: &[usize], price: f64) {
         let per_value = |&i: &usize| (i, price / self.variables.unit[i]);
         self.penalties = variables.iter().map(per_value).collect();
     }
 
     /// Adds so many sizes of the objective for each unit of the final time, 0 for none; call once, after everything else.
-    pub(in crate::ocp) fn hasten(self, horizon: usize, price: f64) -> Self {
+    pub(crate) fn hasten(self, horizon: usize, price: f64) -> Self {
         let haste = Haste::new(horizon, price * self.objective_size);
         Self { haste, ..self }
     }
 
     /// The objective at a solver's point without the price of the time, where there is one.
-    pub(in crate::ocp) fn cost_without_haste(&mut self, x: &[f64]) -> Option<f64> {
+    pub(crate) fn cost_without_haste(&mut self, x: &[f64]) -> Option<f64> {
         let haste = self.haste.take()?;
         let cost = Some(self.objective(x) * self.objective_unit);
         self.haste = haste;
@@ -339,25 +289,25 @@ impl<'a> Program<'a> {
     }
 
     /// The price of a unit of a variable that has one.
-    pub(in crate::ocp) fn penalty(&self) -> f64 {
+    pub(crate) fn penalty(&self) -> f64 {
         let unit = |&(i, price): &(usize, f64)| price * self.variables.unit[i];
         self.penalties.first().map_or(0.0, unit)
     }
 
     /// The power of ten, or of a million if that is smaller, nearest to the largest derivative of the objective.
-    pub(in crate::ocp) fn objective_size(&self) -> f64 {
+    pub(crate) fn objective_size(&self) -> f64 {
         self.objective_size
     }
 
     /// Declares the pair `0 <= x_i _|_ x_j >= 0`.
-    pub(in crate::ocp) fn pair(&mut self, i: usize, j: usize) {
+    pub(crate) fn pair(&mut self, i: usize, j: usize) {
         self.pairs.push((i, j));
     }
 
     /// What the solver divides the objective by: the power nearest to its largest derivative by an unknown
     /// in its unit, where the `controls` are one unit off the guess. The solver itself takes derivatives above 100
     /// back to that.
-    fn measure_objective(&mut self, controls: &[Vec<usize>], units: &Units) {
+    fn measure_objective(&mut self, controls: &[Vec<usize>], unit: impl Fn(f64) -> f64) {
         let mut x = vec![0.0; self.variables.names.len()];
         let mut gradient = vec![0.0; x.len()];
         self.initial_point(&mut x);
@@ -366,24 +316,24 @@ impl<'a> Program<'a> {
         }
         self.gradient(&x, &mut gradient);
         let largest = gradient.iter().fold(0.0, |largest, g| g.abs().max(largest));
-        self.objective_unit = units.objective(largest);
+        self.objective_unit = unit(largest);
         self.objective_size = objective_size(largest);
     }
 
     /// What the solver's objective is in units of.
-    pub(in crate::ocp) fn objective_unit(&self) -> f64 {
+    pub(crate) fn objective_unit(&self) -> f64 {
         self.objective_unit
     }
 
     /// Against what differences of an objective count: what it is, or, where it is next to nothing, the power of ten nearest to its largest
     /// derivative, if that is less than the unit. The unit itself may be a thousand times that.
-    pub(in crate::ocp) fn size_of(&self, objective: f64) -> f64 {
+    pub(crate) fn size_of(&self, objective: f64) -> f64 {
         objective.abs().max(self.objective_size)
     }
 
-    /// Fixes the patterns and the unit of the objective; call once, after everything is added.
-    pub(in crate::ocp) fn finish(mut self, controls: &[Vec<usize>], units: &Units) -> Self {
-        self.measure_objective(controls, units);
+    /// Fixes the patterns and the unit of the objective, by its largest derivative; call once, after everything is added.
+    pub(crate) fn finish(mut self, controls: &[Vec<usize>], unit: impl Fn(f64) -> f64) -> Self {
+        self.measure_objective(controls, unit);
         let mut additions = Vec::new();
         self.visit_jacobian(&mut |row, column, _| additions.push((row, column)), None);
         self.jacobian = Pattern::new(&additions);
@@ -394,7 +344,7 @@ impl<'a> Program<'a> {
     }
 
     /// Physical values of a solver's point.
-    pub(in crate::ocp) fn physical(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn physical(&self, x: &[f64]) -> Vec<f64> {
         x.iter()
             .zip(&self.variables.unit)
             .map(|(x, unit)| x * unit)
@@ -402,12 +352,12 @@ impl<'a> Program<'a> {
     }
 
     /// Unit of a variable: multipliers of its bounds are per that unit.
-    pub(in crate::ocp) fn unit(&self, variable: usize) -> f64 {
+    pub(crate) fn unit(&self, variable: usize) -> f64 {
         self.variables.unit[variable]
     }
 
     /// Unit of a row: its multiplier is per that unit.
-    pub(in crate::ocp) fn row_unit(&self, row: usize) -> f64 {
+    pub(crate) fn row_unit(&self, row: usize) -> f64 {
         self.rows.unit[row]
     }
 
@@ -417,6 +367,11 @@ impl<'a> Program<'a> {
         self.scratch
             .local
             .extend(inputs.map(|slot| slot.map_or(0.0, |i| x[i])));
+    }
+
+    /// A point to stand where none is given.
+    fn nowhere(&self, needed: bool) -> Vec<f64> {
+        vec![0.0; usize::from(needed) * self.variables.unit.len()]
     }
 
     /// Calls `add` for every contribution to the Jacobian, in a fixed order; without a point the values are 0.
@@ -429,6 +384,13 @@ impl<'a> Program<'a> {
             add(row, i, c * at(j));
             add(row, j, c * at(i));
         }
+        let nowhere = self.nowhere(x.is_none());
+        let point = x.unwrap_or(&nowhere);
+        for term in self.terms.products.iter().filter(|t| t.row != OBJECTIVE) {
+            slopes(&term.variables, point, |i, slope| {
+                add(term.row, i, term.coefficient * slope);
+            });
+        }
         for index in 0..self.blocks.len() {
             if !self.blocks[index].serves_rows() {
                 continue;
@@ -440,7 +402,7 @@ impl<'a> Program<'a> {
             }
             let block = &self.blocks[index];
             let evaluator = &self.evaluators[block.evaluator];
-            let scale = block.scale.map_or(1.0, &at);
+            let scale = product(&block.scale, &[], point);
             let inputs = block.inputs.len();
             for &(row, output, c) in block.uses.iter().filter(|used| used.0 != OBJECTIVE) {
                 for &(_, input) in evaluator.jacobian_pattern.iter().filter(|e| e.0 == output) {
@@ -449,9 +411,9 @@ impl<'a> Program<'a> {
                         add(row, variable, c * scale * value);
                     }
                 }
-                if let Some(variable) = block.scale {
-                    add(row, variable, c * evaluator.outputs[output]);
-                }
+                slopes(&block.scale, point, |variable, slope| {
+                    add(row, variable, c * slope * evaluator.outputs[output]);
+                });
             }
         }
     }
@@ -471,6 +433,14 @@ impl<'a> Program<'a> {
             let c = c * multiplier(row);
             add(i, j, if i == j { 2.0 * c } else { c });
         }
+        let nowhere = self.nowhere(point.is_none());
+        let at = point.map_or(&nowhere[..], |(x, ..)| x);
+        for term in &self.terms.products {
+            let c = term.coefficient * multiplier(term.row);
+            curvatures(&term.variables, at, |i, j, curvature| {
+                add(i, j, c * curvature)
+            });
+        }
         for index in 0..self.blocks.len() {
             let block = &self.blocks[index];
             let evaluator = &mut self.evaluators[block.evaluator];
@@ -479,32 +449,43 @@ impl<'a> Program<'a> {
             for &(row, output, c) in &block.uses {
                 self.scratch.weights[output] += c * multiplier(row);
             }
-            let mut scale = 1.0;
             if let Some((x, ..)) = point {
                 self.gather(index, x);
-                let block = &self.blocks[index];
-                scale = block.scale.map_or(1.0, |i| x[i]);
-                let evaluator = &mut self.evaluators[block.evaluator];
+                let evaluator = &mut self.evaluators[self.blocks[index].evaluator];
                 evaluator.differentiate(&self.scratch.local);
                 evaluator.curve(&self.scratch.local, &self.scratch.weights);
             }
             let block = &self.blocks[index];
             let evaluator = &self.evaluators[block.evaluator];
             let inputs = block.inputs.len();
+            let scale = product(&block.scale, &[], at);
             for &(i, j) in &evaluator.hessian_pattern {
                 if let (Some(a), Some(b)) = (block.inputs[i], block.inputs[j]) {
                     add(a, b, scale * evaluator.hessian[i * inputs + j]);
                 }
             }
-            let Some(scale) = block.scale else { continue };
+            if block.scale.is_empty() {
+                continue;
+            }
             for &(output, input) in &evaluator.jacobian_pattern {
                 if let Some(variable) = block.inputs[input]
                     && block.uses.iter().any(|used| used.1 == output)
                 {
                     let value = evaluator.jacobian[output * inputs + input];
-                    add(scale, variable, self.scratch.weights[output] * value);
+                    slopes(&block.scale, at, |scale, slope| {
+                        add(
+                            scale,
+                            variable,
+                            self.scratch.weights[output] * value * slope,
+                        );
+                    });
                 }
             }
+            let weighted = self.scratch.weights.iter().zip(&evaluator.outputs);
+            let total: f64 = weighted.map(|(weight, output)| weight * output).sum();
+            curvatures(&block.scale, at, |i, j, curvature| {
+                add(i, j, total * curvature)
+            });
         }
     }
 
@@ -563,12 +544,14 @@ impl NlpProblem for Program<'_> {
                 let block = &program.blocks[index];
                 let evaluator = &mut program.evaluators[block.evaluator];
                 evaluator.evaluate(&program.scratch.local);
-                let scale = block.scale.map_or(1.0, |i| x[i]);
+                let scale = product(&block.scale, &[], x);
                 for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
                     value += c * scale * evaluator.outputs[output];
                 }
             }
-            value
+            let own = program.terms.products.iter().filter(|t| t.row == OBJECTIVE);
+            let own = own.map(|term| term.coefficient * product(&term.variables, &[], x));
+            value + own.sum::<f64>()
         });
         let price = |&(i, price): &(usize, f64)| price * self.variables.unit[i] * x[i];
         let penalty: f64 = self.penalties.iter().map(price).sum();
@@ -586,7 +569,7 @@ impl NlpProblem for Program<'_> {
                 let block = &program.blocks[index];
                 let evaluator = &mut program.evaluators[block.evaluator];
                 evaluator.differentiate(&program.scratch.local);
-                let scale = block.scale.map_or(1.0, |i| x[i]);
+                let scale = product(&block.scale, &[], x);
                 let inputs = block.inputs.len();
                 for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
                     for &(_, input) in evaluator.jacobian_pattern.iter().filter(|e| e.0 == output) {
@@ -596,11 +579,19 @@ impl NlpProblem for Program<'_> {
                                 c * scale * value * program.variables.unit[variable];
                         }
                     }
-                    if let Some(variable) = block.scale {
-                        gradient[variable] +=
-                            c * evaluator.outputs[output] * program.variables.unit[variable];
-                    }
+                    slopes(&block.scale, x, |variable, slope| {
+                        gradient[variable] += c
+                            * slope
+                            * evaluator.outputs[output]
+                            * program.variables.unit[variable];
+                    });
                 }
+            }
+            for term in program.terms.products.iter().filter(|t| t.row == OBJECTIVE) {
+                slopes(&term.variables, x, |variable, slope| {
+                    gradient[variable] +=
+                        term.coefficient * slope * program.variables.unit[variable];
+                });
             }
         });
         for &(i, price) in &self.penalties {
@@ -619,6 +610,9 @@ impl NlpProblem for Program<'_> {
             for &(row, i, j, coefficient) in &program.terms.bilinear {
                 c[row] += coefficient * x[i] * x[j];
             }
+            for term in program.terms.products.iter().filter(|t| t.row != OBJECTIVE) {
+                c[term.row] += term.coefficient * product(&term.variables, &[], x);
+            }
             for index in 0..program.blocks.len() {
                 if !program.blocks[index].serves_rows() {
                     continue;
@@ -627,7 +621,7 @@ impl NlpProblem for Program<'_> {
                 let block = &program.blocks[index];
                 let evaluator = &mut program.evaluators[block.evaluator];
                 evaluator.evaluate(&program.scratch.local);
-                let scale = block.scale.map_or(1.0, |i| x[i]);
+                let scale = product(&block.scale, &[], x);
                 let rows = block.uses.iter().filter(|used| used.0 != OBJECTIVE);
                 for &(row, output, coefficient) in rows {
                     c[row] += coefficient * scale * evaluator.outputs[output];

@@ -5,7 +5,7 @@ use crate::model::{Declaration, Model, SparsityPattern, contact_point, tangent_p
 /// A vector-valued function of a local input vector `(q, v, u, r)`, where `r` has one entry for each
 /// contact that acts.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(in crate::ocp) enum Kernel {
+pub(crate) enum Kernel {
     /// `a(q, v, u) + sum_i d_i(q) r_i`: the acceleration in contact.
     Acceleration(Vec<usize>),
     /// `sum_i d_i(q) r_i`: the effect of impulses, or of position corrections.
@@ -114,25 +114,25 @@ fn declared(
 }
 
 /// A kernel of a model with its structure and the memory of its last evaluation.
-pub(in crate::ocp) struct Evaluator<'a> {
+pub(crate) struct Evaluator<'a> {
     model: &'a dyn Model,
     kernel: Kernel,
     /// Length of `(q, v, u)`, or of what functions that the scene declares read.
     plain: usize,
     coordinates: usize,
     /// Structural nonzeros of the Jacobian as (output, input).
-    pub(in crate::ocp) jacobian_pattern: Vec<(usize, usize)>,
+    pub(crate) jacobian_pattern: Vec<(usize, usize)>,
     /// Structural nonzeros of the Hessian as (input, input), lower triangle.
-    pub(in crate::ocp) hessian_pattern: Vec<(usize, usize)>,
+    pub(crate) hessian_pattern: Vec<(usize, usize)>,
     point: Vec<f64>,
     weights: Vec<f64>,
     values: Vec<f64>,
     /// Values at the last point.
-    pub(in crate::ocp) outputs: Vec<f64>,
+    pub(crate) outputs: Vec<f64>,
     /// Dense Jacobian at the last point, row-major.
-    pub(in crate::ocp) jacobian: Vec<f64>,
+    pub(crate) jacobian: Vec<f64>,
     /// Dense weighted Hessian at the last point, row-major, lower triangle.
-    pub(in crate::ocp) hessian: Vec<f64>,
+    pub(crate) hessian: Vec<f64>,
 }
 
 /// Which derivatives of a kernel are not always 0.
@@ -210,7 +210,7 @@ impl Structure {
 }
 
 impl<'a> Evaluator<'a> {
-    pub(in crate::ocp) fn new(model: &'a dyn Model, kernel: Kernel) -> Self {
+    pub(crate) fn new(model: &'a dyn Model, kernel: Kernel) -> Self {
         let declaration = model.declaration();
         let n = declaration.coordinates.len();
         let plain = match kernel {
@@ -262,17 +262,17 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    pub(in crate::ocp) fn kernel(&self) -> &Kernel {
+    pub(crate) fn kernel(&self) -> &Kernel {
         &self.kernel
     }
 
     /// Length of the local input vector.
-    pub(in crate::ocp) fn inputs(&self) -> usize {
+    pub(crate) fn inputs(&self) -> usize {
         self.plain + self.kernel.acting().len()
     }
 
     /// Evaluates `outputs`.
-    pub(in crate::ocp) fn evaluate(&mut self, x: &[f64]) {
+    pub(crate) fn evaluate(&mut self, x: &[f64]) {
         let (plain, forces) = x.split_at(self.plain);
         match &self.kernel {
             Kernel::Acceleration(_) => self.model.free_acceleration(plain, &mut self.outputs),
@@ -351,7 +351,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Evaluates `outputs` and `jacobian`.
-    pub(in crate::ocp) fn differentiate(&mut self, x: &[f64]) {
+    pub(crate) fn differentiate(&mut self, x: &[f64]) {
         self.evaluate(x);
         self.jacobian.fill(0.0);
         let inputs = self.inputs();
@@ -400,7 +400,7 @@ impl<'a> Evaluator<'a> {
 
     /// Evaluates the Hessian of `multipliers' outputs`; call after [`differentiate`](Self::differentiate)
     /// at the same point.
-    pub(in crate::ocp) fn curve(&mut self, x: &[f64], multipliers: &[f64]) {
+    pub(crate) fn curve(&mut self, x: &[f64], multipliers: &[f64]) {
         self.hessian.fill(0.0);
         let inputs = self.inputs();
         let (plain, forces) = x.split_at(self.plain);

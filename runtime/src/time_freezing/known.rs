@@ -1,26 +1,41 @@
 //! What vanishes in a known motion.
 
 use super::laid_out::spans_of_elements;
+use super::layout::W;
 use super::modes::{self, Mode};
 use super::task::Guess;
-use super::{SUMS, Transcription};
-use crate::dcs::W;
+use super::transcription::{Block, SUMS, Transcription};
 
 /// Weight or speed of a known motion that counts as none.
 const NONE: f64 = 1e-4;
 
 /// What is known of the sides of pairs.
-#[derive(Clone, Default)]
-pub(crate) struct KnownSides {
+#[derive(Default)]
+struct KnownSides {
     /// Whether each variable is fixed at zero.
-    pub(crate) vanishing: Vec<bool>,
+    vanishing: Vec<bool>,
     /// Variables without a sign: while a contact neither is closed nor acts, signs decide nothing but through its margin.
-    pub(crate) unsigned: Vec<usize>,
+    unsigned: Vec<usize>,
+}
+
+/// Fixes what vanishes in the motion that the solver starts at, where that is a known one.
+pub(super) fn fix_sides(transcription: &mut Transcription<'_>) {
+    let sides = known_sides(transcription);
+    let program = &mut transcription.program;
+    for &i in &sides.unsigned {
+        let (_, upper) = program.bounds(i);
+        program.bound(i, f64::NEG_INFINITY, upper);
+    }
+    let vanishing = sides.vanishing.iter().enumerate();
+    for (i, _) in vanishing.filter(|(_, zero)| **zero) {
+        program.bound(i, 0.0, 0.0);
+    }
 }
 
 /// What is known of the motion that the solver starts at, where that is a known one; nothing else.
-pub(crate) fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
-    let mut vanishes = vec![false; transcription.variables];
+fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
+    let guess = transcription.guess();
+    let mut vanishes = vec![false; guess.len()];
     let Guess::Known(intervals) = &transcription.task.guess else {
         return KnownSides::default();
     };
@@ -28,19 +43,13 @@ pub(crate) fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
         .into_iter()
         .map(|span| &span.weights[..])
         .collect();
-    let layout = &transcription.dcs.layout;
+    let layout = &transcription.field.layout;
     let contacts = layout.contacts();
     let modes: Vec<Mode> = of_elements
         .iter()
         .flat_map(|weights| weights[..contacts].iter().map(mode))
         .collect();
-    modes::mark_modes(
-        transcription,
-        &transcription.guess,
-        NONE,
-        &modes,
-        &mut vanishes,
-    );
+    modes::mark_modes(transcription, &guess, NONE, &modes, &mut vanishes);
     for (e, weights) in of_elements.iter().enumerate() {
         for (group, weights) in weights.iter().enumerate() {
             if group < contacts && !layout.bounces(group) {
@@ -52,8 +61,8 @@ pub(crate) fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
             }
         }
     }
-    mark_undecided(transcription, &mut vanishes);
-    mark_exits(transcription, &modes, &mut vanishes);
+    mark_undecided(transcription, &guess, &mut vanishes);
+    mark_exits(transcription, (&modes, &guess), &mut vanishes);
     KnownSides {
         unsigned: unsigned(transcription, &modes, &vanishes),
         vanishing: vanishes,
@@ -63,7 +72,7 @@ pub(crate) fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
 /// Where a contact is free for whole elements: of each of its pairs in a stage the side that does not vanish, and the sums of these.
 /// What vanishes says which part the margin is, and that may be another than the largest as long as it is not negative.
 fn unsigned(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &[bool]) -> Vec<usize> {
-    let layout = &transcription.dcs.layout;
+    let layout = &transcription.field.layout;
     let elements = &transcription.elements;
     let is_free = |e: usize, contact: usize| modes[e * layout.contacts() + contact] == Mode::Free;
     let mut unsigned = Vec::new();
@@ -107,18 +116,18 @@ fn mode(weights: &[bool; 2]) -> Mode {
 }
 
 /// Marks the smaller one of each pair of a stage, or of a free start, of which none is known to vanish.
-fn mark_undecided(transcription: &Transcription<'_>, vanishes: &mut [bool]) {
-    let pairs = transcription.dcs.layout.stage_pairs();
+fn mark_undecided(transcription: &Transcription<'_>, guess: &[f64], vanishes: &mut [bool]) {
+    let pairs = transcription.field.layout.stage_pairs();
     let elements = transcription.elements.iter();
     let stages = elements.flat_map(|element| &element.blocks);
-    let start = transcription.beginning.iter().map(|start| &start.block);
-    for block in start.chain(stages) {
+    let start: Option<&Block> = transcription.is_free.then_some(&transcription.beginning);
+    for block in start.into_iter().chain(stages) {
         for &(first, second) in &pairs {
             if let (Some(i), Some(j)) = (block.variables[first], block.variables[second])
                 && !vanishes[i]
                 && !vanishes[j]
             {
-                let smaller = transcription.guess[i] < transcription.guess[j];
+                let smaller = guess[i] < guess[j];
                 vanishes[if smaller { i } else { j }] = true;
             }
         }
@@ -128,8 +137,12 @@ fn mark_undecided(transcription: &Transcription<'_>, vanishes: &mut [bool]) {
 /// Exit conditions. At the end of a jump the normal velocity is zero, and where a contact opens within an interval because its
 /// force vanishes, that is zero at the end of its last element. The sums over elements leave both open to the length of a stage, and
 /// an optimal control makes use of it.
-fn mark_exits(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &mut [bool]) {
-    let layout = &transcription.dcs.layout;
+fn mark_exits(
+    transcription: &Transcription<'_>,
+    (modes, guess): (&[Mode], &[f64]),
+    vanishes: &mut [bool],
+) {
+    let layout = &transcription.field.layout;
     let mode = |e: usize, contact: usize| modes.get(e * layout.contacts() + contact);
     for (e, element) in transcription.elements.iter().enumerate() {
         let Some(last) = element.blocks.last() else {
@@ -150,7 +163,7 @@ fn mark_exits(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &mut 
             };
             let variables = places.iter().filter_map(|&place| last.variables[place]);
             let variables: Vec<usize> = variables.collect();
-            if variables.iter().all(|&i| transcription.guess[i] <= NONE) {
+            if variables.iter().all(|&i| guess[i] <= NONE) {
                 variables.into_iter().for_each(|i| vanishes[i] = true);
             }
         }
@@ -159,7 +172,7 @@ fn mark_exits(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &mut 
 
 /// Places of the weight of a contact, and of the parts that friction and restitution split it into.
 fn weights(transcription: &Transcription<'_>, contact: usize) -> Vec<usize> {
-    let layout = &transcription.dcs.layout;
+    let layout = &transcription.field.layout;
     let groups = layout.groups();
     let [_, _, weight, _] = groups[contact].places;
     let split = layout.slip_group(contact).into_iter().flat_map(|group| {
@@ -171,14 +184,16 @@ fn weights(transcription: &Transcription<'_>, contact: usize) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::field::Field;
+    use super::super::layout::{ALPHA, P};
+    use super::super::task::{Outer, Span, Task};
     use super::super::test_scenes::Bead;
-    use super::super::{Controls, Span, Task, transcribe};
+    use super::super::tests::worst_derivative;
+    use super::super::{guess, rows};
     use super::*;
-    use crate::dcs::{ALPHA, HeavisideSystem, P};
-    use crate::fesd::finite_element::State;
+    use crate::program::sparse_program::Program;
     use crate::rk::{ButcherTableau, Scheme};
-    use crate::time_freezing::TimeFreezingSystem;
-    use hangtime_solver::nlp::{NlpProblem, check_derivatives};
+    use hangtime_solver::nlp::NlpProblem;
 
     /// A bead that flies for 0.1 s, lands on the floor in a jump of 0.1 s, and stays there.
     fn landing() -> Transcription<'static> {
@@ -205,22 +220,28 @@ mod tests {
             phase([false, true], 0.0, [0.0, 0.0], [-2.0, 0.0], [0.1, 0.1]),
             phase([true, true], 0.7, [0.0, 0.0], [0.0, 0.0], [0.1, 0.2]),
         ];
-        let start = State {
-            time: 0.0,
-            q: vec![0.0, 0.1],
-            v: vec![0.0, -1.0],
+        let mut program = Program::new(&*BEAD);
+        let mut given = |value: f64| program.variable("given", (value, value), value, 1.0);
+        let outer = Outer {
+            horizon: given(0.2),
+            start: [0.0, 0.1, 0.0, -1.0].map(&mut given).to_vec(),
+            controls: vec![vec![program.variable("control", (-3.0, 2.0), 0.8, 1.0)]],
         };
-        let mut task = Task::step(&start, &[0.8], 0.2, 5);
-        task.guess = Guess::Known(vec![spans]);
-        task.controls = Controls::Free {
-            lower: vec![-3.0],
-            upper: vec![2.0],
-            guess: vec![vec![0.8]],
+        let task = Task {
+            time: 0.0,
             linear: false,
+            slopes: Vec::new(),
+            intervals: 1,
+            elements: 5,
+            coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
+            guess: Guess::Known(vec![spans]),
         };
         let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");
-        let system = TimeFreezingSystem::new(&*BEAD, 50.0);
-        transcribe(HeavisideSystem::new(system), &tableau, task)
+        let field = Field::new(&*BEAD, 50.0, &[]);
+        let mut transcription = Transcription::new(program, outer, field, &tableau, task);
+        guess::set_guess(&mut transcription);
+        rows::add(&mut transcription);
+        transcription.finished()
     }
 
     #[test]
@@ -241,14 +262,8 @@ mod tests {
             program.variable_name(length(3)),
             "length of element 3 of interval 0, 0.0000 to 0.2000 s"
         );
-        let mut x = vec![0.0; program.variables()];
-        program.initial_point(&mut x);
-        for (i, value) in x.iter_mut().enumerate() {
-            *value += 0.1 + 0.05 * (i as f64).sin();
-        }
-        let compared = check_derivatives(&mut program, Some(&x)).expect("finite at the start");
-        assert!(compared.iter().all(|entry| !entry.missing));
-        assert!(compared[0].error < 1e-6, "{:?}", compared[0]);
+        let worst = worst_derivative(&mut program);
+        assert!(worst < 1e-6, "{worst:e}");
     }
 
     #[test]
@@ -256,7 +271,7 @@ mod tests {
         let program = landing();
         let vanishes = known_sides(&program).vanishing;
         let at = |e: usize, stage: usize, offset: usize| {
-            let place = program.dcs.layout.algebraic(0, offset);
+            let place = program.field.layout.algebraic(0, offset);
             vanishes[program.elements[e].blocks[stage].variables[place].expect("a variable")]
         };
         // Step functions vanish in the jump only; at its end the normal velocity does, and in contact at every stage.
@@ -275,7 +290,7 @@ mod tests {
             unsigned,
         } = known_sides(&program);
         let variables = |e: usize, stage: usize| {
-            let place = |offset| program.dcs.layout.algebraic(0, offset);
+            let place = |offset| program.field.layout.algebraic(0, offset);
             let block = &program.elements[e].blocks[stage];
             [P, W].map(|offset| block.variables[place(offset)].expect("a variable"))
         };

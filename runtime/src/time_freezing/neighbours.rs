@@ -1,8 +1,8 @@
 //! Sequences of modes next to that of a solution.
 
-use super::modes;
-use super::modes::Mode;
-use super::{SUMS, Transcription, ramps};
+use super::modes::{self, Mode};
+use super::transcription::{SUMS, Transcription};
+use crate::model::held::first_of_stages;
 
 /// Size up to which sums count as zero at an exact point: crossovers satisfy rows of up to ten terms to 1e-9.
 const SOLVED: f64 = 1e-7;
@@ -17,8 +17,8 @@ pub(super) fn shift_switch(
     x: &mut [f64],
     vanishes: &mut [bool],
 ) -> bool {
-    let contacts = transcription.dcs.layout.contacts();
-    if transcription.groups.len() > contacts || transcription.dcs.layout.edges() > 0 {
+    let contacts = transcription.field.layout.contacts();
+    if transcription.groups.len() > contacts || transcription.field.layout.edges() > 0 {
         return false;
     }
     let mut modes = modes::fixed_modes(transcription, vanishes);
@@ -65,7 +65,7 @@ pub(super) fn shift_switch(
             x,
         );
     }
-    ramps::set_controls(transcription, x);
+    set_controls(transcription, x);
     set_sums(transcription, x);
     modes.copy_within(of(source), changed * contacts);
     vanishes.fill(false);
@@ -86,7 +86,7 @@ fn copy_algebraics(
         .zip(&transcription.elements[source].blocks)
         .skip(first);
     for (target, source) in blocks {
-        for k in transcription.dcs.layout.states() + transcription.dcs.layout.controls()
+        for k in transcription.field.layout.states() + transcription.field.layout.controls()
             ..target.variables.len()
         {
             if let (Some(variable), Some(source)) = (target.variables[k], source.variables[k]) {
@@ -96,10 +96,33 @@ fn copy_algebraics(
     }
 }
 
+/// Gives the controls of all blocks the values that nodes and clocks ask for.
+fn set_controls(transcription: &Transcription<'_>, x: &mut [f64]) {
+    let layout = &transcription.field.layout;
+    let duration = transcription.horizon(x) / transcription.task.intervals as f64;
+    let first = first_of_stages(transcription.field.model);
+    for element in &transcription.elements {
+        let interval = &transcription.intervals[element.interval];
+        for block in &element.blocks {
+            let Some(clock) = block.variables[layout.time()] else {
+                continue;
+            };
+            let elapsed = x[clock] - transcription.task.time;
+            let share = elapsed / duration - element.interval as f64;
+            let nodes = interval.controls.iter().zip(&interval.ends).enumerate();
+            for (i, (&before, &after)) in nodes.take(first) {
+                if let Some(control) = block.variables[layout.states() + i] {
+                    x[control] = x[before] + share * (x[after] - x[before]);
+                }
+            }
+        }
+    }
+}
+
 /// Computes the cross complementarity sums.
 fn set_sums(transcription: &Transcription<'_>, x: &mut [f64]) {
     for e in 0..transcription.elements.len() {
-        for contact in 0..transcription.dcs.layout.contacts() {
+        for contact in 0..transcription.field.layout.contacts() {
             for sum in 0..SUMS {
                 x[transcription.elements[e].sums + SUMS * contact + sum] =
                     transcription.sum(x, e, contact, sum);
@@ -164,7 +187,7 @@ fn copy_block(
     }
     let length = from[transcription.elements[source].length].max(f64::MIN_POSITIVE);
     let place = ((share - start) / length).clamp(0.0, 1.0);
-    let states = transcription.dcs.layout.states();
+    let states = transcription.field.layout.states();
     let blocks = &transcription.elements[source].blocks;
     let after = (0..blocks.len())
         .find(|&j| abscissa(transcription, j) >= place)
@@ -184,7 +207,7 @@ fn copy_block(
     let value = |j: usize, k: usize| blocks[j].variables[k].map_or(0.0, |v| from[v]);
     for k in 0..states {
         let before = match after {
-            0 => transcription.start_value(from, source, k),
+            0 => transcription.block_before(source).variables[k].map_or(0.0, |v| from[v]),
             _ => value(after - 1, k),
         };
         if let Some(variable) = target.variables[k] {
@@ -196,7 +219,7 @@ fn copy_block(
         .filter(|&j| blocks[j].boundary == target.boundary)
         .min_by(|i, j| distance(i).total_cmp(&distance(j)))
         .unwrap_or(0);
-    for k in states + transcription.dcs.layout.controls()..target.variables.len() {
+    for k in states + transcription.field.layout.controls()..target.variables.len() {
         if let (Some(variable), Some(source)) = (target.variables[k], blocks[nearest].variables[k])
         {
             to[variable] = from[source];

@@ -28,7 +28,7 @@ pub(super) fn parts(spans: &[Span], count: usize) -> Vec<usize> {
 }
 
 /// The span of each element of all intervals, which have `count` elements each.
-pub(super) fn spans_of_elements(intervals: &[Vec<Span>], count: usize) -> Vec<&Span> {
+pub(crate) fn spans_of_elements(intervals: &[Vec<Span>], count: usize) -> Vec<&Span> {
     let repeated = intervals.iter().flat_map(|spans| {
         let parts = spans.iter().zip(parts(spans, count));
         parts.flat_map(|(span, count)| std::iter::repeat_n(span, count))

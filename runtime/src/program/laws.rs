@@ -2,19 +2,19 @@
 
 /// Variables that are coefficients of the laws of contacts, where those are unknowns; empty where none is.
 #[derive(Debug, Clone, Default)]
-pub(in crate::ocp) struct Laws {
-    pub(in crate::ocp) restitution: Vec<Option<usize>>,
-    pub(in crate::ocp) friction: Vec<Option<usize>>,
+pub(crate) struct Laws {
+    pub(crate) restitution: Vec<Option<usize>>,
+    pub(crate) friction: Vec<Option<usize>>,
 }
 
 impl Laws {
     /// The coefficient of restitution of a contact, if it is an unknown.
-    pub(in crate::ocp) fn restitution(&self, contact: usize) -> Option<usize> {
+    pub(crate) fn restitution(&self, contact: usize) -> Option<usize> {
         self.restitution.get(contact).copied().flatten()
     }
 
     /// The coefficient of friction of a contact, if it is an unknown.
-    pub(in crate::ocp) fn friction(&self, contact: usize) -> Option<usize> {
+    pub(crate) fn friction(&self, contact: usize) -> Option<usize> {
         self.friction.get(contact).copied().flatten()
     }
 }
