@@ -2,7 +2,7 @@
 
 use proc_macro2::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
 use quote::quote;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// Where a piece of the declaration begins and ends.
 #[derive(Debug, Clone, Copy)]
@@ -328,13 +328,42 @@ fn distance(a: &str, b: &str) -> usize {
     rows[a.len()][b.len()]
 }
 
-/// `a, b, c` in backquotes.
+/// Number of names that differ by their indices only up to which each is listed.
+const LISTED: usize = 4;
+
+/// `a, b, c` in backquotes; many that differ by their indices only stand once, as `x[..]`.
 pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    names
+    let names: Vec<(&str, String)> = names
         .into_iter()
-        .map(|name| format!("`{name}`"))
-        .collect::<Vec<_>>()
-        .join(", ")
+        .map(|name| (name, without_indices(name)))
+        .collect();
+    let mut alike = BTreeMap::new();
+    for (_, stem) in &names {
+        *alike.entry(stem.as_str()).or_insert(0) += 1;
+    }
+    let mut listed: Vec<&str> = Vec::new();
+    for (name, stem) in &names {
+        match alike.get_mut(stem.as_str()) {
+            Some(count) if *count > LISTED => {
+                listed.push(stem);
+                *count = 0;
+            }
+            Some(0) => {}
+            _ => listed.push(name),
+        }
+    }
+    let quoted = listed.iter().map(|name| format!("`{name}`"));
+    quoted.collect::<Vec<_>>().join(", ")
+}
+
+/// A name with `..` in the place of its indices.
+fn without_indices(name: &str) -> String {
+    let mut parts = name.split('[');
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| match part.split_once(']') {
+        Some((_, rest)) => text + "[..]" + rest,
+        None => text + "[" + part,
+    })
 }
 
 #[cfg(test)]
@@ -363,6 +392,15 @@ mod tests {
         );
         let short = format!("`{}` is not declared", "c".repeat(LONGEST_NAME));
         assert_eq!(with_short_names(short.clone()), short);
+    }
+
+    #[test]
+    fn names_with_many_indices_are_listed_once() {
+        let x: Vec<String> = (1..=LISTED + 1).map(|k| format!("x[{k}].tip")).collect();
+        let of_x = x.iter().map(String::as_str);
+        let all = || ["g", "z[1]", "z[2]"].into_iter().chain(of_x.clone());
+        assert_eq!(list(all()), "`g`, `z[1]`, `z[2]`, `x[..].tip`");
+        assert_eq!(list(all().take(4)), "`g`, `z[1]`, `z[2]`, `x[1].tip`");
     }
 
     #[test]
