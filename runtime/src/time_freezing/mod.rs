@@ -130,8 +130,15 @@
 //! determines stay equal. Sources: Nurkanovic et al., Numerische Mathematik 2024; Nurkanovic, Pozharskiy,
 //! Frey, Diehl, Nonlinear Analysis: Hybrid Systems 54 (2024).
 //!
+//! All of it is products of unknowns and of functions of the model, so that [`program`](crate::program) knows the derivatives. The
+//! start and the controls are variables that a program has before, given or free; where coordinates are free there, `G_i = g_i(q)` is a
+//! row. Parameters that are unknowns are coordinates without motion, whose variable all stages share, and coefficients of laws factors of
+//! the rows that they stand in. Joints stand in the place of as many rows of collocation, as in all programs.
+//!
 //! A switch of what acts is a friction whose normal force is given: its sign is the difference of the weights against both
-//! directions. While a contact of a known motion is closed, the lifted gap and the normal velocity vanish at every stage. Where the
+//! directions.
+//!
+//! While a contact of a known motion is closed, the lifted gap and the normal velocity vanish at every stage. Where the
 //! normal turns, or the surface moves, coordinates drift off the surface all the same, by the error of the scheme, and a goal that
 //! lies on it may have no motion. Each stage `m` of such a contact has an unknown `mu_m` more, and each end without a stage, and a row:
 //!
