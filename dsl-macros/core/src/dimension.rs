@@ -78,6 +78,8 @@ pub(crate) struct Unifier {
     /// Whose unit each unknown is; empty for numbers that fit anywhere.
     owners: Vec<String>,
     solved: BTreeMap<usize, Dimension>,
+    /// Those of them that hang on unknowns.
+    open: Vec<usize>,
 }
 
 impl Unifier {
@@ -131,10 +133,17 @@ impl Unifier {
             Some(inverse) => rest.power(-inverse),
             None => return false,
         };
-        for known in self.solved.values_mut() {
+        self.open.retain(|open| {
+            let Some(known) = self.solved.get_mut(open) else {
+                return false;
+            };
             if let Some(own) = known.unknown.remove(&pick) {
                 *known = known.combine(&solution, own);
             }
+            !known.unknown.is_empty()
+        });
+        if !solution.unknown.is_empty() {
+            self.open.push(pick);
         }
         self.solved.insert(pick, solution);
         true
