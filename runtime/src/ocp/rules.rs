@@ -38,7 +38,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 24] = [
+pub const RULES: [Rule; 23] = [
     rule(
         Source,
         "sample",
@@ -110,11 +110,6 @@ pub const RULES: [Rule; 24] = [
         Basin,
         "sliding-moved",
         "Changes of friction an interval earlier and later.",
-    ),
-    rule(
-        Basin,
-        "settling",
-        "Bounces that die out as one landing, and the other way round.",
     ),
     rule(Basin, "resting", "A short rest where a contact is touched."),
     rule(

@@ -296,10 +296,6 @@ pub(in crate::ocp) mod neighbours {
     pub(in crate::ocp) const APART: f64 = 2.0 * STUCK;
     /// A contact, or a slip, that is shorter may be no more than a touch, or a rest. Chosen: one interval or little more.
     pub(in crate::ocp) const SHORT: f64 = 1.5;
-    /// Ends of intervals before a landing at which it is tried as a bounce, and most bounces that a landing is tried with in front of it.
-    /// Chosen.
-    pub(in crate::ocp) const BOUNCES_BEFORE: usize = 4;
-    pub(in crate::ocp) const TOUCHES: usize = 2;
     /// Where a moved switch is started, as a distance from the end it came through. Chosen.
     pub(in crate::ocp) const ENTRY: f64 = 0.05;
     /// Half the length of an inserted contact or flight, and that of a second attempt. Chosen.

@@ -7,7 +7,6 @@ use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::neighbours::Neighbour;
 use super::pressure::Pressure;
 use super::resting::{resting, resting_shortly};
-use super::settling::settling;
 use super::simultaneous::simultaneous;
 use super::stationary::{Held, held};
 use super::together::{Insertion, learn_together};
@@ -127,10 +126,9 @@ type Basins = fn(&Pressure) -> Vec<Sequence>;
 
 /// Sequences in other basins, by the rules of the search that are followed; those of the whole motion where it may be the result.
 fn basins(pressure: &Pressure, settings: &Settings, proves: bool) -> Vec<Sequence> {
-    let rules: [(&str, Basins); 6] = [
+    let rules: [(&str, Basins); 5] = [
         ("shortened", neighbours::shortened),
         ("sliding-moved", friction_neighbours::shifted),
-        ("settling", settling),
         ("resting", resting_shortly),
         ("at-nodes", at_nodes),
         ("all-at-once", all_at_once),
