@@ -15,8 +15,8 @@ const TOUCHES: f64 = 1e-6;
 /// Share of the fastest approach so far by which the velocities after the two differ: what a curve in a figure shows.
 const DIFFERS: f64 = 1e-3;
 
-/// Share of the range of a gap, or of the coordinates, up to which it is looked at closer. One whose terms are 1e9 times as large as it ever becomes may be told
-/// from touching by rounding alone, and is not told.
+/// Share of the range of a gap, or of the largest coordinate, up to which it is looked at closer. Chosen: far above [`TOUCHES`], so that what is
+/// left out could be nearly touching only by the rounding of terms 1e9 times as large as the gap.
 const LOOKED_AT: f64 = 1e-3;
 
 /// Share of the terms of a normal velocity that is rounding error.

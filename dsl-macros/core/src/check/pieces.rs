@@ -160,7 +160,8 @@ fn lean(groups: Vec<Vec<Sym>>) -> Result<Vec<Vec<Sym>>, Refusal> {
     if lean.iter().map(Vec::len).sum::<usize>() > 1 && lean.iter().flatten().any(fixed) {
         return Err(Refusal::Fixed);
     }
-    // A piece of two maxima acts in one of them at a time if others of both are never negative together for a size of a sign.
+    // A piece that stands in two maxima acts in one of them at a time where two others, one of each, have a positive sum, as `c - x` and
+    // `c + x` of `max(a, c - |x|)`. Where the sum is negative both act, as equal contacts that share a load.
     let still = |sum: Sym| !graph::depends_on(simplify(sum), Variable::is_coordinate);
     let apart = |one: &Vec<Sym>, other: &Vec<Sym>| {
         let shared = one.iter().any(|piece| other.contains(piece));

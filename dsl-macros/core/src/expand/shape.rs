@@ -122,6 +122,8 @@ impl<'a> Shapes<'a> {
             return Err(self.bodies.diagnostics.syntax(begin, message));
         };
         let (body, whole, span) = self.owner(&statement[1..colon], scope)?;
+        // Where this comes to nothing, a contact of the body without a shape is no second mistake.
+        self.bodies.diagnostics.poison(&format!("shape {body}"));
         let clauses = clauses(&statement[colon + 1..], &words::SHAPE);
         let what = format!("the shape of `{}`", shown(&whole));
         let [kinds @ .., at, angle] = sorted(
@@ -584,6 +586,14 @@ impl<'a> Shapes<'a> {
             .collect();
         match (found.is_empty(), self.bodies.known.contains_key(&whole)) {
             (false, _) => Ok(found),
+            (true, true)
+                if self
+                    .bodies
+                    .diagnostics
+                    .is_poisoned(&format!("shape {whole}")) =>
+            {
+                Err(Reported)
+            }
             (true, true) => {
                 let name = shown(&whole);
                 let message = format!(

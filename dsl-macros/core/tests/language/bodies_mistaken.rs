@@ -224,6 +224,10 @@ const CONTACTS: &[(&str, &str)] = &[
         "E27: body `ball` has no shape above that could touch anything; declare one before, as in `shape ball: circle r`",
     ),
     (
+        "shape ball: <<circel r>> contact ball, ground: inelastic",
+        "E27: `circel` says nothing of the shape of `ball`; did you mean `circle`?",
+    ),
+    (
         "contact block, <<floor>>: inelastic",
         "E27: there is no body `floor` above; declare it before, as in `body floor: mass m, at (x, z)` or `body floor: fixed`",
     ),
