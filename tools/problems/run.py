@@ -106,7 +106,7 @@ def is_best(result, best):
     """Whether a certified value is the best known one, to 1e-4 and to the digits that are published; of an infeasible
     problem, whether it is called so."""
     if best == float("inf"):
-        return result["status"] == "infeasible"
+        return result["status"] in ("infeasible", "locally_infeasible")
     return result["status"] == "solved" and best is not None and result["objective"] <= best + 1e-4 * max(1.0, abs(best))
 
 

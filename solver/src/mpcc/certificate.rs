@@ -48,11 +48,8 @@ const NO_DESCENT: f64 = 1e-6;
 /// Part of a gradient beyond which rates of descent are compared with it: the accuracy of the linear programs.
 const GRADIENT: f64 = 1e-2;
 
-/// How far variables may move, in units of the distance of a side from zero, for that side to vanish.
-const NEIGHBOURHOOD: f64 = 100.0;
-
 /// Gradient of the Lagrangian from which on the multipliers of a point are too rough for a certificate.
-const ROUGH: f64 = 1e-6;
+pub(crate) const ROUGH: f64 = 1e-6;
 
 /// Most linear programs of a part of a certificate.
 const MOST_PROGRAMS: usize = 200;
@@ -227,22 +224,6 @@ impl<'a> Certifier<'a> {
         direction[i] - self.lower[i] > NONE
     }
 
-    /// Whether variable `i` can go to zero near the point, to first order, while the vanishing sides stay zero; `None` if the
-    /// linear program fails.
-    pub(crate) fn can_vanish(&self, i: usize, watch: &mut Watch<'_>) -> Option<bool> {
-        let mut program = self.linear_program(&[]);
-        let distance = -self.lower[i];
-        let most = (NEIGHBOURHOOD * distance).min(1.0);
-        for (lower, upper) in program.lower.iter_mut().zip(&mut program.upper) {
-            *lower = lower.max(-most);
-            *upper = upper.min(most);
-        }
-        program.gradient.fill(0.0);
-        program.gradient[i] = 1.0;
-        let (_, least) = program.solve(watch)?;
-        Some(least <= -0.5 * distance)
-    }
-
     /// Whether variable `i`, which is fixed at zero but belongs to no pair, can stay there: it has a multiplier of the right sign,
     /// or no room.
     fn stays(&self, i: usize) -> bool {
@@ -345,7 +326,16 @@ impl<'a> Certifier<'a> {
         watch: &mut Watch<'_>,
     ) -> Option<Option<Vec<f64>>> {
         let mut program = whole.clone();
-        let mut open = vec![(Vec::new(), Some(first))];
+        // the sides that the program without the pairs leaves the smaller ones come first: most descents keep them
+        let smaller = |&(i, j): &(usize, usize)| {
+            if first[i] - whole.lower[i] <= first[j] - whole.lower[j] {
+                i
+            } else {
+                j
+            }
+        };
+        let nearest: Vec<usize> = part.pairs.iter().map(smaller).collect();
+        let mut open = vec![(Vec::new(), Some(first)), (nearest, None)];
         let (mut programs, mut is_proved) = (0, true);
         while let Some((decided, known)) = open.pop() {
             if programs >= MOST_PROGRAMS || watch.stop.is_some() {

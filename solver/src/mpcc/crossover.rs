@@ -1,12 +1,12 @@
 //! From the relaxed solution to an exact one: fix one side of each pair and solve the smooth program.
 
 use super::branch::{Attempt, solve_branch};
-use super::certificate::{Certifier, StationarityType};
+use super::certificate::{Certifier, ROUGH, StationarityType};
 use super::forced::mark_forced;
 use super::sides::choose_sides;
 use super::watch::Watch;
 use super::{Certificate, Mpcc, Residuals, Settings, Solution, Status};
-use crate::nlp;
+use crate::nlp::{self, Variant};
 
 /// A paired variable below this counts as zero.
 const ZERO: f64 = 1e-7;
@@ -58,6 +58,10 @@ impl Exact {
             vanishes,
             repairs: 0,
         }
+    }
+
+    fn is_certified(&self) -> bool {
+        self.certificate.b_stationary == Some(true)
     }
 
     /// Writes the point to a solution and returns the choice of sides.
@@ -289,7 +293,8 @@ const NEIGHBOUR_ITERATIONS: usize = 150;
 const NEIGHBOUR_PART: usize = 4;
 
 /// Tries the neighbours of a certified point that the problem knows of, in their order, and goes on from each that
-/// is certified and better, until none is, [`Settings::maximum_neighbours`] are tried, or their iterations are used up.
+/// is certified and better, until none is, [`Settings::maximum_neighbours`] are tried, or their iterations are used up. Whether it
+/// knows any.
 pub(crate) fn improve(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -320,14 +325,10 @@ pub(crate) fn improve(
             }
             solution.neighbours += 1;
             mark_forced(problem, &start.x, &mut sides);
-            let point = solve_branch(problem, settings, &sides, &start, NEAR[0], watch);
-            let least =
-                10.0 * settings.interior_point.tolerance * solution.objective.abs().max(1.0);
-            let Some(point) = point.filter(|p| p.objective < solution.objective - least) else {
-                continue;
-            };
-            let next = Exact::new(problem, settings, sides, point, watch);
-            if next.certificate.b_stationary == Some(true) {
+            let from = (sides, &start, &NEAR[..1]);
+            if let Some(next) = lower(problem, settings, solution.objective, from, watch)
+                && next.is_certified()
+            {
                 *vanishes = next.describe(problem, solution);
                 improved = true;
             }
@@ -336,6 +337,45 @@ pub(crate) fn improve(
             return;
         }
     }
+}
+
+/// The exact point of a choice of sides where it is lower than an objective by more than what its accuracy leaves.
+fn lower(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    than: f64,
+    (sides, start, attempts): (Vec<bool>, &nlp::WarmStart, &[Attempt]),
+    watch: &mut Watch<'_>,
+) -> Option<Exact> {
+    let mut attempts = attempts.iter();
+    let point = attempts
+        .find_map(|&attempt| solve_branch(problem, settings, &sides, start, attempt, watch))?;
+    let least = 10.0 * settings.interior_point.tolerance * than.abs().max(1.0);
+    (point.objective < than - least).then(|| Exact::new(problem, settings, sides, point, watch))
+}
+
+/// Crosses over from a relaxed solution to a certified point that is better than the one known, with repairs, and takes it; whether there
+/// is one.
+pub(crate) fn cross_lower(
+    problem: &mut dyn Mpcc,
+    settings: &Settings,
+    relaxed: &nlp::Solution,
+    known: &mut Solution,
+    watch: &mut Watch<'_>,
+) -> bool {
+    let start = nlp::WarmStart::from_solution(relaxed);
+    let sides = choose(problem, &start);
+    let from = (sides, &start, &FINAL[..]);
+    let Some(exact) = lower(problem, settings, known.objective, from, watch) else {
+        return false;
+    };
+    let exact = descend(problem, settings, exact, &NEAR, watch);
+    let is_better = exact.is_certified();
+    if is_better {
+        known.repairs = exact.repairs;
+        exact.describe(problem, known);
+    }
+    is_better
 }
 
 /// Multipliers of fixed sides have either sign; one number says it.
@@ -353,6 +393,9 @@ fn clean(problem: &dyn Mpcc, vanishes: &[bool], solution: &mut nlp::Solution) {
 /// Sides up to this many roots of the barrier parameter may vanish at the solution: a side with a zero multiplier ends at
 /// `sqrt(mu / h)`, `h` the curvature of the Lagrangian along it.
 const NEARNESS: f64 = 1e3;
+/// Share of its distance from zero that a side has to go to the end of the path for it to vanish there: half of what it goes where
+/// its multiplier vanishes as well.
+const GOES: f64 = 0.25;
 /// Sides of this many roots of it that no program could be solved without are positive.
 const CLEAR: f64 = 10.0;
 /// Sides larger than this never vanish.
@@ -387,6 +430,8 @@ struct Judge<'s> {
     failures: usize,
     /// Objective of the point whose descent led here: a path that came down from there does not go back.
     left: f64,
+    /// Steps of the variables from the point to the end of its path, empty where they tell nothing; `None` before anybody asks.
+    to_end: Option<Vec<f64>>,
 }
 
 impl<'s> Judge<'s> {
@@ -414,6 +459,7 @@ impl<'s> Judge<'s> {
             trials: 0,
             failures: 0,
             left: f64::INFINITY,
+            to_end: None,
         }
     }
 
@@ -424,9 +470,41 @@ impl<'s> Judge<'s> {
         self.point.barrier_parameter.max(product).sqrt()
     }
 
+    /// Whether side `i` is small on the scale of the path.
+    fn is_small(&self, i: usize) -> bool {
+        self.point.x[i] <= (NEARNESS * self.root(i)).clamp(ZERO, MOST_NEAR)
+    }
+
     /// Whether side `i` may vanish where the path goes to.
     fn is_near(&self, i: usize) -> bool {
-        self.point.x[i] <= (NEARNESS * self.root(i)).clamp(ZERO, MOST_NEAR)
+        let x = self.point.x[i];
+        let goes = self.to_end.as_ref().and_then(|steps| steps.get(i));
+        x <= ZERO || self.is_small(i) && goes.is_none_or(|step| -step >= GOES * x)
+    }
+
+    /// Looks where the path goes to, if a pair hangs on it.
+    fn look_ahead(&mut self, problem: &mut dyn Mpcc, watch: &mut Watch<'_>) {
+        let hangs = |k: usize| {
+            let (i, j) = self.pairs[k];
+            self.open[k] && self.is_doubtful(k) && self.is_small(i) && self.is_small(j)
+        };
+        if self.to_end.is_some() || !(0..self.pairs.len()).any(hangs) {
+            return;
+        }
+        let steps = if self.point.residuals.dual <= ROUGH {
+            let mut branch = Variant {
+                fixed: self.vanishes.clone(),
+                ..Variant::of(problem)
+            };
+            let settings = &self.settings.interior_point;
+            let start = nlp::WarmStart::from_solution(&self.point);
+            let (steps, factorizations) = nlp::end_of_path(&mut branch, settings, &start);
+            watch.factorizations += factorizations;
+            steps
+        } else {
+            None
+        };
+        self.to_end = Some(steps.unwrap_or_default());
     }
 
     /// Whether pair `k` may be biactive, though a side is not zero.
@@ -486,6 +564,7 @@ impl<'s> Judge<'s> {
     /// The certificate without the pairs that leave nothing to decide.
     fn certify_open(&mut self, problem: &mut dyn Mpcc, watch: &mut Watch<'_>) -> Certificate {
         loop {
+            self.look_ahead(problem, watch);
             let x = &self.point.x;
             let biactive: Vec<usize> = (0..self.pairs.len())
                 .filter(|&k| {
@@ -538,21 +617,7 @@ impl<'s> Judge<'s> {
                 }
                 doubtful = used;
             }
-            // pairs that are not biactive to first order need no trial
-            let (pairs, x) = (&self.pairs, &self.point.x);
-            let larger = |k: usize| {
-                let (i, j) = pairs[k];
-                if x[i] > x[j] { i } else { j }
-            };
-            let (apart, doubtful): (Vec<usize>, Vec<usize>) = doubtful
-                .into_iter()
-                .partition(|&k| certifier.can_vanish(larger(k), watch) == Some(false));
-            for k in apart {
-                self.open[k] = false;
-            }
-            if !doubtful.is_empty() {
-                self.decide(problem, &doubtful, watch);
-            }
+            self.decide(problem, &doubtful, watch);
         }
     }
 
@@ -621,7 +686,7 @@ impl<'s> Judge<'s> {
         let distance = point.x.iter().zip(&self.point.x);
         let distance = distance.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
         if both {
-            (self.point, self.vanishes) = (point, vanishes);
+            (self.point, self.vanishes, self.to_end) = (point, vanishes, None);
             Some(true)
         } else if distance <= RADIUS {
             Some(false)

@@ -77,6 +77,7 @@ mod parts;
 mod problem;
 mod ray;
 mod relaxation;
+mod reprise;
 mod run;
 mod second_round;
 mod sensitivity;

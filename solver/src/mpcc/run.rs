@@ -9,11 +9,21 @@ use crate::nlp::{self, BarrierPath, InputError, Products};
 
 /// `sigma` and tolerance at which a relaxed run pauses for a first crossover. Fixed sides are reliable
 /// from about `sigma = 1e-4` on; the roll-off rule passes that at `mu = 2e-6`.
-const PAUSE_RELAXATION: f64 = 1e-5;
+pub(crate) const PAUSE_RELAXATION: f64 = 1e-5;
 const PAUSE_TOLERANCE: f64 = 2e-5;
 
+/// Settings of a run up to a pause.
+pub(crate) fn paused(interior_point: &nlp::Settings) -> nlp::Settings {
+    nlp::Settings {
+        tolerance: PAUSE_TOLERANCE,
+        acceptable_tolerance: interior_point.acceptable_tolerance.max(PAUSE_TOLERANCE),
+        constraint_tolerance: interior_point.constraint_tolerance.max(PAUSE_TOLERANCE),
+        ..interior_point.clone()
+    }
+}
+
 /// A path by a rule from `(mu, sigma)` on.
-fn make_path(
+pub(crate) fn make_path(
     rule: RelaxationRule,
     (mu, sigma): (f64, f64),
     tolerance: f64,
@@ -61,13 +71,7 @@ pub(crate) fn solve_with(
         && settings.final_relaxation < PAUSE_RELAXATION
         && interior_point.tolerance < PAUSE_TOLERANCE;
     let (first, floor) = if pauses {
-        let early = nlp::Settings {
-            tolerance: PAUSE_TOLERANCE,
-            acceptable_tolerance: interior_point.acceptable_tolerance.max(PAUSE_TOLERANCE),
-            constraint_tolerance: interior_point.constraint_tolerance.max(PAUSE_TOLERANCE),
-            ..interior_point.clone()
-        };
-        (early, PAUSE_RELAXATION)
+        (paused(interior_point), PAUSE_RELAXATION)
     } else {
         (interior_point.clone(), settings.final_relaxation)
     };

@@ -4,6 +4,7 @@ use super::crossover::improve;
 use super::decided::decided_sides;
 use super::finish::{BINDING, Ended, compare};
 use super::moved::start_within_rows;
+use super::reprise::reprise;
 use super::run::solve_with;
 use super::second_round::second_round;
 use super::watch::Watch;
@@ -297,9 +298,9 @@ fn solve_stated(
         // cut short before other rules could tell
         best.solution.status = Status::Failed(stop);
     }
-    let best = best.map(|ended| complete(problem, settings, ended, watch));
     // the list of rules is not empty
-    best.ok_or_else(no_rules)
+    let best = best.ok_or_else(no_rules)?;
+    complete(problem, settings, best, watch)
 }
 
 fn no_rules() -> InputError {
@@ -316,7 +317,7 @@ fn complete(
     settings: &Settings,
     ended: Ended,
     watch: &mut Watch<'_>,
-) -> Solution {
+) -> Result<Solution, InputError> {
     let Ended {
         mut solution,
         mut vanishes,
@@ -324,11 +325,18 @@ fn complete(
     } = ended;
     if solution.status.is_solved() {
         improve(problem, settings, &mut solution, &mut vanishes, watch);
+        let knows_neighbours = {
+            let (mut x, mut sides) = (solution.x.clone(), vanishes.clone());
+            problem.neighbour(0, &mut x, &mut sides)
+        };
+        if settings.second_opinion && settings.crossover && !knows_neighbours {
+            reprise(problem, settings, &mut solution, watch)?;
+        }
     } else if watch.stop == Some(nlp::Status::Interrupted) {
         // whoever interrupts has to see it
         solution.status = Status::Failed(nlp::Status::Interrupted);
     }
-    with_totals(solution, watch)
+    Ok(with_totals(solution, watch))
 }
 
 /// A solution with what all runs so far took.

@@ -72,5 +72,5 @@ pub(crate) use cone::{Astray, Cone, OFF_CONE};
 pub(crate) use least_squares::violation;
 pub(crate) use method::barrier::{BarrierPath, Level, Monotone, PathStep, next_barrier_parameter};
 pub(crate) use products::Products;
-pub(crate) use run::run;
+pub(crate) use run::{end_of_path, run};
 pub(crate) use variant::Variant;

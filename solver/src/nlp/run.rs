@@ -77,6 +77,27 @@ pub(super) fn run_after<'o>(
     Ok((solution(core, &end, products), ended))
 }
 
+/// Steps of the variables from a solution to the end of its central path, where the barrier parameter is zero, to first order, and
+/// the factorizations that they took. A variable at a bound with a positive multiplier goes all its distance; where the multiplier
+/// vanishes as well, half of it; one that ends inside its bounds stays (El-Bakry, Tapia and Zhang, SIAM Review 36, 1994). `None` where the path is not that of a convex neighbourhood.
+pub(crate) fn end_of_path(
+    problem: &mut dyn NlpProblem,
+    settings: &Settings,
+    point: &WarmStart,
+) -> (Option<Vec<f64>>, usize) {
+    let settings = Settings {
+        bound_push: f64::MIN_POSITIVE,
+        bound_fraction: f64::MIN_POSITIVE,
+        ..settings.clone()
+    };
+    let formulation = Formulation::new(problem, &[], Some(&point.x));
+    let core = formulation.and_then(|formulation| Core::new(formulation, &settings, None));
+    core.map_or((None, 0), |mut core| {
+        let steps = method::end_of_path(&mut core, point);
+        (steps, core.kkt.factorizations)
+    })
+}
+
 fn check_warm_start(problem: &dyn NlpProblem, start: &WarmStart) -> Result<(), InputError> {
     let (n, m) = (problem.variables(), problem.constraints());
     for (what, expected, found) in [

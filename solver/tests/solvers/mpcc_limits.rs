@@ -24,6 +24,13 @@ fn solve_within(settings: &Settings) -> Solution {
     mpcc::solve(&mut PROBLEM.clone(), settings).unwrap()
 }
 
+/// Settings of a solve that ends with its first certified point.
+fn first_opinion() -> Settings {
+    let mut settings = Settings::default();
+    settings.second_opinion = false;
+    settings
+}
+
 #[test]
 fn observer_sees_the_iterations_of_all_runs() {
     let (mut crossovers, mut certificates) = (0, 0);
@@ -45,7 +52,7 @@ fn observer_sees_the_iterations_of_all_runs() {
 
 #[test]
 fn observer_interrupts_wherever_the_solve_is() {
-    let free = solve_within(&Settings::default());
+    let free = solve_within(&first_opinion());
     let total = free.iterations + free.certificate_iterations;
     for allowed in 0..total {
         let mut lines = 0;
@@ -54,8 +61,7 @@ fn observer_interrupts_wherever_the_solve_is() {
             lines <= allowed
         };
         let solution =
-            mpcc::solve_observed(&mut PROBLEM.clone(), &Settings::default(), &mut observer)
-                .unwrap();
+            mpcc::solve_observed(&mut PROBLEM.clone(), &first_opinion(), &mut observer).unwrap();
         assert_eq!(
             solution.status,
             Status::Failed(nlp::Status::Interrupted),
@@ -68,10 +74,10 @@ fn observer_interrupts_wherever_the_solve_is() {
 
 #[test]
 fn iteration_limit_bounds_the_whole_solve() {
-    let free = solve_within(&Settings::default());
+    let free = solve_within(&first_opinion());
     let total = free.iterations + free.certificate_iterations;
     for limit in 1..=total {
-        let mut settings = Settings::default();
+        let mut settings = first_opinion();
         settings.maximum_iterations = limit;
         let solution = solve_within(&settings);
         let spent = solution.iterations + solution.certificate_iterations;
@@ -83,6 +89,22 @@ fn iteration_limit_bounds_the_whole_solve() {
             status => status == Status::Failed(nlp::Status::IterationLimit),
         };
         assert!(expected, "{limit} of {total}: {}", solution.status);
+    }
+}
+
+#[test]
+fn second_opinion_cut_short_leaves_the_certified_point() {
+    let spent = |solution: &Solution| solution.iterations + solution.certificate_iterations;
+    let first = solve_within(&first_opinion());
+    let total = spent(&solve_within(&Settings::default()));
+    assert!(total > spent(&first));
+    for limit in spent(&first)..=total {
+        let mut settings = Settings::default();
+        settings.maximum_iterations = limit;
+        let solution = solve_within(&settings);
+        assert!(spent(&solution) <= limit);
+        assert_eq!(solution.status, Status::Solved, "{limit} of {total}");
+        assert!(solution.objective <= first.objective);
     }
 }
 

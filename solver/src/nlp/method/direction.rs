@@ -44,3 +44,38 @@ pub(super) fn find_direction(state: &mut State<'_, '_, '_, '_>) -> bool {
     }
     false
 }
+
+/// The Newton step to barrier parameter zero, in place of the one to that of the state; `false` where the Hessian needs a shift, so
+/// that the step is not that of the path.
+pub(super) fn find_end_of_path(state: &mut State<'_, '_, '_, '_>) -> bool {
+    let core = &mut *state.core;
+    let (problem, point) = (&state.problem, &state.point);
+    core.kkt
+        .evaluate_hessian(&mut core.formulation, problem, &point.iterate);
+    if !core.kkt.is_finite() {
+        return false;
+    }
+    core.kkt.assemble(problem, &point.iterate, state.mu, false);
+    let dual_shift = core.settings.permanent_dual_shift;
+    let inertia = &mut state.shifts.inertia;
+    if !inertia.factorize(
+        &mut core.kkt,
+        problem,
+        &point.iterate,
+        state.mu,
+        0.0,
+        dual_shift,
+    ) || inertia.delta_w > 0.0
+    {
+        return false;
+    }
+    let residual = core.kkt.direction(
+        problem,
+        &point.iterate,
+        &point.lagrangian,
+        &point.values.residual,
+        0.0,
+        &mut state.work.direction,
+    );
+    residual <= 1e-5 && is_finite(&state.work.direction.v)
+}

@@ -89,3 +89,30 @@ fn run_once(
     };
     Ok((end, stays))
 }
+
+/// Steps of the variables from a point of a central path to its end; `None` where the path is not that of a convex neighbourhood.
+pub(super) fn end_of_path(core: &mut Core<'_, '_>, start: &WarmStart) -> Option<Vec<f64>> {
+    let main = BarrierProblem::main(&core.formulation);
+    let mut path = barrier::Monotone {
+        mu: start.barrier_parameter,
+        sigma: 0.0,
+        tolerance: core.settings.tolerance,
+    };
+    let mut state = State::new(core, main, &mut path, false);
+    start::first_point(&mut state);
+    if !state.evaluate_iterate() {
+        return None;
+    }
+    start::first_multipliers(&mut state, Some(start), &Products::default());
+    state.evaluate_first_derivatives();
+    state.update_lagrangian();
+    if !direction::find_end_of_path(&mut state) {
+        return None;
+    }
+    let mut steps = vec![0.0; start.x.len()];
+    let formulation = &state.core.formulation;
+    for (&user, d) in formulation.variables.iter().zip(&state.work.direction.v) {
+        steps[user] = *d;
+    }
+    Some(steps)
+}
