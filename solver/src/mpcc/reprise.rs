@@ -34,6 +34,10 @@ const REPRISES: [Reprise; 2] = [
     },
 ];
 
+/// Pairs up to which the first certified point is left: of 430 programs with so few, among them random ones, a reprise leads to a better
+/// optimum of one, and doubles the iterations.
+const FEW: usize = 16;
+
 /// Iterations that reprises may take at least, and at most as a part of those before.
 const ITERATIONS: usize = 300;
 const PART: usize = 1;
@@ -49,8 +53,8 @@ pub(crate) fn reprise(
 ) -> Result<(), InputError> {
     let mut gradient = vec![0.0; solution.x.len()];
     problem.gradient(&solution.x, &mut gradient);
-    if norm_inf(&gradient) == 0.0 {
-        // any feasible point is as good
+    // without a gradient any feasible point is as good
+    if problem.complementarities().len() <= FEW || norm_inf(&gradient) == 0.0 {
         return Ok(());
     }
     let limit = watch.used() + ITERATIONS.max(watch.used() / PART);

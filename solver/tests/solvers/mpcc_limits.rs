@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
+use crate::mpcc_problems::hysteresis;
 use crate::solver_support::{TextProblem, read_problems};
 use hangtime_solver::mpcc::{self, Settings, Solution, Status};
 use hangtime_solver::nlp::{self, IterationInfo};
@@ -22,13 +23,6 @@ static PROBLEM: LazyLock<TextProblem> = LazyLock::new(|| {
 
 fn solve_within(settings: &Settings) -> Solution {
     mpcc::solve(&mut PROBLEM.clone(), settings).unwrap()
-}
-
-/// Settings of a solve that ends with its first certified point.
-fn first_opinion() -> Settings {
-    let mut settings = Settings::default();
-    settings.second_opinion = false;
-    settings
 }
 
 #[test]
@@ -52,7 +46,7 @@ fn observer_sees_the_iterations_of_all_runs() {
 
 #[test]
 fn observer_interrupts_wherever_the_solve_is() {
-    let free = solve_within(&first_opinion());
+    let free = solve_within(&Settings::default());
     let total = free.iterations + free.certificate_iterations;
     for allowed in 0..total {
         let mut lines = 0;
@@ -61,7 +55,8 @@ fn observer_interrupts_wherever_the_solve_is() {
             lines <= allowed
         };
         let solution =
-            mpcc::solve_observed(&mut PROBLEM.clone(), &first_opinion(), &mut observer).unwrap();
+            mpcc::solve_observed(&mut PROBLEM.clone(), &Settings::default(), &mut observer)
+                .unwrap();
         assert_eq!(
             solution.status,
             Status::Failed(nlp::Status::Interrupted),
@@ -74,10 +69,10 @@ fn observer_interrupts_wherever_the_solve_is() {
 
 #[test]
 fn iteration_limit_bounds_the_whole_solve() {
-    let free = solve_within(&first_opinion());
+    let free = solve_within(&Settings::default());
     let total = free.iterations + free.certificate_iterations;
     for limit in 1..=total {
-        let mut settings = first_opinion();
+        let mut settings = Settings::default();
         settings.maximum_iterations = limit;
         let solution = solve_within(&settings);
         let spent = solution.iterations + solution.certificate_iterations;
@@ -95,13 +90,17 @@ fn iteration_limit_bounds_the_whole_solve() {
 #[test]
 fn second_opinion_cut_short_leaves_the_certified_point() {
     let spent = |solution: &Solution| solution.iterations + solution.certificate_iterations;
-    let first = solve_within(&first_opinion());
-    let total = spent(&solve_within(&Settings::default()));
+    let problem = hysteresis(20);
+    let solve = |settings: &Settings| mpcc::solve(&mut problem.clone(), settings).unwrap();
+    let mut first = Settings::default();
+    first.second_opinion = false;
+    let first = solve(&first);
+    let total = spent(&solve(&Settings::default()));
     assert!(total > spent(&first));
     for limit in spent(&first)..=total {
         let mut settings = Settings::default();
         settings.maximum_iterations = limit;
-        let solution = solve_within(&settings);
+        let solution = solve(&settings);
         assert!(spent(&solution) <= limit);
         assert_eq!(solution.status, Status::Solved, "{limit} of {total}");
         assert!(solution.objective <= first.objective);
