@@ -40,11 +40,13 @@
 //! with a small radius `r`: bounds count with their distances, so that none has to be called active. The same program is asked
 //! where multipliers hold nothing: of the wrong sign, or of rows away from their bounds, by `|y|` times the distance; a variable that measures
 //! such a row moves in units of its own size there. A side with a zero
-//! multiplier ends at `sqrt(mu)`, not at zero. So all pairs whose sides are small on the scale of the central path count as
-//! biactive; where the verdict hangs on one of them, the program with both sides at zero decides whether it is.
+//! multiplier ends at `sqrt(mu)`, not at zero. Which of the small sides vanish a Newton step to the end of the central path tells,
+//! `mu = 0`: one with a positive multiplier goes all its distance, one without half of it, one that is positive stays. Where the
+//! verdict hangs on a pair with such a side, the program with both sides at zero decides.
 //!
 //! None means B-stationary: certified. A direction leads to another choice of sides and a lower point. Last, choices
-//! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective.
+//! next to the certified one that the problem knows of ([`Mpcc::neighbour`]) are tried for a better objective; where it knows none and
+//! has many pairs, the certified point is relaxed again, and what is lower goes on: a *second opinion*.
 //!
 //! Where no rule ends at a certified point, a *second round* crosses over with many more iterations from where they ended: from
 //! these ends first, then from exact points near these that are found without the objective. Its programs often have no multipliers (vanishing elements,

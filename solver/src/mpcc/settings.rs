@@ -36,7 +36,9 @@ pub struct Settings {
     pub rules: Vec<RelaxationRule>,
     /// Whether the rule after the one that ends at a certified point is tried too, for a better objective, where the
     /// sides that the relaxed problem had chosen at the first crossover could not be met; default true. The relaxed
-    /// solution was none of the complementarity problem then, and the point found from there often is a poor one.
+    /// solution was none of the complementarity problem then, and the point found from there often is a poor one. And whether a
+    /// certified point of more than 16 pairs, of a problem that knows no neighbours, is relaxed again for a better one, which takes as many
+    /// iterations as before at most, or 300.
     pub second_opinion: bool,
     /// Last `sigma`; default 1e-8, > 0.
     pub final_relaxation: f64,
