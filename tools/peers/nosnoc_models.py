@@ -121,8 +121,8 @@ def simulations():
     fine = ((3, 5, 2), (3, 11, 2), (3, 23, 3))
     yield Simulated("crossing", "crossing", x, [(x, [3], [1])], [-1], 2, [3])
     yield Simulated("sliding mode", "sliding", y, [(y[0], [-0.5, 1], [1.5, -1])], [1, 0], 4, [0, 3])
-    yield Simulated("sliding mode that is left", "leaving-sliding", y, [(y[0], [y[1] - 1, 1], [y[1] + 1, 1])], [0.3, 0], 2, [0.5, 2])
-    yield Simulated("sliding mode, unstable", "unstable-sliding", x, [(x, [1], [-1])], [0], 1, [0])
+    yield Simulated("sliding mode that is left", "leaving-sliding", y, [(y[0], [y[1] - 1, 1], [y[1] + 1, 1])], [0.3, 0], 2, [0.5])
+    yield Simulated("sliding mode, unstable", "unstable-sliding", x, [(x, [1], [-1])], [0], 1, [0], published="no motion is the only one")
     end = [exp(late) * cos(w * late), exp(late) * sin(w * late)]
     own = "29 steps of 2 elements"
     yield Simulated("oscillator", "spiral", y, [(y[0] ** 2 + y[1] ** 2 - 1, outside, inside)], [exp(-1), 0], pi / 2, end, ((3, 29, 2), (4, 29, 2)), own)
