@@ -1,6 +1,8 @@
 """nosnoc's examples, and some of hangtime's, as nosnoc (Python) wants them: regions and fields by hand.
 
-Running costs are states, so that objectives are those of the motion alone, and stand still where time does.
+Running costs are states, so that objectives are those of the motion alone, without what nosnoc adds for equal steps, and stand still where time does.
+Nothing here is nosnoc's text; where its own statement differs: feet of the hopper may slip as its friction lets them, its path is a parabola in time
+rather than a value an interval, and levels of tanks hold back what flows into them from 0.5 on, as in the paper the cascade is from.
 """
 
 from dataclasses import dataclass, field
@@ -67,12 +69,6 @@ def box(*limits):
     """Lower and upper bounds of pairs, or of numbers that hold on both sides."""
     pairs = [limit if isinstance(limit, tuple) else (-limit, limit) for limit in limits]
     return np.array([low for low, _ in pairs], dtype=float), np.array([high for _, high in pairs], dtype=float)
-
-
-def path(chosen):
-    """Conditions on the way hold at each element."""
-    chosen.g_path_at_fe = True
-    return chosen
 
 
 # What is simulated.
