@@ -146,7 +146,7 @@ def simulated(program, example):
     for name, more in (("hangtime", ()), ("hangtime, complementarity", ("--formulation", "complementarity"))):
         runs = [called(program, "simulate", example, *more) for _ in range(REPEATED)]
         document, seconds = min(runs, key=lambda run: run[1])
-        error = max(abs(end_of(document)[: len(wanted)] - wanted)) if "final" in document else None
+        error = max(abs(end_of(document)[: len(wanted)] - wanted)) if document["status"] == "solved" else None
         counts = document.get("iterations", {})
         yield name, "", error, counts.get("interior_point") or counts.get("newton"), seconds, document["status"]
 
