@@ -129,7 +129,27 @@ def race_car():
     return switched(rates, lambda y: abs(y[1]) - 1, -1.0, [0.0, 0.0, 0.0, 2.0], 8.0)
 
 
+def relay_feedback():
+    """The third-order system of `scenes/relay-feedback.hang`: it slides where x = 0 and |y| < 1, by the part y of its relay."""
+
+    def rates(x, side):
+        sign = x[1] if side == 0 else side
+        return [0.0 if side == 0 else -3.5 * x[0] + x[1] - sign, -627.5 * x[0] + x[2] + 2 * sign, -625 * x[0] - sign]
+
+    time, x, side, log = 0.0, np.array([0.0, -0.001, -0.02]), 0, []
+    while True:
+        ends = (lambda t, x: abs(x[1]) - 1) if side == 0 else (lambda t, x, begun=time: x[0] if t > begun + 1e-9 else side)
+        ends.terminal = True
+        run = solve_ivp(lambda t, x, side=side: rates(x, side), (time, 10.0), x, events=ends, max_step=1e-3, **TOLERANCE)
+        time, x = run.t[-1], run.y[:, -1]
+        if run.status == 0:
+            return x, log
+        log.append(float(time))
+        x[0] = 0.0
+        side = int(copysign(1, x[1])) if abs(x[1]) >= 1 - 1e-12 else 0
+
+
 if __name__ == "__main__":
     np.set_printoptions(precision=13)
-    for scene in (bouc_wen, bouc_wen_from_rest, converter, voice_coil, race_car):
+    for scene in (bouc_wen, bouc_wen_from_rest, converter, voice_coil, race_car, relay_feedback):
         print(scene.__name__, scene())
