@@ -402,10 +402,6 @@ const CLEAR: f64 = 10.0;
 const MOST_NEAR: f64 = 1e-2;
 /// Radius of the linear programs of the certificate, so that such sides can be left.
 const RADIUS: f64 = 0.1;
-/// Most programs that decide whether sides vanish.
-const MOST_TRIALS: usize = 20;
-/// Most of them that cannot be solved: where one fails, those beside it do as well.
-const MOST_FAILURES: usize = 5;
 
 /// Decides which pairs of a solved branch are biactive, and certifies it.
 ///
@@ -425,9 +421,6 @@ struct Judge<'s> {
     forced: Vec<usize>,
     /// Pairs of which it could not be decided.
     undecided: Vec<bool>,
-    trials: usize,
-    /// Trials that could not be solved.
-    failures: usize,
     /// Objective of the point whose descent led here: a path that came down from there does not go back.
     left: f64,
     /// Steps of the variables from the point to the end of its path, empty where they tell nothing; `None` before anybody asks.
@@ -456,8 +449,6 @@ impl<'s> Judge<'s> {
             pairs,
             point,
             vanishes,
-            trials: 0,
-            failures: 0,
             left: f64::INFINITY,
             to_end: None,
         }
@@ -637,17 +628,12 @@ impl<'s> Judge<'s> {
         pairs.iter().copied().filter(|&k| is_forced(k)).collect()
     }
 
-    /// Decides whether these pairs vanish: together, or else one by one until the first that does.
+    /// Decides whether these pairs vanish, together.
     fn decide(&mut self, problem: &mut dyn Mpcc, doubtful: &[usize], watch: &mut Watch<'_>) {
-        if doubtful.len() > 1 && self.vanish(problem, doubtful, watch) == Some(true) {
-            return;
-        }
-        for &k in doubtful {
-            match self.vanish(problem, &[k], watch) {
-                Some(true) => return,
-                Some(false) => self.open[k] = false,
-                None => self.undecided[k] = true,
-            }
+        match self.vanish(problem, doubtful, watch) {
+            Some(true) => {}
+            Some(false) if doubtful.len() == 1 => self.open[doubtful[0]] = false,
+            _ => doubtful.iter().for_each(|&k| self.undecided[k] = true),
         }
     }
 
@@ -659,10 +645,6 @@ impl<'s> Judge<'s> {
         pairs: &[usize],
         watch: &mut Watch<'_>,
     ) -> Option<bool> {
-        if self.trials >= MOST_TRIALS || self.failures >= MOST_FAILURES {
-            return None;
-        }
-        self.trials += 1;
         let mut vanishes = self.vanishes.clone();
         let mut start = nlp::WarmStart::from_solution(&self.point);
         for &k in pairs {
@@ -672,9 +654,7 @@ impl<'s> Judge<'s> {
             }
         }
         mark_forced(problem, &start.x, &mut vanishes);
-        let point = solve_branch(problem, self.settings, &vanishes, &start, PAUSED[0], watch);
-        self.failures += usize::from(point.is_none());
-        let mut point = point?;
+        let mut point = solve_branch(problem, self.settings, &vanishes, &start, PAUSED[0], watch)?;
         clean(problem, &vanishes, &mut point);
         // what is left on the central path: a product for each bound
         let products = (point.x.len() + point.multipliers.len()) as f64;
