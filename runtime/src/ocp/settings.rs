@@ -9,6 +9,7 @@ use crate::ocp::rules;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
+use crate::time_freezing::task::CrossComplementarity;
 
 /// Starts of the search in phases, unless others are asked for: one, and two that bring nothing.
 const STARTS: usize = 3;
@@ -126,6 +127,8 @@ pub struct TimeFreezingSettings {
     /// interval should be able to hold; a touchdown is two (the jump has a beginning and an end). Where a contact bounces,
     /// there is one more ([`elements_of`](Self::elements_of)): its jump is a fall and a rise.
     pub elements: usize,
+    /// Which pairs keep modes the same over an element; default [`CrossComplementarity::FeFe`].
+    pub cross_complementarity: CrossComplementarity,
     /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default 20, > 0. Of the
     /// order of the contact accelerations, so that the step functions stay away from 0 and 1.
     pub auxiliary_acceleration: f64,
@@ -155,6 +158,7 @@ impl Default for TimeFreezingSettings {
             scheme: Scheme::RadauIia,
             stages: 2,
             elements: 3,
+            cross_complementarity: CrossComplementarity::FeFe,
             auxiliary_acceleration: 20.0,
             simulated_guess: false,
             complementarity: 1e-4,

@@ -146,6 +146,20 @@ pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
                 transcription.program.set_guess(variable, guess[variable]);
             }
         }
+        set_turns(transcription, e, &guess);
+    }
+}
+
+/// Which conditions come true, or cease to be true, at the start of an element by the shares there and before.
+fn set_turns(transcription: &mut Transcription<'_>, e: usize, guess: &[f64]) {
+    let turns = transcription.elements[e].turns.clone();
+    let conditions = transcription.field.layout.conditions.clone();
+    let stages = transcription.tableau.stages() as f64;
+    for (contact, [rises, falls]) in conditions.into_iter().zip(turns) {
+        let [now, before] = [e, e - 1].map(|e| guess[transcription.sum_that_holds(e, contact)]);
+        let rise = (now - before) / stages;
+        transcription.program.set_guess(rises, rise.max(0.0));
+        transcription.program.set_guess(falls, (-rise).max(0.0));
     }
 }
 
@@ -294,12 +308,16 @@ fn simulate(transcription: &mut Transcription<'_>, k: usize, y: &mut [f64]) -> S
     let end = y[time] + duration;
     let step = duration / STEPS as f64;
     let most = (transcription.speed_bound * STEPS as f64) as usize;
-    let mut points = Vec::new();
+    let mut points: Vec<Vec<f64>> = Vec::new();
     loop {
         let open = vec![1.0; transcription.groups.len()];
         let mut at = local(transcription, k, y, &open);
         y.copy_from_slice(&at[..y.len()]);
         let shares = transcription.field.shares(&at);
+        if let Some(before) = points.last() {
+            transcription.field.set(&at, &before[y.len()..], &shares, y);
+            at[..y.len()].copy_from_slice(y);
+        }
         let mut point = y.to_vec();
         point.extend(&shares);
         points.push(point);

@@ -63,8 +63,13 @@ fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
     }
     mark_undecided(transcription, &guess, &mut vanishes);
     mark_exits(transcription, (&modes, &guess), &mut vanishes);
+    let mut unsigned = unsigned(transcription, &modes, &vanishes);
+    modes::mark_turns(transcription, &guess, &mut vanishes);
+    let turns = transcription.elements.iter().flat_map(|e| &e.turns);
+    // What no condition sets has nothing to vanish against.
+    unsigned.extend(turns.map(|&[rises, falls]| if vanishes[rises] { falls } else { rises }));
     KnownSides {
-        unsigned: unsigned(transcription, &modes, &vanishes),
+        unsigned,
         vanishing: vanishes,
     }
 }
@@ -186,7 +191,7 @@ fn weights(transcription: &Transcription<'_>, contact: usize) -> Vec<usize> {
 mod tests {
     use super::super::field::Field;
     use super::super::layout::{ALPHA, P};
-    use super::super::task::{Outer, Span, Task};
+    use super::super::task::{CrossComplementarity, Outer, Span, Task};
     use super::super::test_scenes::Bead;
     use super::super::tests::worst_derivative;
     use super::super::{guess, rows};
@@ -234,6 +239,7 @@ mod tests {
             intervals: 1,
             elements: 5,
             coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
+            cross: CrossComplementarity::FeFe,
             guess: Guess::Known(vec![spans]),
         };
         let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");

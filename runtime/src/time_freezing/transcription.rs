@@ -4,7 +4,7 @@ use super::field::Field;
 use super::laid_out;
 use super::layout::{Group, SLIP_MINUS, SLIP_PLUS};
 use super::names;
-use super::task::{Guess, Outer, Task};
+use super::task::{CrossComplementarity, Guess, Outer, Task};
 use crate::model::held::{first_of_stages, is_held};
 use crate::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
@@ -56,6 +56,9 @@ pub(crate) struct Element {
     pub(crate) sums: usize,
     /// What keeps coordinates on curved surfaces.
     pub(crate) corrections: Vec<Correction>,
+    /// Variables of each condition, at the start of an element that another one comes before: whether it comes true there, and whether
+    /// it ceases to be true.
+    pub(super) turns: Vec<[usize; 2]>,
 }
 
 /// What keeps coordinates on the surface of one contact in one element.
@@ -206,7 +209,8 @@ impl<'a> Transcription<'a> {
                 Vec::new()
             };
         };
-        let Some(r) = layout.rough.iter().position(|&rough| rough == contact) else {
+        let acts = |&rough: &usize| rough == contact && !layout.is_condition(contact);
+        let Some(r) = layout.rough.iter().position(acts) else {
             return Vec::new();
         };
         let (mu, unknown) = self.rubbing(contact);
@@ -412,13 +416,22 @@ impl<'a> Transcription<'a> {
                 self.take(name, purpose, POSITIVE);
             }
         }
+        let conditions = self.field.layout.conditions.clone().into_iter();
+        let turns: Vec<[usize; 2]> = conditions
+            .filter(|_| e > 0)
+            .map(|contact| {
+                let own = names::contact(&self.field, contact);
+                ["rise", "fall"].map(|what| {
+                    let name = format!("{what} of {own} in {element}");
+                    self.take(name, Purpose::Friction, POSITIVE)
+                })
+            })
+            .collect();
+        for &[rises, falls] in &turns {
+            self.program.pair(rises, falls);
+        }
         for block in &blocks {
             self.push_pairs(block);
-        }
-        for group in 0..self.groups.len() {
-            let first = sums + SUMS * group;
-            self.program.pair(first, first + 1);
-            self.program.pair(first + 2, first + 3);
         }
         self.elements.push(Element {
             interval,
@@ -427,7 +440,30 @@ impl<'a> Transcription<'a> {
             blocks,
             sums,
             corrections,
+            turns,
         });
+        for group in 0..self.groups.len() {
+            self.push_cross_pairs(e, group, 0);
+            self.push_cross_pairs(e, group, 2);
+        }
+    }
+
+    /// Declares the pairs of a weight of an element, the first or the third sum of a group, with the multipliers against it.
+    fn push_cross_pairs(&mut self, e: usize, group: usize, weight: usize) {
+        let first = self.elements[e].sums + SUMS * group + weight;
+        let (weights, multipliers) = match self.task.cross {
+            CrossComplementarity::FeFe => (vec![first], vec![first + 1]),
+            CrossComplementarity::FeStage => (vec![first], self.sum_terms(e, group, weight + 1)),
+            CrossComplementarity::StageStage => (
+                self.sum_terms(e, group, weight),
+                self.sum_terms(e, group, weight + 1),
+            ),
+        };
+        for weight in weights {
+            for &multiplier in &multipliers {
+                self.program.pair(weight, multiplier);
+            }
+        }
     }
 
     /// Adds the variables of a block of an interval, which may be a boundary and the end of its element.
@@ -541,6 +577,12 @@ impl<'a> Transcription<'a> {
         }
     }
 
+    /// Variable of the sum over the stages of an element of the share in which a condition is true.
+    pub(super) fn sum_that_holds(&self, e: usize, condition: usize) -> usize {
+        let group = self.field.layout.slip_group(condition).unwrap_or(0);
+        self.elements[e].sums + SUMS * group + 2
+    }
+
     /// Variables of a cross complementarity sum, with those of a given start if they are asked for.
     fn summed(&self, e: usize, group: usize, sum: usize, given: bool) -> Vec<usize> {
         let places = self.field.layout.summed(group, sum);
@@ -641,9 +683,13 @@ impl<'a> Transcription<'a> {
     }
 
     /// Mean step function `alpha` of `contact` in element `e`: 1 free, 0 jump, between in contact, as dry friction always
-    /// is.
+    /// is. Of a condition it is 1 before it comes true, and 0 while it is true.
     pub(crate) fn mean_alpha(&self, x: &[f64], e: usize, contact: usize) -> f64 {
-        if self.field.layout.is_dry(contact) {
+        let layout = &self.field.layout;
+        if layout.is_condition(contact) {
+            return 1.0 - x[self.sum_that_holds(e, contact)] / self.tableau.stages() as f64;
+        }
+        if layout.is_dry(contact) {
             return 0.5;
         }
         x[self.elements[e].sums + SUMS * contact] / self.tableau.stages() as f64

@@ -14,7 +14,7 @@ use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::edit_sequence::touching_for_less_than;
-use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity};
+use crate::ocp::motion::mode::{closed_mode, is_condition, is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::{drive, with_forces};
 use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
@@ -27,7 +27,7 @@ use crate::ocp::solution::{RelaxedReport, TimeFreezingReport};
 use crate::ocp::tuning::freezing::{
     BARRIER, BOUNCE, EXACT, EXACT_ITERATIONS, ITERATIONS, OPEN, PUSH,
 };
-use crate::simulation::ContactMode;
+use crate::simulation::{ContactMode, Direction};
 use crate::simulation::{InputError, ProblemSize};
 
 /// Solves the relaxed complementarity problem from a guess, or from the simulation under its controls, and reads motion and
@@ -187,6 +187,14 @@ fn sequence(
         .map(|(alpha, ((q, v), &time))| {
             let state = [&q[..], v].concat();
             let mode = |(contact, &alpha): (usize, &f64)| {
+                if is_condition(model, contact) {
+                    let true_there = alpha < 0.5;
+                    return ContactMode::Slip(if true_there {
+                        Direction::Backward
+                    } else {
+                        Direction::Forward
+                    });
+                }
                 if alpha >= OPEN {
                     return ContactMode::Open;
                 }
