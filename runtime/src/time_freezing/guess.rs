@@ -1,5 +1,6 @@
 //! The starting point of the solver, from the task alone.
 
+use super::conditions;
 use super::laid_out::{Placed, laid_out};
 use super::task::Guess;
 use super::transcription::{SUMS, Transcription};
@@ -146,20 +147,7 @@ pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
                 transcription.program.set_guess(variable, guess[variable]);
             }
         }
-        set_turns(transcription, e, &guess);
-    }
-}
-
-/// Which conditions come true, or cease to be true, at the start of an element by the shares there and before.
-fn set_turns(transcription: &mut Transcription<'_>, e: usize, guess: &[f64]) {
-    let turns = transcription.elements[e].turns.clone();
-    let conditions = transcription.field.layout.conditions.clone();
-    let stages = transcription.tableau.stages() as f64;
-    for (contact, [rises, falls]) in conditions.into_iter().zip(turns) {
-        let [now, before] = [e, e - 1].map(|e| guess[transcription.sum_that_holds(e, contact)]);
-        let rise = (now - before) / stages;
-        transcription.program.set_guess(rises, rise.max(0.0));
-        transcription.program.set_guess(falls, (-rise).max(0.0));
+        conditions::set_guess(transcription, e, &guess);
     }
 }
 

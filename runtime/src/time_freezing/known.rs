@@ -1,5 +1,6 @@
 //! What vanishes in a known motion.
 
+use super::conditions;
 use super::laid_out::spans_of_elements;
 use super::layout::W;
 use super::modes::{self, Mode};
@@ -64,10 +65,7 @@ fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
     mark_undecided(transcription, &guess, &mut vanishes);
     mark_exits(transcription, (&modes, &guess), &mut vanishes);
     let mut unsigned = unsigned(transcription, &modes, &vanishes);
-    modes::mark_turns(transcription, &guess, &mut vanishes);
-    let turns = transcription.elements.iter().flat_map(|e| &e.turns);
-    // What no condition sets has nothing to vanish against.
-    unsigned.extend(turns.map(|&[rises, falls]| if vanishes[rises] { falls } else { rises }));
+    unsigned.extend(conditions::mark_known(transcription, &mut vanishes));
     KnownSides {
         unsigned,
         vanishing: vanishes,
@@ -217,6 +215,7 @@ mod tests {
                 length: 0.1,
                 jumps: times[0] == times[1],
                 weights: vec![weights, [true, false]],
+                sets: Vec::new(),
                 points: vec![point(0), point(1)],
             }
         };

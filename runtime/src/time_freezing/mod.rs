@@ -143,9 +143,11 @@
 //! true between two elements, and what it sets is where the second one starts:
 //!
 //! ```text
-//! S_e - S_{e-1} = a_e - b_e     0 <= a_e _|_ b_e >= 0     y_e + a_e (r(y_e) - y_e) instead of y_e
+//! S_e (1 - S_e) = 0     a_e (1 - a_e) = 0     S_e - S_{e-1} <= a_e     a_e S_{e-1} = 0     a_e c(y_e) = 0
+//! y_e + a_e (r(y_e) - y_e)  instead of y_e at the start of element e
 //! ```
 //!
+//! It may be false again right after, as where a heater is switched on that warms. All of these are pairs.
 //! The multipliers at the end of the element before count for it as for all others, so that no switch and no contact may read what is set.
 //!
 //! While a contact of a known motion is closed, the lifted gap and the normal velocity vanish at every stage. Where the
@@ -160,6 +162,7 @@
 //! stabilised system of index 2 (Gear, Gupta, Leimkuhler 1985), `q' = v + d mu`.
 
 pub(crate) mod clock;
+pub(crate) mod conditions;
 pub(crate) mod field;
 mod guess;
 mod known;

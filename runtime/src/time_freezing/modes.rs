@@ -1,5 +1,6 @@
 //! What each contact does in each element, read off a relaxed point, and what vanishes for it.
 
+use super::conditions;
 use super::layout::{ALPHA, P, W};
 use super::transcription::{SUMS, Transcription};
 use hangtime_solver::mpcc::Mpcc as _;
@@ -27,7 +28,7 @@ pub(super) fn mark_vanishing(transcription: &Transcription<'_>, x: &[f64], vanis
     let modes = modes(transcription, x, zero);
     mark_modes(transcription, x, zero, &modes, vanishes);
     let contacts = transcription.field.layout.contacts();
-    mark_turns(transcription, x, vanishes);
+    conditions::mark_vanishing(transcription, x, vanishes);
     for e in 0..transcription.elements.len() {
         for group in (0..transcription.groups.len())
             .filter(|&g| g >= contacts || transcription.field.layout.bounces(g))
@@ -56,15 +57,6 @@ pub(super) fn mark_vanishing(transcription: &Transcription<'_>, x: &[f64], vanis
                 vanishes[j] |= x[j] <= x[i] || both;
             }
         }
-    }
-}
-
-/// Marks whether conditions come true at the starts of elements, or do not.
-pub(super) fn mark_turns(transcription: &Transcription<'_>, x: &[f64], vanishes: &mut [bool]) {
-    let elements = transcription.elements.iter();
-    for &[rises, falls] in elements.flat_map(|element| &element.turns) {
-        let comes_true = x[rises] - x[falls] > 0.5;
-        vanishes[if comes_true { falls } else { rises }] = true;
     }
 }
 

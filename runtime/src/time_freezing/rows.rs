@@ -4,8 +4,8 @@ use super::layout::{
     AHEAD, ALPHA, BEHIND, BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, LAMBDA_PLUS, Layout, P, RISE,
     SLIP_MINUS, SLIP_PLUS, W,
 };
-use super::names;
 use super::transcription::{Block, SUMS, Transcription};
+use super::{conditions, names};
 use crate::model::held::is_held;
 use crate::program::joint_rows::Decided;
 use crate::program::kernel::Kernel;
@@ -163,7 +163,7 @@ fn add_collocation(transcription: &mut Transcription<'_>, e: usize, name: &str) 
         let program = &mut transcription.program;
         decided.add_rows(program, [&q, &v, &u], &place);
     }
-    add_conditions(transcription, e, &rows);
+    conditions::add_rows(transcription, e, &rows);
     for j in 0..transcription.tableau.stages() {
         let weights: Vec<(f64, &Vec<Option<usize>>)> = rows
             .iter()
@@ -171,47 +171,6 @@ fn add_collocation(transcription: &mut Transcription<'_>, e: usize, name: &str) 
             .map(|(m, rows)| (-transcription.weight(m, j), rows))
             .collect();
         add_rates(transcription, e, &element.blocks[j], &weights);
-    }
-}
-
-/// Where conditions come true at the start of an element, and what they set there, in its rows of collocation by state.
-fn add_conditions(transcription: &mut Transcription<'_>, e: usize, rows: &[Vec<Option<usize>>]) {
-    let (model, layout) = (
-        transcription.field.model,
-        transcription.field.layout.clone(),
-    );
-    let Some(declared) = model.declaration().optimal_control else {
-        return;
-    };
-    let (terms, n) = (declared.contacts, transcription.field.coordinates());
-    let before = transcription.block_before(e).clone();
-    let [q, v, u] = transcription.inputs(&before);
-    let turns = transcription.elements[e].turns.clone();
-    for (&contact, [rises, falls]) in layout.conditions.iter().zip(turns) {
-        let name = format!("side of {}", names::contact(&transcription.field, contact));
-        let row = transcription.row(name, Purpose::Friction, 0.0);
-        let share = 1.0 / transcription.tableau.stages() as f64;
-        for (variable, factor) in [(rises, 1.0), (falls, -1.0)] {
-            transcription.program.linear(row, variable, factor);
-        }
-        for (of, factor) in [(e, -share), (e - 1, share)] {
-            let held = transcription.sum_that_holds(of, contact);
-            transcription.program.linear(row, held, factor);
-        }
-        let mut uses = Vec::new();
-        for (index, &(of, velocity)) in terms.resets.iter().enumerate() {
-            let own = rows.iter().filter_map(|rows| rows[n + velocity]);
-            for row in own.filter(|_| of == contact) {
-                uses.push((row, terms.of_impacts() + index, -1.0));
-                if let Some(earlier) = before.variables[n + velocity] {
-                    let program = &mut transcription.program;
-                    program.product(row, &[rises, earlier], 1.0);
-                }
-            }
-        }
-        let nothing = vec![None; 2 * transcription.contacts()];
-        let program = &mut transcription.program;
-        program.block_behind(&Kernel::Impact, [&q, &v, &u], &nothing, [rises], uses);
     }
 }
 

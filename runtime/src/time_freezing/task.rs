@@ -66,6 +66,8 @@ pub(crate) struct Span {
     /// both in contact; of its friction: that against sliding forward and that against sliding backward, both where it sticks; of
     /// its restitution: fall and rise.
     pub(crate) weights: Vec<[bool; 2]>,
+    /// Conditions that come true where it begins.
+    pub(crate) sets: Vec<usize>,
     /// `(q, v, t, G, D)` and then the shares of the groups, at equal steps.
     pub(crate) points: Vec<Vec<f64>>,
 }

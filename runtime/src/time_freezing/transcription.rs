@@ -56,9 +56,18 @@ pub(crate) struct Element {
     pub(crate) sums: usize,
     /// What keeps coordinates on curved surfaces.
     pub(crate) corrections: Vec<Correction>,
-    /// Variables of each condition, at the start of an element that another one comes before: whether it comes true there, and whether
-    /// it ceases to be true.
-    pub(super) turns: Vec<[usize; 2]>,
+    /// Variables of each condition, at the start of an element that another one comes before.
+    pub(super) turns: Vec<Turn>,
+}
+
+/// A condition at the start of an element.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turn {
+    pub(crate) condition: usize,
+    /// Whether it comes true there, and whether it does not.
+    pub(crate) sets: [usize; 2],
+    /// By how much that is more than its share rises.
+    pub(crate) more: usize,
 }
 
 /// What keeps coordinates on the surface of one contact in one element.
@@ -347,33 +356,17 @@ impl<'a> Transcription<'a> {
                 Vec::new()
             },
         });
-        let (alike, closed) = (self.alike(k), self.corrected(k));
+        let (mut alike, mut closed) = (Vec::new(), Vec::new());
+        if let Guess::Known(intervals) = &self.task.guess {
+            let contacts = 0..self.field.layout.contacts();
+            let turning: Vec<usize> = contacts.filter(|&i| self.field.turns(i)).collect();
+            alike = laid_out::alike(&intervals[k], self.task.elements);
+            closed = laid_out::closed(&intervals[k], self.task.elements, &turning);
+        }
         for e in 0..self.task.elements {
             let corrected = closed.get(e).map_or(&[][..], |contacts| contacts);
             self.push_element(alike.get(e) == Some(&true), corrected);
         }
-    }
-
-    /// Which elements of interval `k` are as long as the one before: those of the same span of a known motion. Nothing else decides
-    /// their lengths, and an objective would move them to where its error of integration is largest.
-    fn alike(&self, k: usize) -> Vec<bool> {
-        let Guess::Known(intervals) = &self.task.guess else {
-            return Vec::new();
-        };
-        let parts = laid_out::parts(&intervals[k], self.task.elements).into_iter();
-        parts
-            .flat_map(|count| (0..count).map(|part| part > 0))
-            .collect()
-    }
-
-    /// Contacts that are closed in each element of interval `k` of a known motion, and along which coordinates would drift.
-    fn corrected(&self, k: usize) -> Vec<Vec<usize>> {
-        let Guess::Known(intervals) = &self.task.guess else {
-            return Vec::new();
-        };
-        let contacts = 0..self.field.layout.contacts();
-        let turning: Vec<usize> = contacts.filter(|&i| self.field.turns(i)).collect();
-        laid_out::closed(&intervals[k], self.task.elements, &turning)
     }
 
     /// Adds an element to the last interval, perhaps with the length of the element before, and with the contacts whose coordinates
@@ -416,20 +409,7 @@ impl<'a> Transcription<'a> {
                 self.take(name, purpose, POSITIVE);
             }
         }
-        let conditions = self.field.layout.conditions.clone().into_iter();
-        let turns: Vec<[usize; 2]> = conditions
-            .filter(|_| e > 0)
-            .map(|contact| {
-                let own = names::contact(&self.field, contact);
-                ["rise", "fall"].map(|what| {
-                    let name = format!("{what} of {own} in {element}");
-                    self.take(name, Purpose::Friction, POSITIVE)
-                })
-            })
-            .collect();
-        for &[rises, falls] in &turns {
-            self.program.pair(rises, falls);
-        }
+        let turns = self.take_turns(e, &element);
         for block in &blocks {
             self.push_pairs(block);
         }
@@ -446,6 +426,24 @@ impl<'a> Transcription<'a> {
             self.push_cross_pairs(e, group, 0);
             self.push_cross_pairs(e, group, 2);
         }
+    }
+
+    /// Adds the variables of conditions at the start of an element.
+    fn take_turns(&mut self, e: usize, element: &str) -> Vec<Turn> {
+        let conditions = self.field.layout.conditions.clone().into_iter();
+        let turn = |condition| {
+            let own = names::contact(&self.field, condition);
+            let mut take = |what: &str| {
+                let name = format!("{what} of {own} in {element}");
+                self.take(name, Purpose::Friction, POSITIVE)
+            };
+            Turn {
+                condition,
+                sets: ["beginning", "waiting"].map(&mut take),
+                more: take("return"),
+            }
+        };
+        conditions.filter(|_| e > 0).map(turn).collect()
     }
 
     /// Declares the pairs of a weight of an element, the first or the third sum of a group, with the multipliers against it.

@@ -378,6 +378,7 @@ mod tests {
                 length: if jumps { 0.05 } else { to - from },
                 jumps,
                 weights: weights.to_vec(),
+                sets: Vec::new(),
                 points: vec![point(from), point(to)],
             }
         };

@@ -20,6 +20,7 @@ use crate::program::sparse_program::Program;
 use crate::refusal;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InitialValueProblem, InputError, SizeGroup};
+use crate::time_freezing::conditions;
 use crate::time_freezing::field::Field;
 use crate::time_freezing::step_form::transcribe;
 use crate::time_freezing::task::{Guess, Outer, Task};
@@ -60,6 +61,8 @@ pub(in crate::ocp) struct TimeFreezingMotion {
     pub(in crate::ocp) v: Vec<Vec<f64>>,
     /// Mean step function of each contact in each element: 1 free, 0 jump, between in sustained contact; of a condition, 0 where it is true.
     pub(in crate::ocp) step_functions: Vec<Vec<f64>>,
+    /// Conditions that come true at the start of each element.
+    pub(in crate::ocp) set: Vec<Vec<usize>>,
 }
 
 impl<'a> TimeFreezing<'a> {
@@ -186,6 +189,7 @@ impl<'a> TimeFreezing<'a> {
                         .collect()
                 })
                 .collect(),
+            set: elements.map(|e| conditions::set(program, x, e)).collect(),
             q: part(0..time / 2),
             v: part(time / 2..time),
         }

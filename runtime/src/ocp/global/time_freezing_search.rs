@@ -18,7 +18,7 @@ use crate::ocp::motion::mode::{closed_mode, is_condition, is_frictional, sliding
 use crate::ocp::motion::model_input::{drive, with_forces};
 use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
-use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Problem;
 use crate::ocp::program::runner::{Failure, Runner};
@@ -210,10 +210,27 @@ fn sequence(
         per_interval: settings.elements_of(model),
         ends: motion.time.iter().map(|time| time / interval).collect(),
     };
-    let read = of_elements(modes_at_start(setting, trajectory), &elements, 0.0);
+    let mut read = of_elements(modes_at_start(setting, trajectory), &elements, 0.0);
+    add_returns(&mut read, motion, &elements);
     let bounces = |contact| model.restitution(contact) > 0.0;
     let read = touching_for_less_than(&read, BOUNCE, bounces).unwrap_or(read);
     with_passages(model, read, trajectory, false)
+}
+
+/// Adds conditions that come true and are false again at once: their mode stays.
+fn add_returns(sequence: &mut Sequence, motion: &TimeFreezingMotion, elements: &Elements) {
+    let false_there = ContactMode::Slip(Direction::Forward);
+    for (e, set) in motion.set.iter().enumerate() {
+        for &contact in set.iter().filter(|&&i| elements.modes[e][i] == false_there) {
+            let at = Switch::inside(contact, false, false_there, elements.ends[e - 1]);
+            sequence.switches.push(Switch {
+                interval: e / elements.per_interval,
+                sets: true,
+                ..at
+            });
+        }
+    }
+    sequence.switches.sort_by(|a, b| a.time.total_cmp(&b.time));
 }
 
 fn trajectory(setting: Setting, motion: &TimeFreezingMotion) -> Trajectory {
