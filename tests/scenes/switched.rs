@@ -165,15 +165,14 @@ fn plans_by_time_freezing_set_states_where_conditions_come_true() {
     }
     let best = frozen_optimum(&car, freezing(), 10);
     assert!((best - 5.0).abs() < 1e-7, "{best}");
-    // A heater of 3 with losses of 1 goes on at 0, by whatever is free at first, and is off again where the effort has to do it: from 0.5
-    // down at the rate 1 - u to 0 and up at the rate 2 + u' to 1.5 after 1 s, with as much effort before as after.
+    // A heater of 3 with losses of 1 goes on at 0, where it is false again at once, as it warms: an effort cools to that first.
     let heater = "
         states { x, on }
         controls { u: 1/s }
         rates { x: u + 3 [1/s]*on - 1 [1/s], on: 0 [1/s] }
         when x <= 0 { on = 1 }
         minimize integral(u^2)
-        finally { x == 1 }
+        finally { x == 1.5 }
         start { x: 0.5 }
         horizon 1 [s]
     ";

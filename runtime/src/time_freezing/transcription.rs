@@ -423,8 +423,7 @@ impl<'a> Transcription<'a> {
             turns,
         });
         for group in 0..self.groups.len() {
-            self.push_cross_pairs(e, group, 0);
-            self.push_cross_pairs(e, group, 2);
+            [0, 2].map(|weight| self.push_cross_pairs(e, group, weight));
         }
     }
 
@@ -521,15 +520,10 @@ impl<'a> Transcription<'a> {
         self.program.bound(element.length, shortest, 1.0);
     }
 
-    /// Whether the length of the motion is an unknown.
-    fn is_timed(&self) -> bool {
-        let (least, most) = self.program.bounds(self.outer.horizon);
-        least < most
-    }
-
     /// Interval `k`, with its physical time if that is known before the solution.
     pub(crate) fn interval_name(&self, k: usize) -> String {
-        if self.is_timed() {
+        let (least, most) = self.program.bounds(self.outer.horizon);
+        if least < most {
             return format!("interval {k}");
         }
         let duration = self.program.guessed(self.outer.horizon) / self.task.intervals as f64;
