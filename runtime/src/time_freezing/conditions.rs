@@ -8,15 +8,26 @@ use crate::program::kernel::Kernel;
 use crate::size::Purpose;
 
 /// Declares the pairs of all conditions: each is false or true in all of an element, and comes true where it was false and its function
-/// vanishes.
+/// vanishes, and where no other one sets the same.
 pub(super) fn add_pairs(transcription: &mut Transcription<'_>) {
+    let declared = transcription.field.model.declaration().optimal_control;
+    let resets = declared.map_or(&[][..], |declared| declared.contacts.resets);
+    let set_by = |condition: usize| resets.iter().filter(move |set| set.0 == condition);
+    let both = |first: usize, second: usize| {
+        set_by(first).any(|set| set_by(second).any(|other| other.1 == set.1))
+    };
     for e in 0..transcription.elements.len() {
         for condition in transcription.field.layout.conditions.clone() {
             let held = transcription.sum_that_holds(e, condition);
             transcription.program.pair(held - 2, held);
         }
-        for turn in transcription.elements[e].turns.clone() {
+        let turns = transcription.elements[e].turns.clone();
+        for (k, turn) in turns.iter().enumerate() {
             let [sets, waits] = turn.sets;
+            let others = turns[..k].iter();
+            for other in others.filter(|other| both(other.condition, turn.condition)) {
+                transcription.program.pair(other.sets[0], sets);
+            }
             let before = transcription.sum_that_holds(e - 1, turn.condition);
             let missing = missing(transcription, e, turn.condition);
             for other in [waits, before].into_iter().chain(missing) {

@@ -423,7 +423,9 @@ impl<'a> Transcription<'a> {
             turns,
         });
         for group in 0..self.groups.len() {
-            [0, 2].map(|weight| self.push_cross_pairs(e, group, weight));
+            for weight in [0, 2] {
+                self.push_cross_pairs(e, group, weight);
+            }
         }
     }
 
