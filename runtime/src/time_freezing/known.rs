@@ -5,7 +5,7 @@ use super::laid_out::spans_of_elements;
 use super::layout::W;
 use super::modes::{self, Mode};
 use super::task::Guess;
-use super::transcription::{Block, SUMS, Transcription};
+use super::transcription::{Block, Element, SUMS, Transcription};
 
 /// Weight or speed of a known motion that counts as none.
 const NONE: f64 = 1e-4;
@@ -72,7 +72,7 @@ fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
     }
 }
 
-/// Where a contact is free for whole elements: of each of its pairs in a stage the side that does not vanish, and the sums of these.
+/// What has no sign. Where a contact is free for whole elements: of each of its pairs in a stage the side that does not vanish, and the sums of these.
 /// What vanishes says which part the margin is, and that may be another than the largest as long as it is not negative.
 fn unsigned(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &[bool]) -> Vec<usize> {
     let layout = &transcription.field.layout;
@@ -105,6 +105,15 @@ fn unsigned(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &[bool]
                 }));
             }
         }
+    }
+    // Where a contact lasts and an element has no stage at its end, the normal velocity there is an error of the scheme.
+    for contact in (0..layout.contacts()).filter(|&i| !layout.bounces(i)) {
+        let lasts =
+            |(e, _): &(usize, &Element)| modes[e * layout.contacts() + contact] == Mode::Contact;
+        let lasting = elements.iter().enumerate().filter(lasts);
+        let ends = lasting.flat_map(|(_, element)| element.blocks.iter().filter(|b| b.boundary));
+        let speed = layout.algebraic(contact, W);
+        unsigned.extend(ends.filter_map(|block| block.variables[speed]));
     }
     unsigned
 }
