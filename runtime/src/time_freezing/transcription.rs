@@ -4,7 +4,8 @@ use super::field::Field;
 use super::laid_out;
 use super::layout::{Group, SLIP_MINUS, SLIP_PLUS};
 use super::names;
-use super::task::{CrossComplementarity, Guess, Outer, Task};
+use super::task::CrossComplementarity::{FeStage, StageStage};
+use super::task::{Guess, Outer, Task};
 use crate::model::held::{first_of_stages, is_held};
 use crate::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
@@ -447,16 +448,15 @@ impl<'a> Transcription<'a> {
         conditions.filter(|_| e > 0).map(turn).collect()
     }
 
-    /// Declares the pairs of a weight of an element, the first or the third sum of a group, with the multipliers against it.
+    /// Declares the pairs of a weight of an element, the first or the third sum of a group, with the multipliers against it. Those
+    /// of a given start are numbers, which their sum takes.
     fn push_cross_pairs(&mut self, e: usize, group: usize, weight: usize) {
         let first = self.elements[e].sums + SUMS * group + weight;
-        let (weights, multipliers) = match self.task.cross {
-            CrossComplementarity::FeFe => (vec![first], vec![first + 1]),
-            CrossComplementarity::FeStage => (vec![first], self.sum_terms(e, group, weight + 1)),
-            CrossComplementarity::StageStage => (
-                self.sum_terms(e, group, weight),
-                self.sum_terms(e, group, weight + 1),
-            ),
+        let given = e == 0 && !self.is_free;
+        let [weights, multipliers] = match self.task.cross {
+            FeStage if !given => [vec![first], self.sum_terms(e, group, weight + 1)],
+            StageStage if !given => [0, 1].map(|k| self.sum_terms(e, group, weight + k)),
+            _ => [vec![first], vec![first + 1]],
         };
         for weight in weights {
             for &multiplier in &multipliers {

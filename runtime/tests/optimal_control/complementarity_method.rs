@@ -122,8 +122,9 @@ fn modes_of_cross_complementarity_differ_in_their_pairs_and_not_in_the_motion() 
     let mut problem = Problem::of(&model, 1);
     (problem.q, problem.v) = (vec![0.0, 0.5], vec![1.0, 0.0]);
     problem.horizon = Horizon::Fixed(0.5);
-    // Of three elements with two stages, a pair a stage, and two of each element, stage and end, or pair of stages.
-    for (mode, pairs) in [(FeFe, 6 + 6), (FeStage, 6 + 18), (StageStage, 6 + 36)] {
+    // A pair of each of six stages, two of the first element, and two of each other, with each of its stages and its start, or each
+    // stage with them.
+    for (mode, pairs) in [(FeFe, 8 + 4), (FeStage, 8 + 12), (StageStage, 8 + 24)] {
         let mut settings = TimeFreezingSettings::default();
         settings.cross_complementarity = mode;
         let mut program = TimeFreezing::new(&model, &problem, &settings).unwrap();
