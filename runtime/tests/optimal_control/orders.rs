@@ -116,7 +116,7 @@ fn order_is_that_of_the_scheme_through_all_that_happens() {
         (&Landed::default(), "y", smooth),
         (&Passed::default(), "phi", smooth),
         (&Held::default(), "y", smooth),
-        (&Heated::default(), "x", [[8, 32]; 3]),
+        (&Heated::default(), "x", [[8, 16]; 3]),
     ];
     for (scene, name, elements) in scenes {
         for (stages, elements) in (2..=4).zip(elements) {
