@@ -131,9 +131,9 @@ fn modes_of_cross_complementarity_differ_in_their_pairs_and_not_in_the_motion() 
         assert_eq!(program.complementarities().len(), pairs, "{mode:?}");
         let solution = mpcc::solve(&mut program, &Settings::default()).unwrap();
         assert!(solution.status.is_solved(), "{mode:?}: {}", solution.status);
-        let heights = (0..program.variables())
-            .filter(|&i| program.variable_name(i).starts_with("z at stage"));
-        let end = solution.x[heights.last().unwrap()];
+        let mut variables = (0..program.variables()).rev();
+        let last = variables.find(|&i| program.variable_name(i).starts_with("z at stage"));
+        let end = solution.x[last.unwrap()];
         assert!(end.abs() < SAME, "{mode:?}: {end}");
     }
 }
