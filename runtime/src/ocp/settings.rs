@@ -206,7 +206,7 @@ pub struct Settings {
     /// default until two more in a row bring nothing, else until one less than the given number do. With time-freezing, the variants
     /// that are solved side by side, the first one with these settings, the others with other guesses and discretizations: default two, of
     /// which one is on a grid of about ten intervals and is carried to the one asked for, and up to four others one after the other until a
-    /// motion is certified. The result does not depend on the number of threads.
+    /// motion is certified; then the word of the best motion is edited, as a program keeps its switches in their intervals. The result does not depend on the number of threads.
     pub starts: Option<usize>,
     /// Names of [`RULES`](super::RULES) of the search that are left out, to see what they earn; default none.
     pub without: Vec<String>,
