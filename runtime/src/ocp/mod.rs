@@ -98,6 +98,7 @@ mod tuning;
 mod unknown;
 mod words;
 
+pub use crate::time_freezing::task::CrossComplementarity;
 pub use global::time_freezing::TimeFreezing;
 pub use hangtime_solver::mpcc::Stationarity;
 pub use motion::control_grid::ControlShape;

@@ -9,6 +9,7 @@ use crate::ocp::rules;
 use crate::refusal;
 use crate::rk::{ButcherTableau, Scheme};
 use crate::simulation::InputError;
+use crate::time_freezing::task::CrossComplementarity;
 
 /// Starts of the search in phases, unless others are asked for: one, and two that bring nothing.
 const STARTS: usize = 3;
@@ -126,6 +127,8 @@ pub struct TimeFreezingSettings {
     /// interval should be able to hold; a touchdown is two (the jump has a beginning and an end). Where a contact bounces,
     /// there is one more ([`elements_of`](Self::elements_of)): its jump is a fall and a rise.
     pub elements: usize,
+    /// Which pairs keep modes the same over an element; default [`CrossComplementarity::FeFe`].
+    pub cross_complementarity: CrossComplementarity,
     /// Acceleration `a_bar` of the auxiliary dynamics \[unit of the gap / s^2\]; default 20, > 0. Of the
     /// order of the contact accelerations, so that the step functions stay away from 0 and 1.
     pub auxiliary_acceleration: f64,
@@ -155,6 +158,7 @@ impl Default for TimeFreezingSettings {
             scheme: Scheme::RadauIia,
             stages: 2,
             elements: 3,
+            cross_complementarity: CrossComplementarity::FeFe,
             auxiliary_acceleration: 20.0,
             simulated_guess: false,
             complementarity: 1e-4,
@@ -202,7 +206,7 @@ pub struct Settings {
     /// default until two more in a row bring nothing, else until one less than the given number do. With time-freezing, the variants
     /// that are solved side by side, the first one with these settings, the others with other guesses and discretizations: default two, of
     /// which one is on a grid of about ten intervals and is carried to the one asked for, and up to four others one after the other until a
-    /// motion is certified. The result does not depend on the number of threads.
+    /// motion is certified; then the word of the best motion is edited, as a program keeps its switches in their intervals. The result does not depend on the number of threads.
     pub starts: Option<usize>,
     /// Names of [`RULES`](super::RULES) of the search that are left out, to see what they earn; default none.
     pub without: Vec<String>,

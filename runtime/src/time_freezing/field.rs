@@ -5,7 +5,7 @@ use super::layout::{
     SLIP_PLUS,
 };
 use crate::model::{
-    ImpactLaw, Model, contact_point, friction_coefficients, surfaces, tangent_point,
+    ImpactLaw, Model, Switching, contact_point, friction_coefficients, surfaces, tangent_point,
 };
 
 /// The step form of the time-freezing system of a scene, with the memory for one evaluation.
@@ -45,6 +45,7 @@ impl<'a> Field<'a> {
         let others = |i: usize| declaration.contacts[i].alternatives;
         let has_edge = |i: &usize| !others(*i).is_empty();
         let pairs = |i: usize| others(i).iter().map(move |&j| (i, j));
+        let sets = |i: &usize| declaration.contacts[*i].switch == Some(Switching::Resets);
         Self {
             model,
             auxiliary_acceleration,
@@ -56,6 +57,7 @@ impl<'a> Field<'a> {
                 elastic: (0..count).filter(bounces).collect(),
                 dipping: (0..count).filter(bounces).filter(has_edge).collect(),
                 edges: (0..count).flat_map(pairs).collect(),
+                conditions: (0..count).filter(sets).collect(),
             },
             friction,
             restitution,
@@ -175,8 +177,11 @@ impl<'a> Field<'a> {
     }
 
     /// Weight with which a contact presses, in units of `a_bar`. Dry friction presses at the speed of the clock: it
-    /// belongs to the free dynamics.
+    /// belongs to the free dynamics. Nothing acts by a condition, whose weights are the shares themselves.
     fn pressure(&self, xi: &[f64], contact: usize) -> f64 {
+        if self.layout.is_condition(contact) {
+            return 1.0;
+        }
         if self.layout.is_dry(contact) {
             let pressed = -self.point(contact)[contact_point::CURVATURE];
             return self.speed(xi) * pressed / self.auxiliary_acceleration;
@@ -283,6 +288,17 @@ impl<'a> Field<'a> {
             let (plus, minus) = parts(self.sliding_velocity(contact));
             let first = self.layout.friction_place(r, SLIP_PLUS);
             xi[first..first + PER_FRICTION].copy_from_slice(&[slip, pressure - slip, plus, minus]);
+        }
+    }
+
+    /// Sets in `y` what conditions ask for at `xi` that have come true between two choices of shares.
+    pub(crate) fn set(&self, xi: &[f64], before: &[f64], now: &[f64], y: &mut [f64]) {
+        let (n, input) = (self.layout.n, self.input(xi));
+        for &contact in &self.layout.conditions {
+            let group = self.layout.slip_group(contact).unwrap_or(0);
+            if before[group] > now[group] {
+                self.model.reset(contact, &input, &mut y[n..2 * n]);
+            }
         }
     }
 

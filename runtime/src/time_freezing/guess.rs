@@ -1,5 +1,6 @@
 //! The starting point of the solver, from the task alone.
 
+use super::conditions;
 use super::laid_out::{Placed, laid_out};
 use super::task::Guess;
 use super::transcription::{SUMS, Transcription};
@@ -146,6 +147,7 @@ pub(super) fn set_guess(transcription: &mut Transcription<'_>) {
                 transcription.program.set_guess(variable, guess[variable]);
             }
         }
+        conditions::set_guess(transcription, e, &guess);
     }
 }
 
@@ -294,12 +296,16 @@ fn simulate(transcription: &mut Transcription<'_>, k: usize, y: &mut [f64]) -> S
     let end = y[time] + duration;
     let step = duration / STEPS as f64;
     let most = (transcription.speed_bound * STEPS as f64) as usize;
-    let mut points = Vec::new();
+    let mut points: Vec<Vec<f64>> = Vec::new();
     loop {
         let open = vec![1.0; transcription.groups.len()];
         let mut at = local(transcription, k, y, &open);
         y.copy_from_slice(&at[..y.len()]);
         let shares = transcription.field.shares(&at);
+        if let Some(before) = points.last() {
+            transcription.field.set(&at, &before[y.len()..], &shares, y);
+            at[..y.len()].copy_from_slice(y);
+        }
         let mut point = y.to_vec();
         point.extend(&shares);
         points.push(point);

@@ -1,10 +1,11 @@
 //! What vanishes in a known motion.
 
+use super::conditions;
 use super::laid_out::spans_of_elements;
 use super::layout::W;
 use super::modes::{self, Mode};
 use super::task::Guess;
-use super::transcription::{Block, SUMS, Transcription};
+use super::transcription::{Block, Element, SUMS, Transcription};
 
 /// Weight or speed of a known motion that counts as none.
 const NONE: f64 = 1e-4;
@@ -63,13 +64,15 @@ fn known_sides(transcription: &Transcription<'_>) -> KnownSides {
     }
     mark_undecided(transcription, &guess, &mut vanishes);
     mark_exits(transcription, (&modes, &guess), &mut vanishes);
+    let mut unsigned = unsigned(transcription, &modes, &vanishes);
+    unsigned.extend(conditions::mark_known(transcription, &mut vanishes));
     KnownSides {
-        unsigned: unsigned(transcription, &modes, &vanishes),
+        unsigned,
         vanishing: vanishes,
     }
 }
 
-/// Where a contact is free for whole elements: of each of its pairs in a stage the side that does not vanish, and the sums of these.
+/// What has no sign. Where a contact is free for whole elements: of each of its pairs in a stage the side that does not vanish, and the sums of these.
 /// What vanishes says which part the margin is, and that may be another than the largest as long as it is not negative.
 fn unsigned(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &[bool]) -> Vec<usize> {
     let layout = &transcription.field.layout;
@@ -102,6 +105,15 @@ fn unsigned(transcription: &Transcription<'_>, modes: &[Mode], vanishes: &[bool]
                 }));
             }
         }
+    }
+    // Where a contact lasts and an element has no stage at its end, the normal velocity there is an error of the scheme.
+    for contact in (0..layout.contacts()).filter(|&i| !layout.bounces(i)) {
+        let lasts =
+            |(e, _): &(usize, &Element)| modes[e * layout.contacts() + contact] == Mode::Contact;
+        let lasting = elements.iter().enumerate().filter(lasts);
+        let ends = lasting.flat_map(|(_, element)| element.blocks.iter().filter(|b| b.boundary));
+        let speed = layout.algebraic(contact, W);
+        unsigned.extend(ends.filter_map(|block| block.variables[speed]));
     }
     unsigned
 }
@@ -186,7 +198,7 @@ fn weights(transcription: &Transcription<'_>, contact: usize) -> Vec<usize> {
 mod tests {
     use super::super::field::Field;
     use super::super::layout::{ALPHA, P};
-    use super::super::task::{Outer, Span, Task};
+    use super::super::task::{CrossComplementarity, Outer, Span, Task};
     use super::super::test_scenes::Bead;
     use super::super::tests::worst_derivative;
     use super::super::{guess, rows};
@@ -212,6 +224,7 @@ mod tests {
                 length: 0.1,
                 jumps: times[0] == times[1],
                 weights: vec![weights, [true, false]],
+                sets: Vec::new(),
                 points: vec![point(0), point(1)],
             }
         };
@@ -234,6 +247,7 @@ mod tests {
             intervals: 1,
             elements: 5,
             coordinate_bounds: (vec![f64::NEG_INFINITY; 2], vec![f64::INFINITY; 2]),
+            cross: CrossComplementarity::FeFe,
             guess: Guess::Known(vec![spans]),
         };
         let tableau = ButcherTableau::new(Scheme::RadauIia, 2).expect("two stages");

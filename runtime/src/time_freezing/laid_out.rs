@@ -36,7 +36,16 @@ pub(crate) fn spans_of_elements(intervals: &[Vec<Span>], count: usize) -> Vec<&S
     repeated.collect()
 }
 
-/// Which of these contacts are closed in each element of an interval, where the clock runs.
+/// Which elements of an interval are as long as the one before: those of the same span. Nothing else decides their lengths, and an
+/// objective would move them to where its error of integration is largest.
+pub(super) fn alike(spans: &[Span], count: usize) -> Vec<bool> {
+    let parts = parts(spans, count).into_iter();
+    parts
+        .flat_map(|count| (0..count).map(|part| part > 0))
+        .collect()
+}
+
+/// Which of these contacts, along which coordinates would drift, are closed in each element of an interval, where the clock runs.
 pub(super) fn closed(spans: &[Span], count: usize, contacts: &[usize]) -> Vec<Vec<usize>> {
     let of_span = |(span, parts): (&Span, usize)| {
         let closed = |i: &&usize| !span.jumps && span.weights[**i] == [true, true];
@@ -84,6 +93,7 @@ mod tests {
             length,
             jumps,
             weights: Vec::new(),
+            sets: Vec::new(),
             points: vec![vec![from], vec![to]],
         }
     }

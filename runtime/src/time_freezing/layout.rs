@@ -54,6 +54,8 @@ pub(crate) struct Layout {
     pub(super) edges: Vec<(usize, usize)>,
     /// Contacts with restitution that are pieces of an outer edge.
     pub(super) dipping: Vec<usize>,
+    /// Conditions that set velocities where they come true, among the dry frictions.
+    pub(super) conditions: Vec<usize>,
 }
 
 impl Layout {
@@ -80,6 +82,11 @@ impl Layout {
     /// Whether a contact is dry friction, which has a friction alone.
     pub(crate) fn is_dry(&self, contact: usize) -> bool {
         contact >= self.contacts
+    }
+
+    /// Whether a contact is a condition that sets velocities.
+    pub(crate) fn is_condition(&self, contact: usize) -> bool {
+        self.conditions.contains(&contact)
     }
 
     /// Length of `z`.

@@ -138,6 +138,18 @@
 //! A switch of what acts is a friction whose normal force is given: its sign is the difference of the weights against both
 //! directions.
 //!
+//! A condition that sets velocities, `when c >= 0 { x = r }`, is no jump that takes numerical time, as what it sets may be any function of
+//! the state before. It is a switch that nothing acts by, whose share `S_e` of an element is 1 where `c > 0` and 0 where `c < 0`; it comes
+//! true between two elements, and what it sets is where the second one starts:
+//!
+//! ```text
+//! S_e (1 - S_e) = 0     a_e (1 - a_e) = 0     S_e - S_{e-1} <= a_e     a_e S_{e-1} = 0     a_e c(y_e) = 0
+//! y_e + a_e (r(y_e) - y_e)  instead of y_e at the start of element e
+//! ```
+//!
+//! It may be false again right after, as where a heater is switched on that warms. All of these are pairs.
+//! The multipliers at the end of the element before count for it as for all others, so that no switch and no contact may read what is set.
+//!
 //! While a contact of a known motion is closed, the lifted gap and the normal velocity vanish at every stage. Where the
 //! normal turns, or the surface moves, coordinates drift off the surface all the same, by the error of the scheme, and a goal that
 //! lies on it may have no motion. Each stage `m` of such a contact has an unknown `mu_m` more, and each end without a stage, and a row:
@@ -150,6 +162,7 @@
 //! stabilised system of index 2 (Gear, Gupta, Leimkuhler 1985), `q' = v + d mu`.
 
 pub(crate) mod clock;
+pub(crate) mod conditions;
 pub(crate) mod field;
 mod guess;
 mod known;

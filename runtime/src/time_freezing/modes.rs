@@ -1,5 +1,6 @@
 //! What each contact does in each element, read off a relaxed point, and what vanishes for it.
 
+use super::conditions;
 use super::layout::{ALPHA, P, W};
 use super::transcription::{SUMS, Transcription};
 use hangtime_solver::mpcc::Mpcc as _;
@@ -27,6 +28,7 @@ pub(super) fn mark_vanishing(transcription: &Transcription<'_>, x: &[f64], vanis
     let modes = modes(transcription, x, zero);
     mark_modes(transcription, x, zero, &modes, vanishes);
     let contacts = transcription.field.layout.contacts();
+    conditions::mark_vanishing(transcription, x, vanishes);
     for e in 0..transcription.elements.len() {
         for group in (0..transcription.groups.len())
             .filter(|&g| g >= contacts || transcription.field.layout.bounces(g))

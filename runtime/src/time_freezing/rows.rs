@@ -4,8 +4,8 @@ use super::layout::{
     AHEAD, ALPHA, BEHIND, BETA, C_MINUS, C_PLUS, FALL, LAMBDA_MINUS, LAMBDA_PLUS, Layout, P, RISE,
     SLIP_MINUS, SLIP_PLUS, W,
 };
-use super::names;
 use super::transcription::{Block, SUMS, Transcription};
+use super::{conditions, names};
 use crate::model::held::is_held;
 use crate::program::joint_rows::Decided;
 use crate::program::kernel::Kernel;
@@ -163,6 +163,7 @@ fn add_collocation(transcription: &mut Transcription<'_>, e: usize, name: &str) 
         let program = &mut transcription.program;
         decided.add_rows(program, [&q, &v, &u], &place);
     }
+    conditions::add_rows(transcription, e, &rows);
     for j in 0..transcription.tableau.stages() {
         let weights: Vec<(f64, &Vec<Option<usize>>)> = rows
             .iter()
@@ -410,10 +411,13 @@ fn add_friction(
     for (r, contact) in layout.rough.iter().copied().enumerate() {
         let place = |offset: usize| layout.friction_place(r, offset);
         if !block.boundary {
-            let row = transcription.row(name.to_owned(), purpose, 0.0);
+            let all = f64::from(layout.is_condition(contact));
+            let row = transcription.row(name.to_owned(), purpose, all);
             let parts = [(place(SLIP_PLUS), 1.0), (place(SLIP_MINUS), 1.0)];
             add_terms(transcription, row, block, &parts);
-            if layout.is_dry(contact) {
+            if layout.is_condition(contact) {
+                // Its weights are its shares, whatever the clock does.
+            } else if layout.is_dry(contact) {
                 let uses = vec![(row, 1, -1.0 / a_bar)];
                 add_contact(transcription, block, contact, clock, uses);
             } else {

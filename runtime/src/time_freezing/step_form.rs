@@ -6,7 +6,7 @@ use hangtime_solver::nlp::NlpProblem;
 use super::field::Field;
 use super::task::{Outer, Task};
 use super::transcription::Transcription;
-use super::{guess, known, modes, neighbours, rows};
+use super::{conditions, guess, known, modes, neighbours, rows};
 use crate::program::sparse_program::Program;
 use crate::rk::ButcherTableau;
 
@@ -20,6 +20,7 @@ pub(crate) fn transcribe<'a>(
     task: Task,
 ) -> Transcription<'a> {
     let mut transcription = Transcription::new(program, outer, field, tableau, task);
+    conditions::add_pairs(&mut transcription);
     guess::set_guess(&mut transcription);
     rows::add(&mut transcription);
     known::fix_sides(&mut transcription);

@@ -4,6 +4,7 @@ use super::field::Field;
 use super::laid_out;
 use super::layout::{Group, SLIP_MINUS, SLIP_PLUS};
 use super::names;
+use super::task::CrossComplementarity::{FeStage, StageStage};
 use super::task::{Guess, Outer, Task};
 use crate::model::held::{first_of_stages, is_held};
 use crate::program::sparse_program::Program;
@@ -56,6 +57,18 @@ pub(crate) struct Element {
     pub(crate) sums: usize,
     /// What keeps coordinates on curved surfaces.
     pub(crate) corrections: Vec<Correction>,
+    /// Variables of each condition, at the start of an element that another one comes before.
+    pub(super) turns: Vec<Turn>,
+}
+
+/// A condition at the start of an element.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Turn {
+    pub(crate) condition: usize,
+    /// Whether it comes true there, and whether it does not.
+    pub(crate) sets: [usize; 2],
+    /// By how much that is more than its share rises.
+    pub(crate) more: usize,
 }
 
 /// What keeps coordinates on the surface of one contact in one element.
@@ -206,7 +219,8 @@ impl<'a> Transcription<'a> {
                 Vec::new()
             };
         };
-        let Some(r) = layout.rough.iter().position(|&rough| rough == contact) else {
+        let acts = |&rough: &usize| rough == contact && !layout.is_condition(contact);
+        let Some(r) = layout.rough.iter().position(acts) else {
             return Vec::new();
         };
         let (mu, unknown) = self.rubbing(contact);
@@ -343,33 +357,17 @@ impl<'a> Transcription<'a> {
                 Vec::new()
             },
         });
-        let (alike, closed) = (self.alike(k), self.corrected(k));
+        let (mut alike, mut closed) = (Vec::new(), Vec::new());
+        if let Guess::Known(intervals) = &self.task.guess {
+            let contacts = 0..self.field.layout.contacts();
+            let turning: Vec<usize> = contacts.filter(|&i| self.field.turns(i)).collect();
+            alike = laid_out::alike(&intervals[k], self.task.elements);
+            closed = laid_out::closed(&intervals[k], self.task.elements, &turning);
+        }
         for e in 0..self.task.elements {
             let corrected = closed.get(e).map_or(&[][..], |contacts| contacts);
             self.push_element(alike.get(e) == Some(&true), corrected);
         }
-    }
-
-    /// Which elements of interval `k` are as long as the one before: those of the same span of a known motion. Nothing else decides
-    /// their lengths, and an objective would move them to where its error of integration is largest.
-    fn alike(&self, k: usize) -> Vec<bool> {
-        let Guess::Known(intervals) = &self.task.guess else {
-            return Vec::new();
-        };
-        let parts = laid_out::parts(&intervals[k], self.task.elements).into_iter();
-        parts
-            .flat_map(|count| (0..count).map(|part| part > 0))
-            .collect()
-    }
-
-    /// Contacts that are closed in each element of interval `k` of a known motion, and along which coordinates would drift.
-    fn corrected(&self, k: usize) -> Vec<Vec<usize>> {
-        let Guess::Known(intervals) = &self.task.guess else {
-            return Vec::new();
-        };
-        let contacts = 0..self.field.layout.contacts();
-        let turning: Vec<usize> = contacts.filter(|&i| self.field.turns(i)).collect();
-        laid_out::closed(&intervals[k], self.task.elements, &turning)
     }
 
     /// Adds an element to the last interval, perhaps with the length of the element before, and with the contacts whose coordinates
@@ -412,13 +410,9 @@ impl<'a> Transcription<'a> {
                 self.take(name, purpose, POSITIVE);
             }
         }
+        let turns = self.take_turns(e, &element);
         for block in &blocks {
             self.push_pairs(block);
-        }
-        for group in 0..self.groups.len() {
-            let first = sums + SUMS * group;
-            self.program.pair(first, first + 1);
-            self.program.pair(first + 2, first + 3);
         }
         self.elements.push(Element {
             interval,
@@ -427,7 +421,48 @@ impl<'a> Transcription<'a> {
             blocks,
             sums,
             corrections,
+            turns,
         });
+        for group in 0..self.groups.len() {
+            for weight in [0, 2] {
+                self.push_cross_pairs(e, group, weight);
+            }
+        }
+    }
+
+    /// Adds the variables of conditions at the start of an element.
+    fn take_turns(&mut self, e: usize, element: &str) -> Vec<Turn> {
+        let conditions = self.field.layout.conditions.clone().into_iter();
+        let turn = |condition| {
+            let own = names::contact(&self.field, condition);
+            let mut take = |what: &str| {
+                let name = format!("{what} of {own} in {element}");
+                self.take(name, Purpose::Friction, POSITIVE)
+            };
+            Turn {
+                condition,
+                sets: ["beginning", "waiting"].map(&mut take),
+                more: take("return"),
+            }
+        };
+        conditions.filter(|_| e > 0).map(turn).collect()
+    }
+
+    /// Declares the pairs of a weight of an element, the first or the third sum of a group, with the multipliers against it. Those
+    /// of a given start are numbers, which their sum takes.
+    fn push_cross_pairs(&mut self, e: usize, group: usize, weight: usize) {
+        let first = self.elements[e].sums + SUMS * group + weight;
+        let given = e == 0 && !self.is_free;
+        let [weights, multipliers] = match self.task.cross {
+            FeStage if !given => [vec![first], self.sum_terms(e, group, weight + 1)],
+            StageStage if !given => [0, 1].map(|k| self.sum_terms(e, group, weight + k)),
+            _ => [vec![first], vec![first + 1]],
+        };
+        for weight in weights {
+            for &multiplier in &multipliers {
+                self.program.pair(weight, multiplier);
+            }
+        }
     }
 
     /// Adds the variables of a block of an interval, which may be a boundary and the end of its element.
@@ -487,15 +522,10 @@ impl<'a> Transcription<'a> {
         self.program.bound(element.length, shortest, 1.0);
     }
 
-    /// Whether the length of the motion is an unknown.
-    fn is_timed(&self) -> bool {
-        let (least, most) = self.program.bounds(self.outer.horizon);
-        least < most
-    }
-
     /// Interval `k`, with its physical time if that is known before the solution.
     pub(crate) fn interval_name(&self, k: usize) -> String {
-        if self.is_timed() {
+        let (least, most) = self.program.bounds(self.outer.horizon);
+        if least < most {
             return format!("interval {k}");
         }
         let duration = self.program.guessed(self.outer.horizon) / self.task.intervals as f64;
@@ -539,6 +569,12 @@ impl<'a> Transcription<'a> {
         } else {
             self.tableau.b()[j]
         }
+    }
+
+    /// Variable of the sum over the stages of an element of the share in which a condition is true.
+    pub(super) fn sum_that_holds(&self, e: usize, condition: usize) -> usize {
+        let group = self.field.layout.slip_group(condition).unwrap_or(0);
+        self.elements[e].sums + SUMS * group + 2
     }
 
     /// Variables of a cross complementarity sum, with those of a given start if they are asked for.
@@ -641,9 +677,13 @@ impl<'a> Transcription<'a> {
     }
 
     /// Mean step function `alpha` of `contact` in element `e`: 1 free, 0 jump, between in contact, as dry friction always
-    /// is.
+    /// is. Of a condition it is 1 before it comes true, and 0 while it is true.
     pub(crate) fn mean_alpha(&self, x: &[f64], e: usize, contact: usize) -> f64 {
-        if self.field.layout.is_dry(contact) {
+        let layout = &self.field.layout;
+        if layout.is_condition(contact) {
+            return 1.0 - x[self.sum_that_holds(e, contact)] / self.tableau.stages() as f64;
+        }
+        if layout.is_dry(contact) {
             return 0.5;
         }
         x[self.elements[e].sums + SUMS * contact] / self.tableau.stages() as f64

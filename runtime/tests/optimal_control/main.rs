@@ -19,6 +19,7 @@ mod impacts_at_nodes;
 mod landings;
 mod linear_controls;
 mod not_finite;
+mod orders;
 mod polish;
 mod refinement;
 #[path = "../shared/root.rs"]

@@ -61,7 +61,6 @@ const REFUSED: &str = "
     solve pump-track --stages 12
     solve ball.hang --horizon -1
     solve ramp.hang --gradient angle
-    solve hysteresis-car --formulation time-freezing
     solve ramp.hang --set angle=0.6 --gradient mu
     solve fitted.hang
     solve fitted.hang --intervals 3

@@ -73,6 +73,7 @@ impl Grid {
             let mut freezing = TimeFreezingSettings::default();
             freezing.stages = self.stages;
             settings.formulation = Formulation::TimeFreezing(freezing);
+            settings.starts = Some(1);
         } else {
             settings.stages = self.stages;
         }

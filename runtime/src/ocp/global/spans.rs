@@ -5,7 +5,7 @@
 //! at the normal velocity `v_n` has been pushed for `|v_n| / a_bar`, and, if it bounces, for `|v_n| / (e a_bar)` more.
 
 use crate::ocp::motion::control_grid::ControlShape;
-use crate::ocp::motion::mode::closed_mode;
+use crate::ocp::motion::mode::{closed_mode, sets};
 use crate::ocp::motion::model_input::drive;
 use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
@@ -31,6 +31,7 @@ pub(super) fn spans(
         interval: trajectory.horizon / intervals as f64,
         controls: Vec::new(),
         modes: sequence.initially.clone(),
+        set: Vec::new(),
     };
     let mut rest = &sequence.switches[..];
     let mut all = Vec::with_capacity(intervals);
@@ -66,6 +67,8 @@ struct Motion<'a> {
     controls: Vec<f64>,
     /// What the contacts do at present.
     modes: Vec<ContactMode>,
+    /// Conditions that have come true since the last phase.
+    set: Vec<usize>,
 }
 
 impl Motion<'_> {
@@ -92,6 +95,7 @@ impl Motion<'_> {
             length,
             jumps: false,
             weights: self.weights(&[], None),
+            sets: std::mem::take(&mut self.set),
             points,
         })
     }
@@ -114,6 +118,9 @@ impl Motion<'_> {
             let leaves = switch.opens() && self.system.normal_velocity(switch.contact) > ROUNDING;
             self.modes[switch.contact] = if leaves { switch.mode } else { switch.impulse };
         }
+        let model = self.system.model;
+        let set = group.iter().filter(|switch| sets(model, switch));
+        self.set.extend(set.map(|switch| switch.contact));
         let jump = self.jump(&struck, time, (&before, &after));
         for switch in group {
             self.modes[switch.contact] = switch.mode;
@@ -243,6 +250,7 @@ impl Motion<'_> {
             length,
             jumps: true,
             weights: self.weights(struck, Some(falling)),
+            sets: Vec::new(),
             points: vec![
                 self.point(from, time, above, shares.clone()),
                 self.point(to, time, below, shares),

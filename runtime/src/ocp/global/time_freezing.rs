@@ -6,7 +6,7 @@ use hangtime_solver::nlp::NlpProblem;
 use super::declared;
 use super::guess::guess;
 use super::spans::spans;
-use crate::model::Model;
+use crate::model::{ContactDeclaration, Model};
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::control_grid::{ControlGrid, ControlShape};
 use crate::ocp::motion::trajectory::Trajectory;
@@ -20,6 +20,7 @@ use crate::program::sparse_program::Program;
 use crate::refusal;
 use crate::rk::ButcherTableau;
 use crate::simulation::{InitialValueProblem, InputError, SizeGroup};
+use crate::time_freezing::conditions;
 use crate::time_freezing::field::Field;
 use crate::time_freezing::step_form::transcribe;
 use crate::time_freezing::task::{Guess, Outer, Task};
@@ -58,8 +59,10 @@ pub(in crate::ocp) struct TimeFreezingMotion {
     pub(in crate::ocp) q: Vec<Vec<f64>>,
     /// Velocities there.
     pub(in crate::ocp) v: Vec<Vec<f64>>,
-    /// Mean step function of each contact in each element: 1 free, 0 jump, between in sustained contact.
+    /// Mean step function of each contact in each element: 1 free, 0 jump, between in sustained contact; of a condition, 0 where it is true.
     pub(in crate::ocp) step_functions: Vec<Vec<f64>>,
+    /// Conditions that come true at the start of each element.
+    pub(in crate::ocp) set: Vec<Vec<usize>>,
 }
 
 impl<'a> TimeFreezing<'a> {
@@ -186,6 +189,7 @@ impl<'a> TimeFreezing<'a> {
                         .collect()
                 })
                 .collect(),
+            set: elements.map(|e| conditions::set(program, x, e)).collect(),
             q: part(0..time / 2),
             v: part(time / 2..time),
         }
@@ -239,6 +243,7 @@ fn task(
         slopes: Vec::new(),
         intervals: problem.intervals,
         elements: settings.elements_of(model),
+        cross: settings.cross_complementarity,
         coordinate_bounds: (lower[..n].to_vec(), upper[..n].to_vec()),
         guess: if settings.simulated_guess || aimless {
             Guess::Simulated
@@ -328,13 +333,38 @@ impl Mpcc for TimeFreezing<'_> {
     }
 }
 
-/// Refuses states that conditions set: such a jump is none by a contact.
+/// Refuses conditions that set what a switch or a contact reads: its sign jumps where they come true, within no element.
 ///
 /// # Errors
-/// [`InputError`] with the name of the first one.
+/// [`InputError`] with the names of the first two.
 pub(in crate::ocp) fn refuse_resets(model: &dyn Model) -> Result<(), InputError> {
-    let what = "optimal control in the time-freezing formulation";
-    InitialValueProblem::check_resets(model, what, "solve in phases, the default")
+    let declaration = model.declaration();
+    let n = declaration.coordinates.len();
+    let Some(declared) = declaration.optimal_control else {
+        let what = "the time-freezing formulation without an objective";
+        return InitialValueProblem::check_resets(model, what, "add what is to be found");
+    };
+    for &(condition, velocity) in declared.contacts.resets {
+        let reads = |known: &&ContactDeclaration| {
+            let sliding = known.friction.map(|friction| (friction.jacobian, 1));
+            let mut read = sliding.into_iter().chain([(known.jacobian, 2)]);
+            read.any(|(pattern, functions)| {
+                let mut entries = pattern.entries.iter();
+                entries.any(|&(row, input)| row < functions && input as usize == n + velocity)
+            })
+        };
+        if let Some(reader) = declaration.contacts.iter().find(reads) {
+            let name = declaration.contacts[condition].name;
+            return Err(refusal::unsupported(
+                format!(
+                    "`when {name}`, which sets what `{}` reads, by the time-freezing formulation",
+                    reader.name
+                ),
+                "solve in phases, the default",
+            ));
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

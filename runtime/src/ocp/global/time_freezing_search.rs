@@ -14,11 +14,11 @@ use crate::model::Model;
 use crate::ocp::collocation::discretization::Setting;
 use crate::ocp::motion::candidate::Candidate;
 use crate::ocp::motion::edit_sequence::touching_for_less_than;
-use crate::ocp::motion::mode::{closed_mode, is_frictional, sliding_velocity};
+use crate::ocp::motion::mode::{closed_mode, is_condition, is_frictional, sliding_velocity};
 use crate::ocp::motion::model_input::{drive, with_forces};
 use crate::ocp::motion::passages::with_passages;
 use crate::ocp::motion::read_sequence::{Elements, of_elements};
-use crate::ocp::motion::sequence::Sequence;
+use crate::ocp::motion::sequence::{Sequence, Switch};
 use crate::ocp::motion::trajectory::Trajectory;
 use crate::ocp::problem::Problem;
 use crate::ocp::program::runner::{Failure, Runner};
@@ -27,7 +27,7 @@ use crate::ocp::solution::{RelaxedReport, TimeFreezingReport};
 use crate::ocp::tuning::freezing::{
     BARRIER, BOUNCE, EXACT, EXACT_ITERATIONS, ITERATIONS, OPEN, PUSH,
 };
-use crate::simulation::ContactMode;
+use crate::simulation::{ContactMode, Direction};
 use crate::simulation::{InputError, ProblemSize};
 
 /// Solves the relaxed complementarity problem from a guess, or from the simulation under its controls, and reads motion and
@@ -187,6 +187,14 @@ fn sequence(
         .map(|(alpha, ((q, v), &time))| {
             let state = [&q[..], v].concat();
             let mode = |(contact, &alpha): (usize, &f64)| {
+                if is_condition(model, contact) {
+                    let true_there = alpha < 0.5;
+                    return ContactMode::Slip(if true_there {
+                        Direction::Backward
+                    } else {
+                        Direction::Forward
+                    });
+                }
                 if alpha >= OPEN {
                     return ContactMode::Open;
                 }
@@ -202,10 +210,27 @@ fn sequence(
         per_interval: settings.elements_of(model),
         ends: motion.time.iter().map(|time| time / interval).collect(),
     };
-    let read = of_elements(modes_at_start(setting, trajectory), &elements, 0.0);
+    let mut read = of_elements(modes_at_start(setting, trajectory), &elements, 0.0);
+    add_returns(&mut read, motion, &elements);
     let bounces = |contact| model.restitution(contact) > 0.0;
     let read = touching_for_less_than(&read, BOUNCE, bounces).unwrap_or(read);
     with_passages(model, read, trajectory, false)
+}
+
+/// Adds conditions that come true and are false again at once: their mode stays.
+fn add_returns(sequence: &mut Sequence, motion: &TimeFreezingMotion, elements: &Elements) {
+    let false_there = ContactMode::Slip(Direction::Forward);
+    for (e, set) in motion.set.iter().enumerate() {
+        for &contact in set.iter().filter(|&&i| elements.modes[e][i] == false_there) {
+            let at = Switch::inside(contact, false, false_there, elements.ends[e - 1]);
+            sequence.switches.push(Switch {
+                interval: e / elements.per_interval,
+                sets: true,
+                ..at
+            });
+        }
+    }
+    sequence.switches.sort_by(|a, b| a.time.total_cmp(&b.time));
 }
 
 fn trajectory(setting: Setting, motion: &TimeFreezingMotion) -> Trajectory {

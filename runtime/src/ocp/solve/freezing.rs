@@ -124,7 +124,27 @@ fn few(task: &Task, runs: &mut Runs) -> Result<Vec<usize>, InputError> {
         }
         chosen.push(runs.add(Source::Start(start), from_start(task, start)?));
     }
+    by_its_word(task, runs, &mut chosen)?;
     Ok(chosen)
+}
+
+/// Adds what edits of the word of the best of the chosen runs lead to: the program has put its switches into intervals of the grid, where
+/// they stay.
+fn by_its_word(task: &Task, runs: &mut Runs, chosen: &mut Vec<usize>) -> Result<(), InputError> {
+    let mut found: Vec<Found> = chosen.iter().map(|&run| runs.all[run].clone()).collect();
+    sort(&mut found);
+    let best = found.into_iter().next().map(|found| found.solution);
+    let known = best.and_then(|best| Some((best.previous?, best.time_freezing?)));
+    let driven = !task.model.declaration().controls.is_empty();
+    if let Some((previous, report)) = known.filter(|_| driven && !task.observer.stopped()) {
+        let (solution, work) = by_words(task, Guess::Previous(Box::new(previous)), None)?;
+        let solution = Solution {
+            time_freezing: Some(report),
+            ..solution
+        };
+        chosen.push(runs.add(Source::Words, (solution, work)));
+    }
+    Ok(())
 }
 
 /// Adds what the search over words leads to where none of the chosen runs leads to a motion.
@@ -133,7 +153,7 @@ fn or_by_words(task: &Task, runs: &mut Runs, chosen: &mut Vec<usize>) -> Result<
     if !task.observer.stopped() && !chosen.iter().any(moves) {
         let mut reports = runs.all.iter().map(|run| &run.solution.time_freezing);
         let report = reports.find_map(Clone::clone);
-        let run = by_words(task, report)?;
+        let run = by_words(task, task.settings.guess.clone(), report)?;
         chosen.push(runs.add(Source::Words, run));
     }
     Ok(())
@@ -142,6 +162,7 @@ fn or_by_words(task: &Task, runs: &mut Runs, chosen: &mut Vec<usize>) -> Result<
 /// The motion that the search over words leads to, with the report of a relaxed program that led to none.
 fn by_words(
     task: &Task,
+    guess: Guess,
     report: Option<TimeFreezingReport>,
 ) -> Result<(Solution, Work), InputError> {
     let run = task.observer.begin();
@@ -149,6 +170,7 @@ fn by_words(
     let settings = Settings {
         formulation: Formulation::Phases,
         starts: None,
+        guess,
         ..task.settings.clone()
     };
     let mut solution = words::solve(task.model, task.problem, &settings, &mut observer)?;

@@ -22,7 +22,7 @@ use crate::simulation::EventKind;
 use crate::simulation::watch::Watch;
 use crate::time_freezing::field::Field;
 use crate::time_freezing::step_form::transcribe;
-use crate::time_freezing::task::{Guess, Outer, Task};
+use crate::time_freezing::task::{CrossComplementarity, Guess, Outer, Task};
 use crate::time_freezing::transcription::Transcription;
 
 /// Finite elements that one switch with an impact needs: before, jump, after.
@@ -82,6 +82,7 @@ impl Step<'_> {
             intervals: 1,
             elements: self.elements,
             coordinate_bounds: (vec![f64::NEG_INFINITY; n], vec![f64::INFINITY; n]),
+            cross: CrossComplementarity::FeFe,
             guess: Guess::Simulated,
         };
         transcribe(program, outer, field, tableau, task).finished()
