@@ -293,8 +293,7 @@ const NEIGHBOUR_ITERATIONS: usize = 150;
 const NEIGHBOUR_PART: usize = 4;
 
 /// Tries the neighbours of a certified point that the problem knows of, in their order, and goes on from each that
-/// is certified and better, until none is, [`Settings::maximum_neighbours`] are tried, or their iterations are used up. Whether it
-/// knows any.
+/// is certified and better, until none is, [`Settings::maximum_neighbours`] are tried, or their iterations are used up.
 pub(crate) fn improve(
     problem: &mut dyn Mpcc,
     settings: &Settings,
@@ -312,13 +311,7 @@ pub(crate) fn improve(
             if spent || watch.stop.is_some() {
                 return;
             }
-            let mut start = nlp::WarmStart {
-                x: solution.x.clone(),
-                multipliers: solution.multipliers.clone(),
-                multipliers_lower: solution.multipliers_lower.clone(),
-                multipliers_upper: solution.multipliers_upper.clone(),
-                barrier_parameter: settings.interior_point.tolerance,
-            };
+            let mut start = solution.warm_start(settings.interior_point.tolerance);
             let mut sides = vanishes.clone();
             if !problem.neighbour(index, &mut start.x, &mut sides) {
                 break;

@@ -31,7 +31,7 @@ pub(crate) fn second_round(
         .filter(|end| end.status != Status::Infeasible)
         .collect();
     for &end in &ends {
-        let from = warm(end);
+        let from = end.warm_start(0.0);
         let vanishes = choose(problem, &from);
         try_choice(problem, settings, (end, vanishes, &from), best, watch);
         if best.solution.status.is_solved() || watch.stop.is_some() {
@@ -55,17 +55,6 @@ pub(crate) fn second_round(
         }
     }
     Ok(())
-}
-
-/// A point to start from.
-fn warm(solution: &Solution) -> nlp::WarmStart {
-    nlp::WarmStart {
-        x: solution.x.clone(),
-        multipliers: solution.multipliers.clone(),
-        multipliers_lower: solution.multipliers_lower.clone(),
-        multipliers_upper: solution.multipliers_upper.clone(),
-        barrier_parameter: 0.0,
-    }
 }
 
 /// Tries a choice of sides, from a start.
@@ -107,7 +96,7 @@ fn nearest(
     if watch.stop.is_some() || !is_near {
         return Ok(None);
     }
-    let from = warm(&ended.solution);
+    let from = ended.solution.warm_start(0.0);
     let vanishes = choose(&mut near, &from);
     let point = patient_point(&mut near, settings, &vanishes, &from, true, watch);
     Ok(point.map(|point| {

@@ -92,3 +92,18 @@ pub struct Solution {
     /// Worst violated rows, bounds and pairs, at most ten; empty when all are within tolerance.
     pub violations: Vec<Violation>,
 }
+
+impl Solution {
+    /// The point with its multipliers, to start from with a barrier parameter.
+    pub(crate) fn warm_start(&self, barrier_parameter: f64) -> nlp::WarmStart {
+        nlp::WarmStart::of_point(
+            self.x.clone(),
+            self.multipliers.clone(),
+            (
+                self.multipliers_lower.clone(),
+                self.multipliers_upper.clone(),
+            ),
+            barrier_parameter,
+        )
+    }
+}

@@ -325,12 +325,8 @@ fn complete(
     } = ended;
     if solution.status.is_solved() {
         improve(problem, settings, &mut solution, &mut vanishes, watch);
-        let knows_neighbours = {
-            let (mut x, mut sides) = (solution.x.clone(), vanishes.clone());
-            problem.neighbour(0, &mut x, &mut sides)
-        };
-        if settings.second_opinion && settings.crossover && !knows_neighbours {
-            reprise(problem, settings, &mut solution, watch)?;
+        if settings.second_opinion {
+            reprise(problem, settings, (&mut solution, vanishes), watch)?;
         }
     } else if watch.stop == Some(nlp::Status::Interrupted) {
         // whoever interrupts has to see it

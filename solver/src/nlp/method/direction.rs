@@ -3,6 +3,9 @@
 use super::state::State;
 use crate::linalg::norms::is_finite;
 
+/// Relative residual of the Newton system up to which its solution is a direction.
+const RESIDUAL: f64 = 1e-5;
+
 /// Newton direction with the right inertia and a small residual.
 pub(super) fn find_direction(state: &mut State<'_, '_, '_, '_>) -> bool {
     let core = &mut *state.core;
@@ -35,7 +38,7 @@ pub(super) fn find_direction(state: &mut State<'_, '_, '_, '_>) -> bool {
             state.mu,
             &mut state.work.direction,
         );
-        if residual <= 1e-5 && is_finite(&state.work.direction.v) {
+        if residual <= RESIDUAL && is_finite(&state.work.direction.v) {
             return true;
         }
         // as good as singular: shift both blocks
@@ -77,5 +80,5 @@ pub(super) fn find_end_of_path(state: &mut State<'_, '_, '_, '_>) -> bool {
         0.0,
         &mut state.work.direction,
     );
-    residual <= 1e-5 && is_finite(&state.work.direction.v)
+    residual <= RESIDUAL && is_finite(&state.work.direction.v)
 }
