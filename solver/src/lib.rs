@@ -17,6 +17,8 @@ mod linalg;
 pub mod mpcc;
 pub mod nl;
 pub mod nlp;
+#[cfg(test)]
+mod polynomials;
 mod problem_size;
 mod seconds;
 mod until;

@@ -5,8 +5,8 @@
 //! rows of a saddle point matrix receive which shift.
 //!
 //! [`MultifrontalLdl`] pivots: its inertia is exact and it needs no shifts. It also serves block tridiagonal systems, whose
-//! fronts are the dense blocks along the chain. A simplicial factorization without pivoting, which needs static shifts, is
-//! the oracle of the tests; as a setting of the solver it gained nothing (`docs/experiments/solver.md`).
+//! fronts are the dense blocks along the chain. A simplicial factorization without pivoting, which needs static shifts,
+//! gained nothing as a setting of the solver (`docs/experiments/solver.md`).
 
 #[cfg(test)]
 mod conformance;
@@ -14,11 +14,9 @@ mod factorization;
 mod multifrontal;
 pub(crate) mod norms;
 mod refined;
-#[cfg(test)]
-mod simplicial;
 mod symmetric;
 
-pub(crate) use factorization::{FactorizationError, Inertia, KktFactorization};
+pub(crate) use factorization::{FactorizationError, Inertia};
 pub(crate) use multifrontal::MultifrontalLdl;
 pub(crate) use refined::RefinedSolver;
 pub(crate) use symmetric::SymmetricPattern;

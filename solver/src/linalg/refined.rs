@@ -1,7 +1,7 @@
 //! Solves with iterative refinement and a check of the residual.
 
 use super::norms::norm_inf;
-use super::{FactorizationError, Inertia, KktFactorization, MultifrontalLdl, SymmetricPattern};
+use super::{FactorizationError, Inertia, MultifrontalLdl, SymmetricPattern};
 use crate::until::Until;
 
 /// A factorization together with the matrix it belongs to.
@@ -9,10 +9,10 @@ use crate::until::Until;
 /// The system is `K + diag(delta_w I, -delta_c I)` with the shifts of the last
 /// [`RefinedSolver::factor`]; whatever else a factorization shifts or loses is removed by refinement
 /// against this matrix.
-pub(crate) struct RefinedSolver<F> {
+pub(crate) struct RefinedSolver {
     pattern: SymmetricPattern,
     primal: usize,
-    factorization: F,
+    factorization: MultifrontalLdl,
     values: Vec<f64>,
     /// Shifts (delta_w, delta_c) of the last factorization.
     shifts: (f64, f64),
@@ -20,24 +20,24 @@ pub(crate) struct RefinedSolver<F> {
     best: Vec<f64>,
 }
 
-impl RefinedSolver<MultifrontalLdl> {
-    /// Until when factorizations may work; one that does not end then has no factors.
-    pub(crate) fn work_until(&mut self, until: Until) {
-        self.factorization.work_until(until);
-    }
-}
-
-impl<F: KktFactorization> RefinedSolver<F> {
+impl RefinedSolver {
     /// Most refinement steps in a solve.
     const STEPS: usize = 10;
     /// Relative residual at which refinement ends.
     const TARGET: f64 = 1e-12;
 
     /// Solver of systems on `pattern` whose first `primal` rows are primal.
-    pub(crate) fn new(pattern: SymmetricPattern, primal: usize, factorization: F) -> Self {
+    ///
+    /// # Errors
+    /// Those of [`MultifrontalLdl::new`].
+    pub(crate) fn new(
+        pattern: SymmetricPattern,
+        primal: usize,
+    ) -> Result<Self, FactorizationError> {
+        let factorization = MultifrontalLdl::new(&pattern, primal)?;
         let n = pattern.dimension();
         let stored = pattern.stored();
-        Self {
+        Ok(Self {
             pattern,
             primal,
             factorization,
@@ -45,7 +45,12 @@ impl<F: KktFactorization> RefinedSolver<F> {
             shifts: (0.0, 0.0),
             residual: vec![0.0; n],
             best: vec![0.0; n],
-        }
+        })
+    }
+
+    /// Until when factorizations may work; one that does not end then has no factors.
+    pub(crate) fn work_until(&mut self, until: Until) {
+        self.factorization.work_until(until);
     }
 
     /// Values of the matrix, to be assembled in place before [`RefinedSolver::factor`].
@@ -58,7 +63,7 @@ impl<F: KktFactorization> RefinedSolver<F> {
         self.values[self.pattern.diagonal(row)] += value;
     }
 
-    /// Factorizes the matrix held here; see [`KktFactorization::factor`].
+    /// Factorizes the matrix held here; see [`MultifrontalLdl::factor`].
     ///
     /// # Errors
     /// [`FactorizationError`] when there are no factors to solve with.

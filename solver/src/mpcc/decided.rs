@@ -125,7 +125,7 @@ fn ends(factor: f64, (lower, upper): (f64, f64)) -> (f64, f64) {
 mod tests {
     use super::super::{Settings, Status, solve};
     use super::*;
-    use crate::nlp::NlpProblem;
+    use crate::polynomials::Polynomials;
 
     /// A given gap, as at the start of a motion:
     ///
@@ -134,76 +134,41 @@ mod tests {
     /// ```
     ///
     /// with the pairs `(2, 1)` and `(3, 5)`.
-    struct Start {
-        gap: f64,
-    }
-
-    const PAIRS: [(usize, usize); 2] = [(2, 1), (3, 5)];
-
-    impl NlpProblem for Start {
-        fn variables(&self) -> usize {
-            6
-        }
-        fn constraints(&self) -> usize {
-            3
-        }
-        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.fill(0.0);
-            upper.fill(f64::INFINITY);
-            upper[4] = 2.0;
-        }
-        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.copy_from_slice(&[self.gap, 1.0, 0.5]);
-            upper.copy_from_slice(&[self.gap, 1.0, 0.5]);
-        }
-        fn initial_point(&self, x: &mut [f64]) {
-            x.fill(0.5);
-        }
-        fn objective(&mut self, x: &[f64]) -> f64 {
-            (x[1] - 1.0).powi(2) + (x[4] - 1.0).powi(2)
-        }
-        fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
-            gradient.fill(0.0);
-            gradient[1] = 2.0 * (x[1] - 1.0);
-            gradient[4] = 2.0 * (x[4] - 1.0);
-        }
-        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-            c.copy_from_slice(&[x[2] - x[0], x[1] + x[3], x[5] + x[3] * x[4]]);
-        }
-        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(0, 0), (0, 2), (1, 1), (1, 3), (2, 3), (2, 4), (2, 5)]
-        }
-        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-            values.copy_from_slice(&[-1.0, 1.0, 1.0, 1.0, x[4], x[3], 1.0]);
-        }
-        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(1, 1), (4, 3), (4, 4)]
-        }
-        fn hessian_values(&mut self, _: &[f64], weight: f64, y: &[f64], values: &mut [f64]) {
-            values.copy_from_slice(&[2.0 * weight, y[2], 2.0 * weight]);
-        }
-    }
-
-    impl Mpcc for Start {
-        fn complementarities(&self) -> &[(usize, usize)] {
-            &PAIRS
+    fn start(gap: f64) -> Polynomials {
+        let mut bounds = vec![(0.0, f64::INFINITY); 6];
+        bounds[4].1 = 2.0;
+        Polynomials {
+            bounds,
+            start: vec![0.5; 6],
+            objective: vec![
+                (1.0, &[1, 1]),
+                (-2.0, &[1]),
+                (1.0, &[4, 4]),
+                (-2.0, &[4]),
+                (2.0, &[]),
+            ],
+            rows: vec![
+                (gap, gap, vec![(1.0, &[2]), (-1.0, &[0])]),
+                (1.0, 1.0, vec![(1.0, &[1]), (1.0, &[3])]),
+                (0.5, 0.5, vec![(1.0, &[5]), (1.0, &[3, 4])]),
+            ],
+            pairs: vec![(2, 1), (3, 5)],
         }
     }
 
     #[test]
     fn decided_sides_follow_from_row_to_row() {
         // x_2 >= gap takes x_1, the second row then gives x_3 = 1, and that takes x_5; the third row is not linear
-        let vanishes = decided_sides(&mut Start { gap: 5e-9 });
+        let vanishes = decided_sides(&mut start(5e-9));
         assert_eq!(vanishes, Some(vec![false, true, false, false, false, true]));
         // a gap that an exact point may leave open decides nothing
-        assert_eq!(decided_sides(&mut Start { gap: 5e-10 }), None);
+        assert_eq!(decided_sides(&mut start(5e-10)), None);
     }
 
     #[test]
     fn a_gap_below_the_last_relaxation_is_not_closed() {
         // the relaxed program puts x_1 = 1 with a product of 5e-9; at an exact point x_1 = 0, x_3 = 1, x_4 = 0.5
-        let solution =
-            solve(&mut Start { gap: 5e-9 }, &Settings::default()).expect("a valid program");
+        let solution = solve(&mut start(5e-9), &Settings::default()).expect("a valid program");
         assert_eq!(solution.status, Status::Solved);
         assert_eq!(solution.x[1], 0.0);
         assert!((solution.x[4] - 0.5).abs() < 1e-8, "{:?}", solution.x);

@@ -127,55 +127,24 @@ pub(crate) fn mark_forced(problem: &mut dyn Mpcc, x: &[f64], vanishes: &mut [boo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nlp::NlpProblem;
+    use crate::polynomials::Polynomials;
 
     /// `x_0 = x_1 + x_2`, `x_2 + x_3 <= 0`, `x_4 x_0 = 0` with all variables nonnegative.
-    struct Sums;
-
-    impl NlpProblem for Sums {
-        fn variables(&self) -> usize {
-            5
-        }
-        fn constraints(&self) -> usize {
-            3
-        }
-        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.fill(0.0);
-            upper.fill(f64::INFINITY);
-        }
-        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.copy_from_slice(&[0.5, f64::NEG_INFINITY, 0.0]);
-            upper.copy_from_slice(&[0.5, 3.0, 0.0]);
-        }
-        fn initial_point(&self, x: &mut [f64]) {
-            x.fill(1.0);
-        }
-        fn objective(&mut self, _: &[f64]) -> f64 {
-            0.0
-        }
-        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
-            gradient.fill(0.0);
-        }
-        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-            c.copy_from_slice(&[0.5 + x[0] - x[1] - x[2], 3.0 + x[2] + x[3], x[4] * x[0]]);
-        }
-        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(0, 0), (0, 1), (0, 2), (1, 2), (1, 3), (2, 0), (2, 4)]
-        }
-        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-            values.copy_from_slice(&[1.0, -1.0, -1.0, 1.0, 1.0, x[4], x[0]]);
-        }
-        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(4, 0)]
-        }
-        fn hessian_values(&mut self, _: &[f64], _: f64, y: &[f64], values: &mut [f64]) {
-            values[0] = y[2];
-        }
-    }
-
-    impl Mpcc for Sums {
-        fn complementarities(&self) -> &[(usize, usize)] {
-            &[]
+    fn sums() -> Polynomials {
+        let below = f64::NEG_INFINITY;
+        Polynomials {
+            bounds: vec![(0.0, f64::INFINITY); 5],
+            start: vec![1.0; 5],
+            rows: vec![
+                (
+                    0.5,
+                    0.5,
+                    vec![(0.5, &[]), (1.0, &[0]), (-1.0, &[1]), (-1.0, &[2])],
+                ),
+                (below, 3.0, vec![(3.0, &[]), (1.0, &[2]), (1.0, &[3])]),
+                (0.0, 0.0, vec![(1.0, &[4, 0])]),
+            ],
+            ..Polynomials::default()
         }
     }
 
@@ -184,7 +153,7 @@ mod tests {
         for &i in vanishing {
             vanishes[i] = true;
         }
-        mark_forced(&mut Sums, &[0.3, 0.2, 0.1, 0.0, 0.7], &mut vanishes);
+        mark_forced(&mut sums(), &[0.3, 0.2, 0.1, 0.0, 0.7], &mut vanishes);
         vanishes
     }
 

@@ -12,7 +12,7 @@
 
 use super::watch::Watch;
 use crate::linalg::norms::norm_inf;
-use crate::linalg::{MultifrontalLdl, RefinedSolver, SymmetricPattern};
+use crate::linalg::{RefinedSolver, SymmetricPattern};
 use crate::nlp::IterationInfo;
 use crate::seconds::timed;
 
@@ -97,7 +97,7 @@ struct Method {
     rows: Vec<Option<(usize, f64)>>,
     /// Number of variables without slacks.
     own: usize,
-    solver: RefinedSolver<MultifrontalLdl>,
+    solver: RefinedSolver,
     w: Vec<f64>,
     y: Vec<f64>,
     z_lower: Vec<f64>,
@@ -158,7 +158,6 @@ impl Method {
         let count = lower.len();
         let places = entries.iter().map(|e| (count + e.0, e.1));
         let (pattern, map) = SymmetricPattern::with_map(count + right.len(), places)?;
-        let factorization = MultifrontalLdl::new(&pattern, count).ok()?;
         let places = map.into_iter().map(|place| place as usize);
         let entries = entries.into_iter().zip(places);
         let entries = entries.map(|((row, variable, value), place)| Entry {
@@ -177,7 +176,7 @@ impl Method {
             cost_scale,
             entries: entries.collect(),
             own: n,
-            solver: RefinedSolver::new(pattern, count, factorization),
+            solver: RefinedSolver::new(pattern, count).ok()?,
             w: vec![0.0; count],
             y: vec![0.0; kept],
             z_lower: vec![0.0; count],

@@ -63,58 +63,20 @@ fn keeps_rows(problem: &mut dyn Mpcc, x: &[f64]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::super::{RelaxationRule, Settings, Status, solve};
-    use super::*;
-    use crate::nlp::NlpProblem;
+    use crate::polynomials::{Polynomials, Sum};
 
     /// `min -100 x + a` s.t. `x^3 - 3 x + 3 = y`, `a - b = x`, `|y| <= 0.05`, `0 <= a _|_ b >= 0`, from `x = -1.1`. The first row
     /// can hold near -2.1 only, and has a stationary violation at 1, where the objective leads.
-    struct Cubic;
-
-    impl NlpProblem for Cubic {
-        fn variables(&self) -> usize {
-            4
-        }
-        fn constraints(&self) -> usize {
-            2
-        }
-        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.copy_from_slice(&[-10.0, -0.05, 0.0, 0.0]);
-            upper.copy_from_slice(&[10.0, 0.05, f64::INFINITY, f64::INFINITY]);
-        }
-        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.fill(0.0);
-            upper.fill(0.0);
-        }
-        fn initial_point(&self, x: &mut [f64]) {
-            x.copy_from_slice(&[-1.1, 0.0, 1.0, 1.0]);
-        }
-        fn objective(&mut self, x: &[f64]) -> f64 {
-            -100.0 * x[0] + x[2]
-        }
-        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
-            gradient.copy_from_slice(&[-100.0, 0.0, 1.0, 0.0]);
-        }
-        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-            c[0] = x[0].powi(3) - 3.0 * x[0] + 3.0 - x[1];
-            c[1] = x[2] - x[3] - x[0];
-        }
-        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(0, 0), (0, 1), (1, 2), (1, 3), (1, 0)]
-        }
-        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-            values.copy_from_slice(&[3.0 * x[0].powi(2) - 3.0, -1.0, 1.0, -1.0, -1.0]);
-        }
-        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(0, 0)]
-        }
-        fn hessian_values(&mut self, x: &[f64], _: f64, multipliers: &[f64], values: &mut [f64]) {
-            values[0] = 6.0 * x[0] * multipliers[0];
-        }
-    }
-
-    impl Mpcc for Cubic {
-        fn complementarities(&self) -> &[(usize, usize)] {
-            &[(2, 3)]
+    fn cubic() -> Polynomials {
+        let positive = (0.0, f64::INFINITY);
+        let cubic: Sum = vec![(1.0, &[0, 0, 0]), (-3.0, &[0]), (3.0, &[]), (-1.0, &[1])];
+        let difference: Sum = vec![(1.0, &[2]), (-1.0, &[3]), (-1.0, &[0])];
+        Polynomials {
+            bounds: vec![(-10.0, 10.0), (-0.05, 0.05), positive, positive],
+            start: vec![-1.1, 0.0, 1.0, 1.0],
+            objective: vec![(-100.0, &[0]), (1.0, &[2])],
+            rows: vec![(0.0, 0.0, cubic), (0.0, 0.0, difference)],
+            pairs: vec![(2, 3)],
         }
     }
 
@@ -125,10 +87,10 @@ mod tests {
             rules: vec![RelaxationRule::RollOff],
             ..Settings::default()
         };
-        let led = solve(&mut Cubic, &one_rule).expect("a valid program");
+        let led = solve(&mut cubic(), &one_rule).expect("a valid program");
         assert_eq!(led.status, Status::Infeasible);
         assert!((led.x[0] - 1.0).abs() < 1e-6);
-        let solution = solve(&mut Cubic, &Settings::default()).expect("a valid program");
+        let solution = solve(&mut cubic(), &Settings::default()).expect("a valid program");
         assert!(solution.status.is_solved());
         // x = -2 cosh t solves x^3 - 3 x + q = 0 where 2 cosh 3 t = q; the largest x has y = 0.05
         let root = -2.0 * ((2.95_f64 / 2.0).acosh() / 3.0).cosh();

@@ -25,7 +25,7 @@
 use super::Settings;
 use super::linear_program::LinearProgram;
 use super::watch::Watch;
-use crate::linalg::{MultifrontalLdl, RefinedSolver, SymmetricPattern};
+use crate::linalg::{RefinedSolver, SymmetricPattern};
 use crate::nlp::{NlpProblem, Solution};
 
 /// Relative residual of the linear system up to which its solution counts.
@@ -416,12 +416,11 @@ fn solve(
     right: &[Vec<f64>],
 ) -> Option<(Vec<Vec<f64>>, bool)> {
     let (pattern, map) = SymmetricPattern::with_map(size, places.iter().copied())?;
-    let factors = MultifrontalLdl::new(&pattern, primal).ok()?;
-    let mut solver = RefinedSolver::new(pattern, primal, factors);
+    let mut solver = RefinedSolver::new(pattern, primal).ok()?;
     for (&place, value) in map.iter().zip(values) {
         solver.values_mut()[place as usize] += value;
     }
-    let solutions = |solver: &mut RefinedSolver<MultifrontalLdl>| {
+    let solutions = |solver: &mut RefinedSolver| {
         let each = right.iter().map(|right| {
             let mut solution = vec![0.0; size];
             let residual = solver.solve(right, &mut solution);

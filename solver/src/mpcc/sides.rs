@@ -87,55 +87,21 @@ pub(crate) fn choose_sides(
 mod tests {
     use super::super::Settings;
     use super::*;
-    use crate::nlp::NlpProblem;
+    use crate::polynomials::Polynomials;
 
     const PAIRS: [(usize, usize); 3] = [(0, 1), (2, 3), (4, 5)];
 
     /// `x_1 + x_2 = 1.7e-4`, `x_0 + x_5 = 2.3e-4` over three pairs `(0, 1)`, `(2, 3)`, `(4, 5)`, minimize `x_0`.
-    struct TwoSums;
-
-    impl NlpProblem for TwoSums {
-        fn variables(&self) -> usize {
-            6
-        }
-        fn constraints(&self) -> usize {
-            2
-        }
-        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.fill(0.0);
-            upper.fill(f64::INFINITY);
-        }
-        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.copy_from_slice(&[1.7e-4, 2.3e-4]);
-            upper.copy_from_slice(&[1.7e-4, 2.3e-4]);
-        }
-        fn initial_point(&self, x: &mut [f64]) {
-            x.fill(1e-4);
-        }
-        fn objective(&mut self, x: &[f64]) -> f64 {
-            x[0]
-        }
-        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
-            gradient.copy_from_slice(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        }
-        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-            c.copy_from_slice(&[x[1] + x[2], x[0] + x[5]]);
-        }
-        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(0, 1), (0, 2), (1, 0), (1, 5)]
-        }
-        fn jacobian_values(&mut self, _: &[f64], values: &mut [f64]) {
-            values.fill(1.0);
-        }
-        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-            Vec::new()
-        }
-        fn hessian_values(&mut self, _: &[f64], _: f64, _: &[f64], _: &mut [f64]) {}
-    }
-
-    impl Mpcc for TwoSums {
-        fn complementarities(&self) -> &[(usize, usize)] {
-            &PAIRS
+    fn two_sums() -> Polynomials {
+        let row = |sum: f64, i: &'static [usize], j: &'static [usize]| {
+            (sum, sum, vec![(1.0, i), (1.0, j)])
+        };
+        Polynomials {
+            bounds: vec![(0.0, f64::INFINITY); 6],
+            start: vec![1e-4; 6],
+            objective: vec![(1.0, &[0])],
+            rows: vec![row(1.7e-4, &[1], &[2]), row(2.3e-4, &[0], &[5])],
+            pairs: PAIRS.to_vec(),
         }
     }
 
@@ -145,10 +111,10 @@ mod tests {
         let mut observer = |_: &nlp::IterationInfo| true;
         let mut watch = Watch::new(&settings, &mut observer);
         let mut relaxed =
-            nlp::solve(&mut TwoSums, &settings.interior_point).expect("a valid program");
+            nlp::solve(&mut two_sums(), &settings.interior_point).expect("a valid program");
         // products of 1e-8, and with the smaller sides x_1, x_2 at zero the first row fails
         relaxed.x = vec![1.1e-4, 0.9e-4, 0.8e-4, 1.2e-4, 0.9e-4, 1.2e-4];
-        let chosen = choose_sides(&mut TwoSums, &relaxed, &mut watch);
+        let chosen = choose_sides(&mut two_sums(), &relaxed, &mut watch);
         let (vanishes, x) = chosen.expect("sides");
         for (i, j) in PAIRS {
             let side = if vanishes[i] { i } else { j };

@@ -13,7 +13,7 @@
 //! The point is near a stationary one only. What is said of its curvature has to hold there too: more than half of it has to be left at
 //! twice the Newton step from the point. At an inflection such as that of `x^3` curvature and distance vanish together.
 
-use crate::linalg::{MultifrontalLdl, RefinedSolver, SymmetricPattern};
+use crate::linalg::{RefinedSolver, SymmetricPattern};
 use crate::nlp::NlpProblem;
 
 /// What is known of a stationary point by second derivatives.
@@ -179,7 +179,7 @@ impl Space {
         mut entries: Entries,
         rows: Entries,
         softness: f64,
-    ) -> Option<(RefinedSolver<MultifrontalLdl>, bool)> {
+    ) -> Option<(RefinedSolver, bool)> {
         let mut soft = vec![f64::MIN_POSITIVE; self.m];
         for ((row, _), a) in &rows {
             soft[row - self.n] = soft[row - self.n].max(a * a);
@@ -192,8 +192,7 @@ impl Space {
         }
         let places = entries.iter().map(|entry| entry.0);
         let (pattern, map) = SymmetricPattern::with_map(self.n + self.m, places)?;
-        let factors = MultifrontalLdl::new(&pattern, self.n).ok()?;
-        let mut solver = RefinedSolver::new(pattern, self.n, factors);
+        let mut solver = RefinedSolver::new(pattern, self.n).ok()?;
         for (&place, (_, value)) in map.iter().zip(&entries) {
             solver.values_mut()[place as usize] += value;
         }

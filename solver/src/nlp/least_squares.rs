@@ -138,64 +138,26 @@ impl NlpProblem for LeastSquares<'_> {
 mod tests {
     use super::*;
     use crate::nlp::{self, Settings, Status};
+    use crate::polynomials::Polynomials;
 
     /// `x = 1`, `x = 3`, `x^2 <= 16`, from 5.
-    struct Rows;
-
-    impl NlpProblem for Rows {
-        fn variables(&self) -> usize {
-            1
-        }
-
-        fn constraints(&self) -> usize {
-            3
-        }
-
-        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            (lower[0], upper[0]) = (-9.0, 9.0);
-        }
-
-        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.copy_from_slice(&[1.0, 3.0, f64::NEG_INFINITY]);
-            upper.copy_from_slice(&[1.0, 3.0, 16.0]);
-        }
-
-        fn initial_point(&self, x: &mut [f64]) {
-            x[0] = 5.0;
-        }
-
-        fn objective(&mut self, x: &[f64]) -> f64 {
-            x[0]
-        }
-
-        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
-            gradient[0] = 1.0;
-        }
-
-        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-            c.copy_from_slice(&[x[0], x[0], x[0] * x[0]]);
-        }
-
-        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(0, 0), (1, 0), (2, 0)]
-        }
-
-        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-            values.copy_from_slice(&[1.0, 1.0, 2.0 * x[0]]);
-        }
-
-        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(0, 0)]
-        }
-
-        fn hessian_values(&mut self, _: &[f64], _: f64, multipliers: &[f64], values: &mut [f64]) {
-            values[0] = 2.0 * multipliers[2];
+    fn rows() -> Polynomials {
+        Polynomials {
+            bounds: vec![(-9.0, 9.0)],
+            start: vec![5.0],
+            objective: vec![(1.0, &[0])],
+            rows: vec![
+                (1.0, 1.0, vec![(1.0, &[0])]),
+                (3.0, 3.0, vec![(1.0, &[0])]),
+                (f64::NEG_INFINITY, 16.0, vec![(1.0, &[0, 0])]),
+            ],
+            ..Polynomials::default()
         }
     }
 
     #[test]
     fn least_squares_of_two_values_are_at_their_mean() {
-        let mut rows = Rows;
+        let mut rows = rows();
         let mut squares = LeastSquares::new(&mut rows, &[5.0]);
         let solution = nlp::solve(&mut squares, &Settings::default()).unwrap();
         assert_eq!(solution.status, Status::Solved);
@@ -208,7 +170,7 @@ mod tests {
 
     #[test]
     fn derivatives_are_those_of_the_functions() {
-        let mut rows = Rows;
+        let mut rows = rows();
         let mut squares = LeastSquares::new(&mut rows, &[5.0]);
         let entries = nlp::check_derivatives(&mut squares, Some(&[1.5, 0.5, -0.25, 2.0])).unwrap();
         // differences are right to the root of the rounding unit

@@ -205,48 +205,16 @@ impl<P: NlpProblem + ?Sized> NlpProblem for Variant<'_, P> {
 mod tests {
     use super::*;
     use crate::nlp::{self, Settings};
+    use crate::polynomials::Polynomials;
 
     /// `min x_1^3 x_0` where `x_0 + x_1 x_0 = 2`, from (0.5, 1).
-    struct Product;
-
-    impl NlpProblem for Product {
-        fn variables(&self) -> usize {
-            2
-        }
-        fn constraints(&self) -> usize {
-            1
-        }
-        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.fill(0.0);
-            upper.fill(f64::INFINITY);
-        }
-        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            (lower[0], upper[0]) = (2.0, 2.0);
-        }
-        fn initial_point(&self, x: &mut [f64]) {
-            x.copy_from_slice(&[0.5, 1.0]);
-        }
-        fn objective(&mut self, x: &[f64]) -> f64 {
-            x[1].powi(3) * x[0]
-        }
-        fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
-            gradient.copy_from_slice(&[x[1].powi(3), 3.0 * x[1].powi(2) * x[0]]);
-        }
-        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-            c[0] = x[0] + x[1] * x[0];
-        }
-        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(0, 0), (0, 1)]
-        }
-        fn jacobian_values(&mut self, x: &[f64], values: &mut [f64]) {
-            values.copy_from_slice(&[1.0 + x[1], x[0]]);
-        }
-        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(1, 0), (1, 1)]
-        }
-        fn hessian_values(&mut self, x: &[f64], weight: f64, y: &[f64], values: &mut [f64]) {
-            values[0] = 3.0 * weight * x[1].powi(2) + y[0];
-            values[1] = 6.0 * weight * x[1] * x[0];
+    fn product() -> Polynomials {
+        Polynomials {
+            bounds: vec![(0.0, f64::INFINITY); 2],
+            start: vec![0.5, 1.0],
+            objective: vec![(1.0, &[1, 1, 1, 0])],
+            rows: vec![(2.0, 2.0, vec![(1.0, &[0]), (1.0, &[1, 0])])],
+            ..Polynomials::default()
         }
     }
 
@@ -257,7 +225,7 @@ mod tests {
             (vec![40.0, 0.02], false),
             (vec![0.3, 7.0], true),
         ] {
-            let mut product = Product;
+            let mut product = product();
             let mut variant = if nearest {
                 Variant::nearest(&mut product, &[0.7, -3.0])
             } else {
@@ -276,7 +244,7 @@ mod tests {
     #[test]
     fn nearest_point_and_fixed_variables_forget_the_objective() {
         // on x_0 + x_1 x_0 = 2 with x_1 = 0, that nearest to (0.5, 4) and in units of 0.1
-        let mut product = Product;
+        let mut product = product();
         let mut variant = Variant {
             fixed: vec![false, true],
             units: vec![0.1, 5.0],

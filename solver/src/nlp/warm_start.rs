@@ -77,55 +77,24 @@ impl WarmStart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nlp::{self, NlpProblem, Settings};
+    use crate::nlp::{self, Settings};
+    use crate::polynomials::Polynomials;
 
     /// `min weight x_0` subject to `x_0 + x_1 >= 1` and `x_1 <= 1/4`.
-    struct Least {
-        weight: f64,
-    }
-
-    impl NlpProblem for Least {
-        fn variables(&self) -> usize {
-            2
+    fn least(weight: f64) -> Polynomials {
+        Polynomials {
+            bounds: vec![(0.0, f64::INFINITY), (0.0, 0.25)],
+            start: vec![0.0; 2],
+            objective: vec![(weight, &[0])],
+            rows: vec![(1.0, f64::INFINITY, vec![(1.0, &[0]), (1.0, &[1])])],
+            ..Polynomials::default()
         }
-        fn constraints(&self) -> usize {
-            1
-        }
-        fn variable_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            lower.fill(0.0);
-            upper.copy_from_slice(&[f64::INFINITY, 0.25]);
-        }
-        fn constraint_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-            (lower[0], upper[0]) = (1.0, f64::INFINITY);
-        }
-        fn initial_point(&self, x: &mut [f64]) {
-            x.fill(0.0);
-        }
-        fn objective(&mut self, x: &[f64]) -> f64 {
-            self.weight * x[0]
-        }
-        fn gradient(&mut self, _: &[f64], gradient: &mut [f64]) {
-            gradient.copy_from_slice(&[self.weight, 0.0]);
-        }
-        fn constraint_values(&mut self, x: &[f64], c: &mut [f64]) {
-            c[0] = x[0] + x[1];
-        }
-        fn jacobian_pattern(&self) -> Vec<(usize, usize)> {
-            vec![(0, 0), (0, 1)]
-        }
-        fn jacobian_values(&mut self, _: &[f64], values: &mut [f64]) {
-            values.fill(1.0);
-        }
-        fn hessian_pattern(&self) -> Vec<(usize, usize)> {
-            Vec::new()
-        }
-        fn hessian_values(&mut self, _: &[f64], _: f64, _: &[f64], _: &mut [f64]) {}
     }
 
     #[test]
     fn what_is_known_is_carried_in_the_unit_of_the_objective_here() {
         let settings = Settings::default();
-        let there = nlp::solve(&mut Least { weight: 1.0 }, &settings).unwrap();
+        let there = nlp::solve(&mut least(1.0), &settings).unwrap();
         let maps = ([Some(1), None, Some(0), Some(7)], [None, Some(0)]);
         let carried = WarmStart::carried(&there, 5.0, vec![3.0; 4], (&maps.0, &maps.1), 1e-4);
         assert_eq!(carried.x, [there.x[1], 3.0, there.x[0], 3.0]);
@@ -143,7 +112,7 @@ mod tests {
             bound_fraction: 1e-8,
             ..settings
         };
-        let mut five = Least { weight: 5.0 };
+        let mut five = least(5.0);
         let warm = nlp::solve_from(&mut five, &settings, Some(&start), None).unwrap();
         let cold = nlp::solve(&mut five, &Settings::default()).unwrap();
         assert!((warm.objective - 3.75).abs() < 1e-7 && (cold.objective - 3.75).abs() < 1e-7);

@@ -29,7 +29,7 @@ use front::{Front, LOOK, Pivot};
 use kernels::padded;
 use symbolic::{Node, Symbolic};
 
-use super::{FactorizationError, Inertia, KktFactorization, SymmetricPattern};
+use super::{FactorizationError, Inertia, SymmetricPattern};
 use crate::until::Until;
 
 /// Multifrontal factorization with pivoting, `S P' L B L' P S` for a matrix equilibrated by a diagonal `S`.
@@ -137,6 +137,47 @@ impl MultifrontalLdl {
     /// Until when factorizations may work; one that does not end then has no factors.
     pub(crate) fn work_until(&mut self, until: Until) {
         self.limits.until = until;
+    }
+
+    /// Factorizes `P (K + D) P' = L B L'`, the matrix with the given values (order of the pattern) and shifts, both of them `>= 0`,
+    ///
+    /// ```text
+    ///     K + D = [ W + delta_w I        A'      ]   primal rows
+    ///             [       A        -(C + delta_c I)]   dual rows
+    /// ```
+    ///
+    /// and returns the inertia of what was factorized. Allocates only where more pivots are postponed than ever before.
+    ///
+    /// # Errors
+    /// [`FactorizationError`] when there are no factors to solve with.
+    pub(crate) fn factor(
+        &mut self,
+        values: &[f64],
+        delta_w: f64,
+        delta_c: f64,
+    ) -> Result<Inertia, FactorizationError> {
+        self.take_values(values, delta_w, delta_c)?;
+        pulp::Arch::new().dispatch(Eliminate(self));
+        if self.limits.until.is_over() {
+            return Err(FactorizationError::Stopped);
+        }
+        invert(&self.pivots, &mut self.factors.inverse);
+        let mut inertia = inertia(&self.pivots).ok_or(FactorizationError::NotFinite)?;
+        inertia.zero += self.scale.len() - self.pivots.len();
+        Ok(inertia)
+    }
+
+    /// Solves with the factors of the last successful [`MultifrontalLdl::factor`], in place.
+    pub(crate) fn solve(&mut self, right_hand_side: &mut [f64]) {
+        let scaled = self.symbolic.permutation.iter().zip(&self.scale);
+        for (x, (&old, scale)) in self.work.iter_mut().zip(scaled) {
+            *x = right_hand_side[old as usize] * scale;
+        }
+        substitution::solve(&self.factors, &mut self.work, &mut self.gathered);
+        let scaled = self.symbolic.permutation.iter().zip(&self.scale);
+        for (x, (&old, scale)) in self.work.iter().zip(scaled) {
+            right_hand_side[old as usize] = x * scale;
+        }
     }
 
     /// Entries of the factor, a measure of fill.
@@ -430,37 +471,6 @@ impl pulp::WithSimd for Eliminate<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.0.eliminate(simd);
-    }
-}
-
-impl KktFactorization for MultifrontalLdl {
-    fn factor(
-        &mut self,
-        values: &[f64],
-        delta_w: f64,
-        delta_c: f64,
-    ) -> Result<Inertia, FactorizationError> {
-        self.take_values(values, delta_w, delta_c)?;
-        pulp::Arch::new().dispatch(Eliminate(self));
-        if self.limits.until.is_over() {
-            return Err(FactorizationError::Stopped);
-        }
-        invert(&self.pivots, &mut self.factors.inverse);
-        let mut inertia = inertia(&self.pivots).ok_or(FactorizationError::NotFinite)?;
-        inertia.zero += self.scale.len() - self.pivots.len();
-        Ok(inertia)
-    }
-
-    fn solve(&mut self, right_hand_side: &mut [f64]) {
-        let scaled = self.symbolic.permutation.iter().zip(&self.scale);
-        for (x, (&old, scale)) in self.work.iter_mut().zip(scaled) {
-            *x = right_hand_side[old as usize] * scale;
-        }
-        substitution::solve(&self.factors, &mut self.work, &mut self.gathered);
-        let scaled = self.symbolic.permutation.iter().zip(&self.scale);
-        for (x, (&old, scale)) in self.work.iter().zip(scaled) {
-            right_hand_side[old as usize] = x * scale;
-        }
     }
 }
 

@@ -16,9 +16,7 @@
 use crate::clock::ThreadTime;
 
 use crate::linalg::norms::{is_finite, norm_inf};
-use crate::linalg::{
-    FactorizationError, Inertia, MultifrontalLdl, RefinedSolver, SymmetricPattern,
-};
+use crate::linalg::{FactorizationError, Inertia, RefinedSolver, SymmetricPattern};
 use crate::nlp::program::barrier_problem::{BarrierProblem, Objective};
 use crate::nlp::program::formulation::Formulation;
 use crate::nlp::program::iterate::Iterate;
@@ -30,7 +28,7 @@ use crate::until::Until;
 pub(crate) struct KktSystem {
     n: usize,
     m: usize,
-    solver: RefinedSolver<MultifrontalLdl>,
+    solver: RefinedSolver,
     maps: Maps,
     /// Number of products that a variable belongs to.
     product_count: Vec<f64>,
@@ -85,11 +83,10 @@ impl KktSystem {
             product_count[i] += 1.0;
             product_count[j] += 1.0;
         }
-        let factorization = MultifrontalLdl::new(&pattern, n).map_err(|_| too_large)?;
         Ok(Self {
             n,
             m,
-            solver: RefinedSolver::new(pattern, n, factorization),
+            solver: RefinedSolver::new(pattern, n).map_err(|_| too_large)?,
             maps: Maps {
                 hessian: map,
                 jacobian: jacobian_map,
