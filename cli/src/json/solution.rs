@@ -322,8 +322,8 @@ struct SolutionCounts {
     factorizations: usize,
     /// Programs that were solved.
     programs: usize,
-    /// The share of `interior_point` that looked for which contacts happen.
-    contact_implicit: usize,
+    /// The share of `interior_point` in relaxed complementarity programs.
+    relaxed: usize,
     /// Changes of the contact sequence that improved the objective.
     repairs: usize,
 }
@@ -370,12 +370,12 @@ impl<'a> SolutionDocument<'a> {
             residuals: solution.residuals,
             size: solution.size,
             iterations: SolutionCounts {
-                interior_point: solution.counts.global_iterations + solution.counts.iterations,
+                interior_point: solution.counts.relaxed_iterations + solution.counts.iterations,
                 crossover: 0,
                 newton: 0,
                 factorizations: solution.counts.factorizations,
                 programs: solution.counts.programs,
-                contact_implicit: solution.counts.global_iterations,
+                relaxed: solution.counts.relaxed_iterations,
                 repairs: solution.counts.repairs,
             },
             seconds: solution.seconds,

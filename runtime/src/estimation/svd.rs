@@ -1,67 +1,49 @@
 //! Singular values of tall matrices of few columns.
 
-/// Turns of all pairs of columns: one-sided Jacobi iterations converge quadratically, in some ten of them.
-const SWEEPS: usize = 60;
-/// Cosine of two columns that counts as none.
-const ORTHOGONAL: f64 = 1e-15;
+use nalgebra::DMatrix;
+
+/// Most iterations: they converge cubically, in a few a column.
+const ITERATIONS: usize = 10_000;
 
 /// `A = U S V'`, by columns.
 pub(super) struct Svd {
     /// Singular values, in the order of the columns of `v`.
     pub(super) sigma: Vec<f64>,
-    /// Left singular vectors; zeros where the singular value is zero.
+    /// Left singular vectors.
     pub(super) u: Vec<Vec<f64>>,
     /// Right singular vectors.
     pub(super) v: Vec<Vec<f64>>,
 }
 
 impl Svd {
-    /// Of the matrix with these columns, by one-sided Jacobi rotations, which find small singular values as accurately as the
-    /// columns are known (Demmel, Veselic, *Jacobi's method is more accurate than QR*, 1992).
+    /// Of the matrix with these columns; zeros where they are not numbers.
     pub(super) fn of(columns: Vec<Vec<f64>>) -> Self {
         let n = columns.len();
-        let mut u = columns;
-        let mut v: Vec<Vec<f64>> = (0..n)
-            .map(|k| (0..n).map(|i| if i == k { 1.0 } else { 0.0 }).collect())
-            .collect();
-        for _ in 0..SWEEPS {
-            let mut turned = false;
-            for p in 0..n {
-                for q in p + 1..n {
-                    let (a, b, c) = (dot(&u[p], &u[p]), dot(&u[q], &u[q]), dot(&u[p], &u[q]));
-                    if c.abs() <= ORTHOGONAL * (a * b).sqrt() || c == 0.0 {
-                        continue;
-                    }
-                    turned = true;
-                    let zeta = (b - a) / (2.0 * c);
-                    let t = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
-                    let cos = 1.0 / t.hypot(1.0);
-                    rotate(&mut u, (p, q), (cos, cos * t));
-                    rotate(&mut v, (p, q), (cos, cos * t));
-                }
-            }
-            if !turned {
-                break;
-            }
+        // As many rows as columns at least, so that there is a vector for every direction.
+        let rows = columns.iter().map(Vec::len).fold(n, usize::max);
+        let entry = |i: usize, j: usize| columns[j].get(i).copied().unwrap_or(0.0);
+        let matrix = DMatrix::from_fn(rows, n, entry);
+        let found = matrix.try_svd(true, true, f64::EPSILON, ITERATIONS);
+        let Some((sigma, u, v)) = found.and_then(|svd| Some((svd.singular_values, svd.u?, svd.v_t?)))
+        else {
+            return Self {
+                sigma: vec![0.0; n],
+                u: vec![vec![0.0; rows]; n],
+                v: vec![vec![0.0; n]; n],
+            };
+        };
+        let left = u.column_iter().map(|column| column.iter().copied().collect());
+        let right = v.row_iter().map(|row| row.iter().copied().collect());
+        Self {
+            sigma: sigma.iter().copied().collect(),
+            u: left.collect(),
+            v: right.collect(),
         }
-        let sigma: Vec<f64> = u.iter().map(|column| dot(column, column).sqrt()).collect();
-        for (column, sigma) in u.iter_mut().zip(&sigma) {
-            let factor = if *sigma > 0.0 { 1.0 / sigma } else { 0.0 };
-            column.iter_mut().for_each(|value| *value *= factor);
-        }
-        Self { sigma, u, v }
     }
 
     /// The largest singular value.
     pub(super) fn largest(&self) -> f64 {
         self.sigma.iter().fold(0.0, |most, sigma| sigma.max(most))
-    }
-}
-
-fn rotate(columns: &mut [Vec<f64>], (p, q): (usize, usize), (cos, sin): (f64, f64)) {
-    let (left, right) = columns.split_at_mut(q);
-    for (x, y) in left[p].iter_mut().zip(right[0].iter_mut()) {
-        (*x, *y) = (cos * *x - sin * *y, sin * *x + cos * *y);
     }
 }
 

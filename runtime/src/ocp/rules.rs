@@ -38,7 +38,7 @@ const fn rule(part: RulePart, name: &'static str, does: &'static str) -> Rule {
 }
 
 /// All rules, in the order in which the search comes to them.
-pub const RULES: [Rule; 23] = [
+pub const RULES: [Rule; 20] = [
     rule(
         Source,
         "sample",
@@ -52,11 +52,6 @@ pub const RULES: [Rule; 23] = [
     rule(Source, "ride", "The motion without controls."),
     rule(Source, "empty", "No switch at all."),
     rule(Source, "steps", "Steps of feet that stand at the start."),
-    rule(
-        Source,
-        "contact-implicit",
-        "The motion of a complementarity problem with Euler steps.",
-    ),
     rule(
         Source,
         "redraw",
@@ -106,12 +101,6 @@ pub const RULES: [Rule; 23] = [
         "Switches that press on an end of their interval moved through it.",
     ),
     rule(Basin, "shortened", "Without the last switch."),
-    rule(
-        Basin,
-        "sliding-moved",
-        "Changes of friction an interval earlier and later.",
-    ),
-    rule(Basin, "resting", "A short rest where a contact is touched."),
     rule(
         Basin,
         "at-nodes",

@@ -19,12 +19,15 @@ pub(super) struct Block {
 }
 
 impl Block {
-    pub(super) fn serves_objective(&self) -> bool {
-        self.uses.iter().any(|used| used.0 == OBJECTIVE)
+    /// Whether it adds to the objective, or to rows.
+    pub(super) fn serves(&self, objective: bool) -> bool {
+        self.uses_of(objective).next().is_some()
     }
 
-    pub(super) fn serves_rows(&self) -> bool {
-        self.uses.iter().any(|used| used.0 != OBJECTIVE)
+    /// Its uses in the objective, or in rows.
+    pub(super) fn uses_of(&self, objective: bool) -> impl Iterator<Item = &(usize, usize, f64)> {
+        let uses = self.uses.iter();
+        uses.filter(move |used| (used.0 == OBJECTIVE) == objective)
     }
 }
 

@@ -391,8 +391,37 @@ impl<'a> Program<'a> {
                 add(term.row, i, term.coefficient * slope);
             });
         }
+        self.visit_slopes(false, x, add);
+    }
+
+    /// Calls `add` for what every block adds to the rows, or to the objective.
+    fn visit_values(&mut self, objective: bool, x: &[f64], add: &mut dyn FnMut(usize, f64)) {
         for index in 0..self.blocks.len() {
-            if !self.blocks[index].serves_rows() {
+            if !self.blocks[index].serves(objective) {
+                continue;
+            }
+            self.gather(index, x);
+            let block = &self.blocks[index];
+            let evaluator = &mut self.evaluators[block.evaluator];
+            evaluator.evaluate(&self.scratch.local);
+            let scale = product(&block.scale, &[], x);
+            for &(row, output, c) in block.uses_of(objective) {
+                add(row, c * scale * evaluator.outputs[output]);
+            }
+        }
+    }
+
+    /// Calls `add` for what every block adds to the derivatives of the rows, or of the objective; without a point the values are 0.
+    fn visit_slopes(
+        &mut self,
+        objective: bool,
+        x: Option<&[f64]>,
+        add: &mut dyn FnMut(usize, usize, f64),
+    ) {
+        let nowhere = self.nowhere(x.is_none());
+        let point = x.unwrap_or(&nowhere);
+        for index in 0..self.blocks.len() {
+            if !self.blocks[index].serves(objective) {
                 continue;
             }
             if let Some(x) = x {
@@ -404,7 +433,7 @@ impl<'a> Program<'a> {
             let evaluator = &self.evaluators[block.evaluator];
             let scale = product(&block.scale, &[], point);
             let inputs = block.inputs.len();
-            for &(row, output, c) in block.uses.iter().filter(|used| used.0 != OBJECTIVE) {
+            for &(row, output, c) in block.uses_of(objective) {
                 for &(_, input) in evaluator.jacobian_pattern.iter().filter(|e| e.0 == output) {
                     if let Some(variable) = block.inputs[input] {
                         let value = evaluator.jacobian[output * inputs + input];
@@ -536,19 +565,7 @@ impl NlpProblem for Program<'_> {
     fn objective(&mut self, x: &[f64]) -> f64 {
         let value = self.with_physical(x, |program, x| {
             let mut value = 0.0;
-            for index in 0..program.blocks.len() {
-                if !program.blocks[index].serves_objective() {
-                    continue;
-                }
-                program.gather(index, x);
-                let block = &program.blocks[index];
-                let evaluator = &mut program.evaluators[block.evaluator];
-                evaluator.evaluate(&program.scratch.local);
-                let scale = product(&block.scale, &[], x);
-                for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
-                    value += c * scale * evaluator.outputs[output];
-                }
-            }
+            program.visit_values(true, x, &mut |_, own| value += own);
             let own = program.terms.products.iter().filter(|t| t.row == OBJECTIVE);
             let own = own.map(|term| term.coefficient * product(&term.variables, &[], x));
             value + own.sum::<f64>()
@@ -561,36 +578,13 @@ impl NlpProblem for Program<'_> {
     fn gradient(&mut self, x: &[f64], gradient: &mut [f64]) {
         gradient.fill(0.0);
         self.with_physical(x, |program, x| {
-            for index in 0..program.blocks.len() {
-                if !program.blocks[index].serves_objective() {
-                    continue;
-                }
-                program.gather(index, x);
-                let block = &program.blocks[index];
-                let evaluator = &mut program.evaluators[block.evaluator];
-                evaluator.differentiate(&program.scratch.local);
-                let scale = product(&block.scale, &[], x);
-                let inputs = block.inputs.len();
-                for &(_, output, c) in block.uses.iter().filter(|used| used.0 == OBJECTIVE) {
-                    for &(_, input) in evaluator.jacobian_pattern.iter().filter(|e| e.0 == output) {
-                        if let Some(variable) = block.inputs[input] {
-                            let value = evaluator.jacobian[output * inputs + input];
-                            gradient[variable] +=
-                                c * scale * value * program.variables.unit[variable];
-                        }
-                    }
-                    slopes(&block.scale, x, |variable, slope| {
-                        gradient[variable] += c
-                            * slope
-                            * evaluator.outputs[output]
-                            * program.variables.unit[variable];
-                    });
-                }
-            }
+            let unit = program.variables.unit.clone();
+            program.visit_slopes(true, Some(x), &mut |_, variable, slope| {
+                gradient[variable] += slope * unit[variable];
+            });
             for term in program.terms.products.iter().filter(|t| t.row == OBJECTIVE) {
                 slopes(&term.variables, x, |variable, slope| {
-                    gradient[variable] +=
-                        term.coefficient * slope * program.variables.unit[variable];
+                    gradient[variable] += term.coefficient * slope * unit[variable];
                 });
             }
         });
@@ -613,20 +607,7 @@ impl NlpProblem for Program<'_> {
             for term in program.terms.products.iter().filter(|t| t.row != OBJECTIVE) {
                 c[term.row] += term.coefficient * product(&term.variables, &[], x);
             }
-            for index in 0..program.blocks.len() {
-                if !program.blocks[index].serves_rows() {
-                    continue;
-                }
-                program.gather(index, x);
-                let block = &program.blocks[index];
-                let evaluator = &mut program.evaluators[block.evaluator];
-                evaluator.evaluate(&program.scratch.local);
-                let scale = product(&block.scale, &[], x);
-                let rows = block.uses.iter().filter(|used| used.0 != OBJECTIVE);
-                for &(row, output, coefficient) in rows {
-                    c[row] += coefficient * scale * evaluator.outputs[output];
-                }
-            }
+            program.visit_values(false, x, &mut |row, own| c[row] += own);
         });
         for (c, unit) in c.iter_mut().zip(&self.rows.unit) {
             *c /= unit;

@@ -120,11 +120,7 @@ pub(in crate::ocp) fn push(
 }
 
 /// The velocities that the direction of a tangential force reads: those of switches alone.
-pub(in crate::ocp) fn direction_reads<'v>(
-    model: &dyn Model,
-    contact: usize,
-    v: &'v [usize],
-) -> &'v [usize] {
+fn direction_reads<'v>(model: &dyn Model, contact: usize, v: &'v [usize]) -> &'v [usize] {
     match model.declaration().contacts[contact].switch {
         Some(_) => v,
         None => &[],
@@ -304,18 +300,14 @@ pub(in crate::ocp) fn at_start(
 mod tests {
     use crate::model::Model;
     use crate::model::Pieces;
-    use crate::ocp::collocation::discretization::{Lengths, Places, Setting, parabolas};
+    use crate::ocp::collocation::discretization::parabolas;
     use crate::ocp::collocation::layout::{Cut, CutKind};
+    use crate::ocp::collocation::test_scene::with_setting;
     use crate::ocp::collocation::transcribe::transcribe;
-    use crate::ocp::global::contact_implicit::ContactImplicit;
-    use crate::ocp::global::guess::guess;
     use crate::ocp::motion::control_grid::ControlShape;
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
-    use crate::ocp::problem::{Problem, bounds};
-    use crate::ocp::program::units::Units;
-    use crate::ocp::scale::Scale;
-    use crate::ocp::settings::{Guess, PathPoints};
-    use crate::rk::{ButcherTableau, Scheme};
+    use crate::ocp::problem::Problem;
+    use crate::ocp::settings::Guess;
     use crate::simulation::{ContactMode, Direction};
     use hangtime_solver::nlp::check_derivatives;
 
@@ -491,36 +483,6 @@ mod tests {
         counts: (usize, usize),
     ) {
         let problem = Problem::of(model, 4);
-        let (lower, upper) = bounds(model);
-        let bounds = (&lower[..], &upper[..]);
-        let guessed = guess(model, &problem, &Guess::Perturbed(3), bounds).unwrap();
-        let units = Units::new(model, &Scale::of(model, &problem), &guessed, bounds);
-        let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
-        let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
-        let parabolas = parabolas(model, &start);
-        assert_eq!(parabolas, [false; 3]);
-        let setting = |shape| Setting {
-            model,
-            shape,
-            lengths: Lengths::Equal,
-            elastic: None,
-            kept: 1.0,
-            haste: 0.0,
-            problem: &problem,
-            tableau: &tableau,
-            units: &units,
-            bounds,
-            parabolas: &parabolas,
-            places: Places {
-                bounds_at_nodes: false,
-                path: PathPoints::Both,
-            },
-        };
-        let constant = setting(ControlShape::Constant);
-        let mut coarse = ContactImplicit::new(constant, 2, &guessed);
-        let compared = check_derivatives(&mut coarse.program, None).unwrap();
-        assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
-
         let cuts = cuts.map(|(phase, kind)| Cut {
             interval: 0,
             phase: (phase, 3),
@@ -528,11 +490,14 @@ mod tests {
             kind,
         });
         for shape in [ControlShape::Constant, ControlShape::Linear] {
-            let setting = setting(shape);
-            let mut fine = transcribe(setting, sequence, &guessed, &cuts, &[1, 2, 1, 1]);
-            assert_eq!((fine.phases.len(), fine.impacts.len()), counts);
-            let compared = check_derivatives(&mut fine.program, None).unwrap();
-            assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
+            let with = (shape, 3, Guess::Perturbed(3));
+            with_setting((model, &problem), with, |setting, guessed| {
+                assert_eq!(setting.parabolas, [false; 3]);
+                let mut fine = transcribe(setting, sequence, guessed, &cuts, &[1, 2, 1, 1]);
+                assert_eq!((fine.phases.len(), fine.impacts.len()), counts);
+                let compared = check_derivatives(&mut fine.program, None).unwrap();
+                assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
+            });
         }
     }
 }

@@ -56,6 +56,6 @@ pub(in crate::ocp) mod provided;
 mod stage_inputs;
 mod start_conditions;
 #[cfg(test)]
-pub(in crate::ocp) mod test_scene;
+mod test_scene;
 pub(in crate::ocp) mod transcribe;
 mod turns;

@@ -208,16 +208,12 @@ pub(in crate::ocp) fn drive_within(
 #[cfg(test)]
 mod tests {
     use crate::model::Pieces;
-    use crate::ocp::collocation::discretization::{Lengths, Places, Setting};
+    use crate::ocp::collocation::test_scene::with_setting;
     use crate::ocp::collocation::transcribe::transcribe;
-    use crate::ocp::global::guess::guess;
     use crate::ocp::motion::control_grid::ControlShape;
     use crate::ocp::motion::sequence::{Place, Sequence, Switch};
-    use crate::ocp::problem::{Problem, bounds};
-    use crate::ocp::program::units::Units;
-    use crate::ocp::scale::Scale;
-    use crate::ocp::settings::{Guess, PathPoints};
-    use crate::rk::{ButcherTableau, Scheme};
+    use crate::ocp::problem::Problem;
+    use crate::ocp::settings::Guess;
     use crate::simulation::ContactMode;
     use hangtime_solver::nlp;
 
@@ -241,28 +237,6 @@ mod tests {
     fn contact_that_opens_at_a_node_of_linear_controls_is_let_go_by_a_vanishing_force() {
         let model = Hopper::default();
         let problem = Problem::of(&model, 3);
-        let (lower, upper) = bounds(&model);
-        let bounds = (&lower[..], &upper[..]);
-        let start = guess(&model, &problem, &Guess::Straight, bounds).unwrap();
-        let units = Units::new(&model, &Scale::of(&model, &problem), &start, bounds);
-        let tableau = ButcherTableau::new(Scheme::RadauIia, 4).unwrap();
-        let setting = Setting {
-            model: &model,
-            problem: &problem,
-            tableau: &tableau,
-            units: &units,
-            bounds,
-            parabolas: &[false],
-            places: Places {
-                bounds_at_nodes: false,
-                path: PathPoints::Stages,
-            },
-            shape: ControlShape::Linear,
-            lengths: Lengths::Equal,
-            elastic: None,
-            kept: 1.0,
-            haste: 0.0,
-        };
         let sequence = Sequence {
             initially: vec![ContactMode::Frictionless],
             pieces: Pieces::default(),
@@ -272,21 +246,24 @@ mod tests {
                 ..Switch::inside(0, false, ContactMode::Open, 1.0)
             }],
         };
-        let mut program = transcribe(setting, &sequence, &start, &[], &[1; 3]);
-        let solution = nlp::solve(&mut program.program, &nlp::Settings::default()).unwrap();
-        assert_eq!(solution.status, nlp::Status::Solved);
-        let (motion, sequence) = program.result(&solution.x);
-        assert_eq!(sequence.switches[0].time, 1.0);
-        // The engine carries the mass there, and not before.
-        let u: Vec<f64> = motion.controls.values().iter().map(|u| u[0]).collect();
-        let weight = 2.0 * 9.81;
-        assert!((u[1] - weight).abs() < 1e-7, "{u:?}");
-        assert!(u[0] < weight && u[2] > weight, "{u:?}");
-        // From then on z'' = (u - weight) / m, linear on both intervals of a third of a second.
-        let h: f64 = 1.0 / 3.0;
-        let (a2, a3) = ((u[2] - weight) / 2.0, (u[3] - weight) / 2.0);
-        let (z, v) = (h * h * a2 / 6.0, h * a2 / 2.0);
-        let height = z + v * h + h * h * (2.0 * a2 + a3) / 6.0;
-        assert!((height - 0.5).abs() < 1e-9, "{height}");
+        let with = (ControlShape::Linear, 4, Guess::Straight);
+        with_setting((&model, &problem), with, |setting, start| {
+            let mut program = transcribe(setting, &sequence, start, &[], &[1; 3]);
+            let solution = nlp::solve(&mut program.program, &nlp::Settings::default()).unwrap();
+            assert_eq!(solution.status, nlp::Status::Solved);
+            let (motion, sequence) = program.result(&solution.x);
+            assert_eq!(sequence.switches[0].time, 1.0);
+            // The engine carries the mass there, and not before.
+            let u: Vec<f64> = motion.controls.values().iter().map(|u| u[0]).collect();
+            let weight = 2.0 * 9.81;
+            assert!((u[1] - weight).abs() < 1e-7, "{u:?}");
+            assert!(u[0] < weight && u[2] > weight, "{u:?}");
+            // From then on z'' = (u - weight) / m, linear on both intervals of a third of a second.
+            let h: f64 = 1.0 / 3.0;
+            let (a2, a3) = ((u[2] - weight) / 2.0, (u[3] - weight) / 2.0);
+            let (z, v) = (h * h * a2 / 6.0, h * a2 / 2.0);
+            let height = z + v * h + h * h * (2.0 * a2 + a3) / 6.0;
+            assert!((height - 0.5).abs() < 1e-9, "{height}");
+        });
     }
 }

@@ -1,15 +1,19 @@
-//! A scene that declares everything that optimal control knows, with functions written by hand.
+//! A scene that declares everything that optimal control knows, and how the tests of this layer set a scene.
 
-use std::sync::OnceLock;
-
-use crate::model::{
-    ConstraintDeclaration, ContactTerms, Declaration, Model, OptimalControlDeclaration,
-    SparsityPattern,
-};
+use super::discretization::{Lengths, Places, Setting, parabolas};
+use crate::model::Model;
+use crate::ocp::global::guess::guess;
+use crate::ocp::motion::control_grid::ControlShape;
+use crate::ocp::motion::trajectory::Trajectory;
+use crate::ocp::problem::{Problem, bounds};
+use crate::ocp::program::units::Units;
+use crate::ocp::scale::Scale;
+use crate::ocp::settings::{Guess, PathPoints};
+use crate::rk::{ButcherTableau, Scheme};
 
 crate::model! {
     /// A sledge on a wavy slope, with an engine along the ground and a rider that shifts.
-    pub(in crate::ocp) Sledge {
+    pub(super) Demanding {
         parameters { m: kg = 2, g: m/s^2 = 9.81, w: 1/m = 3 }
         coordinates { y: m, z: m, r: m in -1..=1 }
         controls { u: N in -5..=5, p: N in -3..=3 }
@@ -18,160 +22,43 @@ crate::model! {
         forces { y: u*cos(w*y), r: p }
         surface ground: z - ground(y) >= 0
         impact ground: inelastic
+        minimize integral(u^2 + y*p*1[N/m]) + (time*1[m^2/s] + y*z)*1[N^2 s/m^2]
+        constraint speed: dot(y)^2 + u*r*1[1/kg] <= 8 [m^2/s^2]
+        constraint height: z == 2 [m]
+        finally { y + 0.1*z^2/1[m] == 1.5 [m], time*y >= 0.1 [m s] }
+        free { z in 0.3..=0.8 }
         start { z: 0.5 [m], dot(y): 1 [m/s] }
     }
 }
 
-/// The sledge with
-///
-/// ```text
-/// running cost  u^2 + y p        final cost  T + y z
-/// path          8 - v_y^2 - u r >= 0,  z - 2 = 0 (for its derivatives only)
-/// goals         y + 0.1 z^2 - 1.5 = 0,  T y - 0.1 >= 0
-/// free          z in 0.3..=0.8
-/// ```
-pub(super) struct Demanding(pub(super) Sledge);
-
-const fn pattern(rows: usize, columns: usize, entries: &'static [(u32, u32)]) -> SparsityPattern {
-    SparsityPattern {
-        rows,
-        columns,
-        entries,
-    }
-}
-
-const fn constraint(name: &'static str, equality: bool) -> ConstraintDeclaration {
-    ConstraintDeclaration {
-        name,
-        unit: "",
-        equality,
-        documentation: "",
-    }
-}
-
-// x = (y, z, r, v_y, v_z, v_r, u, p)
-const PATH_JACOBIAN: [(u32, u32); 7] = [(0, 0), (0, 6), (0, 7), (1, 2), (1, 3), (1, 6), (2, 1)];
-const PATH_HESSIAN: [(u32, u32); 4] = [(6, 6), (7, 0), (3, 3), (6, 2)];
-// z = (y, z, r, v_y, v_z, v_r, T)
-const TERMINAL_JACOBIAN: [(u32, u32); 7] = [(0, 0), (0, 1), (0, 6), (1, 0), (1, 1), (2, 0), (2, 6)];
-const TERMINAL_HESSIAN: [(u32, u32); 3] = [(1, 0), (1, 1), (6, 0)];
-
-const DECLARED: OptimalControlDeclaration = OptimalControlDeclaration {
-    running_cost: true,
-    final_cost: true,
-    constraints: &[constraint("speed", false), constraint("height", true)],
-    goals: &[
-        constraint("far enough", true),
-        constraint("late enough", false),
-    ],
-    free_time: true,
-    free_start: &[1],
-    path_jacobian: pattern(3, 8, &PATH_JACOBIAN),
-    path_hessian: pattern(8, 8, &PATH_HESSIAN),
-    terminal_jacobian: pattern(3, 7, &TERMINAL_JACOBIAN),
-    terminal_hessian: pattern(7, 7, &TERMINAL_HESSIAN),
-    contacts: ContactTerms::NONE,
-};
-
-impl Model for Demanding {
-    fn declaration(&self) -> &'static Declaration {
-        static DECLARATION: OnceLock<Declaration> = OnceLock::new();
-        DECLARATION.get_or_init(|| Declaration {
-            optimal_control: Some(DECLARED),
-            ..*self.0.declaration()
-        })
-    }
-
-    fn path_functions(&self, x: &[f64], values: &mut [f64]) {
-        values[0] = x[6] * x[6] + x[0] * x[7];
-        values[1] = 8.0 - x[3] * x[3] - x[6] * x[2];
-        values[2] = x[1] - 2.0;
-    }
-
-    fn path_jacobian(&self, x: &[f64], values: &mut [f64]) {
-        values.copy_from_slice(&[x[7], 2.0 * x[6], x[0], -x[6], -2.0 * x[3], -x[2], 1.0]);
-    }
-
-    fn path_hessian(&self, _: &[f64], y: &[f64], values: &mut [f64]) {
-        values.copy_from_slice(&[2.0 * y[0], y[0], -2.0 * y[1], -y[1]]);
-    }
-
-    fn terminal_functions(&self, z: &[f64], values: &mut [f64]) {
-        values[0] = z[6] + z[0] * z[1];
-        values[1] = z[0] + 0.1 * z[1] * z[1] - 1.5;
-        values[2] = z[6] * z[0] - 0.1;
-    }
-
-    fn terminal_jacobian(&self, z: &[f64], values: &mut [f64]) {
-        values.copy_from_slice(&[z[1], z[0], 1.0, 1.0, 0.2 * z[1], z[6], z[0]]);
-    }
-
-    fn terminal_hessian(&self, _: &[f64], y: &[f64], values: &mut [f64]) {
-        values.copy_from_slice(&[y[0], 0.2 * y[1], y[2]]);
-    }
-
-    fn free_start_bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        lower[0] = 0.3;
-        upper[0] = 0.8;
-    }
-
-    fn parameter(&self, index: usize) -> f64 {
-        self.0.parameter(index)
-    }
-
-    fn set_parameter(&mut self, index: usize, value: f64) {
-        self.0.set_parameter(index, value);
-    }
-
-    fn start(&self, q: &mut [f64], v: &mut [f64]) {
-        self.0.start(q, v);
-    }
-
-    fn horizon(&self) -> Option<f64> {
-        self.0.horizon()
-    }
-
-    fn bounds(&self, lower: &mut [f64], upper: &mut [f64]) {
-        self.0.bounds(lower, upper);
-    }
-
-    fn free_acceleration(&self, x: &[f64], a: &mut [f64]) {
-        self.0.free_acceleration(x, a);
-    }
-
-    fn free_jacobian(&self, x: &[f64], values: &mut [f64]) {
-        self.0.free_jacobian(x, values);
-    }
-
-    fn free_hessian(&self, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
-        self.0.free_hessian(x, multipliers, values);
-    }
-
-    fn mass_matrix(&self, x: &[f64], m: &mut [f64]) {
-        self.0.mass_matrix(x, m);
-    }
-
-    fn energy(&self, x: &[f64], energy: &mut [f64]) {
-        self.0.energy(x, energy);
-    }
-
-    fn gap(&self, contact: usize, x: &[f64]) -> f64 {
-        self.0.gap(contact, x)
-    }
-
-    fn contact(&self, contact: usize, x: &[f64], point: &mut [f64]) {
-        self.0.contact(contact, x, point);
-    }
-
-    fn contact_jacobian(&self, contact: usize, x: &[f64], values: &mut [f64]) {
-        self.0.contact_jacobian(contact, x, values);
-    }
-
-    fn contact_hessian(&self, contact: usize, x: &[f64], multipliers: &[f64], values: &mut [f64]) {
-        self.0.contact_hessian(contact, x, multipliers, values);
-    }
-
-    fn boxed(&self) -> Box<dyn Model> {
-        Box::new(Self(self.0.clone()))
-    }
+/// Calls `check` with the setting of a problem on a scheme of so many stages, and a motion to start from.
+pub(super) fn with_setting(
+    (model, problem): (&dyn Model, &Problem),
+    (shape, stages, kind): (ControlShape, usize, Guess),
+    check: impl Fn(Setting, &Trajectory),
+) {
+    let (lower, upper) = bounds(model);
+    let bounds = (&lower[..], &upper[..]);
+    let guessed = guess(model, problem, &kind, bounds).unwrap();
+    let units = Units::new(model, &Scale::of(model, problem), &guessed, bounds);
+    let tableau = ButcherTableau::new(Scheme::RadauIia, stages).unwrap();
+    let parabolas = parabolas(model, &problem.start());
+    let setting = Setting {
+        model,
+        problem,
+        tableau: &tableau,
+        units: &units,
+        bounds,
+        parabolas: &parabolas,
+        places: Places {
+            bounds_at_nodes: false,
+            path: PathPoints::Both,
+        },
+        shape,
+        lengths: Lengths::Equal,
+        elastic: None,
+        kept: 1.0,
+        haste: 0.0,
+    };
+    check(setting, &guessed);
 }

@@ -95,61 +95,31 @@ pub(in crate::ocp) fn transcribe<'a>(
 mod tests {
     use super::*;
     use crate::model::Pieces;
-    use crate::ocp::collocation::discretization::{Lengths, Places, Span, parabolas};
+    use crate::ocp::collocation::discretization::{Lengths, Span};
     use crate::ocp::collocation::layout::CutKind;
-    use crate::ocp::collocation::test_scene::{Demanding, Sledge};
-    use crate::ocp::global::contact_implicit::ContactImplicit;
-    use crate::ocp::global::guess::guess;
+    use crate::ocp::collocation::test_scene::{self, Demanding};
     use crate::ocp::motion::control_grid::ControlShape;
     use crate::ocp::motion::sequence::Place;
-    use crate::ocp::problem::{Horizon, Problem, bounds};
-    use crate::ocp::program::units::Units;
-    use crate::ocp::scale::Scale;
-    use crate::ocp::settings::{Guess, PathPoints};
-    use crate::rk::{ButcherTableau, Scheme};
+    use crate::ocp::problem::{Horizon, Problem};
+    use crate::ocp::settings::Guess;
     use crate::simulation::ContactMode;
     use hangtime_solver::nlp::{NlpProblem, check_derivatives};
 
     /// The central difference of a function with values and derivatives up to 1e3 is good to about 1e-7 of them.
     const DIFFERENCE: f64 = 1e-5;
 
-    fn problem(model: &Demanding) -> Problem {
-        Problem {
-            horizon: Horizon::Free { guess: Some(1.2) },
-            ..Problem::of(model, 3)
-        }
-    }
-
     /// The demanding scene with controls of that shape, and a motion to start from.
     fn with_setting(shape: ControlShape, check: impl Fn(Setting, &Trajectory)) {
-        let model = Demanding(Sledge::default());
-        let problem = problem(&model);
-        let (lower, upper) = bounds(&model);
-        let bounds = (&lower[..], &upper[..]);
-        let guessed = guess(&model, &problem, &Guess::Perturbed(3), bounds).unwrap();
-        let units = Units::new(&model, &Scale::of(&model, &problem), &guessed, bounds);
-        let tableau = ButcherTableau::new(Scheme::RadauIia, 3).unwrap();
-        let start: Vec<f64> = problem.q.iter().chain(&problem.v).copied().collect();
-        let parabolas = parabolas(&model, &start);
-        assert_eq!(parabolas, [false, false, true]);
-        let setting = Setting {
-            model: &model,
-            problem: &problem,
-            tableau: &tableau,
-            units: &units,
-            bounds,
-            parabolas: &parabolas,
-            places: Places {
-                bounds_at_nodes: false,
-                path: PathPoints::Both,
-            },
-            shape,
-            lengths: Lengths::Equal,
-            elastic: None,
-            kept: 1.0,
-            haste: 0.0,
+        let model = Demanding::default();
+        let problem = Problem {
+            horizon: Horizon::Free { guess: Some(1.2) },
+            ..Problem::of(&model, 3)
         };
-        check(setting, &guessed);
+        let with = (shape, 3, Guess::Perturbed(3));
+        test_scene::with_setting((&model, &problem), with, |setting, guessed| {
+            assert_eq!(setting.parabolas, [false, false, true]);
+            check(setting, guessed);
+        });
     }
 
     /// A switch of the sledge, which lands without rebound.
@@ -267,13 +237,13 @@ mod tests {
     }
 
     #[test]
-    fn derivatives_of_both_programs_agree_with_differences() {
+    fn derivatives_agree_with_differences() {
         for shape in [ControlShape::Constant, ControlShape::Linear] {
-            with_setting(shape, check_both);
+            with_setting(shape, check);
         }
         with_setting(ControlShape::Constant, |setting, guessed| {
             let lengths = Lengths::Free;
-            check_both(Setting { lengths, ..setting }, guessed);
+            check(Setting { lengths, ..setting }, guessed);
         });
     }
 
@@ -326,10 +296,7 @@ mod tests {
         });
     }
 
-    fn check_both(setting: Setting, guessed: &Trajectory) {
-        let mut coarse = ContactImplicit::new(setting, 2, guessed);
-        let compared = check_derivatives(&mut coarse.program, None).unwrap();
-        assert!(compared[0].error < DIFFERENCE, "{:?}", compared[0]);
+    fn check(setting: Setting, guessed: &Trajectory) {
         let sequence = sequence(&[
             switch(true, 0, Place::Inside, 0.4),
             switch(false, 0, Place::Inside, 0.8),

@@ -16,7 +16,6 @@ pub(in crate::ocp) mod repair;
 pub(in crate::ocp) mod replay;
 mod resting;
 pub(in crate::ocp) mod sampled;
-mod simultaneous;
 pub(in crate::ocp) mod stationary;
 mod throw;
 mod together;

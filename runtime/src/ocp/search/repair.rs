@@ -6,8 +6,7 @@ use super::at_nodes::{all_at_once, at_nodes, warped};
 use super::attempt::{Attempt, Attempts, Local, Purpose, Verdict};
 use super::neighbours::Neighbour;
 use super::pressure::Pressure;
-use super::resting::{resting, resting_shortly};
-use super::simultaneous::simultaneous;
+use super::resting::resting;
 use super::stationary::{Held, held};
 use super::together::{Insertion, learn_together};
 use super::{edge_neighbours, friction_neighbours, neighbours};
@@ -126,10 +125,8 @@ type Basins = fn(&Pressure) -> Vec<Sequence>;
 
 /// Sequences in other basins, by the rules of the search that are followed; those of the whole motion where it may be the result.
 fn basins(pressure: &Pressure, settings: &Settings, proves: bool) -> Vec<Sequence> {
-    let rules: [(&str, Basins); 5] = [
+    let rules: [(&str, Basins); 3] = [
         ("shortened", neighbours::shortened),
-        ("sliding-moved", friction_neighbours::shifted),
-        ("resting", resting_shortly),
         ("at-nodes", at_nodes),
         ("all-at-once", all_at_once),
     ];
@@ -159,7 +156,6 @@ fn neighbours_of(pressure: &Pressure) -> Vec<Neighbour> {
     neighbours.extend(friction_neighbours::sliding(pressure));
     neighbours.extend(resting(pressure));
     neighbours.extend(edge_neighbours::edges(pressure));
-    neighbours.extend(simultaneous(pressure));
     neighbours
 }
 

@@ -12,7 +12,7 @@ use crate::model::tangent_point;
 use crate::ocp::collocation::layout::{Phase, SolvedPhase};
 use crate::ocp::motion::model_input::acceleration;
 use crate::ocp::motion::sequence::{Place, Sequence, Switch};
-use crate::ocp::tuning::neighbours::{ENTRY, LEFT, SHORT};
+use crate::ocp::tuning::neighbours::{ENTRY, LEFT};
 use crate::simulation::{ContactMode, Direction};
 
 /// Sequences in which one contact rests where it slips.
@@ -21,31 +21,16 @@ pub(super) fn resting(pressure: &Pressure) -> Vec<Neighbour> {
     found.map(Neighbour::adjoining).collect()
 }
 
-/// With a stick in the place of each slip that lasts an interval or little more: another basin, about which nothing is claimed.
-pub(super) fn resting_shortly(pressure: &Pressure) -> Vec<Sequence> {
-    slips(pressure, |_, (from, to)| {
-        let switches = &pressure.sequence.switches;
-        let begin = from.map_or(0.0, |from| switches[from].time);
-        let end = to.map_or(pressure.intervals as f64, |to| switches[to].time);
-        end - begin < SHORT
-    })
-}
-
-/// With a stick in the place of each slip in which nothing moves.
-fn still(pressure: &Pressure) -> Vec<Sequence> {
-    slips(pressure, |contact, ends| is_still(pressure, contact, ends))
-}
-
 /// The switches with which a slip begins and ends; none at the start and at the end of the motion.
 type Ends = (Option<usize>, Option<usize>);
 
-/// With a stick in the place of each slip for which that holds.
-fn slips(pressure: &Pressure, holds: impl Fn(usize, Ends) -> bool) -> Vec<Sequence> {
+/// With a stick in the place of each slip in which nothing moves.
+fn still(pressure: &Pressure) -> Vec<Sequence> {
     let switches = &pressure.sequence.switches;
     let mut found = Vec::new();
     for (contact, mode) in pressure.sequence.initially.iter().enumerate() {
         let first = switches.iter().position(|s| s.contact == contact);
-        if is_slip(*mode) && holds(contact, (None, first)) {
+        if is_slip(*mode) && is_still(pressure, contact, (None, first)) {
             let mut sequence = pressure.sequence.clone();
             sequence.initially[contact] = ContactMode::Stick;
             found.push(sequence.consistent());
@@ -56,7 +41,7 @@ fn slips(pressure: &Pressure, holds: impl Fn(usize, Ends) -> bool) -> Vec<Sequen
         let next = switches[index + 1..].iter().position(own);
         let next = next.map(|next| index + 1 + next);
         let slips = switch.slides() && is_slip(switch.mode);
-        if slips && holds(switch.contact, (Some(index), next)) {
+        if slips && is_still(pressure, switch.contact, (Some(index), next)) {
             let mut sequence = pressure.sequence.clone();
             sequence.switches[index].mode = ContactMode::Stick;
             found.push(sequence.consistent());

@@ -11,7 +11,7 @@ use crate::ocp::problem::Horizon;
 use crate::ocp::tuning::sampled::{LEAST_PLACES, LONGER_THAN_BEFORE, PLACES, TOLERANCE};
 use crate::simulation::{Event, EventDriven, EventKind, simulate_once};
 
-/// What happens, one after the other: contacts, and whether they are struck.
+/// What happens, one after the other: contacts, and whether they are open then.
 pub(super) type Order = Vec<(usize, bool)>;
 
 /// What a motion is made of.
@@ -108,13 +108,13 @@ fn order(model: &dyn Model, events: &[Event], (time, interval): (f64, f64)) -> O
     let strikes = contacts.iter().any(|contact| !contact.dry);
     let mut order = Order::new();
     for event in events.iter().take_while(|event| event.time <= time) {
-        let struck = event.kind == EventKind::Impact;
-        let now = ((event.time / interval).floor(), struck);
+        let open = event.modes[event.contact].is_open();
+        let now = ((event.time / interval).floor(), open);
         if strikes && contacts[event.contact].dry || last[event.contact] == Some(now) {
             continue;
         }
         last[event.contact] = Some(now);
-        order.push((event.contact, struck));
+        order.push((event.contact, open));
     }
     order
 }
@@ -210,6 +210,8 @@ fn up_to(motion: &Trajectory, time: f64, intervals: usize) -> ControlGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation::ContactMode::{self, Frictionless, Open};
+    use crate::simulation::Direction;
 
     #[test]
     fn order_holds_what_surfaces_do_and_bounces_of_one_interval_once() {
@@ -227,12 +229,12 @@ mod tests {
                 dry friction rail: bound f, sliding dot(y)
             }
         }
-        let event = |time: f64, contact: usize, kind: EventKind| Event {
+        let event = |time: f64, contact: usize, mode: ContactMode| Event {
             time,
-            kind,
+            kind: EventKind::Impact,
             contact,
             contact_name: "",
-            modes: Vec::new(),
+            modes: vec![mode; 3],
             q: Vec::new(),
             v_before: Vec::new(),
             v_after: Vec::new(),
@@ -241,19 +243,20 @@ mod tests {
         };
         let (low, high, rail) = (0, 1, 2);
         let events = [
-            event(0.1, low, EventKind::Impact),
-            event(0.15, rail, EventKind::Slip),
-            event(0.3, low, EventKind::Impact),
-            event(0.6, high, EventKind::Impact),
-            event(0.7, low, EventKind::Impact),
-            event(1.2, low, EventKind::Impact),
-            event(1.3, low, EventKind::LiftOff),
+            event(0.1, low, Open),
+            event(0.15, rail, ContactMode::Slip(Direction::Forward)),
+            event(0.3, low, Open),
+            event(0.6, high, Open),
+            event(0.7, low, Open),
+            event(1.2, low, Open),
+            event(1.3, low, Frictionless),
         ];
         let model = Plates::default();
         let order = |time: f64| order(&model, &events, (time, 1.0));
-        let struck = |contact: usize| (contact, true);
-        assert_eq!(order(0.9), [struck(low), struck(high)]);
-        let all = [struck(low), struck(high), struck(low), (low, false)];
+        let bounces = |contact: usize| (contact, true);
+        assert_eq!(order(0.9), [bounces(low), bounces(high)]);
+        // A rest is no bounce: what goes on bouncing, be it ever so little, is another motion.
+        let all = [bounces(low), bounces(high), bounces(low), (low, false)];
         assert_eq!(order(2.0), all);
     }
 }
