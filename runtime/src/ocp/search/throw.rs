@@ -11,8 +11,8 @@ use crate::ocp::problem::Horizon;
 use crate::ocp::tuning::sampled::{LEAST_PLACES, LONGER_THAN_BEFORE, PLACES, TOLERANCE};
 use crate::simulation::{Event, EventDriven, EventKind, simulate_once};
 
-/// What happens, one after the other: contacts, and whether they are open then.
-pub(super) type Order = Vec<(usize, bool)>;
+/// What happens, one after the other: contacts, whether they are struck, and whether they are open then.
+pub(super) type Order = Vec<(usize, bool, bool)>;
 
 /// What a motion is made of.
 #[derive(Clone)]
@@ -104,17 +104,18 @@ pub(super) fn ends(setting: Setting, throw: &Throw, longest: f64, most_events: u
 /// in one interval, by which simulations are read, are one.
 fn order(model: &dyn Model, events: &[Event], (time, interval): (f64, f64)) -> Order {
     let contacts = model.declaration().contacts;
-    let mut last: Vec<Option<(f64, bool)>> = vec![None; contacts.len()];
+    let mut last: Vec<Option<(f64, bool, bool)>> = vec![None; contacts.len()];
     let strikes = contacts.iter().any(|contact| !contact.dry);
     let mut order = Order::new();
     for event in events.iter().take_while(|event| event.time <= time) {
+        let struck = event.kind == EventKind::Impact;
         let open = event.modes[event.contact].is_open();
-        let now = ((event.time / interval).floor(), open);
+        let now = ((event.time / interval).floor(), struck, open);
         if strikes && contacts[event.contact].dry || last[event.contact] == Some(now) {
             continue;
         }
         last[event.contact] = Some(now);
-        order.push((event.contact, open));
+        order.push((event.contact, struck, open));
     }
     order
 }
@@ -253,10 +254,10 @@ mod tests {
         ];
         let model = Plates::default();
         let order = |time: f64| order(&model, &events, (time, 1.0));
-        let bounces = |contact: usize| (contact, true);
+        let bounces = |contact: usize| (contact, true, true);
         assert_eq!(order(0.9), [bounces(low), bounces(high)]);
         // A rest is no bounce: what goes on bouncing, be it ever so little, is another motion.
-        let all = [bounces(low), bounces(high), bounces(low), (low, false)];
+        let all = [bounces(low), bounces(high), bounces(low), (low, true, false)];
         assert_eq!(order(2.0), all);
     }
 }
