@@ -87,10 +87,9 @@ impl Watched {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Suspect {
     pub(crate) watched: Watched,
-    /// Where the search begins.
+    /// Where the search begins, and ends.
     pub(crate) from: Sample,
-    /// Its value at the end of the piece.
-    pub(crate) end: f64,
+    pub(crate) end: Sample,
     /// Falls less deep than this are none.
     pub(crate) zero: f64,
     /// Values up to this are rounding error.
@@ -132,10 +131,7 @@ pub(crate) fn earliest_fall(
         };
         let mut value = |at| value(function, at);
         let to = match earliest {
-            None => Sample {
-                at: 1.0,
-                value: end,
-            },
+            None => end,
             Some(Fall { root, .. }) => Sample {
                 at: root,
                 value: value(root),

@@ -4,10 +4,13 @@
 use super::dop853::Dop853;
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::tableau::DEGREE;
-use crate::enclosure::{Along, Fall, Form, Interpolated, Sample, Suspect, Watched, earliest_fall};
+use crate::enclosure::{
+    Along, Bracket, Fall, Form, Interpolated, Sample, Suspect, Watched, earliest_fall, refine,
+};
 use crate::model::{Explicit, contact_point};
 use crate::simulation::along::LEAPS;
 use std::collections::BTreeSet;
+use std::convert::Infallible;
 
 /// Crossings of one switching function on the continuous extension that true steps may refute before the step
 /// counts as too long.
@@ -19,10 +22,8 @@ const SHALLOW: f64 = 1e-4;
 const ROUNDING: f64 = 1e-3;
 /// Halvings of a step on the way back to where the true solution is positive.
 const HALVINGS: usize = 40;
-/// Secant steps before bisection.
-const SECANTS: usize = 12;
-/// Secant steps and bisections together; 64 bisections use up all digits.
-const POLISHING: usize = 80;
+/// Most bisections of a step; 64 use up all digits.
+const BISECTIONS: usize = 80;
 /// Most places of a step at which all forces are remembered: those of their interpolants.
 const PLACES_REMEMBERED: usize = 16;
 
@@ -78,15 +79,6 @@ impl Step<'_> {
     fn resolution(&self) -> f64 {
         f64::EPSILON * (self.t.abs() + self.h)
     }
-}
-
-/// Lengths of steps between which a function changes its sign, a guess of where, and its slope there.
-#[derive(Debug, Clone, Copy)]
-struct Bracket {
-    low: f64,
-    high: f64,
-    guess: f64,
-    slope: f64,
 }
 
 /// An event: which switching function vanishes, and the length of the step that ends there.
@@ -190,11 +182,15 @@ impl<'a> EventSearch<'a> {
                 || !self.too_fast && may_cross(dynamics, function)
         };
         if suspicious {
-            let value = step.start_values[function];
+            let values = [(0.0, step.start_values), (1.0, step.end_values)];
+            let [from, end] = values.map(|(at, values)| Sample {
+                at,
+                value: values[function],
+            });
             self.suspects[function] = Some(Suspect {
                 watched,
-                from: Sample { at: 0.0, value },
-                end: step.end_values[function],
+                from,
+                end,
                 zero,
                 rounding: ROUNDING * switching::zero_value(dynamics, function),
             });
@@ -428,7 +424,7 @@ impl<'a> EventSearch<'a> {
         contact: usize,
         (mut rises, mut falls): (f64, f64),
     ) -> f64 {
-        for _ in 0..POLISHING {
+        for _ in 0..BISECTIONS {
             let middle = 0.5 * (rises + falls);
             if falls - rises <= step.resolution() {
                 break;
@@ -446,9 +442,6 @@ impl<'a> EventSearch<'a> {
 
     /// Length of the true step in the bracket at whose end the function vanishes, to the resolution of time; if it
     /// is positive throughout, its value at the right end.
-    ///
-    /// A root is where the sign of the function changes, whatever its size: a force that vanishes has no terms left
-    /// that could tell how small it is.
     fn refine(
         &mut self,
         dynamics: &mut Dynamics<'_>,
@@ -458,45 +451,8 @@ impl<'a> EventSearch<'a> {
         bracket: Bracket,
     ) -> Result<f64, f64> {
         let zero = self.least_zero(dynamics, step, function);
-        let resolution = step.resolution();
-        let Bracket {
-            mut low,
-            mut high,
-            guess: mut h,
-            mut slope,
-        } = bracket;
-        let mut f = self.stepped(dynamics, method, step, function, h);
-        let mut beyond = resolution;
-        for iteration in 0..POLISHING {
-            if f > 0.0 {
-                low = h;
-            } else {
-                high = h;
-            }
-            if f == 0.0 || h >= high && f > 0.0 {
-                break;
-            }
-            let newton = h - f / slope;
-            let mut next = if iteration < SECANTS && newton >= low && newton <= high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            if (next - h).abs() <= resolution || high - low <= resolution {
-                if f <= zero {
-                    break;
-                }
-                // Positive at the root to working accuracy: the change of sign is just behind it.
-                next = (h + beyond).min(high);
-                beyond *= 4.0;
-            }
-            let f_next = self.stepped(dynamics, method, step, function, next);
-            let secant = (f_next - f) / (next - h);
-            if secant < 0.0 {
-                slope = secant;
-            }
-            (h, f) = (next, f_next);
-        }
+        let stepped = |h| Ok(self.stepped(dynamics, method, step, function, h));
+        let Ok((h, f)) = refine::<Infallible>(stepped, bracket, (zero, step.resolution()));
         self.root_value = f;
         if f <= zero { Ok(h) } else { Err(f) }
     }

@@ -87,43 +87,45 @@ impl<'a> Detector<'a> {
         }
         self.drift = motion.map_or(0.0, |motion| solved.drift(motion));
         let mut first: Option<Switch> = None;
-        let mut suspects = Vec::new();
-        for start in &starts {
-            let watched = start.function.watched(solved.contacts, element.active());
-            if !watched.is_explicit(&self.along) {
-                self.interpolated.insert(start.function.named());
-            }
-            let from = match solved.from(start)? {
-                From::Sample(from) => from,
-                from => {
-                    if let From::Switch(switch) = from {
-                        first = earlier(first, switch);
-                    }
-                    suspects.push(None);
+        // What begins at zero is asked how it goes on up to where another function falls: behind, the element tells nothing.
+        for begins_at_zero in [false, true] {
+            let until = first.map_or(1.0, |first| first.theta);
+            let mut suspects = vec![None; starts.len()];
+            for (start, suspect) in starts.iter().zip(&mut suspects) {
+                if start.begins_at_zero != begins_at_zero {
                     continue;
                 }
-            };
-            let [rounding, _] = start.function.zeros(solved.contacts, start.size);
-            suspects.push(Some(Suspect {
-                watched,
-                from,
-                end: solved.value(start.function, 1.0),
-                zero: rounding.max(-2.0 * from.value),
-                rounding: 0.0,
-            }));
+                let watched = start.function.watched(solved.contacts, element.active());
+                if !watched.is_explicit(&self.along) {
+                    self.interpolated.insert(start.function.named());
+                }
+                match solved.from(start, until)? {
+                    From::Nowhere => {}
+                    From::Switch(switch) => first = earlier(first, switch),
+                    From::Sample(from) => {
+                        *suspect = Some(Suspect {
+                            watched,
+                            from,
+                            end: solved.sample(start.function, until),
+                            zero: start.zeros[0].max(-2.0 * from.value),
+                            rounding: 0.0,
+                        });
+                    }
+                }
+            }
+            let value = |k: usize, theta: f64| solved.value(starts[k].function, theta);
+            let fall = earliest_fall(&mut self.along, &suspects, value);
+            if let Some(error) = solved.failed {
+                return Err(beyond(&error));
+            }
+            if let Some(fall) = fall.map_err(|_| Stop::Unresolved)? {
+                let function = starts[fall.function].function;
+                let ends = (fall.left, fall.right);
+                let switch = Switch::between(function, ends, fall.root, element.length());
+                first = earlier(first, switch);
+            }
         }
-        let value = |k: usize, theta: f64| solved.value(starts[k].function, theta);
-        let fall = earliest_fall(&mut self.along, &suspects, value);
-        if let Some(error) = solved.failed {
-            return Err(beyond(&error));
-        }
-        let Some(fall) = fall.map_err(|_| Stop::Unresolved)? else {
-            return Ok(first);
-        };
-        let function = starts[fall.function].function;
-        let ends = (fall.left, fall.right);
-        let switch = Switch::between(function, ends, fall.root, element.length());
-        Ok(earlier(first, switch))
+        Ok(first)
     }
 }
 
@@ -152,6 +154,10 @@ struct Start {
     function: Function,
     value: f64,
     size: ContactSize,
+    /// Its rounding error, and the values that another switch explains.
+    zeros: [f64; 2],
+    /// Whether it may grow more slowly than the local error of the element at first.
+    begins_at_zero: bool,
     /// Normal velocity of the contact.
     velocity: f64,
     /// Whether forces accelerate the contact in the sense of its slip.
@@ -182,10 +188,19 @@ fn starts(now: &mut Present<'_>, of_coordinates: f64) -> Vec<Start> {
             sense * now.contacts.sliding_acceleration(i, &now.acceleration)
                 > -FORCE_TOLERANCE * now.contacts.tangential_scale(i)
         };
+        let value = function.at_present(now);
+        let size = size.with_error(steepness * of_coordinates);
+        let zeros = function.zeros(&now.contacts, size);
         Start {
             function,
-            value: function.at_present(now),
-            size: size.with_error(steepness * of_coordinates),
+            value,
+            size,
+            zeros,
+            begins_at_zero: match function.kind {
+                SwitchKind::Entry => value <= zeros[1],
+                SwitchKind::Stopping => value <= zeros[0],
+                _ => false,
+            },
             velocity: now.velocities[i],
             in_sense,
         }
@@ -217,6 +232,12 @@ impl Solved<'_, '_> {
             Err(error) => self.failed.get_or_insert(error),
         };
         f64::INFINITY
+    }
+
+    /// A place with the value there.
+    fn sample(&mut self, function: Function, at: f64) -> Sample {
+        let value = self.value(function, at);
+        Sample { at, value }
     }
 
     /// Forces of the active contacts at a place.
@@ -256,68 +277,59 @@ impl Solved<'_, '_> {
         drift
     }
 
-    /// Where the fall of a function is looked for.
-    fn from(&mut self, start: &Start) -> Result<From, Stop> {
+    /// Where the fall of a function is looked for before a place.
+    fn from(&mut self, start: &Start, until: f64) -> Result<From, Stop> {
         let Start {
-            function,
-            value,
-            size,
-            ..
+            function, value, ..
         } = *start;
-        let [rounding, touching] = function.zeros(self.contacts, size);
-        let told = match function.kind {
-            SwitchKind::Entry => touching,
-            SwitchKind::Stopping => rounding,
-            _ => f64::NEG_INFINITY,
-        };
-        if value > told {
+        let rounding = start.zeros[0];
+        if !start.begins_at_zero {
             let waits = function.is_of_forces() && !self.may_vanish(function, (value, rounding));
-            return Ok(if waits {
-                From::Nowhere
-            } else {
-                From::Sample(Sample { at: 0.0, value })
+            return Ok(match waits {
+                true => From::Nowhere,
+                false => From::Sample(Sample { at: 0.0, value }),
             });
         }
-        // It grows more slowly than the local error of the element at first.
-        let end = self.value(function, 1.0);
-        let falls = end < -rounding;
         if function.kind == SwitchKind::Entry {
-            return self.released(start, end);
+            return self.released(start, until);
         }
-        match self.rise(function, if falls { 0.0 } else { rounding }).0 {
-            Some(sample) => Ok(From::Sample(sample)),
-            None if !falls => Ok(From::Nowhere),
+        let end = self.sample(function, until);
+        let falls = end.value < -rounding;
+        match self.rise((function, until), if falls { 0.0 } else { rounding }) {
+            (Some(sample), _) => Ok(From::Sample(sample)),
+            _ if !falls || until < 1.0 => Ok(From::Nowhere),
             // The element is too long to show the slip that the forces demand.
-            None if start.in_sense => Err(Stop::Unresolved),
+            _ if start.in_sense => Err(Stop::Unresolved),
             // It starts where the slip ends.
-            None => {
-                let ends = [(0.0, value), (1.0, end)].map(|(at, value)| Sample { at, value });
+            _ => {
+                let ends = (Sample { at: 0.0, value }, end);
                 let length = self.element.length();
-                let switch = Switch::between(function, (ends[0], ends[1]), 0.0, length);
-                Ok(From::Switch(switch))
+                Ok(From::Switch(Switch::between(function, ends, 0.0, length)))
             }
         }
     }
 
-    /// Where the fall of the gap of a contact is looked for that touches at the start of the element; its value at the `end`.
+    /// Where the fall of the gap of a contact is looked for before a place that touches at the start of the element.
     ///
     /// Flights lower than the rounding error end in contact.
-    fn released(&mut self, start: &Start, end: f64) -> Result<From, Stop> {
+    fn released(&mut self, start: &Start, until: f64) -> Result<From, Stop> {
         let (function, size) = (start.function, start.size);
         let depth = DEEP * self.element.length() * size.speed();
         let bounced = start.velocity > size.velocity_rounding();
         // Thrown off, and deeper than the local error explains: it has fallen back in a flight that is too low for an element of
         // that length.
         let from_above = bounced && start.value >= -size.touching_gap();
-        let told = if bounced || end < -depth {
+        let end = self.value(function, until);
+        let falls = end < -size.gap_rounding();
+        let told = if falls && bounced || end < -depth {
             0.5 * size.gap_rounding()
         } else {
             size.touching_gap()
         };
-        match self.rise(function, told) {
+        match self.rise((function, until), told) {
             (Some(_), least) if from_above && least < -depth => return Err(Stop::Unresolved),
             (Some(sample), _) => return Ok(From::Sample(sample)),
-            (None, _) if end >= -size.gap_rounding() => return Ok(From::Nowhere),
+            _ if !falls || until < 1.0 => return Ok(From::Nowhere),
             _ => {}
         }
         self.input(1.0);
@@ -335,27 +347,24 @@ impl Solved<'_, '_> {
             contact: i,
         };
         let length = self.element.length();
+        let [from, right] = [0.0, 1.0].map(|at| self.sample(function, at));
         let mut value = |theta| self.value(function, theta);
-        let [from, right] = [0.0, 1.0].map(|at| Sample {
-            at,
-            value: value(at),
-        });
         let left = positive_before(&mut value, from, from, right, 0.0);
         let theta = root(&mut value, left, right);
         let switch = Switch::between(function, (left, right), theta, length);
         Ok(From::Switch(switch))
     }
 
-    /// The first of some places, ever farther from the start, at which a function is larger than `told`, and the least value before.
-    fn rise(&mut self, function: Function, told: f64) -> (Option<Sample>, f64) {
+    /// The first of some places, ever farther from the start until another one, at which a function is larger than `told`, and the least
+    /// value before.
+    fn rise(&mut self, (function, until): (Function, f64), told: f64) -> (Option<Sample>, f64) {
         let mut least = f64::INFINITY;
         for halvings in (0..=HALVINGS).rev() {
-            let at = 0.5_f64.powi(halvings);
-            let value = self.value(function, at);
-            if value > told {
-                return (Some(Sample { at, value }), least);
+            let sample = self.sample(function, until * 0.5_f64.powi(halvings));
+            if sample.value > told {
+                return (Some(sample), least);
             }
-            least = least.min(value);
+            least = least.min(sample.value);
         }
         (None, least)
     }

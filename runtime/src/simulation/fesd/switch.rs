@@ -40,8 +40,9 @@ pub(super) struct Switch {
     pub(super) function: Function,
     /// Place in the element, `0..=1`.
     pub(super) theta: f64,
-    /// Place at which the function is known to be negative.
+    /// Place at which the function is known to be negative, and its value there.
     pub(super) violated: f64,
+    pub(super) value: f64,
     /// Slope with respect to time at the root.
     pub(super) slope: f64,
 }
@@ -58,6 +59,7 @@ impl Switch {
             function,
             theta,
             violated: right.at,
+            value: right.value,
             slope: (right.value - left.value) / ((right.at - left.at) * length),
         }
     }
