@@ -8,6 +8,73 @@ const RETREAT: f64 = 0.75;
 const RETREATS: usize = 80;
 /// Bracketing steps of a root; five or six are common.
 const ROOT_STEPS: usize = 100;
+/// Secant steps before bisection.
+const SECANTS: usize = 12;
+/// Secant steps and bisections together; 64 bisections use up all digits.
+const POLISHING: usize = 80;
+
+/// Places between which a function falls through zero, a guess of where, and its slope there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bracket {
+    pub(crate) low: f64,
+    pub(crate) high: f64,
+    pub(crate) guess: f64,
+    pub(crate) slope: f64,
+}
+
+/// Where in a bracket a function vanishes, to this `resolution` of places, and its value there. The value is larger than `zero` if it is
+/// that throughout, and far below if the sign changes without a zero. The function is asked there last.
+///
+/// A root is where the sign of the function changes, whatever its size: a force that vanishes has no terms left
+/// that could tell how small it is.
+///
+/// # Errors
+/// Those of the function.
+pub(crate) fn refine<E>(
+    mut value: impl FnMut(f64) -> Result<f64, E>,
+    bracket: Bracket,
+    (zero, resolution): (f64, f64),
+) -> Result<(f64, f64), E> {
+    let Bracket {
+        mut low,
+        mut high,
+        guess: mut at,
+        mut slope,
+    } = bracket;
+    let mut f = value(at)?;
+    let mut beyond = resolution;
+    for iteration in 0..POLISHING {
+        if f > 0.0 {
+            low = at;
+        } else {
+            high = at;
+        }
+        if f == 0.0 || at >= high && f > 0.0 {
+            break;
+        }
+        let newton = at - f / slope;
+        let mut next = if iteration < SECANTS && newton >= low && newton <= high {
+            newton
+        } else {
+            0.5 * (low + high)
+        };
+        if (next - at).abs() <= resolution || high - low <= resolution {
+            if f <= zero {
+                break;
+            }
+            // Positive at the root to working accuracy: the change of sign is just behind it.
+            next = (at + beyond).min(high);
+            beyond *= 4.0;
+        }
+        let f_next = value(next)?;
+        let secant = (f_next - f) / (next - at);
+        if secant < 0.0 {
+            slope = secant;
+        }
+        (at, f) = (next, f_next);
+    }
+    Ok((at, f))
+}
 
 /// The left end of a crossing, moved back to where the function exceeds `rounding`: `left` itself, or a point
 /// on the way back from `right` to `from`, or `from` if the function does so nowhere.

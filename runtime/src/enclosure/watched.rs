@@ -4,6 +4,7 @@ use super::along::Along;
 use super::crossing::{Bounded, Crossing, Sample, first_crossing};
 use super::interpolant::Interpolant;
 use super::range::Range;
+use super::root::{positive_before, root};
 use crate::model::Model;
 
 /// A function of the contact mode.
@@ -62,7 +63,7 @@ impl Watched {
     }
 
     /// The first place between two at which it falls below `-zero`, by its bounds, or else by its `value` at some places.
-    pub(crate) fn first_fall(
+    fn first_fall(
         self,
         along: &mut Along<'_>,
         mut value: impl FnMut(f64) -> f64,
@@ -80,6 +81,81 @@ impl Watched {
         let mut bounded = Interpolant::new(&mut value, [from.at, to.at]);
         first_crossing(&mut bounded, from, to, zero)
     }
+}
+
+/// A function that may vanish along a piece.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Suspect {
+    pub(crate) watched: Watched,
+    /// Where the search begins, and ends.
+    pub(crate) from: Sample,
+    pub(crate) end: Sample,
+    /// Falls less deep than this are none.
+    pub(crate) zero: f64,
+    /// Values up to this are rounding error.
+    pub(crate) rounding: f64,
+}
+
+/// The fall of a function through zero.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fall {
+    /// Which one, by its number.
+    pub(crate) function: usize,
+    /// Where the search began.
+    pub(crate) from: Sample,
+    /// Neighbours of different signs, unless the function is positive nowhere before.
+    pub(crate) left: Sample,
+    pub(crate) right: Sample,
+    pub(crate) root: f64,
+    /// Falls less deep than this were none.
+    pub(crate) zero: f64,
+}
+
+/// The first fall among functions, whose values `value(number, place)` tells, or the number of one that varies too fast.
+pub(crate) fn earliest_fall(
+    along: &mut Along<'_>,
+    suspects: &[Option<Suspect>],
+    mut value: impl FnMut(usize, f64) -> f64,
+) -> Result<Option<Fall>, usize> {
+    let mut earliest: Option<Fall> = None;
+    for (function, suspect) in suspects.iter().enumerate() {
+        let &Some(Suspect {
+            watched,
+            from,
+            end,
+            zero,
+            rounding,
+        }) = suspect
+        else {
+            continue;
+        };
+        let mut value = |at| value(function, at);
+        let to = match earliest {
+            None => end,
+            Some(Fall { root, .. }) => Sample {
+                at: root,
+                value: value(root),
+            },
+        };
+        if to.at <= from.at {
+            continue;
+        }
+        let (left, right) = match watched.first_fall(along, &mut value, (from, to), zero) {
+            Crossing::Nowhere => continue,
+            Crossing::Undecided => return Err(function),
+            Crossing::Between(left, right) => (left, right),
+        };
+        let left = positive_before(&mut value, from, left, right, rounding);
+        earliest = Some(Fall {
+            function,
+            from,
+            left,
+            right,
+            root: root(&mut value, left, right),
+            zero,
+        });
+    }
+    Ok(earliest)
 }
 
 /// A function whose operations are known, with its bounds.

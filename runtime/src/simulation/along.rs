@@ -1,13 +1,12 @@
 //! What the trajectories of methods that locate no switches say of their errors.
 
 use super::{InitialValueProblem, Simulation};
+use crate::enclosure::{Along, Sample, Suspect, Watched, earliest_fall};
 use crate::model::{ImpactLaw, Model, Pieces, contact_point};
 
 /// Least leap of a gap, as a share of the coordinates and of the gap itself, or the way that velocities go meanwhile: less may be the
 /// error of elements, which the default keeps below it.
 pub(super) const LEAST_LEAP: f64 = 1e-6;
-/// Places in the whole horizon at which gaps are looked at.
-const PLACES: f64 = 4000.0;
 /// Share of the values of a gap around its root that may be left at the root: a gap that keeps more has changed its sign
 /// without passing zero.
 pub(super) const LEAPS: f64 = 1e-3;
@@ -79,14 +78,12 @@ pub(super) fn passed_over(
         .filter(|&i| !declaration.contacts[i].dry)
         .collect();
     let mut between = Between::new(run, model);
-    for next in 1..run.trajectory.time.len() {
-        let times = [run.trajectory.time[next - 1], run.trajectory.time[next]];
-        let parts = ((times[1] - times[0]) / problem.horizon * PLACES).ceil() as usize;
-        if parts < 2 {
-            continue;
-        }
+    let mut along = Along::new(model, 3);
+    let times = &run.trajectory.time;
+    for next in (1..times.len()).filter(|&next| times[next] > times[next - 1]) {
+        between.enclose(next, &mut along);
         for &i in &surfaces {
-            let Some(time) = between.closing(i, next, parts) else {
+            let Some(time) = between.closing(i, next, &mut along) else {
                 continue;
             };
             let restitution = match declaration.contacts[i].law {
@@ -180,41 +177,44 @@ impl<'a> Between<'a> {
         self.pieces.gap(self.model, contact, &self.x)
     }
 
+    /// Takes up the motion before instant `next`, with the pieces of edges that act at its start.
+    fn enclose(&mut self, next: usize, along: &mut Along<'_>) {
+        let (run, x) = (self.run, &mut self.x);
+        let [start, end] = [next - 1, next].map(|at| run.trajectory.time[at]);
+        let n = run.trajectory.q[next].len();
+        place(run, next, start, &mut x[..2 * n]);
+        self.pieces.choose(self.model, x);
+        along.begin(start, end - start, &self.pieces);
+        for side in [0, 1] {
+            let controls = along.controls_at(side);
+            controls.copy_from_slice(&run.trajectory.u[next]);
+        }
+        along.follow(|share, out| place(run, next, start + share * (end - start), out));
+    }
+
     /// The time before instant `next` at which a contact closes that is open at that instant and the one before and carries
-    /// no force, if it is closed somewhere between them; the state there is loaded.
-    fn closing(&mut self, contact: usize, next: usize, parts: usize) -> Option<f64> {
+    /// no force, if it is closed somewhere between them; the state there is loaded. The motion between them is taken up.
+    fn closing(&mut self, contact: usize, next: usize, along: &mut Along<'_>) -> Option<f64> {
         let run = self.run;
-        let times = &run.trajectory.time;
-        let (start, end) = (times[next - 1], times[next]);
-        let first = self.gap(contact, next, start);
-        self.pieces.choose(self.model, &self.x);
+        let [start, end] = [next - 1, next].map(|at| run.trajectory.time[at]);
+        let [first, last] = [start, end].map(|time| self.gap(contact, next, time));
         let carries = run.trajectory.contact_force[next][contact] != 0.0;
-        if carries || first <= 0.0 || self.pieces.is_idle(contact) {
+        if carries || first <= 0.0 || last <= 0.0 || self.pieces.is_idle(contact) {
             return None;
         }
-        let last = self.gap(contact, next, end);
-        if last <= 0.0 {
-            return None;
-        }
-        let at = |part: usize| start + (end - start) * part as f64 / parts as f64;
-        let gaps: Vec<f64> = (0..=parts)
-            .map(|part| self.gap(contact, next, at(part)))
-            .collect();
-        let (open, mut closed) = match gaps.iter().position(|gap| *gap < 0.0) {
-            Some(closed) => (at(closed - 1), at(closed)),
-            None => {
-                // A minimum that could reach the ground with the slopes beside it.
-                let lowest = (1..parts).find(|&k| {
-                    let fall = (gaps[k - 1] - gaps[k]).max(gaps[k + 1] - gaps[k]);
-                    gaps[k] <= gaps[k - 1] && gaps[k] <= gaps[k + 1] && gaps[k] < fall
-                })?;
-                let bottom = self.bottom(contact, next, (at(lowest - 1), at(lowest + 1)));
-                (at(lowest - 1), bottom?)
-            }
+        let at = |share: f64| start + share * (end - start);
+        let [from, end] = [(0.0, first), (1.0, last)].map(|(at, value)| Sample { at, value });
+        let suspect = Suspect {
+            watched: Watched::Gap(contact),
+            from,
+            end,
+            zero: 0.0,
+            rounding: 0.0,
         };
-        (_, closed) = self.around_zero(contact, next, (open, closed));
-        self.gap(contact, next, closed);
-        Some(closed)
+        let gap = |_, share| self.gap(contact, next, at(share));
+        let fall = earliest_fall(along, &[Some(suspect)], gap).ok()??;
+        self.gap(contact, next, at(fall.root));
+        Some(at(fall.root))
     }
 
     /// Neighbouring times before instant `next` between which a gap becomes negative that is not so at the first of these
@@ -244,20 +244,5 @@ impl<'a> Between<'a> {
         let normal = &self.point[contact_point::NORMAL..][..n];
         let terms = normal.iter().zip(&self.x).map(|(n, q)| (n * q).abs());
         ROUNDING * terms.sum::<f64>()
-    }
-
-    /// Where the gap of a contact has its minimum between two times, if it is negative there: by golden section.
-    fn bottom(&mut self, contact: usize, next: usize, (mut a, mut b): (f64, f64)) -> Option<f64> {
-        let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
-        for _ in 0..HALVINGS {
-            let (left, right) = (b - ratio * (b - a), a + ratio * (b - a));
-            if self.gap(contact, next, left) <= self.gap(contact, next, right) {
-                b = right;
-            } else {
-                a = left;
-            }
-        }
-        let bottom = 0.5 * (a + b);
-        (self.gap(contact, next, bottom) < 0.0).then_some(bottom)
     }
 }

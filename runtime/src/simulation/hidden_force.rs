@@ -14,13 +14,23 @@ const PLACES: [(f64, f64); 3] = [
     (0.887_298_334_620_741_7, 5.0 / 18.0),
 ];
 
-/// Mean size of the difference between the accelerations `at` places of a step, from 0 to 1, and the polynomial through those of its
-/// nodes, for each of `n` velocities. In each of the `parts` nothing is hidden.
-pub(super) fn mean_change(
+/// The largest share of a velocity by which what is hidden in a step of this `length` changes it: of each by its `size`, from
+/// accelerations `at` places of the step.
+pub(super) fn largest_share(
     parts: &[[f64; 2]],
     n: usize,
-    mut at: impl FnMut(f64, &mut [f64]),
-) -> Vec<f64> {
+    length: f64,
+    at: impl FnMut(f64, &mut [f64]),
+    size: impl Fn(usize) -> f64,
+) -> f64 {
+    let change = mean_change(parts, n, at).into_iter().enumerate();
+    let shares = change.map(|(k, change)| change * length / size(k));
+    shares.fold(0.0, f64::max)
+}
+
+/// Mean size of the difference between the accelerations `at` places of a step, from 0 to 1, and the polynomial through those of its
+/// nodes, for each of `n` velocities. In each of the `parts` nothing is hidden.
+fn mean_change(parts: &[[f64; 2]], n: usize, mut at: impl FnMut(f64, &mut [f64])) -> Vec<f64> {
     // Those of Chebyshev, with their barycentric weights.
     let angle = |j: usize| PI * (2 * j + 1) as f64 / (2 * NODES) as f64;
     let nodes: [f64; NODES] = std::array::from_fn(|j| 0.5 - 0.5 * angle(j).cos());

@@ -5,11 +5,12 @@ use super::dop853::Dop853;
 use super::dynamics::{Dynamics, Switch, motion, switching};
 use super::tableau::DEGREE;
 use crate::enclosure::{
-    Along, Crossing as Enclosed, Form, Interpolated, Sample, Watched, positive_before, root,
+    Along, Bracket, Fall, Form, Interpolated, Sample, Suspect, Watched, earliest_fall, refine,
 };
 use crate::model::{Explicit, contact_point};
 use crate::simulation::along::LEAPS;
 use std::collections::BTreeSet;
+use std::convert::Infallible;
 
 /// Crossings of one switching function on the continuous extension that true steps may refute before the step
 /// counts as too long.
@@ -21,10 +22,8 @@ const SHALLOW: f64 = 1e-4;
 const ROUNDING: f64 = 1e-3;
 /// Halvings of a step on the way back to where the true solution is positive.
 const HALVINGS: usize = 40;
-/// Secant steps before bisection.
-const SECANTS: usize = 12;
-/// Secant steps and bisections together; 64 bisections use up all digits.
-const POLISHING: usize = 80;
+/// Most bisections of a step; 64 use up all digits.
+const BISECTIONS: usize = 80;
 /// Most places of a step at which all forces are remembered: those of their interpolants.
 const PLACES_REMEMBERED: usize = 16;
 
@@ -44,10 +43,9 @@ pub(super) struct EventSearch<'a> {
     /// What acts in the present mode.
     acting: Vec<Explicit>,
     memory: Memory,
-    zero: Vec<f64>,
     false_alarms: Vec<usize>,
-    /// Where the search of each function begins that may vanish within the step.
-    from: Vec<Option<Sample>>,
+    /// The functions that may vanish within the step.
+    suspects: Vec<Option<Suspect>>,
     end: Vec<f64>,
     /// Value of the function at the last root.
     root_value: f64,
@@ -83,31 +81,11 @@ impl Step<'_> {
     }
 }
 
-/// Lengths of steps between which a function changes its sign, a guess of where, and its slope there.
-#[derive(Debug, Clone, Copy)]
-struct Bracket {
-    low: f64,
-    high: f64,
-    guess: f64,
-    slope: f64,
-}
-
 /// An event: which switching function vanishes, and the length of the step that ends there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
     pub(super) function: usize,
     pub(super) h: f64,
-}
-
-/// A crossing of zero on the continuous extension.
-#[derive(Debug, Clone, Copy)]
-struct Crossing {
-    function: usize,
-    /// Where the search began; the value there is a true one.
-    from: Sample,
-    left: Sample,
-    right: Sample,
-    root: f64,
 }
 
 /// What the search found.
@@ -138,9 +116,8 @@ impl<'a> EventSearch<'a> {
                 slope: vec![0.0; dimension],
             },
             end: vec![0.0; dimension],
-            zero: vec![0.0; functions],
             false_alarms: vec![0; functions],
-            from: vec![None; functions],
+            suspects: vec![None; functions],
             root_value: 0.0,
             interpolated: BTreeSet::new(),
             too_fast: false,
@@ -161,7 +138,7 @@ impl<'a> EventSearch<'a> {
         }
         self.along
             .enclose(|whole| method.enclose(step.y, step.h, whole));
-        self.from.fill(None);
+        self.suspects.fill(None);
         let mut any = false;
         for slot in 0..dynamics.near().len() {
             any |= self.suspect_one(dynamics, step, dynamics.near()[slot]);
@@ -191,7 +168,7 @@ impl<'a> EventSearch<'a> {
 
     /// Whether some function was suspected to vanish in the last step.
     pub(super) fn has_suspects(&self) -> bool {
-        self.from.iter().any(Option::is_some)
+        self.suspects.iter().any(Option::is_some)
     }
 
     fn suspect_one(&mut self, dynamics: &Dynamics<'_>, step: Step<'_>, function: usize) -> bool {
@@ -205,8 +182,18 @@ impl<'a> EventSearch<'a> {
                 || !self.too_fast && may_cross(dynamics, function)
         };
         if suspicious {
-            let value = step.start_values[function];
-            self.from[function] = Some(Sample { at: 0.0, value });
+            let values = [(0.0, step.start_values), (1.0, step.end_values)];
+            let [from, end] = values.map(|(at, values)| Sample {
+                at,
+                value: values[function],
+            });
+            self.suspects[function] = Some(Suspect {
+                watched,
+                from,
+                end,
+                zero,
+                rounding: ROUNDING * switching::zero_value(dynamics, function),
+            });
         }
         suspicious
     }
@@ -221,13 +208,13 @@ impl<'a> EventSearch<'a> {
         step: Step<'_>,
     ) -> Outcome {
         self.memory.places.clear();
-        for i in 0..dynamics.functions() {
-            self.zero[i] = self.least_zero(dynamics, step, i);
-        }
         self.end.copy_from_slice(method.end());
         self.false_alarms.fill(0);
         loop {
-            let crossing = match self.first_crossing(dynamics, method, step) {
+            let memory = &mut self.memory;
+            let value =
+                |function, theta| memory.interpolated(dynamics, method, step, function, theta);
+            let crossing = match earliest_fall(&mut self.along, &self.suspects, value) {
                 Ok(Some(crossing)) => crossing,
                 Ok(None) => break,
                 Err(function) => return Outcome::Unresolved(function),
@@ -236,14 +223,16 @@ impl<'a> EventSearch<'a> {
             match self.polish(dynamics, method, step, crossing) {
                 Ok(h) => {
                     // A function changes its sign at a pole as well, and a gap where it jumps.
-                    let Crossing { from, left, .. } = crossing;
+                    let Fall {
+                        from, left, zero, ..
+                    } = crossing;
                     let last = step.end_values[function];
                     let largest = from.value.abs().max(last.abs());
                     let kept = match dynamics.switch(function) {
-                        Switch::Gap(_) if left.value > self.zero[function] => LEAPS * largest,
+                        Switch::Gap(_) if left.value > zero => LEAPS * largest,
                         _ => largest,
                     };
-                    return if self.root_value.abs() > kept.max(self.zero[function]) {
+                    return if self.root_value.abs() > kept.max(zero) {
                         Outcome::Pole(Found { function, h })
                     } else {
                         Outcome::Event(Found { function, h })
@@ -255,9 +244,11 @@ impl<'a> EventSearch<'a> {
                     if at >= 1.0 || self.false_alarms[function] > FALSE_ALARMS {
                         return Outcome::Unresolved(function);
                     }
-                    self.from[function] = Some(Sample { at, value });
-                    // So wrong is the continuous extension here.
-                    self.zero[function] = self.zero[function].max(4.0 * (value - wrong));
+                    if let Some(suspect) = &mut self.suspects[function] {
+                        suspect.from = Sample { at, value };
+                        // So wrong is the continuous extension here.
+                        suspect.zero = suspect.zero.max(4.0 * (value - wrong));
+                    }
                 }
             }
         }
@@ -275,55 +266,6 @@ impl<'a> EventSearch<'a> {
     fn least_zero(&self, dynamics: &Dynamics<'_>, step: Step<'_>, function: usize) -> f64 {
         let zero = switching::zero_value(dynamics, function);
         zero.max(-2.0 * step.start_values[function])
-    }
-
-    /// The crossing with the earliest root on the continuous extension, or a function that varies too fast on it.
-    fn first_crossing(
-        &mut self,
-        dynamics: &mut Dynamics<'_>,
-        method: &Dop853,
-        step: Step<'_>,
-    ) -> Result<Option<Crossing>, usize> {
-        let mut earliest: Option<Crossing> = None;
-        for function in 0..dynamics.functions() {
-            let Some(from) = self.from[function] else {
-                continue;
-            };
-            let zero = self.zero[function];
-            let rounding = ROUNDING * switching::zero_value(dynamics, function);
-            let watched = watched(dynamics, function);
-            let Self { along, memory, .. } = &mut *self;
-            let mut value = |theta| memory.interpolated(dynamics, method, step, function, theta);
-            let to = match earliest {
-                None => Sample {
-                    at: 1.0,
-                    value: step.end_values[function],
-                },
-                Some(Crossing { root, .. }) => Sample {
-                    at: root,
-                    value: value(root),
-                },
-            };
-            if to.at <= from.at {
-                continue;
-            }
-            let found = watched.first_fall(along, &mut value, (from, to), zero);
-            let (left, right) = match found {
-                Enclosed::Nowhere => continue,
-                Enclosed::Undecided => return Err(function),
-                Enclosed::Between(left, right) => (left, right),
-            };
-            let left = positive_before(&mut value, from, left, right, rounding);
-            let root = root(&mut value, left, right);
-            earliest = Some(Crossing {
-                function,
-                from,
-                left,
-                right,
-                root,
-            });
-        }
-        Ok(earliest)
     }
 
     /// Normal velocity of a contact at the end of the last true step.
@@ -372,14 +314,15 @@ impl<'a> EventSearch<'a> {
         dynamics: &mut Dynamics<'_>,
         method: &mut Dop853,
         step: Step<'_>,
-        crossing: Crossing,
+        crossing: Fall,
     ) -> Result<f64, f64> {
-        let Crossing {
+        let Fall {
             function,
             mut from,
             left,
             right,
             root: theta,
+            ..
         } = crossing;
         let zero = self.least_zero(dynamics, step, function);
         let range = dynamics.switching.highest[function] - dynamics.switching.lowest[function];
@@ -423,9 +366,9 @@ impl<'a> EventSearch<'a> {
         dynamics: &mut Dynamics<'_>,
         method: &mut Dop853,
         step: Step<'_>,
-        crossing: Crossing,
+        crossing: Fall,
     ) -> Result<f64, f64> {
-        let Crossing {
+        let Fall {
             function,
             mut left,
             mut right,
@@ -481,7 +424,7 @@ impl<'a> EventSearch<'a> {
         contact: usize,
         (mut rises, mut falls): (f64, f64),
     ) -> f64 {
-        for _ in 0..POLISHING {
+        for _ in 0..BISECTIONS {
             let middle = 0.5 * (rises + falls);
             if falls - rises <= step.resolution() {
                 break;
@@ -499,9 +442,6 @@ impl<'a> EventSearch<'a> {
 
     /// Length of the true step in the bracket at whose end the function vanishes, to the resolution of time; if it
     /// is positive throughout, its value at the right end.
-    ///
-    /// A root is where the sign of the function changes, whatever its size: a force that vanishes has no terms left
-    /// that could tell how small it is.
     fn refine(
         &mut self,
         dynamics: &mut Dynamics<'_>,
@@ -511,45 +451,8 @@ impl<'a> EventSearch<'a> {
         bracket: Bracket,
     ) -> Result<f64, f64> {
         let zero = self.least_zero(dynamics, step, function);
-        let resolution = step.resolution();
-        let Bracket {
-            mut low,
-            mut high,
-            guess: mut h,
-            mut slope,
-        } = bracket;
-        let mut f = self.stepped(dynamics, method, step, function, h);
-        let mut beyond = resolution;
-        for iteration in 0..POLISHING {
-            if f > 0.0 {
-                low = h;
-            } else {
-                high = h;
-            }
-            if f == 0.0 || h >= high && f > 0.0 {
-                break;
-            }
-            let newton = h - f / slope;
-            let mut next = if iteration < SECANTS && newton >= low && newton <= high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            if (next - h).abs() <= resolution || high - low <= resolution {
-                if f <= zero {
-                    break;
-                }
-                // Positive at the root to working accuracy: the change of sign is just behind it.
-                next = (h + beyond).min(high);
-                beyond *= 4.0;
-            }
-            let f_next = self.stepped(dynamics, method, step, function, next);
-            let secant = (f_next - f) / (next - h);
-            if secant < 0.0 {
-                slope = secant;
-            }
-            (h, f) = (next, f_next);
-        }
+        let stepped = |h| Ok(self.stepped(dynamics, method, step, function, h));
+        let Ok((h, f)) = refine::<Infallible>(stepped, bracket, (zero, step.resolution()));
         self.root_value = f;
         if f <= zero { Ok(h) } else { Err(f) }
     }

@@ -1,10 +1,11 @@
 //! The state of a run: what it is about, where it is, and what is recorded of it.
 
-use super::detector::Detector;
+use super::detection::Detector;
 use super::error_control::ErrorControl;
 use super::present::Present;
 use super::settings::Fesd;
 use super::stop::Stop;
+use super::switch::Switch;
 use crate::contact::edge::Zeros;
 use crate::contact::{Balance, ContactState, Touching, View, find};
 use crate::fesd::contacts::ModeError;
@@ -187,6 +188,13 @@ impl<'a> Driver<'a> {
         self.control.estimate = start.error_estimate;
         self.control.local_errors.clone_from(&start.local_errors);
         self.record.trajectory.truncate(start.recorded);
+    }
+
+    /// The first switch in the solved element, which begins at the present state.
+    pub(super) fn first_violation(&mut self) -> Result<Option<Switch>, Stop> {
+        let motion = self.control.tolerance.map(|_| &self.control.motion);
+        let solved = (&self.element, self.setup.tableau);
+        self.detector.first_violation(solved, &mut self.now, motion)
     }
 
     /// Makes the solved element part of the trajectory.

@@ -2,9 +2,10 @@
 
 use super::driver::Driver;
 use super::settings::StepFormulation;
-use crate::contact::{find, force_count};
+use super::switch;
+use crate::contact::find;
 use crate::enclosure::hide;
-use crate::simulation::hidden_force::mean_change;
+use crate::simulation::hidden_force::largest_share;
 
 /// Share of the tolerance above which a difference counts: an element that is as long as its tolerance allows has
 /// differences of this size by itself, which its error estimate is about.
@@ -16,7 +17,7 @@ pub(super) fn acts(driver: &mut Driver<'_>, share: f64) -> bool {
     let Some(tolerance) = driver.control.tolerance else {
         return false;
     };
-    let (element, model) = (&driver.element, driver.setup.model);
+    let element = &driver.element;
     if driver.setup.settings.formulation != StepFormulation::ActiveSet {
         return false;
     }
@@ -40,30 +41,22 @@ pub(super) fn acts(driver: &mut Driver<'_>, share: f64) -> bool {
     let (contacts, active) = (&mut driver.now.contacts, element.active());
     let mut weights = vec![0.0; driver.setup.tableau.stages()];
     let mut x = driver.now.x.clone();
-    let mut forces = vec![0.0; force_count(active)];
-    let change = mean_change(&parts, n, |place, acceleration| {
+    let at = |place: f64, acceleration: &mut [f64]| {
         let theta = share * place;
         driver.setup.tableau.dense_weights(theta, &mut weights);
         element.interpolate(theta, &weights, &mut x);
-        if active.is_empty() {
-            model.free_acceleration(&x, acceleration);
-            return;
-        }
-        contacts.evaluate(&x, active.iter().map(|held| held.contact));
-        match contacts.contact_forces(active, &mut forces) {
-            Ok(()) => contacts.constrained_acceleration(active, &forces, acceleration),
+        match switch::forces(contacts, active, &x) {
+            Ok(forces) => contacts.constrained_acceleration(active, &forces, acceleration),
             Err(_) => acceleration.fill(f64::NAN),
         }
-    });
+    };
     let motion = &driver.control.motion;
-    let mechanical = n - motion.states.len();
-    let share = |(k, change): (usize, f64)| {
-        let size = match k.checked_sub(mechanical) {
+    let size = |k: usize| {
+        let size = match k.checked_sub(n - motion.states.len()) {
             Some(state) => motion.states[state],
             None => motion.speed,
         };
-        change * length / (size.max(element.end.v[k].abs()) + f64::MIN_POSITIVE)
+        size.max(element.end.v[k].abs()) + f64::MIN_POSITIVE
     };
-    let shares = change.into_iter().enumerate().map(share);
-    shares.fold(0.0, f64::max) > COUNTS * tolerance
+    largest_share(&parts, n, length, at, size) > COUNTS * tolerance
 }

@@ -11,7 +11,7 @@
 //! - a contact that slides comes to rest: `v_t,i = 0`.
 //!
 //! `driver` is the state of a run (`present`: where it is) and `stepping` its loop, with lengths by `error_control`;
-//! `detection` looks for switches (`gap_switch`, `friction_switch`, `force_dips`) by bounds (`crate::enclosure`), `location` finds where they are, `mode_change` carries them
+//! `detection` looks for switches by bounds (`crate::enclosure`), `location` finds where they are, `mode_change` carries them
 //! out (what happens at an instant is told by `run`), `standstill` is rest between switches, `program` solves a step as a whole.
 //!
 //! Without a named number of steps the run promises an accuracy and checks it (`accuracy`).
@@ -25,14 +25,10 @@
 
 mod accuracy;
 mod detection;
-mod detector;
 mod diagnosis;
 mod driver;
 mod error_control;
 mod estimate;
-mod force_dips;
-mod friction_switch;
-mod gap_switch;
 mod hidden_force;
 mod location;
 mod mode_change;

@@ -1,7 +1,7 @@
 //! What happens at a switch: impacts, the new contact mode, and the events that they leave.
 
 use super::driver::Driver;
-use super::switch::{Switch, SwitchKind};
+use super::switch::{Function, SwitchKind};
 use crate::contact::edge::leading;
 use crate::contact::find;
 use crate::contact::impact::{close_gaps, hold};
@@ -16,7 +16,7 @@ pub(super) const LOW_FLIGHTS: &str =
 const FELT: f64 = 1e-6;
 
 /// Carries out a located switch at the present state.
-pub(super) fn carry_out(driver: &mut Driver<'_>, switch: Switch) -> Result<(), ModeError> {
+pub(super) fn carry_out(driver: &mut Driver<'_>, switch: Function) -> Result<(), ModeError> {
     if switch.kind == SwitchKind::Exit && !driver.setup.settings.exit_condition {
         release(driver, switch.contact)?;
     } else if driver.now.contacts.pieces.is_idle(switch.contact) {
@@ -35,7 +35,7 @@ pub(super) fn carry_out(driver: &mut Driver<'_>, switch: Switch) -> Result<(), M
 
 /// The contact that a switch is of; where several pieces of an edge vanish together, as where a surface goes on smoothly, the
 /// piece whose gap falls slowest, which is the largest from there on and acts.
-fn largest_from_here(driver: &mut Driver<'_>, switch: Switch) -> usize {
+fn largest_from_here(driver: &mut Driver<'_>, switch: Function) -> usize {
     let model = driver.setup.model;
     let others = model.declaration().contacts[switch.contact].alternatives;
     let closes = matches!(switch.kind, SwitchKind::Entry | SwitchKind::Reentry);

@@ -425,7 +425,7 @@ fn segment(
         if driver.control.rejects(&mut driver.element, acceleration) {
             return Ok(Segment::Rejected);
         }
-        let found = location::violation(driver)?;
+        let found = driver.first_violation()?;
         if hidden_force::acts(driver, found.map_or(1.0, |switch| switch.theta)) {
             driver.control.shorten(length);
             return Ok(Segment::Rejected);
@@ -446,8 +446,8 @@ fn segment(
     };
     driver.return_to_start();
     let offset = (count - 1) as f64 + switch.theta;
-    if offset * length <= step.shortest && location::holds_at_start(driver, switch) {
-        mode_change::carry_out(driver, switch)?;
+    if offset * length <= step.shortest && location::holds_at_start(driver, switch.function) {
+        mode_change::carry_out(driver, switch.function)?;
         return Ok(Segment::Switched);
     }
     let located = match location::locate(driver, switch, length, count) {
@@ -460,7 +460,7 @@ fn segment(
         }
     };
     add_size(driver, count, true, &mut step.size);
-    mode_change::carry_out(driver, located)?;
+    mode_change::carry_out(driver, located.function)?;
     Ok(Segment::Switched)
 }
 

@@ -1,10 +1,16 @@
-//! What ends an element, and how a root is found on its dense output.
+//! What ends an element: the switching functions of a contact mode, positive as long as it lasts.
 
-use crate::fesd::finite_element::MotionSize;
-use crate::simulation::near::Near;
+use super::present::Present;
+use crate::contact::{ActiveContact, find, force_count};
+use crate::enclosure::{Form, Interpolated, Sample, Watched};
+use crate::fesd::contact_size::ContactSize;
+use crate::fesd::contacts::{Contacts, ModeError};
 
-/// Relative size of a negative normal contact acceleration that is rounding error.
+/// Share of the terms of a force that is rounding error.
 pub(super) const FORCE_TOLERANCE: f64 = 1e-12;
+/// Force beyond its bound that another switch explains, relative to its terms; larger ones are switches of
+/// their own.
+const CROSSED: f64 = 1e-9;
 
 /// Which sign condition ends the element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,60 +27,178 @@ pub(super) enum SwitchKind {
     Stopping,
 }
 
-/// A violated sign condition and where the dense output puts its root.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Switch {
+/// A switching function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Function {
     pub(super) kind: SwitchKind,
     pub(super) contact: usize,
+}
+
+/// A switching function that falls below zero, and where the dense output puts its root.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Switch {
+    pub(super) function: Function,
     /// Place in the element, `0..=1`.
     pub(super) theta: f64,
-    /// Place at which the condition is known to be violated.
+    /// Place at which the function is known to be negative, and its value there.
     pub(super) violated: f64,
-    /// Slope of the switching function with respect to time at the root.
+    pub(super) value: f64,
+    /// Slope with respect to time at the root.
     pub(super) slope: f64,
 }
 
-/// What the detector knows of the element's start.
-pub(super) struct ElementStart<'a> {
-    /// Input vector at the start.
-    pub(super) x: &'a [f64],
-    /// Which contacts may close.
-    pub(super) near: &'a Near,
-    /// Gaps of all contacts.
-    pub(super) gaps: &'a [f64],
-    /// Normal velocities of all contacts.
-    pub(super) velocities: &'a [f64],
-    /// Sliding velocities of all contacts.
-    pub(super) sliding: &'a [f64],
-    /// Forces of the active contacts: `r` of each, then `s` of those that stick.
-    pub(super) forces: &'a [f64],
-    /// Acceleration with contact forces.
-    pub(super) acceleration: &'a [f64],
-    /// Time [s].
-    pub(super) time: f64,
-    /// The motion by which the gaps of active contacts are measured, where errors are controlled.
-    pub(super) motion: Option<&'a MotionSize>,
-}
-
-/// Halves an interval 60 times around the root of a `value` that is positive on its left and not on its right.
-pub(super) fn bisect(
-    value: &mut dyn FnMut(f64) -> f64,
-    mut left: f64,
-    mut right: f64,
-) -> (f64, f64) {
-    for _ in 0..60 {
-        let middle = 0.5 * (left + right);
-        if value(middle) > 0.0 {
-            left = middle;
-        } else {
-            right = middle;
+impl Switch {
+    /// The fall between two neighbours with a root at `theta`, in an element of this length.
+    pub(super) fn between(
+        function: Function,
+        (left, right): (Sample, Sample),
+        theta: f64,
+        length: f64,
+    ) -> Self {
+        Self {
+            function,
+            theta,
+            violated: right.at,
+            value: right.value,
+            slope: (right.value - left.value) / ((right.at - left.at) * length),
         }
     }
-    (left, right)
 }
 
-pub(super) fn keep_first(first: &mut Option<Switch>, candidate: Switch) {
-    if first.is_none_or(|switch| candidate.theta < switch.theta) {
-        *first = Some(candidate);
+/// Forces of the active contacts at an input vector.
+pub(super) fn forces(
+    contacts: &mut Contacts<'_>,
+    active: &[ActiveContact],
+    x: &[f64],
+) -> Result<Vec<f64>, ModeError> {
+    contacts.evaluate(x, active.iter().map(|held| held.contact));
+    let mut forces = vec![0.0; force_count(active)];
+    contacts.contact_forces(active, &mut forces)?;
+    Ok(forces)
+}
+
+impl Function {
+    /// Those of the present mode.
+    pub(super) fn of_mode(now: &Present<'_>) -> Vec<Self> {
+        let of = |kind, contact| Self { kind, contact };
+        let open = now.near().iter().copied();
+        let open = open.filter(|&i| find(&now.active, i).is_none());
+        let mut functions: Vec<Self> = open.map(|i| of(SwitchKind::Entry, i)).collect();
+        for held in &now.active {
+            let i = held.contact;
+            if !now.contacts.is_dry(i) {
+                functions.push(of(SwitchKind::Exit, i));
+            }
+            if now.contacts.friction(i) == 0.0 {
+                continue;
+            }
+            if held.state.sticks() {
+                functions.push(of(SwitchKind::Slipping, i));
+            } else if held.state.sense() != 0.0 {
+                functions.push(of(SwitchKind::Stopping, i));
+            }
+        }
+        functions
+    }
+
+    /// Whether it is one of forces.
+    pub(super) fn is_of_forces(self) -> bool {
+        matches!(self.kind, SwitchKind::Exit | SwitchKind::Slipping)
+    }
+
+    /// Whether it tells of the contact itself, not of its friction.
+    pub(super) fn is_normal(self) -> bool {
+        !matches!(self.kind, SwitchKind::Slipping | SwitchKind::Stopping)
+    }
+
+    /// Its value where the `active` contacts have these forces, if it is one of forces.
+    pub(super) fn of_forces(
+        self,
+        contacts: &Contacts<'_>,
+        active: &[ActiveContact],
+        forces: &[f64],
+    ) -> f64 {
+        let of = |held: &ActiveContact| held.contact == self.contact;
+        let Some(slot) = active.iter().position(of) else {
+            return f64::NAN;
+        };
+        if self.kind == SwitchKind::Exit {
+            return forces[slot];
+        }
+        let s = contacts.frictions(active, forces).nth(slot);
+        contacts.friction(self.contact) * forces[slot] - s.map_or(f64::NAN, f64::abs)
+    }
+
+    /// Its value at an input vector.
+    pub(super) fn value(
+        self,
+        contacts: &mut Contacts<'_>,
+        active: &[ActiveContact],
+        x: &[f64],
+    ) -> Result<f64, ModeError> {
+        let i = self.contact;
+        match self.kind {
+            SwitchKind::Entry => return Ok(contacts.pieces.gap(contacts.model, i, x)),
+            SwitchKind::Exit | SwitchKind::Slipping => {
+                let forces = forces(contacts, active, x)?;
+                return Ok(self.of_forces(contacts, active, &forces));
+            }
+            SwitchKind::Reentry | SwitchKind::Stopping => contacts.evaluate_contacts(x, [i]),
+        }
+        Ok(if self.kind == SwitchKind::Reentry {
+            contacts.gap(i).max(contacts.normal_velocity(i))
+        } else {
+            self.sense(active) * contacts.sliding_velocity(i)
+        })
+    }
+
+    /// Its value at the present state, which has been evaluated.
+    pub(super) fn at_present(self, now: &Present<'_>) -> f64 {
+        let i = self.contact;
+        match self.kind {
+            SwitchKind::Entry => now.gaps[i],
+            SwitchKind::Reentry => now.gaps[i].max(now.velocities[i]),
+            SwitchKind::Stopping => self.sense(&now.active) * now.sliding[i],
+            SwitchKind::Exit | SwitchKind::Slipping => {
+                self.of_forces(&now.contacts, &now.active, &now.forces)
+            }
+        }
+    }
+
+    /// In which sense the contact slides.
+    pub(super) fn sense(self, active: &[ActiveContact]) -> f64 {
+        find(active, self.contact).map_or(f64::NAN, |state| state.sense())
+    }
+
+    /// Its rounding error, and the values that another switch explains.
+    pub(super) fn zeros(self, contacts: &Contacts<'_>, size: ContactSize) -> [f64; 2] {
+        let of_forces = |scale: f64| [FORCE_TOLERANCE * scale, CROSSED * scale];
+        match self.kind {
+            SwitchKind::Entry | SwitchKind::Reentry => [size.gap_rounding(), size.touching_gap()],
+            SwitchKind::Stopping => [size.sliding_rounding(), size.crossed_rest()],
+            SwitchKind::Exit => of_forces(contacts.phi_scale(self.contact)),
+            SwitchKind::Slipping => of_forces(contacts.tangential_scale(self.contact)),
+        }
+    }
+
+    /// By what it is watched along an element. What slides in space does so in its own frame, which bounds do not know.
+    pub(super) fn watched(self, contacts: &Contacts<'_>, active: &[ActiveContact]) -> Watched {
+        match self.kind {
+            SwitchKind::Entry => Watched::Gap(self.contact),
+            SwitchKind::Stopping if !contacts.is_in_space(self.contact) => {
+                Watched::Sliding(self.contact, Form::Signed(self.sense(active)))
+            }
+            _ => Watched::Solved,
+        }
+    }
+
+    /// What it is called where it is looked at by some of its values.
+    pub(super) fn named(self) -> Interpolated {
+        match self.kind {
+            SwitchKind::Entry | SwitchKind::Reentry => Interpolated::Gap(self.contact),
+            SwitchKind::Exit => Interpolated::Force(self.contact),
+            SwitchKind::Slipping => Interpolated::Friction(self.contact),
+            SwitchKind::Stopping => Interpolated::Sliding(self.contact),
+        }
     }
 }

@@ -1,8 +1,8 @@
 //! What the dynamics remember of an evaluation: mode, switching functions, equations.
 
-use super::sparse::Sparse;
 use crate::contact::shares::Shares;
 use crate::contact::{ContactState, Line};
+use crate::linalg::banded::{Banded, Entry};
 
 /// The contact mode.
 pub(in crate::simulation) struct Mode {
@@ -61,16 +61,16 @@ impl SwitchingFunctions {
 
 /// The equations for the contact accelerations of a mode.
 pub(super) struct Equations {
-    /// `d_i`, or `d_i - mu e_i` and `d_i + mu e_i` for a contact that slips.
-    pub(super) columns: Vec<f64>,
+    /// The lines of the last solution.
+    pub(super) lines: Vec<Line>,
     /// What the unknowns add to the rows, row-major, as of the last solution.
     pub(super) couplings: Vec<f64>,
     /// The matrix of the couplings, taken apart where it is solved.
     pub(super) matrix: Vec<f64>,
-    /// The couplings of many rows.
-    pub(super) sparse: Sparse,
-    /// Where a row has components.
-    pub(super) support: Vec<usize>,
+    /// The couplings of many rows that do not vanish, row by row, and their factors; whether the last solution was by them.
+    pub(super) entries: Vec<Entry>,
+    pub(super) band: Banded,
+    pub(super) banded: bool,
     pub(super) right: Vec<f64>,
     /// The right-hand sides of the last solution.
     pub(super) wanted: Vec<f64>,
@@ -84,14 +84,15 @@ pub(super) struct Equations {
 }
 
 impl Equations {
-    /// Of that many coordinates, contacts and rows.
-    pub(super) fn new((n, contacts): (usize, usize), rows: usize) -> Self {
+    /// Of that many contacts and rows.
+    pub(super) fn new(contacts: usize, rows: usize) -> Self {
         Self {
-            columns: vec![0.0; contacts * n],
+            lines: Vec::new(),
             couplings: Vec::new(),
             matrix: Vec::new(),
-            sparse: Sparse::default(),
-            support: Vec::new(),
+            entries: Vec::new(),
+            band: Banded::default(),
+            banded: false,
             right: vec![0.0; rows],
             wanted: Vec::new(),
             shares: None,

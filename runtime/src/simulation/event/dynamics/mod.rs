@@ -9,7 +9,6 @@ mod memory;
 pub(in crate::simulation) mod motion;
 pub(in crate::simulation) mod rows;
 mod scales;
-mod sparse;
 mod switch;
 pub(in crate::simulation) mod switching;
 
@@ -124,7 +123,7 @@ impl<'a> Dynamics<'a> {
             piece: ControlPiece::default(),
             evaluations: 0,
             orientation: 1.0,
-            equations: Equations::new((n, contacts), rows),
+            equations: Equations::new(contacts, rows),
             scales: vec![ContactScale::default(); contacts],
             near: Near::new(model, surfaces(model)),
             auxiliary_acceleration,

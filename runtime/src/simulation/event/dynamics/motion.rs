@@ -67,7 +67,7 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
         if rows::solve_rows(dynamics, normals, false).is_none() {
             return false;
         }
-        rows::add_columns(dynamics, normals, false, &mut y[..n]);
+        rows::push(dynamics, &mut y[..n]);
     }
     for slot in 0..normals {
         dynamics.equations.right[slot] =
@@ -85,7 +85,7 @@ pub(in crate::simulation) fn project(dynamics: &mut Dynamics<'_>, t: f64, y: &mu
     if rows::solve_rows(dynamics, rows, false).is_none() {
         return false;
     }
-    rows::add_columns(dynamics, rows, false, &mut y[n..2 * n]);
+    rows::push(dynamics, &mut y[n..2 * n]);
     dynamics.load(t, y);
     true
 }
@@ -181,7 +181,7 @@ impl System for Dynamics<'_> {
         if rows > 0 {
             if let Some(sign) = rows::solve_rows(self, rows, true) {
                 self.orientation = sign;
-                rows::add_columns(self, rows, true, &mut dy[n..2 * n]);
+                rows::push(self, &mut dy[n..2 * n]);
                 rows::share(self, rows);
             } else {
                 self.equations.right[..rows].fill(f64::NAN);

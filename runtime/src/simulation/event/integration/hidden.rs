@@ -3,7 +3,7 @@
 use crate::simulation::event::dop853::{Dop853, System};
 use crate::simulation::event::dynamics::Dynamics;
 use crate::simulation::event::error_scale::ErrorScale;
-use crate::simulation::hidden_force::mean_change;
+use crate::simulation::hidden_force::largest_share;
 
 /// Change of a velocity, as a share of what errors are measured by, above which it counts: a tenth of what a run promises.
 const COUNTS: f64 = 1e-7;
@@ -24,12 +24,11 @@ pub(super) fn acts(
 ) -> bool {
     let n = dynamics.n;
     let (mut state, mut slope) = (vec![0.0; 2 * n + 1], vec![0.0; 2 * n + 1]);
-    let change = mean_change(parts, n, |place, acceleration| {
+    let at = |place: f64, acceleration: &mut [f64]| {
         method.interpolate(place, &mut state[..2 * n]);
         dynamics.derivative(t + place * h, &state, &mut slope);
         acceleration.copy_from_slice(&slope[n..2 * n]);
-    });
-    let share = |(k, change): (usize, f64)| change * h / scale.allowed(n + k, h, 1.0);
-    let shares = change.into_iter().enumerate().map(share);
-    shares.fold(0.0, f64::max) > COUNTS.max(BESIDE_TOLERANCE * tolerance)
+    };
+    let share = largest_share(parts, n, h, at, |k| scale.allowed(n + k, h, 1.0));
+    share > COUNTS.max(BESIDE_TOLERANCE * tolerance)
 }
