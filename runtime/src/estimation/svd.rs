@@ -24,7 +24,8 @@ impl Svd {
         let entry = |i: usize, j: usize| columns[j].get(i).copied().unwrap_or(0.0);
         let matrix = DMatrix::from_fn(rows, n, entry);
         let found = matrix.try_svd(true, true, f64::EPSILON, ITERATIONS);
-        let Some((sigma, u, v)) = found.and_then(|svd| Some((svd.singular_values, svd.u?, svd.v_t?)))
+        let Some((sigma, u, v)) =
+            found.and_then(|svd| Some((svd.singular_values, svd.u?, svd.v_t?)))
         else {
             return Self {
                 sigma: vec![0.0; n],
@@ -32,7 +33,9 @@ impl Svd {
                 v: vec![vec![0.0; n]; n],
             };
         };
-        let left = u.column_iter().map(|column| column.iter().copied().collect());
+        let left = u
+            .column_iter()
+            .map(|column| column.iter().copied().collect());
         let right = v.row_iter().map(|row| row.iter().copied().collect());
         Self {
             sigma: sigma.iter().copied().collect(),

@@ -101,21 +101,6 @@ fn ball_has_as_much_time_to_come_to_rest_as_its_bounces_take() {
     let solution = solve(&ball);
     assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
     assert!(solution.objective < 1e-9, "{}", solution.objective);
-    // In 0.9 s it has to fall faster, with g + u = 2 h/(0.9 s/4)^2.
-    let hasty = Settling {
-        within: 0.9,
-        ..Settling::default()
-    };
-    let solution = solve(&hasty);
-    let force = 0.6 / 0.225_f64.powi(2) - 10.0;
-    let effort = 0.9 * force * force;
-    assert!(
-        (solution.objective - effort).abs() < 1e-6 * effort,
-        "{}",
-        solution.objective
-    );
-    // It is the goal that it rests by then, and no plan may let it bounce on.
-    assert!(solution.status.is_solved(), "{:?}", solution.diagnosis());
 }
 
 hangtime::model! {
@@ -165,10 +150,7 @@ fn cart_that_stops_at_an_elastic_wall_bounces_once_instead_of_coming_to_rest_by_
     // From a transcription with the impact in a known interval: one bounce, after which it comes back with no speed. To rest by all
     // bounces together takes 3.4483 s, and to stop before the wall 3.4641 s.
     let cart = AtTheWall::default();
-    let mut settings = Settings::default();
-    // The way from the plan of a stop before the wall to its proof takes more than the default.
-    settings.maximum_programs = 400;
-    let solution = solve(&cart, 20, &settings);
+    let solution = solve(&cart, 20, &Settings::default());
     let known = 3.429_971_565_7;
     let off = (solution.objective - known).abs();
     assert!(off < DIGITS * known, "{}", solution.objective);

@@ -11,8 +11,8 @@ use crate::ocp::problem::Horizon;
 use crate::ocp::tuning::sampled::{LEAST_PLACES, LONGER_THAN_BEFORE, PLACES, TOLERANCE};
 use crate::simulation::{Event, EventDriven, EventKind, simulate_once};
 
-/// What happens, one after the other: contacts, whether they are struck, and whether they are open then.
-pub(super) type Order = Vec<(usize, bool, bool)>;
+/// What happens, one after the other: contacts, and whether they are struck.
+pub(super) type Order = Vec<(usize, bool)>;
 
 /// What a motion is made of.
 #[derive(Clone)]
@@ -104,18 +104,17 @@ pub(super) fn ends(setting: Setting, throw: &Throw, longest: f64, most_events: u
 /// in one interval, by which simulations are read, are one.
 fn order(model: &dyn Model, events: &[Event], (time, interval): (f64, f64)) -> Order {
     let contacts = model.declaration().contacts;
-    let mut last: Vec<Option<(f64, bool, bool)>> = vec![None; contacts.len()];
+    let mut last: Vec<Option<(f64, bool)>> = vec![None; contacts.len()];
     let strikes = contacts.iter().any(|contact| !contact.dry);
     let mut order = Order::new();
     for event in events.iter().take_while(|event| event.time <= time) {
         let struck = event.kind == EventKind::Impact;
-        let open = event.modes[event.contact].is_open();
-        let now = ((event.time / interval).floor(), struck, open);
+        let now = ((event.time / interval).floor(), struck);
         if strikes && contacts[event.contact].dry || last[event.contact] == Some(now) {
             continue;
         }
         last[event.contact] = Some(now);
-        order.push((event.contact, struck, open));
+        order.push((event.contact, struck));
     }
     order
 }
@@ -211,8 +210,6 @@ fn up_to(motion: &Trajectory, time: f64, intervals: usize) -> ControlGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::ContactMode::{self, Frictionless, Open};
-    use crate::simulation::Direction;
 
     #[test]
     fn order_holds_what_surfaces_do_and_bounces_of_one_interval_once() {
@@ -230,12 +227,12 @@ mod tests {
                 dry friction rail: bound f, sliding dot(y)
             }
         }
-        let event = |time: f64, contact: usize, mode: ContactMode| Event {
+        let event = |time: f64, contact: usize, kind: EventKind| Event {
             time,
-            kind: EventKind::Impact,
+            kind,
             contact,
             contact_name: "",
-            modes: vec![mode; 3],
+            modes: Vec::new(),
             q: Vec::new(),
             v_before: Vec::new(),
             v_after: Vec::new(),
@@ -244,20 +241,19 @@ mod tests {
         };
         let (low, high, rail) = (0, 1, 2);
         let events = [
-            event(0.1, low, Open),
-            event(0.15, rail, ContactMode::Slip(Direction::Forward)),
-            event(0.3, low, Open),
-            event(0.6, high, Open),
-            event(0.7, low, Open),
-            event(1.2, low, Open),
-            event(1.3, low, Frictionless),
+            event(0.1, low, EventKind::Impact),
+            event(0.15, rail, EventKind::Slip),
+            event(0.3, low, EventKind::Impact),
+            event(0.6, high, EventKind::Impact),
+            event(0.7, low, EventKind::Impact),
+            event(1.2, low, EventKind::Impact),
+            event(1.3, low, EventKind::LiftOff),
         ];
         let model = Plates::default();
         let order = |time: f64| order(&model, &events, (time, 1.0));
-        let bounces = |contact: usize| (contact, true, true);
-        assert_eq!(order(0.9), [bounces(low), bounces(high)]);
-        // A rest is no bounce: what goes on bouncing, be it ever so little, is another motion.
-        let all = [bounces(low), bounces(high), bounces(low), (low, true, false)];
+        let struck = |contact: usize| (contact, true);
+        assert_eq!(order(0.9), [struck(low), struck(high)]);
+        let all = [struck(low), struck(high), struck(low), (low, false)];
         assert_eq!(order(2.0), all);
     }
 }
